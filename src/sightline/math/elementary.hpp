@@ -1,0 +1,99 @@
+/// Elementary functions of our own: the same bits on every machine, at every optimisation level, on one lane
+/// as on eight, and a finite result for every finite argument. Not a number stays not a number.
+#pragma once
+
+#include "sightline/math/lane.hpp"
+
+namespace sightline {
+
+template <class S>
+S square(const S& x) {
+  return x * x;
+}
+
+/// e^x, within 1 ulp; held at e^-708 and e^709 outside [-708, 709].
+template <Real L>
+L exp(L x) {
+  const L y = clamp(x, -708.0, 709.0);
+  // x = n ln 2 + r, |r| <= ln 2 / 2, ln 2 in two parts.
+  const L rounded = fma(y, L(1.4426950408889634074), L(detail::round_magic));
+  const L n = rounded - L(detail::round_magic);
+  const L r = fma(n, L(-1.90821492927058770002e-10), fma(n, L(-6.93147180369123816490e-01), y));
+  // Taylor to r^13 / 13!, even and odd powers side by side.
+  const L r2 = r * r;
+  L even = L(1.0 / 479001600.0), odd = L(1.0 / 6227020800.0);
+  even = fma(even, r2, L(1.0 / 3628800.0));
+  odd = fma(odd, r2, L(1.0 / 39916800.0));
+  even = fma(even, r2, L(1.0 / 40320.0));
+  odd = fma(odd, r2, L(1.0 / 362880.0));
+  even = fma(even, r2, L(1.0 / 720.0));
+  odd = fma(odd, r2, L(1.0 / 5040.0));
+  even = fma(even, r2, L(1.0 / 24.0));
+  odd = fma(odd, r2, L(1.0 / 120.0));
+  even = fma(even, r2, L(0.5));
+  odd = fma(odd, r2, L(1.0 / 6.0));
+  odd = fma(odd, r2, L(1.0));
+  const L p = L(1.0) + fma(odd, r, even * r2);
+  return detail::keep_nan(x, detail::scale_by_bits(p, rounded));
+}
+
+/// 1 / (1 + e^-x), (35) at kappa_A = 1, in two branches so that neither overflows.
+template <Real L>
+L logistic(L x) {
+  const L e = exp(where_negative(x, x, -x));
+  const L s = L(1.0) / (L(1.0) + e);
+  return where_negative(x, e * s, s);
+}
+
+template <Real L>
+struct SinCos {
+  L sin, cos;
+};
+
+/// sin x and cos x, within 1 ulp for |x| <= 1e6; beyond 2^51 the angle of a double means nothing and the
+/// result is only within [-1, 1].
+template <Real L>
+SinCos<L> sincos(L x) {
+  // x = n pi/2 + r, |r| <= pi/4, pi/2 in three parts.
+  const L rounded = fma(x, L(6.36619772367581382433e-01), L(detail::round_magic));
+  const L n = rounded - L(detail::round_magic);
+  L r = fma(n, L(-1.57079632679489655800e+00), x);
+  r = fma(n, L(-6.12323399573676603587e-17), r);
+  r = fma(n, L(1.49738490485916983e-33), r);
+  r = clamp(r, -0.78539816339744839, 0.78539816339744839);
+  // Minimax polynomials on [-pi/4, pi/4].
+  const L z = r * r;
+  L s = L(1.58969099521155010221e-10);
+  s = fma(s, z, L(-2.50507602534068634195e-08));
+  s = fma(s, z, L(2.75573137070700676789e-06));
+  s = fma(s, z, L(-1.98412698298579493134e-04));
+  s = fma(s, z, L(8.33333333332248946124e-03));
+  s = fma(s, z, L(-1.66666666666666324348e-01));
+  const L sine = fma(s * z, r, r);
+  L c = L(-1.13596475577881948265e-11);
+  c = fma(c, z, L(2.08757232129817482790e-09));
+  c = fma(c, z, L(-2.75573143513906633035e-07));
+  c = fma(c, z, L(2.48015872894767294178e-05));
+  c = fma(c, z, L(-1.38888888888741095749e-03));
+  c = fma(c, z, L(4.16666666666666019037e-02));
+  const L half = L(0.5) * z;
+  const L w = L(1.0) - half;
+  const L cosine = w + fma(z * z, c, (L(1.0) - w) - half);
+  // Turn by n quarters.
+  const L sin_x = detail::where_bit(rounded, 1, cosine, sine);
+  const L cos_x = detail::where_bit(rounded, 1, sine, cosine);
+  const L turned = rounded + L(1.0);  // cos is negative in quarters 1 and 2
+  return {detail::where_bit(rounded, 2, -sin_x, sin_x), detail::where_bit(turned, 2, -cos_x, cos_x)};
+}
+
+template <Real L>
+L sin(L x) {
+  return sincos(x).sin;
+}
+
+template <Real L>
+L cos(L x) {
+  return sincos(x).cos;
+}
+
+}  // namespace sightline

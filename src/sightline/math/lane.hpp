@@ -1,0 +1,207 @@
+/// A pack of doubles that is computed on at once: stages, pairs or agents side by side.
+///
+/// The same operations exist for plain `double`, so that a formula or a kernel is written once over `Real`
+/// and gives the same bits on one lane as on eight: nothing here sums across lanes, and a fused product is
+/// fused everywhere.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+
+#if defined(__AVX512F__) || defined(__AVX__) || defined(__FMA__)
+#include <immintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
+#endif
+
+namespace sightline {
+
+/// Doubles in one register of the machine the library is built for.
+#if defined(__AVX512F__)
+inline constexpr int native_width = 8;
+#elif defined(__AVX__)
+inline constexpr int native_width = 4;
+#elif defined(__SSE2__) || defined(__aarch64__)
+inline constexpr int native_width = 2;
+#else
+inline constexpr int native_width = 1;
+#endif
+
+/// Rows of lanes begin on a multiple of this many bytes and hold a multiple of `row_quantum` doubles.
+inline constexpr int row_alignment = 64;
+inline constexpr int row_quantum = row_alignment / static_cast<int>(sizeof(double));
+
+/// Length of a row that holds n doubles, padded to whole packs of any width.
+constexpr int padded(int n) { return (n + row_quantum - 1) / row_quantum * row_quantum; }
+
+namespace detail {
+/// The compiler's vector types; GCC takes their size only as a number.
+template <int W>
+struct Storage;
+template <>
+struct Storage<1> {
+  typedef double Vector __attribute__((vector_size(8)));
+  typedef std::int64_t Bits __attribute__((vector_size(8)));
+};
+template <>
+struct Storage<2> {
+  typedef double Vector __attribute__((vector_size(16)));
+  typedef std::int64_t Bits __attribute__((vector_size(16)));
+};
+template <>
+struct Storage<4> {
+  typedef double Vector __attribute__((vector_size(32)));
+  typedef std::int64_t Bits __attribute__((vector_size(32)));
+};
+template <>
+struct Storage<8> {
+  typedef double Vector __attribute__((vector_size(64)));
+  typedef std::int64_t Bits __attribute__((vector_size(64)));
+};
+}  // namespace detail
+
+/// W doubles, W = 1, 2, 4 or 8; arithmetic is elementwise.
+template <int W>
+struct Lane {
+  using Vector = typename detail::Storage<W>::Vector;
+  using Bits = typename detail::Storage<W>::Bits;
+
+  Vector v;
+
+  Lane() = default;
+  Lane(double s) : v(Vector{} + s) {}  // a constant of a formula is the same in all lanes
+  explicit Lane(Vector vector) : v(vector) {}
+
+  static Lane load(const double* row) {
+    Lane lane;
+    __builtin_memcpy(&lane.v, row, sizeof(Vector));
+    return lane;
+  }
+  void store(double* row) const { __builtin_memcpy(row, &v, sizeof(Vector)); }
+  double operator[](int i) const { return v[i]; }
+
+  friend Lane operator+(Lane a, Lane b) { return Lane(a.v + b.v); }
+  friend Lane operator-(Lane a, Lane b) { return Lane(a.v - b.v); }
+  friend Lane operator*(Lane a, Lane b) { return Lane(a.v * b.v); }
+  friend Lane operator/(Lane a, Lane b) { return Lane(a.v / b.v); }
+  friend Lane operator-(Lane a) { return Lane(-a.v); }
+  Lane& operator+=(Lane b) { return *this = *this + b; }
+  Lane& operator-=(Lane b) { return *this = *this - b; }
+  Lane& operator*=(Lane b) { return *this = *this * b; }
+};
+
+using NativeLane = Lane<native_width>;
+
+namespace detail {
+template <class T>
+inline constexpr bool is_lane = false;
+template <int W>
+inline constexpr bool is_lane<Lane<W>> = true;
+}  // namespace detail
+
+/// A number that is computed on, not recorded: double, or a pack of them.
+template <class T>
+concept Real = std::same_as<T, double> || detail::is_lane<T>;
+
+/// a b + c, rounded once. (Templates over double too: a caller who sees the C library's names as well is not
+/// torn.)
+template <std::same_as<double> D>
+D fma(D a, D b, D c) {
+  return __builtin_fma(a, b, c);
+}
+
+template <int W>
+Lane<W> fma(Lane<W> a, Lane<W> b, Lane<W> c) {
+  using L = Lane<W>;
+#if defined(__AVX512F__)
+  if constexpr (W == 8)
+    return L((typename L::Vector)_mm512_fmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
+#endif
+#if defined(__FMA__)
+  if constexpr (W == 4)
+    return L((typename L::Vector)_mm256_fmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v));
+  if constexpr (W == 2) return L((typename L::Vector)_mm_fmadd_pd((__m128d)a.v, (__m128d)b.v, (__m128d)c.v));
+#elif defined(__aarch64__)
+  if constexpr (W == 2)
+    return L((typename L::Vector)vfmaq_f64((float64x2_t)c.v, (float64x2_t)a.v, (float64x2_t)b.v));
+#endif
+  L r;
+  for (int i = 0; i < W; ++i) r.v[i] = __builtin_fma(a.v[i], b.v[i], c.v[i]);
+  return r;
+}
+
+template <std::same_as<double> D>
+D sqrt(D a) {
+  return __builtin_sqrt(a);
+}
+
+template <int W>
+Lane<W> sqrt(Lane<W> a) {
+  Lane<W> r;
+  for (int i = 0; i < W; ++i) r.v[i] = __builtin_sqrt(a.v[i]);
+  return r;
+}
+
+/// a where c < 0, else b.
+inline double where_negative(double c, double a, double b) { return c < 0 ? a : b; }
+
+template <int W>
+Lane<W> where_negative(Lane<W> c, Lane<W> a, Lane<W> b) {
+  return Lane<W>(c.v < 0.0 ? a.v : b.v);
+}
+
+/// x within [low, high]; not a number stays so.
+inline double clamp(double x, double low, double high) {
+  x = x < low ? low : x;
+  return x > high ? high : x;
+}
+
+template <int W>
+Lane<W> clamp(Lane<W> x, double low, double high) {
+  const Lane<W> l(low), h(high);
+  const Lane<W> y(x.v < l.v ? l.v : x.v);
+  return Lane<W>(y.v > h.v ? h.v : y.v);
+}
+
+namespace detail {
+
+/// Adding it rounds a double to the nearest integer and leaves that integer in its low bits.
+inline constexpr double round_magic = 6755399441055744.0;  // 1.5 * 2^52
+
+/// p * 2^n, n the integer in the low bits of `rounded`; p and the result are normal.
+inline double scale_by_bits(double p, double rounded) {
+  return std::bit_cast<double>(std::bit_cast<std::int64_t>(p) +
+                               static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(rounded) << 52));
+}
+
+template <int W>
+Lane<W> scale_by_bits(Lane<W> p, Lane<W> rounded) {
+  using L = Lane<W>;
+  const auto bits = (typename L::Bits)p.v + ((typename L::Bits)rounded.v << 52);
+  return L((typename L::Vector)bits);
+}
+
+/// a where the given bit of the integer in `rounded` is set, else b.
+inline double where_bit(double rounded, std::int64_t bit, double a, double b) {
+  return (std::bit_cast<std::int64_t>(rounded) & bit) != 0 ? a : b;
+}
+
+template <int W>
+Lane<W> where_bit(Lane<W> rounded, std::int64_t bit, Lane<W> a, Lane<W> b) {
+  using L = Lane<W>;
+  const auto set = ((typename L::Bits)rounded.v & bit) != 0;
+  return L(set ? a.v : b.v);
+}
+
+/// y, but x where x is not a number.
+inline double keep_nan(double x, double y) { return x != x ? x : y; }
+
+template <int W>
+Lane<W> keep_nan(Lane<W> x, Lane<W> y) {
+  return Lane<W>(x.v != x.v ? x.v : y.v);
+}
+
+}  // namespace detail
+}  // namespace sightline
