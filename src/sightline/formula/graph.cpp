@@ -1,0 +1,115 @@
+#include "sightline/formula/graph.hpp"
+
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "sightline/math/elementary.hpp"
+
+namespace sightline {
+namespace {
+
+Term positive(Term t) { return {t.node, false}; }
+Term with_sign(Term t, bool negative) { return {t.node, t.negative != negative}; }
+
+}  // namespace
+
+std::size_t Graph::Hash::operator()(const Node& n) const {
+  const auto key = [](Term t) { return static_cast<std::size_t>(t.node + 1) * 2 + (t.negative ? 1 : 0); };
+  std::size_t h = std::hash<double>()(n.value) + static_cast<std::size_t>(n.op);
+  h = h * 0x9E3779B97F4A7C15ull + key(n.a);
+  h = h * 0xC2B2AE3D27D4EB4Full + key(n.b);
+  return h;
+}
+
+Term Graph::unique(const Node& node) {
+  const auto [entry, added] = index_.try_emplace(node, size());
+  if (added) nodes_.push_back(node);
+  return {entry->second, false};
+}
+
+Term Graph::input(int index) { return unique({.op = Op::input, .value = static_cast<double>(index)}); }
+
+Term Graph::constant(double value) {
+  const bool negative = value < 0;
+  return with_sign(unique({.op = Op::constant, .value = value == 0 ? 0.0 : std::fabs(value)}), negative);
+}
+
+Term Graph::add(Term a, Term b) {
+  if (is_constant(a) && is_constant(b)) return constant(constant_value(a) + constant_value(b));
+  if (is_zero(a)) return b;
+  if (is_zero(b)) return a;
+  if (a == -b) return constant(0.0);
+  if (a == b) return multiply(constant(2.0), a);
+  if (is_constant(b)) std::swap(a, b);
+  // c + (c' + x): 1 - (1 - s) is s again.
+  if (is_constant(a) && node(b).op == Op::add && is_constant(node(b).a)) {
+    const Node inner = node(b);
+    const double sum = constant_value(a) + (b.negative ? -1.0 : 1.0) * constant_value(inner.a);
+    return add(constant(sum), with_sign(inner.b, b.negative));
+  }
+  // The sum with a positive first operand stands for its negative too.
+  if (!is_constant(a) && a.node > b.node) std::swap(a, b);
+  const bool negative = a.negative;
+  return with_sign(unique({.op = Op::add, .a = positive(a), .b = with_sign(b, negative)}), negative);
+}
+
+Term Graph::multiply(Term a, Term b) {
+  const bool negative = a.negative != b.negative;
+  a = positive(a);
+  b = positive(b);
+  if (is_constant(b)) std::swap(a, b);
+  if (is_constant(a)) {
+    if (is_constant(b)) return with_sign(constant(node(a).value * node(b).value), negative);
+    if (node(a).value == 0.0) return constant(0.0);
+    if (node(a).value == 1.0) return with_sign(b, negative);
+    if (node(b).op == Op::multiply && is_constant(node(b).a)) {  // c (c' x)
+      const Node inner = node(b);
+      return with_sign(multiply(constant(node(a).value * node(inner.a).value), inner.b), negative);
+    }
+  } else {
+    // A constant factor stands in front of the whole product: c (a b) is found again from a (c b).
+    const auto pull = [&](Term factor, Term other) {
+      const Node inner = node(factor);
+      return with_sign(multiply(inner.a, multiply(inner.b, other)), negative);
+    };
+    if (node(a).op == Op::multiply && is_constant(node(a).a)) return pull(a, b);
+    if (node(b).op == Op::multiply && is_constant(node(b).a)) return pull(b, a);
+    if (a.node > b.node) std::swap(a, b);
+  }
+  return with_sign(unique({.op = Op::multiply, .a = a, .b = b}), negative);
+}
+
+Term Graph::reciprocal(Term a) {
+  if (is_constant(a)) return constant(1.0 / constant_value(a));
+  return with_sign(unique({.op = Op::reciprocal, .a = positive(a)}), a.negative);
+}
+
+Term Graph::square_root(Term a) {
+  if (is_constant(a)) return constant(sightline::sqrt(constant_value(a)));
+  return unique({.op = Op::square_root, .a = a});
+}
+
+Term Graph::exponential(Term a) {
+  if (is_constant(a)) return constant(sightline::exp(constant_value(a)));
+  return unique({.op = Op::exponential, .a = a});
+}
+
+Term Graph::logistic(Term a) {
+  if (is_constant(a)) return constant(sightline::logistic(constant_value(a)));
+  // sig(-c) = 1 - sig(c): one exponential serves both sides of a limit.
+  const Term s = unique({.op = Op::logistic, .a = positive(a)});
+  return a.negative ? subtract(constant(1.0), s) : s;
+}
+
+Term Graph::sine(Term a) {
+  if (is_constant(a)) return constant(sightline::sin(constant_value(a)));
+  return with_sign(unique({.op = Op::sine, .a = positive(a)}), a.negative);
+}
+
+Term Graph::cosine(Term a) {
+  if (is_constant(a)) return constant(sightline::cos(constant_value(a)));
+  return unique({.op = Op::cosine, .a = positive(a)});
+}
+
+}  // namespace sightline

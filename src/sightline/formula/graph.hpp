@@ -1,0 +1,83 @@
+/// A formula as a directed graph of operations, each distinct operation stored once.
+///
+/// Signs are kept on the references, not in nodes: -(a b), (-a) b and a (-b) are the same product seen
+/// through a negative `Term`, so the graph of a gradient shares all it can. Zeros, ones and constants fold
+/// away on entry.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+namespace sightline {
+
+/// What a node computes from its operands a, b.
+enum class Op : std::uint8_t {
+  input,        ///< a variable of the formula
+  constant,     ///< a number >= 0
+  add,          ///< a + b; a is positive, b has a sign
+  multiply,     ///< a b; both positive
+  reciprocal,   ///< 1 / a; a positive
+  square_root,  ///< sqrt(a)
+  exponential,  ///< e^a
+  logistic,     ///< 1 / (1 + e^-a); a positive
+  sine,         ///< sin a; a positive
+  cosine,       ///< cos a; a positive
+};
+
+/// A node of a graph, or its negative.
+struct Term {
+  int node = -1;
+  bool negative = false;
+
+  friend Term operator-(Term t) { return {t.node, !t.negative}; }
+  bool operator==(const Term&) const = default;
+};
+
+struct Node {
+  Op op{};
+  Term a{}, b{};       ///< operands; b of sums and products alone
+  double value = 0.0;  ///< of a constant; the index of an input
+
+  bool operator==(const Node&) const = default;
+};
+
+/// The graph; nodes are in an order in which operands come first.
+class Graph {
+ public:
+  Term input(int index);
+  Term constant(double value);
+
+  Term add(Term a, Term b);
+  Term multiply(Term a, Term b);
+  Term reciprocal(Term a);
+  Term square_root(Term a);
+  Term exponential(Term a);
+  Term logistic(Term a);
+  Term sine(Term a);
+  Term cosine(Term a);
+
+  Term subtract(Term a, Term b) { return add(a, -b); }
+
+  bool is_constant(Term t) const { return node(t).op == Op::constant; }
+  /// Value of a constant term, its sign included.
+  double constant_value(Term t) const { return t.negative ? -node(t).value : node(t).value; }
+  bool is_zero(Term t) const { return is_constant(t) && node(t).value == 0.0; }
+
+  const Node& node(Term t) const { return nodes_[static_cast<std::size_t>(t.node)]; }
+  std::span<const Node> nodes() const { return nodes_; }
+  int size() const { return static_cast<int>(nodes_.size()); }
+
+ private:
+  struct Hash {
+    std::size_t operator()(const Node& n) const;
+  };
+
+  Term unique(const Node& node);
+
+  std::vector<Node> nodes_;
+  std::unordered_map<Node, int, Hash> index_;
+};
+
+}  // namespace sightline

@@ -1,0 +1,184 @@
+#include "sightline/formula/program.hpp"
+
+#include <cassert>
+#include <map>
+
+namespace sightline {
+namespace {
+
+/// Lowers the live part of a graph to instructions over rows that are numbered once their kinds are known.
+class Lowering {
+ public:
+  Lowering(const Graph& graph, std::span<const Term> outputs) : graph_(graph), outputs_(outputs) {
+    count_uses();
+    choose_fusions();
+    last_use_.assign(uses_.size(), -1);
+    order_and_lifetimes();
+  }
+
+  void emit(int inputs, std::vector<double>& constants, std::vector<Instruction>& out, int& scratch) {
+    for (std::size_t v = 0; v < uses_.size(); ++v) {
+      if (uses_[v] > 0 && node(v).op == Op::constant) {
+        row_[static_cast<int>(v)] = inputs + static_cast<int>(constants.size());
+        constants.push_back(node(v).value);
+      } else if (uses_[v] > 0 && node(v).op == Op::input) {
+        assert(node(v).value < inputs && "an input of the formula lies outside the program's inputs");
+        row_[static_cast<int>(v)] = static_cast<int>(node(v).value);
+      }
+    }
+    first_scratch_ = inputs + static_cast<int>(constants.size());
+    for (std::size_t v = 0; v < uses_.size(); ++v) {
+      if (is_computed(v)) lower(static_cast<int>(v), out);
+    }
+    scratch = scratch_;
+    const int first_output = first_scratch_ + scratch_;
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+      out.push_back({.code = outputs_[i].negative ? Code::negate : Code::copy,
+                     .d = first_output + static_cast<int>(i),
+                     .a = row_.at(outputs_[i].node)});
+    }
+  }
+
+ private:
+  const Node& node(std::size_t v) const { return graph_.nodes()[v]; }
+  const Node& node(Term t) const { return graph_.node(t); }
+  std::size_t index(Term t) const { return static_cast<std::size_t>(t.node); }
+  bool is_computed(std::size_t v) const {
+    return uses_[v] > 0 && !fused_[v] && node(v).op != Op::input && node(v).op != Op::constant;
+  }
+
+  void count_uses() {
+    uses_.assign(static_cast<std::size_t>(graph_.size()), 0);
+    for (const Term t : outputs_) ++uses_[index(t)];
+    for (std::size_t v = uses_.size(); v-- > 0;) {
+      if (uses_[v] == 0) continue;
+      const Node& n = node(v);
+      if (n.op == Op::input || n.op == Op::constant) continue;
+      ++uses_[index(n.a)];
+      if (n.b.node >= 0) ++uses_[index(n.b)];
+    }
+  }
+
+  /// A product used by one sum alone becomes part of that sum.
+  void choose_fusions() {
+    fused_.assign(uses_.size(), false);
+    product_of_.assign(uses_.size(), Term{});
+    for (std::size_t v = 0; v < uses_.size(); ++v) {
+      if (uses_[v] == 0 || node(v).op != Op::add) continue;
+      const auto fusible = [&](Term t) { return node(t).op == Op::multiply && uses_[index(t)] == 1; };
+      const Node& n = node(v);
+      const Term product = fusible(n.b) ? n.b : fusible(n.a) ? n.a : Term{};
+      if (product.node < 0) continue;
+      product_of_[v] = product;
+      fused_[index(product)] = true;
+    }
+  }
+
+  template <class Visit>
+  void for_each_operand(std::size_t v, Visit&& visit) const {
+    const Node& n = node(v);
+    if (product_of_[v].node >= 0) {
+      const Node& product = node(product_of_[v]);
+      visit(product.a);
+      visit(product.b);
+      visit(product_of_[v].node == n.b.node ? n.a : n.b);
+      return;
+    }
+    visit(n.a);
+    if (n.b.node >= 0) visit(n.b);
+  }
+
+  void order_and_lifetimes() {
+    for (std::size_t v = 0; v < uses_.size(); ++v) {
+      if (!is_computed(v)) continue;
+      for_each_operand(v, [&](Term t) { last_use_[index(t)] = static_cast<int>(v); });
+    }
+    for (const Term t : outputs_) last_use_[index(t)] = graph_.size();
+  }
+
+  int take_row() {
+    if (free_.empty()) return first_scratch_ + scratch_++;
+    const int row = free_.back();
+    free_.pop_back();
+    return row;
+  }
+
+  void lower(int v, std::vector<Instruction>& out) {
+    const Node& n = node(static_cast<std::size_t>(v));
+    Instruction i{};
+    const auto row = [&](Term t) { return row_.at(t.node); };
+    int negated = -1;  // scratch for the operand of exp or sqrt that stands with a minus
+    const auto operand = [&](Term t) {
+      if (!t.negative) return row(t);
+      negated = take_row();
+      out.push_back({.code = Code::negate, .d = negated, .a = row(t)});
+      return negated;
+    };
+    if (const Term product = product_of_[static_cast<std::size_t>(v)]; product.node >= 0) {
+      const bool second = product.node == n.b.node;
+      const Term rest = second ? n.a : n.b;
+      i = {.code = Code::multiply_add, .a = row(node(product).a), .b = row(node(product).b), .c = row(rest)};
+      if (second && n.b.negative) i.code = Code::subtract_product;
+      if (!second && n.b.negative) i.code = Code::multiply_subtract;
+    } else {
+      switch (n.op) {
+        case Op::input:
+        case Op::constant:
+          return;
+        case Op::add:
+          i = {.code = n.b.negative ? Code::subtract : Code::add, .a = row(n.a), .b = row(n.b)};
+          break;
+        case Op::multiply:
+          i = {.code = Code::multiply, .a = row(n.a), .b = row(n.b)};
+          break;
+        case Op::reciprocal:
+          i = {.code = Code::reciprocal, .a = row(n.a)};
+          break;
+        case Op::square_root:
+          i = {.code = Code::square_root, .a = operand(n.a)};
+          break;
+        case Op::exponential:
+          i = {.code = Code::exponential, .a = operand(n.a)};
+          break;
+        case Op::logistic:
+          i = {.code = Code::logistic, .a = row(n.a)};
+          break;
+        case Op::sine:
+          i = {.code = Code::sine, .a = row(n.a)};
+          break;
+        case Op::cosine:
+          i = {.code = Code::cosine, .a = row(n.a)};
+          break;
+      }
+    }
+    // Operands that end here give their rows to the result.
+    if (negated >= 0) free_.push_back(negated);
+    for_each_operand(static_cast<std::size_t>(v), [&](Term t) {
+      if (last_use_[index(t)] != v) return;
+      last_use_[index(t)] = -1;
+      if (row(t) >= first_scratch_) free_.push_back(row(t));
+    });
+    i.d = take_row();
+    row_[v] = i.d;
+    out.push_back(i);
+  }
+
+  const Graph& graph_;
+  std::span<const Term> outputs_;
+  std::vector<int> uses_;
+  std::vector<bool> fused_;
+  std::vector<Term> product_of_;  // the fused product of a sum
+  std::vector<int> last_use_;
+  std::map<int, int> row_;
+  std::vector<int> free_;
+  int first_scratch_ = 0, scratch_ = 0;
+};
+
+}  // namespace
+
+Program::Program(const Graph& graph, std::span<const Term> outputs, int inputs)
+    : inputs_(inputs), outputs_(static_cast<int>(outputs.size())) {
+  Lowering(graph, outputs).emit(inputs, constants_, instructions_, scratch_);
+}
+
+}  // namespace sightline
