@@ -1,0 +1,152 @@
+/// Any robot behind one interface, so that teams are composed at run time.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "sightline/formula/trace.hpp"
+#include "sightline/math/tangent.hpp"
+#include "sightline/model/frames.hpp"
+
+namespace sightline {
+
+/// What a robot's struct must offer; see robots.hpp.
+template <class M>
+concept RobotModel = requires(const M& m, const std::array<double, M::nx>& x,
+                              const std::array<double, M::nu>& u) {
+  { m.f(x, u) } -> std::same_as<std::array<double, M::nx>>;
+  { m.pose(x) } -> std::same_as<Pose<double>>;
+  { m.at_rest(Pose<double>{}) } -> std::same_as<std::array<double, M::nx>>;
+  { M::name } -> std::convertible_to<std::string_view>;
+};
+
+/// What a robot shows at state x under input u: pose(x), and its rate while x' = f(x, u) as the velocity.
+template <class S, class M>
+Sight<S> sight(const M& model, const std::array<S, M::nx>& x, const std::array<S, M::nu>& u) {
+  const std::array<S, M::nx> rate = model.f(x, u);
+  std::array<Tangent<S>, M::nx> moving;
+  for (std::size_t i = 0; i < M::nx; ++i) moving[i] = {x[i], rate[i]};
+  const Pose<Tangent<S>> pose = model.pose(moving);
+  return {{{pose.p.x.value, pose.p.y.value, pose.p.z.value}, {pose.d.x.value, pose.d.y.value}},
+          {pose.p.x.rate, pose.p.y.rate, pose.p.z.rate}};
+}
+
+/// A robot model of any type. Constant and shared; arrays have the lengths nx and nu.
+class Model {
+ public:
+  template <RobotModel M>
+  Model(const M& model) : block_(std::make_shared<const Block<M>>(model)) {}
+
+  int nx() const { return block_->nx; }
+  int nu() const { return block_->nu; }
+  std::string_view name() const { return block_->name; }
+  std::span<const std::string_view> states() const { return block_->states; }
+  std::span<const std::string_view> inputs() const { return block_->inputs; }
+
+  /// rate = x' = f(x, u).
+  void f(const double* x, const double* u, double* rate) const noexcept { block_->f(x, u, rate); }
+  Sight<double> sight(const double* x, const double* u) const noexcept { return block_->sight(x, u); }
+  /// The state of rest in a pose; a heading of (0, 0) stands for "any".
+  void at_rest(const Pose<double>& pose, double* x) const noexcept { block_->at_rest(pose, x); }
+  /// Adds the rate of the state under an acceleration of G [m/s^2] to `rate`; nothing for a model without
+  /// `push`.
+  void push(const double* x, const Vec3<double>& acceleration, double* rate) const noexcept {
+    block_->push(x, acceleration, rate);
+  }
+  /// Puts a measured state back on its manifold (|d| = 1, psi within (-pi, pi]).
+  /// @return false where that cannot be: a number that is not finite, a heading of (0, 0)
+  [[nodiscard]] bool normalise(double* x) const noexcept { return block_->normalise(x); }
+
+  /// The recorded f and sight, for derivatives.
+  void f(std::span<const Symbol> x, std::span<const Symbol> u, std::span<Symbol> rate) const {
+    block_->f(x, u, rate);
+  }
+  Sight<Symbol> sight(std::span<const Symbol> x, std::span<const Symbol> u) const {
+    return block_->sight(x, u);
+  }
+
+ private:
+  struct Interface {
+    int nx = 0, nu = 0;
+    std::string_view name;
+    std::span<const std::string_view> states, inputs;
+
+    virtual ~Interface() = default;
+    virtual void f(const double* x, const double* u, double* rate) const noexcept = 0;
+    virtual Sight<double> sight(const double* x, const double* u) const noexcept = 0;
+    virtual void at_rest(const Pose<double>& pose, double* x) const noexcept = 0;
+    virtual void push(const double* x, const Vec3<double>& a, double* rate) const noexcept = 0;
+    virtual bool normalise(double* x) const noexcept = 0;
+    virtual void f(std::span<const Symbol> x, std::span<const Symbol> u, std::span<Symbol> rate) const = 0;
+    virtual Sight<Symbol> sight(std::span<const Symbol> x, std::span<const Symbol> u) const = 0;
+  };
+
+  template <RobotModel M>
+  struct Block;
+
+  std::shared_ptr<const Interface> block_;
+};
+
+/// |d| = 1 again. @return false for (0, 0)
+[[nodiscard]] bool normalise_heading(double* d) noexcept;
+/// psi within (-pi, pi], (15).
+double wrap_angle(double psi) noexcept;
+[[nodiscard]] bool all_finite(std::span<const double> values) noexcept;
+
+template <RobotModel M>
+struct Model::Block final : Model::Interface {
+  M model;
+
+  explicit Block(const M& m) : model(m) {
+    this->nx = M::nx;
+    this->nu = M::nu;
+    this->name = M::name;
+    if constexpr (requires { M::states; }) this->states = M::states;
+    if constexpr (requires { M::inputs; }) this->inputs = M::inputs;
+  }
+
+  template <std::size_t n, class S>
+  static std::array<S, n> take(const S* values) {
+    std::array<S, n> a;
+    for (std::size_t i = 0; i < n; ++i) a[i] = values[i];
+    return a;
+  }
+  static constexpr std::size_t states_n = M::nx, inputs_n = M::nu;
+
+  void f(const double* x, const double* u, double* rate) const noexcept override {
+    const auto r = model.f(take<states_n>(x), take<inputs_n>(u));
+    for (std::size_t i = 0; i < states_n; ++i) rate[i] = r[i];
+  }
+  Sight<double> sight(const double* x, const double* u) const noexcept override {
+    return sightline::sight(model, take<states_n>(x), take<inputs_n>(u));
+  }
+  void at_rest(const Pose<double>& pose, double* x) const noexcept override {
+    const auto r = model.at_rest(pose);
+    for (std::size_t i = 0; i < states_n; ++i) x[i] = r[i];
+  }
+  void push([[maybe_unused]] const double* x, [[maybe_unused]] const Vec3<double>& a,
+            [[maybe_unused]] double* rate) const noexcept override {
+    if constexpr (requires { model.push(take<states_n>(x), a); }) {
+      const auto r = model.push(take<states_n>(x), a);
+      for (std::size_t i = 0; i < states_n; ++i) rate[i] += r[i];
+    }
+  }
+  bool normalise(double* x) const noexcept override {
+    if (!all_finite({x, states_n})) return false;
+    if constexpr (requires { M::heading_at; }) return normalise_heading(x + M::heading_at);
+    if constexpr (requires { M::angle_at; }) x[M::angle_at] = wrap_angle(x[M::angle_at]);
+    return true;
+  }
+  void f(std::span<const Symbol> x, std::span<const Symbol> u, std::span<Symbol> rate) const override {
+    const auto r = model.f(take<states_n>(x.data()), take<inputs_n>(u.data()));
+    for (std::size_t i = 0; i < states_n; ++i) rate[i] = r[i];
+  }
+  Sight<Symbol> sight(std::span<const Symbol> x, std::span<const Symbol> u) const override {
+    return sightline::sight(model, take<states_n>(x.data()), take<inputs_n>(u.data()));
+  }
+};
+
+}  // namespace sightline

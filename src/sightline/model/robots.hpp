@@ -1,0 +1,128 @@
+/// The robots. Each is one struct: x' = f(x, u), pose(x), and the state of a robot at rest in a given pose.
+///
+/// A robot of one's own is a struct of the same form; everything else (velocity in G, derivatives) follows
+/// from it.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "sightline/model/frames.hpp"
+
+namespace sightline {
+
+/// Hover-controlled multirotor with the heading as a direction vector, (24); the defaults are the
+/// AR.Drone 2.0, (16).
+///
+///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s]   position [m], heading, forward and sideward velocity in V
+///   [m/s] u = [u_f, u_s, u_z, u_psi]                normalised commands, within [-1, 1]
+struct Multirotor {
+  static constexpr int nx = 7, nu = 4;
+  static constexpr std::string_view name = "multirotor";
+  static constexpr std::array<std::string_view, nx> states = {"p_x", "p_y", "p_z", "d_x",
+                                                              "d_y", "v_f", "v_s"};
+  static constexpr std::array<std::string_view, nu> inputs = {"u_f", "u_s", "u_z", "u_psi"};
+
+  double b_z = 1.0;      ///< climb per command [m/s]
+  double b_psi = 1.6;    ///< yaw rate per command [rad/s]
+  double a_f = -0.5092;  ///< forward drag [1/s]
+  double b_f = 1.458;    ///< forward acceleration per command [m/s^2]
+  double a_s = -0.5092;  ///< sideward drag [1/s]
+  double b_s = 1.458;    ///< sideward acceleration per command [m/s^2]
+
+  template <class S>
+  std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
+    const Vec2<S> d = {x[3], x[4]}, v_V = {x[5], x[6]};
+    const Vec2<S> v_G = rotate(d, v_V);
+    const S rate = b_psi * u[3];
+    return {v_G.x,
+            v_G.y,
+            b_z * u[2],
+            -(d.y * rate),
+            d.x * rate,
+            a_f * v_V.x + b_f * u[0],
+            a_s * v_V.y - b_s * u[1]};
+  }
+
+  template <class S>
+  Pose<S> pose(const std::array<S, nx>& x) const {
+    return {{x[0], x[1], x[2]}, {x[3], x[4]}};
+  }
+
+  std::array<double, nx> at_rest(const Pose<double>& pose) const {
+    return {pose.p.x, pose.p.y, pose.p.z, pose.d.x, pose.d.y, 0.0, 0.0};
+  }
+
+  /// Rate of the state under an acceleration a of G [m/s^2]; the vertical velocity is commanded and not
+  /// pushed.
+  std::array<double, nx> push(const std::array<double, nx>& x, const Vec3<double>& a) const {
+    const Vec2<double> a_V = rotate<double>({x[3], -x[4]}, {a.x, a.y});
+    return {0, 0, 0, 0, 0, a_V.x, a_V.y};
+  }
+
+  /// Position of the heading (d_x, d_y) in the state.
+  static constexpr int heading_at = 3;
+};
+
+/// The same multirotor with the yaw angle psi as a state, (14), (15). It is here to show what (24) avoids:
+/// the angle jumps at pi, and a controller that tracks it there turns round and round (Fig. 4).
+///
+///   x = [p_x, p_y, p_z, psi, v_f, v_s]
+struct AngleMultirotor {
+  static constexpr int nx = 6, nu = 4;
+  static constexpr std::string_view name = "angle_multirotor";
+  static constexpr std::array<std::string_view, nx> states = {"p_x", "p_y", "p_z", "psi", "v_f", "v_s"};
+  static constexpr std::array<std::string_view, nu> inputs = Multirotor::inputs;
+
+  double b_z = 1.0, b_psi = 1.6, a_f = -0.5092, b_f = 1.458, a_s = -0.5092, b_s = 1.458;  ///< as Multirotor
+
+  template <class S>
+  std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
+    const Vec2<S> v_V = {x[4], x[5]};
+    const Vec2<S> v_G = rotate({cos(x[3]), sin(x[3])}, v_V);
+    return {v_G.x, v_G.y, b_z * u[2], b_psi * u[3], a_f * v_V.x + b_f * u[0], a_s * v_V.y - b_s * u[1]};
+  }
+
+  template <class S>
+  Pose<S> pose(const std::array<S, nx>& x) const {
+    return {{x[0], x[1], x[2]}, {cos(x[3]), sin(x[3])}};
+  }
+
+  std::array<double, nx> at_rest(const Pose<double>& pose) const {
+    return {pose.p.x, pose.p.y, pose.p.z, std::atan2(pose.d.y, pose.d.x), 0.0, 0.0};
+  }
+
+  std::array<double, nx> push(const std::array<double, nx>& x, const Vec3<double>& a) const {
+    const Vec2<double> a_V = rotate<double>({cos(x[3]), -sin(x[3])}, {a.x, a.y});
+    return {0, 0, 0, 0, a_V.x, a_V.y};
+  }
+
+  /// Position of the angle psi in the state.
+  static constexpr int angle_at = 3;
+};
+
+/// Something that is not controlled, a target or an obstacle: it goes on with the velocity it has.
+///
+///   x = [p_x, p_y, p_z, v_x, v_y, v_z]
+struct Body {
+  static constexpr int nx = 6, nu = 0;
+  static constexpr std::string_view name = "body";
+  static constexpr std::array<std::string_view, nx> states = {"p_x", "p_y", "p_z", "v_x", "v_y", "v_z"};
+  static constexpr std::array<std::string_view, nu> inputs = {};
+
+  template <class S>
+  std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>&) const {
+    return {x[3], x[4], x[5], S(0.0), S(0.0), S(0.0)};
+  }
+
+  template <class S>
+  Pose<S> pose(const std::array<S, nx>& x) const {
+    return {{x[0], x[1], x[2]}, {S(1.0), S(0.0)}};
+  }
+
+  std::array<double, nx> at_rest(const Pose<double>& pose) const {
+    return {pose.p.x, pose.p.y, pose.p.z, 0, 0, 0};
+  }
+};
+
+}  // namespace sightline

@@ -1,0 +1,154 @@
+/// Any potential behind one interface, with its weight.
+///
+/// A potential is a struct with `template <class S> S operator()(...) const` over the Sights of two robots (a
+/// coupling) or of one (a constraint of that robot), with the time [s] as a last argument where it wants it:
+///
+///   S operator()(const Sight<S>& observer, const Sight<S>& target) const;
+///   S operator()(const Sight<S>& robot, const S& time) const;
+///
+/// and, where it states a limit, `double violation(same Sights) const`: > 0 where the limit is broken, in its
+/// unit.
+#pragma once
+
+#include <concepts>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <string_view>
+
+#include "sightline/formula/trace.hpp"
+#include "sightline/model/frames.hpp"
+
+namespace sightline {
+
+inline constexpr double half_pi = std::numbers::pi / 2;
+
+/// @throws std::invalid_argument "potential.field = value, expected ..." unless the condition holds and the
+/// value is finite
+void require(bool holds, std::string_view potential, std::string_view field, double value,
+             std::string_view expected);
+
+template <class P, class S>
+concept PairPotentialOver = requires(const P& p, const Sight<S>& a, const S& t) {
+  { p(a, a) } -> std::same_as<S>;
+}
+|| requires(const P& p, const Sight<S>& a, const S& t) {
+  { p(a, a, t) } -> std::same_as<S>;
+};
+template <class P, class S>
+concept SinglePotentialOver = requires(const P& p, const Sight<S>& a, const S& t) {
+  { p(a) } -> std::same_as<S>;
+}
+|| requires(const P& p, const Sight<S>& a, const S& t) {
+  { p(a, t) } -> std::same_as<S>;
+};
+
+/// Sees two robots.
+template <class P>
+concept PairPotential = PairPotentialOver<P, double> && PairPotentialOver<P, Symbol>;
+/// Sees one robot.
+template <class P>
+concept SinglePotential =
+    !PairPotential<P> && SinglePotentialOver<P, double> && SinglePotentialOver<P, Symbol>;
+
+/// A potential of any type. Constant and shared. One that sees a single robot ignores the second Sight.
+class Potential {
+ public:
+  /// @throws std::invalid_argument from the potential's own check()
+  template <class P>
+  requires PairPotential<P> || SinglePotential<P> Potential(const P& potential)
+      : block_(std::make_shared<const Block<P>>(potential)) {
+    if constexpr (requires { potential.check(); }) potential.check();
+  }
+
+  std::string_view name() const { return block_->name; }
+  bool is_pair() const { return block_->is_pair; }
+
+  /// l [-] of the observer a and the target b at time t [s].
+  double operator()(const Sight<double>& a, const Sight<double>& b, double t) const noexcept {
+    return block_->value(a, b, t);
+  }
+  Symbol operator()(const Sight<Symbol>& a, const Sight<Symbol>& b, const Symbol& t) const {
+    return block_->trace(a, b, t);
+  }
+  /// > 0 where the limit is broken, in the limit's unit; -infinity for a potential that states no limit.
+  double violation(const Sight<double>& a, const Sight<double>& b) const noexcept {
+    return block_->violation(a, b);
+  }
+
+  /// The potential as the type it was made from, or none.
+  template <class P>
+  const P* as() const {
+    const auto* block = dynamic_cast<const Block<P>*>(block_.get());
+    return block != nullptr ? &block->potential : nullptr;
+  }
+
+ private:
+  struct Interface {
+    std::string_view name = "potential";
+    bool is_pair = true;
+
+    virtual ~Interface() = default;
+    virtual double value(const Sight<double>& a, const Sight<double>& b, double t) const noexcept = 0;
+    virtual Symbol trace(const Sight<Symbol>& a, const Sight<Symbol>& b, const Symbol& t) const = 0;
+    virtual double violation(const Sight<double>& a, const Sight<double>& b) const noexcept = 0;
+  };
+
+  template <class P>
+  struct Block final : Interface {
+    P potential;
+
+    explicit Block(const P& p) : potential(p) {
+      if constexpr (requires { P::name; }) this->name = P::name;
+      this->is_pair = PairPotential<P>;
+    }
+    template <class S>
+    S at(const Sight<S>& a, [[maybe_unused]] const Sight<S>& b, [[maybe_unused]] const S& t) const {
+      if constexpr (PairPotential<P>) {
+        if constexpr (requires { potential(a, b, t); }) {
+          return potential(a, b, t);
+        } else {
+          return potential(a, b);
+        }
+      } else {
+        if constexpr (requires { potential(a, t); }) {
+          return potential(a, t);
+        } else {
+          return potential(a);
+        }
+      }
+    }
+    double value(const Sight<double>& a, const Sight<double>& b, double t) const noexcept override {
+      return at<double>(a, b, t);
+    }
+    Symbol trace(const Sight<Symbol>& a, const Sight<Symbol>& b, const Symbol& t) const override {
+      return at<Symbol>(a, b, t);
+    }
+    double violation([[maybe_unused]] const Sight<double>& a,
+                     [[maybe_unused]] const Sight<double>& b) const noexcept override {
+      if constexpr (requires { potential.violation(a, b); }) {
+        return potential.violation(a, b);
+      } else if constexpr (requires { potential.violation(a); }) {
+        return potential.violation(a);
+      } else {
+        return -std::numeric_limits<double>::infinity();
+      }
+    }
+  };
+
+  std::shared_ptr<const Interface> block_;
+};
+
+/// A potential times its weight k: `0.4 * SensorCone{}`.
+struct Weighted {
+  double weight = 1.0;
+  Potential potential;
+};
+
+template <class P>
+requires PairPotential<P> || SinglePotential<P> Weighted operator*(double weight, const P& potential) {
+  return {weight, potential};
+}
+
+}  // namespace sightline
