@@ -1,0 +1,162 @@
+#include "sightline/ocp/team.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace sightline {
+namespace {
+
+template <class... Args>
+[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
+  throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
+}
+
+void check_weights(std::string_view agent, std::string_view field, const std::vector<double>& w, int n,
+                   bool positive) {
+  if (static_cast<int>(w.size()) != n) refuse("{}.{} has {} entries, expected {}", agent, field, w.size(), n);
+  for (const double v : w) {
+    if (!std::isfinite(v) || v < 0 || (positive && v == 0)) {
+      refuse("{}.{} = {}, expected {} 0", agent, field, v, positive ? ">" : ">=");
+    }
+  }
+}
+
+}  // namespace
+
+InputLimits::InputLimits(std::vector<double> u_min, std::vector<double> u_max)
+    : InputLimits(std::vector<double>{0.0}, std::vector<std::vector<double>>{std::move(u_min)},
+                  std::vector<std::vector<double>>{std::move(u_max)}) {}
+
+InputLimits::InputLimits(std::vector<double> times, std::vector<std::vector<double>> u_min,
+                         std::vector<std::vector<double>> u_max)
+    : times_(std::move(times)), u_min_(std::move(u_min)), u_max_(std::move(u_max)) {
+  if (times_.empty() || u_min_.size() != times_.size() || u_max_.size() != times_.size()) {
+    refuse("limits have {} times, {} u_min and {} u_max, expected as many of each", times_.size(),
+           u_min_.size(), u_max_.size());
+  }
+  if (!std::is_sorted(times_.begin(), times_.end(), std::less_equal<>())) refuse("limits.times must rise");
+  for (std::size_t k = 0; k < times_.size(); ++k) {
+    if (u_min_[k].size() != u_max_[k].size() || u_min_[k].size() != u_min_[0].size()) {
+      refuse("limits: u_min and u_max differ in length");
+    }
+    for (std::size_t i = 0; i < u_min_[k].size(); ++i) {
+      if (!(u_min_[k][i] < u_max_[k][i]) || !std::isfinite(u_min_[k][i]) || !std::isfinite(u_max_[k][i])) {
+        refuse("limits: u_min[{0}] = {1}, u_max[{0}] = {2}, expected u_min < u_max, both finite", i,
+               u_min_[k][i], u_max_[k][i]);
+      }
+    }
+  }
+}
+
+void InputLimits::at(double t, std::span<double> u_min, std::span<double> u_max) const noexcept {
+  std::size_t k = 0;
+  while (k + 1 < times_.size() && times_[k + 1] <= t) ++k;
+  std::copy_n(u_min_[k].begin(), u_min.size(), u_min.begin());
+  std::copy_n(u_max_[k].begin(), u_max.size(), u_max.begin());
+}
+
+std::vector<AgentId> felt_by(std::initializer_list<AgentId> agents) { return agents; }
+std::vector<AgentId> felt_by(AgentId agent) { return {agent}; }
+
+BodyId Team::enter(std::string name, const Model& model, int agent) {
+  if (find(name).index >= 0) refuse("the name \"{}\" is given twice, expected one body of a name", name);
+  const BodyId id{bodies()};
+  bodies_.push_back({std::move(name), model, agent, nx_, nu_});
+  nx_ += model.nx();
+  nu_ += model.nu();
+  return id;
+}
+
+AgentId Team::add(Agent agent) {
+  if (agent.name.empty()) agent.name = fmt::format("uav{}", agents_.size());
+  const int nx = agent.model.nx(), nu = agent.model.nu();
+  if (agent.Q_f.empty()) agent.Q_f.assign(static_cast<std::size_t>(nx), 0.0);
+  if (agent.u_ref.empty()) agent.u_ref.assign(static_cast<std::size_t>(nu), 0.0);
+  check_weights(agent.name, "Q", agent.Q, nx, false);
+  check_weights(agent.name, "R", agent.R, nu, true);
+  check_weights(agent.name, "Q_f", agent.Q_f, nx, false);
+  if (static_cast<int>(agent.u_ref.size()) != nu || !all_finite(agent.u_ref)) {
+    refuse("{}.u_ref has {} entries, expected {} finite numbers", agent.name, agent.u_ref.size(), nu);
+  }
+  if (static_cast<int>(agent.limits.u_min()[0].size()) != nu) {
+    refuse("{}.u_min has {} entries, expected {}", agent.name, agent.limits.u_min()[0].size(), nu);
+  }
+  const BodyId id = enter(agent.name, agent.model, static_cast<int>(agents_.size()));
+  agents_.push_back(std::move(agent));
+  return AgentId{id};
+}
+
+BodyId Team::add(Obstacle obstacle) {
+  if (obstacle.name.empty())
+    obstacle.name = fmt::format("obstacle{}", bodies() - static_cast<int>(agents_.size()));
+  return enter(std::move(obstacle.name), Body{}, -1);
+}
+
+void Team::check_body(BodyId body) const {
+  if (body.index < 0 || body.index >= bodies()) {
+    refuse("body {} is not in the team, expected an id that add() returned", body.index);
+  }
+}
+
+void Team::check_weight(const Weighted& term) const {
+  if (!std::isfinite(term.weight) || term.weight < 0) {
+    refuse("weight = {} of {}, expected >= 0", term.weight, term.potential.name());
+  }
+}
+
+void Team::couple(const Weighted& term, Between between) {
+  std::vector<AgentId> all;
+  for (const BodyId body : {between.first, between.second}) {
+    check_body(body);
+    if (is_agent(body)) all.push_back(AgentId{body});
+  }
+  couple(term, between, std::move(all));
+}
+
+void Team::couple(const Weighted& term, Between between, std::vector<AgentId> felt_by) {
+  check_body(between.first);
+  check_body(between.second);
+  check_weight(term);
+  if (!term.potential.is_pair()) {
+    refuse("{} sees one robot alone, expected a potential between two bodies", term.potential.name());
+  }
+  if (between.first == between.second)
+    refuse("\"{}\" is coupled with itself, expected two bodies", name(between.first));
+  if (felt_by.empty()) {
+    refuse("the coupling {} of \"{}\" and \"{}\" is felt by nobody, expected at least one robot of the two",
+           term.potential.name(), name(between.first), name(between.second));
+  }
+  for (const AgentId agent : felt_by) {
+    check_body(agent);
+    if (!is_agent(agent) || (agent != between.first && agent != between.second)) {
+      refuse("felt_by names \"{}\", expected a robot of between = [\"{}\", \"{}\"]", name(agent),
+             name(between.first), name(between.second));
+    }
+  }
+  couplings_.push_back({term, between, std::move(felt_by)});
+}
+
+void Team::constrain(const Weighted& term, AgentId agent) {
+  check_body(agent);
+  check_weight(term);
+  if (!is_agent(agent)) refuse("\"{}\" is not controlled, expected a robot", name(agent));
+  if (term.potential.is_pair()) {
+    refuse("{} lies between two bodies, expected a potential of one robot", term.potential.name());
+  }
+  constraints_.push_back({term, agent});
+}
+
+const Agent& Team::agent(BodyId body) const {
+  return agents_[static_cast<std::size_t>(bodies_[index(body)].agent)];
+}
+
+BodyId Team::find(std::string_view name) const {
+  const auto found =
+      std::find_if(bodies_.begin(), bodies_.end(), [&](const Entry& e) { return e.name == name; });
+  return found == bodies_.end() ? BodyId{} : BodyId{static_cast<int>(found - bodies_.begin())};
+}
+
+}  // namespace sightline

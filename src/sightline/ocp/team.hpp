@@ -1,0 +1,170 @@
+/// The robots, what they want by themselves, and what couples them. Composed at run time; `Ocp` is made from
+/// it.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "sightline/model/model.hpp"
+#include "sightline/model/robots.hpp"
+#include "sightline/potential/potential.hpp"
+#include "sightline/potential/reference.hpp"
+
+namespace sightline {
+
+/// Anything that has a place in the world: a robot, a target, an obstacle.
+struct BodyId {
+  int index = -1;
+  bool operator==(const BodyId&) const = default;
+};
+
+/// A robot that is controlled.
+struct AgentId : BodyId {};
+
+/// The two ends of a coupling; the first is the observer where the potential has one.
+struct Between {
+  BodyId first, second;
+};
+
+/// u_min <= u <= u_max over time [s].
+class InputLimits {
+ public:
+  InputLimits(std::vector<double> u_min, std::vector<double> u_max);
+  /// Limits that change at given times and hold until the next; the first also hold before.
+  InputLimits(std::vector<double> times, std::vector<std::vector<double>> u_min,
+              std::vector<std::vector<double>> u_max);
+
+  /// Both of length nu; nothing is allocated.
+  void at(double t, std::span<double> u_min, std::span<double> u_max) const noexcept;
+
+  const std::vector<double>& times() const { return times_; }
+  const std::vector<std::vector<double>>& u_min() const { return u_min_; }
+  const std::vector<std::vector<double>>& u_max() const { return u_max_; }
+
+ private:
+  std::vector<double> times_;
+  std::vector<std::vector<double>> u_min_, u_max_;  // [time][input]
+};
+
+/// A robot and its own cost (x* - x)' Q (x* - x) + (u* - u)' R (u* - u), at the end (x* - x)' Q_f (x* - x).
+struct Agent {
+  std::string name;  ///< empty: uav0, uav1, ... in the order of adding
+  Model model;
+  std::vector<double> Q;    ///< nx, >= 0
+  std::vector<double> R;    ///< nu, > 0
+  std::vector<double> Q_f;  ///< nx, >= 0; empty: 0
+  Reference x_ref{};
+  std::vector<double> u_ref{};  ///< nu; empty: 0
+  InputLimits limits;
+};
+
+/// Something that is not controlled; its prediction is the velocity it has.
+struct Obstacle {
+  std::string name;
+};
+
+/// A potential between two bodies, with its weight; felt by the agents listed.
+struct Coupling {
+  Weighted term;
+  Between between;
+  std::vector<AgentId> felt_by;
+};
+
+/// A potential of one robot alone, with its weight.
+struct Constraint {
+  Weighted term;
+  AgentId agent;
+};
+
+/// Options of an agent of a known model, as a program writes them.
+template <class M>
+struct AgentOptions {
+  std::array<double, M::nx> Q{};
+  std::array<double, M::nu> R = filled(1.0);
+  std::array<double, M::nx> Q_f{};
+  Reference x_ref{};
+  std::array<double, M::nu> u_ref{};
+  std::array<double, M::nu> u_min = filled(-1.0);
+  std::array<double, M::nu> u_max = filled(1.0);
+  std::string name{};
+
+  static constexpr std::array<double, M::nu> filled(double value) {
+    std::array<double, M::nu> a{};
+    a.fill(value);
+    return a;
+  }
+};
+
+/// A list of agents that feel a coupling; the others' optimality conditions do not see it, (8)-(10).
+std::vector<AgentId> felt_by(std::initializer_list<AgentId> agents);
+std::vector<AgentId> felt_by(AgentId agent);
+
+/// Agents, obstacles, couplings and constraints. Every call checks what it is given and throws
+/// std::invalid_argument with a sentence that names it.
+class Team {
+ public:
+  template <RobotModel M>
+  AgentId add(const M& model, const std::type_identity_t<AgentOptions<M>>& o = {}) {
+    const auto list = [](const auto& a) { return std::vector<double>(a.begin(), a.end()); };
+    return add(Agent{.name = o.name,
+                     .model = model,
+                     .Q = list(o.Q),
+                     .R = list(o.R),
+                     .Q_f = list(o.Q_f),
+                     .x_ref = o.x_ref,
+                     .u_ref = list(o.u_ref),
+                     .limits = InputLimits(list(o.u_min), list(o.u_max))});
+  }
+  AgentId add(Agent agent);
+  BodyId add(Obstacle obstacle);
+
+  /// Couples two bodies; felt by all robots of `between`, or by those listed.
+  void couple(const Weighted& term, Between between);
+  void couple(const Weighted& term, Between between, std::vector<AgentId> felt_by);
+  /// A potential that one robot feels by itself.
+  void constrain(const Weighted& term, AgentId agent);
+
+  /// Bodies in the order of adding; `body` is an agent or an obstacle.
+  int bodies() const { return static_cast<int>(bodies_.size()); }
+  bool is_agent(BodyId body) const { return bodies_[index(body)].agent >= 0; }
+  const Agent& agent(BodyId body) const;
+  std::string_view name(BodyId body) const { return bodies_[index(body)].name; }
+  /// The body of that name, or index -1.
+  BodyId find(std::string_view name) const;
+  const Model& model(BodyId body) const { return bodies_[index(body)].model; }
+
+  const std::vector<Agent>& agents() const { return agents_; }
+  const std::vector<Coupling>& couplings() const { return couplings_; }
+  const std::vector<Constraint>& constraints() const { return constraints_; }
+
+  /// Where a body's state stands in the stacked state x of all bodies, in the order of adding.
+  int state_offset(BodyId body) const { return bodies_[index(body)].state_offset; }
+  /// Where an agent's input stands in the stacked input u.
+  int input_offset(BodyId body) const { return bodies_[index(body)].input_offset; }
+  int nx() const { return nx_; }
+  int nu() const { return nu_; }
+
+ private:
+  struct Entry {
+    std::string name;
+    Model model;
+    int agent;  // index in agents_, or -1
+    int state_offset, input_offset;
+  };
+  static std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
+  BodyId enter(std::string name, const Model& model, int agent);
+  void check_body(BodyId body) const;
+  void check_weight(const Weighted& term) const;
+
+  std::vector<Entry> bodies_;
+  std::vector<Agent> agents_;
+  std::vector<Coupling> couplings_;
+  std::vector<Constraint> constraints_;
+  int nx_ = 0, nu_ = 0;
+};
+
+}  // namespace sightline
