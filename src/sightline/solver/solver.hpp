@@ -1,0 +1,61 @@
+/// What every solver is: a measured state in, an input to apply out, in bounded time and with an honest
+/// status.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "sightline/ocp/ocp.hpp"
+
+namespace sightline {
+
+/// How an update ended. In every case `Solution::u` is finite, within its limits and usable.
+enum class Status : std::uint8_t {
+  converged,        ///< residual <= tolerance
+  iteration_limit,  ///< a real-time step; the residual is above the tolerance
+  deadline,         ///< the time given was over; the best there was
+  not_finite,       ///< the step was not finite: the last good plan, shifted; the next update starts anew
+  invalid_state,    ///< the state was refused (not finite, heading (0, 0)): the last good plan, shifted
+};
+inline constexpr int status_count = 5;
+
+std::string_view to_string(Status status);
+
+/// The outcome of one update. The spans are the solver's own memory, valid until its next call.
+struct Solution {
+  std::span<const double> u;      ///< inputs to apply now, of all agents (nu)
+  std::span<const double> raw_u;  ///< the same before they were clamped to their limits (nu)
+  std::span<const double> x;      ///< predicted states of all bodies (N+1 x nx), stage by stage
+  Status status = Status::iteration_limit;
+  double residual =
+      0.0;  ///< infinity norm of the optimality conditions at the point that was linearised [per s]
+  int iterations = 0;    ///< of the Krylov method
+  double elapsed = 0.0;  ///< wall time of the update [s]
+};
+
+/// A solver of one Ocp. `solve` does not throw, allocate, lock or print. One thread at a time.
+class Solver {
+ public:
+  virtual ~Solver() = default;
+
+  virtual std::string_view name() const = 0;
+  virtual const Ocp& ocp() const = 0;
+
+  /// One update: from the measured states of all bodies (nx) at `time` [s] to the inputs.
+  virtual Solution solve(double time, std::span<const double> states) noexcept = 0;
+
+  /// Projected KKT infinity norm of the present iterate at these states, without the solver's own
+  /// relaxations; for acceptance figures, outside the timed part.
+  virtual double kkt(double time, std::span<const double> states) noexcept = 0;
+
+  /// Forgets the iterate: the next update starts as the first did.
+  virtual void restart() noexcept = 0;
+
+  /// solve(), for a program that only wants the inputs.
+  std::span<const double> step(double time, std::span<const double> states) noexcept {
+    return solve(time, states).u;
+  }
+};
+
+}  // namespace sightline
