@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# Builds sightline and flies the paper's two robots:  scripts/demo.sh
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+scripts/deps.sh demo
+# A fresh build asks for no test library; one that has its tests keeps them.
+options=()
+[[ -f build/release/CMakeCache.txt ]] || options=(-DSIGHTLINE_TESTS=OFF -DSIGHTLINE_BENCH=OFF)
+cmake --preset release "${options[@]}" >&2
+cmake --build --preset release --target sightline_cli >&2
+
+out=out/paper_7_1
+code=0
+build/release/bin/sightline run scenarios/paper_7_1.toml -o "$out" || code=$?
+
+echo
+for file in report.html run.mcap summary.json; do
+  if [[ -f $out/$file ]]; then
+    printf '%-14s %s\n' "$file" "$PWD/$out/$file"
+  else
+    printf '%-14s %s\n' "$file" "was not written" >&2
+    ((code != 0)) || code=1
+  fi
+done
+exit "$code"

@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Installs the packages sightline needs on Debian 12:  scripts/deps.sh [demo|test|ci]   (ci, all, if not said)
+set -euo pipefail
+
+packages=(cmake g++ gnuplot-nox libcli11-dev libeigen3-dev libfmt-dev libspdlog-dev libtomlplusplus-dev
+  libzstd-dev ninja-build nlohmann-json3-dev pkg-config zlib1g-dev)
+test_packages=(ca-certificates ccache coinor-libipopt-dev libbenchmark-dev libgmock-dev libgtest-dev
+  librsvg2-bin)
+ci_packages=(clang-14 clang-format-14 clang-tidy-14 git libclang-rt-14-dev)
+
+use=${1:-ci}
+case $use in
+  demo) ;;
+  test) packages+=("${test_packages[@]}") ;;
+  ci) packages+=("${test_packages[@]}" "${ci_packages[@]}") ;;
+  *) echo "deps.sh: argument = $use, expected demo, test or ci" >&2 && exit 2 ;;
+esac
+if [[ $use != demo ]]; then
+  # A node from elsewhere serves as well as Debian's.
+  command -v node >/dev/null || packages+=(nodejs)
+  command -v npm >/dev/null || packages+=(npm)
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  state=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) || state=absent
+  [[ $state == installed ]] || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then
+  echo "deps.sh: all ${#packages[@]} packages are there" >&2
+  exit 0
+fi
+
+sudo=()
+if ((EUID != 0)); then
+  if ! command -v sudo >/dev/null; then
+    echo "deps.sh: run as root, or install sudo, to add: ${missing[*]}" >&2
+    exit 1
+  fi
+  sudo=(sudo)
+fi
+apt() { "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o Dpkg::Use-Pty=0 "$@" </dev/null; }
+install_missing() { apt update && apt install -y --no-install-recommends "${missing[@]}"; }
+
+echo "deps.sh: installing with apt-get: ${missing[*]}" >&2
+# A mirror that answers badly once often answers well the second time.
+install_missing >&2 || { echo "deps.sh: once more" >&2 && sleep 5 && install_missing >&2; }

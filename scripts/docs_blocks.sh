@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# Runs what the documents promise:  scripts/docs_blocks.sh [FILE.md ...]
+# Blocks opened by "```sh test" run in a shell at the root of the tree, build/release/bin in the path; blocks opened
+# by "```cpp test" are whole programs, built against an installed sightline, as a user would, and run.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+root=$PWD
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+files=("$@")
+((${#files[@]} > 0)) || files=(README.md CONTRIBUTING.md docs/*.md)
+mkdir -p "$work/blocks"
+for file in "${files[@]}"; do
+  [[ -f $file ]] || continue
+  # One file a block, called <document>-<line>.<language>.
+  awk -v to="$work/blocks/$(basename "$file" .md)" '
+    /^```(sh|cpp) test *$/ { language = substr($1, 4); block = sprintf("%s-%03d.%s", to, NR, language); next }
+    /^```/ { block = "" }
+    block { print > block }' "$file"
+done
+
+shopt -s nullglob
+programs=("$work"/blocks/*.cpp)
+if ((${#programs[@]} > 0)); then
+  cmake --build --preset release >/dev/null
+  cmake --install build/release --prefix "$work/installed" >/dev/null
+  cat >"$work/CMakeLists.txt" <<'CMAKE'
+cmake_minimum_required(VERSION 3.25)
+project(documents LANGUAGES C CXX)
+find_package(sightline REQUIRED)
+file(GLOB blocks blocks/*.cpp)
+foreach(block IN LISTS blocks)
+  cmake_path(GET block STEM name)
+  add_executable(${name} ${block})
+  target_link_libraries(${name} PRIVATE sightline::sightline)
+endforeach()
+CMAKE
+  cmake -S "$work" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_PREFIX_PATH="$work/installed" >/dev/null
+fi
+
+export PATH=$root/build/release/bin:$PATH
+bad=0
+for block in "$work"/blocks/*; do
+  name=$(basename "$block")
+  code=0
+  case $name in
+    *.sh) timeout 300 bash -euo pipefail "$block" </dev/null >"$work/output" 2>&1 || code=$? ;;
+    *.cpp)
+      program=${name%.cpp}
+      { cmake --build "$work/build" --target "$program" && timeout 300 "$work/build/$program" </dev/null; } \
+        >"$work/output" 2>&1 || code=$?
+      ;;
+  esac
+  if ((code == 0)); then
+    echo "ok      $name"
+  else
+    echo "failed  $name (exit $code)" && tail -n 30 "$work/output"
+    bad=$((bad + 1))
+  fi
+done
+((bad == 0))

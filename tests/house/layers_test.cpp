@@ -1,0 +1,142 @@
+/// The order of the house: who may include whom, who tests what, and how long a file may be.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path root = SIGHTLINE_SOURCE_DIR;
+const std::vector<std::string> code_folders = {"src",      "bridges", "cli",  "python",
+                                               "examples", "bench",   "tests"};
+constexpr long longest_file = 500;  // lines
+
+/// Height of each layer; those of one height do not know each other.
+const std::map<std::string, int> height = {{"math", 0}, {"formula", 1}, {"model", 2},    {"potential", 3},
+                                           {"ocp", 4},  {"solver", 5},  {"safety", 5},   {"sim", 5},
+                                           {"run", 6},  {"io", 7},      {"campaign", 8}, {"advise", 8}};
+
+/// What is wrong with a file of `layer` that includes `included`; empty if nothing is.
+std::string include_fault(const std::string& layer, const std::string& included) {
+  static const std::regex ours("sightline/(\\w+)/.*");
+  std::smatch match;
+  if (!included.starts_with("sightline/")) return "";
+  if (!std::regex_match(included, match, ours)) return "names no layer";
+  const std::string other = match[1];
+  if (!height.contains(layer)) return "is included from " + layer + ", which is no layer";
+  if (!height.contains(other)) return "is in " + other + ", which is no layer";
+  if (other == layer || height.at(other) < height.at(layer)) return "";
+  return "is in " + other + ", which is not below " + layer;
+}
+
+bool is_of_dds(const std::string& included) {
+  static const std::regex dds("(dds|ddsc|ddscxx|fastdds|fastrtps|fastcdr|rclcpp|rcl|rmw)/.*");
+  return std::regex_match(included, dds);
+}
+
+/// Names between the <> or "" of all #include lines.
+std::vector<std::string> includes(const fs::path& file) {
+  static const std::regex line_form("\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"].*");
+  std::vector<std::string> names;
+  std::ifstream text(file);
+  std::smatch match;
+  for (std::string line; std::getline(text, line);)
+    if (std::regex_match(line, match, line_form)) names.push_back(match[1]);
+  return names;
+}
+
+/// All C++ files below a folder of the tree, in the order of their names.
+std::vector<fs::path> files_of(const std::string& folder) {
+  std::vector<fs::path> files;
+  if (!fs::exists(root / folder)) return files;
+  for (auto entry = fs::recursive_directory_iterator(root / folder); entry != fs::end(entry); ++entry) {
+    if (entry->path().filename() == "node_modules") entry.disable_recursion_pending();
+    const fs::path extension = entry->path().extension();
+    if (extension == ".hpp" || extension == ".cpp") files.push_back(entry->path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<fs::path> all_files() {
+  std::vector<fs::path> files;
+  for (const std::string& folder : code_folders)
+    for (const fs::path& file : files_of(folder)) files.push_back(file);
+  return files;
+}
+
+/// Layer of a file: the folder it lies in below src/sightline, empty for <sightline/sightline.hpp>.
+std::string layer_of(const fs::path& file) {
+  const fs::path below = fs::relative(file, root / "src/sightline");
+  return below.has_parent_path() ? below.begin()->string() : "";
+}
+
+std::string name(const fs::path& file) { return fs::relative(file, root).string(); }
+
+TEST(Layers, the_rule_accepts_lower_and_refuses_higher_and_equal_layers) {
+  EXPECT_EQ(include_fault("solver", "sightline/ocp/ocp.hpp"), "");
+  EXPECT_EQ(include_fault("solver", "sightline/solver/gmres.hpp"), "");
+  EXPECT_EQ(include_fault("math", "vector"), "");
+  EXPECT_EQ(include_fault("math", "sightline/io/log.hpp"), "is in io, which is not below math");
+  EXPECT_EQ(include_fault("sim", "sightline/solver/gmres.hpp"), "is in solver, which is not below sim");
+  EXPECT_EQ(include_fault("sim", "sightline/attic/old.hpp"), "is in attic, which is no layer");
+  EXPECT_EQ(include_fault("sim", "sightline/sightline.hpp"), "names no layer");
+}
+
+TEST(Layers, a_file_includes_its_own_or_a_lower_layer) {
+  const std::vector<fs::path> files = files_of("src/sightline");
+  ASSERT_FALSE(files.empty());
+  for (const fs::path& file : files) {
+    if (layer_of(file).empty()) continue;
+    for (const std::string& included : includes(file)) {
+      const std::string fault = include_fault(layer_of(file), included);
+      EXPECT_TRUE(fault.empty()) << name(file) << " includes " << included << ", which " << fault;
+    }
+  }
+}
+
+TEST(Layers, sources_name_our_headers_from_the_root_of_the_includes) {
+  for (const fs::path& file : files_of("src/sightline"))
+    for (const std::string& included : includes(file))
+      EXPECT_FALSE(fs::exists(file.parent_path() / included) || included.starts_with("../"))
+          << name(file) << " includes " << included << ", expected sightline/<layer>/<file>.hpp";
+}
+
+TEST(Layers, a_dds_header_occurs_in_bridges_alone) {
+  EXPECT_TRUE(is_of_dds("dds/dds.h") && is_of_dds("fastdds/dds/domain/DomainParticipant.hpp"));
+  EXPECT_FALSE(is_of_dds("sightline/io/cdr.hpp"));
+  for (const fs::path& file : all_files()) {
+    if (name(file).starts_with("bridges/")) continue;
+    for (const std::string& included : includes(file))
+      EXPECT_FALSE(is_of_dds(included))
+          << name(file) << " includes " << included << ", expected in bridges/ alone";
+  }
+}
+
+TEST(Layers, every_public_header_has_a_test_of_its_name) {
+  for (const fs::path& file : files_of("src/sightline")) {
+    if (file.extension() != ".hpp" || layer_of(file).empty()) continue;
+    const std::string test = file.stem().string() + "_test.cpp";
+    const std::vector<fs::path> tests = files_of("tests/" + layer_of(file));
+    const bool found =
+        std::any_of(tests.begin(), tests.end(), [&](const fs::path& t) { return t.filename() == test; });
+    EXPECT_TRUE(found) << name(file) << " has no test, expected tests/" << layer_of(file) << "/" << test;
+  }
+}
+
+TEST(Layers, no_file_is_longer_than_five_hundred_lines) {
+  for (const fs::path& file : all_files()) {
+    std::ifstream text(file);
+    const long lines = std::count(std::istreambuf_iterator<char>(text), {}, '\n');
+    EXPECT_LE(lines, longest_file) << name(file) << " has " << lines << " lines, split it by what it holds";
+  }
+}
+
+}  // namespace
