@@ -1,0 +1,141 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace sightline {
+
+static_assert(std::endian::native == std::endian::little, "numbers are copied as CDR_LE stores them");
+
+/// A number as CDR aligns it: on multiples of its own size, at most 8 bytes.
+template <class T>
+concept CdrNumber = std::is_arithmetic_v<T> && !std::same_as<T, bool> && sizeof(T) <= 8;
+
+/// Encodes one message as XCDR1, little-endian (CDR_LE), the way ROS 2 stores it; clears `bytes` first and
+/// allocates nothing once they have grown.
+class CdrEncoder {
+ public:
+  explicit CdrEncoder(std::vector<std::byte>& bytes) : bytes_(bytes) {
+    bytes_.assign({std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}});
+  }
+
+  template <CdrNumber T>
+  CdrEncoder& put(T value) {
+    const std::size_t place = head + (bytes_.size() - head + sizeof(T) - 1) / sizeof(T) * sizeof(T);
+    bytes_.resize(place + sizeof(T));
+    std::memcpy(bytes_.data() + place, &value, sizeof(T));
+    return *this;
+  }
+
+  /// Length with the closing zero, then the characters.
+  CdrEncoder& put(std::string_view text) {
+    put(static_cast<std::uint32_t>(text.size() + 1));
+    const auto characters = std::as_bytes(std::span(text));
+    bytes_.insert(bytes_.end(), characters.begin(), characters.end());
+    bytes_.push_back(std::byte{0});
+    return *this;
+  }
+
+ private:
+  static constexpr std::size_t head = 4;  // alignment counts from behind the encapsulation header [B]
+  std::vector<std::byte>& bytes_;
+};
+
+/// Decodes what CdrEncoder wrote and trusts none of it: past the end, everything is zero and ok() is false.
+class CdrDecoder {
+ public:
+  explicit CdrDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
+    constexpr std::array little{std::byte{0}, std::byte{1}};
+    ok_ = bytes.size() >= head && std::memcmp(bytes.data(), little.data(), little.size()) == 0;
+  }
+
+  template <CdrNumber T>
+  T number() {
+    T value{};
+    place_ = head + (place_ - head + sizeof(T) - 1) / sizeof(T) * sizeof(T);
+    if (const auto taken = take(sizeof(T)); ok_) std::memcpy(&value, taken.data(), sizeof(T));
+    return value;
+  }
+
+  /// The view holds as long as the bytes.
+  std::string_view string() {
+    const auto length = number<std::uint32_t>();
+    const auto taken = take(length);
+    ok_ = ok_ && length > 0 && taken.back() == std::byte{0};
+    if (!ok_) return {};
+    return {reinterpret_cast<const char*>(taken.data()), length - 1};
+  }
+
+  /// Length of a sequence, each of whose elements takes at least `least` bytes.
+  std::size_t length(std::size_t least) {
+    const auto count = number<std::uint32_t>();
+    ok_ = ok_ && count <= (bytes_.size() - place_) / least;
+    return ok_ ? count : 0;
+  }
+
+  bool ok() const { return ok_; }
+  bool finished() const {
+    return ok_ && place_ == bytes_.size();
+  }  ///< Everything read, and nothing was missing.
+
+ private:
+  std::span<const std::byte> take(std::size_t count) {
+    ok_ = ok_ && place_ <= bytes_.size() && count <= bytes_.size() - place_;
+    if (!ok_) return {};
+    place_ += count;
+    return bytes_.subspan(place_ - count, count);
+  }
+
+  static constexpr std::size_t head = 4;
+  std::span<const std::byte> bytes_;
+  std::size_t place_ = head;
+  bool ok_ = true;
+};
+
+/// Position and heading at a time, in the frame of the message that holds it.
+struct StampedPose {
+  std::uint64_t time = 0;     ///< [ns], below 2^31 s
+  std::array<double, 3> p{};  ///< position [m]
+  std::array<double, 2> d{1,
+                          0};  ///< heading (cos ψ, sin ψ) [-]; any length but 0 when encoded, 1 when decoded
+};
+
+/// Velocity at a time.
+struct StampedTwist {
+  std::uint64_t time = 0;           ///< [ns], below 2^31 s
+  std::array<double, 3> linear{};   ///< [m/s]
+  std::array<double, 3> angular{};  ///< [rad/s]
+};
+
+/// A kind of ROS 2 message as a log names it.
+struct RosSchema {
+  std::string_view name;  ///< "geometry_msgs/msg/PoseStamped"
+  std::string text;       ///< its definition and all it rests on, one after the other ("ros2msg")
+};
+
+RosSchema pose_schema();   ///< geometry_msgs/msg/PoseStamped
+RosSchema twist_schema();  ///< geometry_msgs/msg/TwistStamped
+RosSchema path_schema();   ///< nav_msgs/msg/Path
+
+/// Encode one message of the schemas above; `frame` names the frame the numbers are in, "map".
+void encode_pose(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose);
+void encode_twist(std::vector<std::byte>& bytes, std::string_view frame, const StampedTwist& twist);
+void encode_path(std::vector<std::byte>& bytes, std::string_view frame, std::uint64_t time,
+                 std::span<const StampedPose> poses);
+
+/// Decode one message of the schemas above; nothing if the bytes are no such message.
+std::optional<StampedPose> decode_pose(std::span<const std::byte> bytes);
+std::optional<StampedTwist> decode_twist(std::span<const std::byte> bytes);
+std::optional<std::vector<StampedPose>> decode_path(std::span<const std::byte> bytes);
+
+}  // namespace sightline

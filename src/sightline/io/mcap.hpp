@@ -1,0 +1,203 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+struct ZSTD_CCtx_s;
+
+namespace sightline {
+
+/// What the MCAP specification fixes, and the limits we set ourselves.
+namespace mcap {
+
+inline constexpr std::string_view magic = "\x89MCAP0\r\n";               // opens and closes every file
+inline constexpr std::uint64_t record_head = 9;                          // kind and length of a record [B]
+inline constexpr std::uint64_t record_limit = std::uint64_t{128} << 20;  // no record of ours is longer [B]
+
+/// Kinds of records.
+enum Kind : std::uint8_t {
+  header = 0x01,
+  footer = 0x02,
+  schema_record = 0x03,
+  channel_record = 0x04,
+  message_record = 0x05,
+  chunk_record = 0x06,
+  message_index = 0x07,
+  chunk_index = 0x08,
+  statistics = 0x0B,
+  metadata_record = 0x0C,
+  metadata_index = 0x0D,
+  summary_offset = 0x0E,
+  data_end = 0x0F,
+};
+
+}  // namespace mcap
+
+/// Name of a schema inside one log.
+enum class SchemaId : std::uint16_t {};
+
+/// Name of a channel inside one log.
+enum class ChannelId : std::uint16_t {};
+
+/// Words by name, as MCAP attaches them to channels and metadata; sorted, so that equal words give equal
+/// bytes.
+using McapWords = std::map<std::string, std::string>;
+
+/// Writes a log in the MCAP format (mcap.dev), which Foxglove, PlotJuggler and McapReader open.
+///
+/// Messages gather in a chunk; flush() compresses it (zstd) and hands it to the kernel at once by write(2),
+/// so a killed run loses the open chunk and nothing before it.  The same calls give the same bytes.
+///
+/// Nothing here throws for the disk's sake: the first failure is kept as a sentence in error(), every later
+/// call does nothing, and the file is cut back to its last whole chunk.  One thread at a time.
+class McapWriter {
+ public:
+  /// Opens `path` for writing, empties it and writes the header.
+  /// @param profile  what the channels agree to follow, "ros2"
+  /// @param library  name and version of the writing program
+  McapWriter(const std::filesystem::path& path, std::string_view profile, std::string_view library);
+  ~McapWriter();  ///< Closes the log if close() was not called.
+  McapWriter(const McapWriter&) = delete;
+  McapWriter& operator=(const McapWriter&) = delete;
+
+  /// Adds the layout of a kind of message.
+  /// @param encoding  "ros2msg" or "jsonschema"
+  SchemaId schema(std::string_view name, std::string_view encoding, std::string_view text);
+
+  /// Adds a topic whose messages follow `schema`.
+  /// @param message_encoding  "cdr" or "json"
+  ChannelId channel(SchemaId schema, std::string_view topic, std::string_view message_encoding,
+                    const McapWords& metadata);
+
+  /// Adds a message to the open chunk; allocates nothing once the buffers have grown.  A chunk past 4 MiB
+  /// closes by itself.
+  /// @param log_time  [ns], also the time of publication
+  void message(ChannelId channel, std::uint32_t sequence, std::uint64_t log_time,
+               std::span<const std::byte> bytes);
+
+  /// Closes the open chunk and writes it; nothing if it holds no message.
+  void flush();
+
+  /// Writes words about the whole log, at once.
+  void metadata(std::string_view name, const McapWords& words);
+
+  /// Writes the open chunk, the summary and the footer, and closes the file.
+  void close();
+
+  bool ok() const { return error_.empty(); }           ///< True until something failed.
+  const std::string& error() const { return error_; }  ///< The first failure, a sentence; empty if none.
+  std::uint64_t bytes_written() const { return position_; }  ///< Length of the sound part of the file [B].
+
+ private:
+  using Bytes = std::vector<std::byte>;
+  struct Entry {
+    std::uint64_t log_time;  // [ns]
+    std::uint64_t offset;    // of the message's record in the uncompressed chunk [B]
+  };
+  struct Channel {
+    std::vector<Entry> entries;  // messages of the open chunk
+    std::uint64_t messages = 0;  // in the whole log
+  };
+
+  void write(const Bytes& bytes);
+  void fail(std::string_view what, int error_number);
+  void write_summary();
+
+  std::string path_;
+  std::string error_;
+  int file_ = -1;               // -1: closed, or failed
+  std::uint64_t position_ = 0;  // bytes written and sound
+  std::uint32_t crc_ = 0;       // of the data section, then of the summary section
+  std::unique_ptr<ZSTD_CCtx_s, std::size_t (*)(ZSTD_CCtx_s*)> zstd_;
+
+  Bytes chunk_;  // records of the open chunk, uncompressed
+  Bytes out_;    // what goes to the kernel in one piece
+  std::uint64_t chunk_first_ = 0, chunk_last_ = 0, chunk_messages_ = 0;
+  std::vector<Channel> channels_;
+
+  // the summary as it grows, one run of records per kind
+  Bytes schema_records_, channel_records_, chunk_indexes_, metadata_indexes_;
+  std::uint64_t first_ = 0, last_ = 0, messages_ = 0;
+  std::uint32_t chunks_ = 0, metadata_count_ = 0;
+  std::uint16_t schemas_ = 0;
+};
+
+/// One message as it stands in a log; the views hold inside the visit only.
+struct McapMessage {
+  std::string_view topic;
+  std::string_view schema;    ///< name of the schema, "geometry_msgs/msg/PoseStamped"
+  std::string_view encoding;  ///< "cdr" or "json"
+  std::uint32_t sequence = 0;
+  std::uint64_t log_time = 0;  ///< [ns]
+  std::span<const std::byte> bytes;
+};
+
+/// Reads a log that McapWriter wrote, whole or cut off anywhere, and trusts no byte of it.
+///
+/// Opening walks over the records and reads header and metadata; visit() reads everything and checks every
+/// CRC.  A log without its end (a killed run) is read to its last whole chunk and says truncated(); anything
+/// else that is wrong ends in a sentence in error() that names the place.
+class McapReader {
+ public:
+  explicit McapReader(const std::filesystem::path& path);
+  ~McapReader();
+  McapReader(const McapReader&) = delete;
+  McapReader& operator=(const McapReader&) = delete;
+
+  /// Shows every message in the order of the file, up to the first fault; a chunk is shown only if its CRC
+  /// holds.
+  /// @return ok()
+  bool visit(const std::function<void(const McapMessage&)>& visitor);
+
+  bool ok() const { return error_.empty(); }           ///< True while no fault was found.
+  const std::string& error() const { return error_; }  ///< The first fault, a sentence; empty if none.
+  bool truncated() const { return truncated_; }        ///< True if the end of the log is missing.
+  const std::string& profile() const { return profile_; }
+  const std::string& library() const { return library_; }
+  const std::map<std::string, McapWords>& metadata() const { return metadata_; }  ///< Words by name.
+
+ private:
+  struct Record {
+    std::uint8_t kind = 0;
+    std::uint64_t at = 0;      // place of the record in the file [B]
+    std::uint64_t length = 0;  // of its content [B]
+  };
+  struct Channel {
+    std::string topic, schema, encoding;
+  };
+
+  void fail(std::uint64_t at, std::string_view what);
+  bool fetch(std::uint64_t at, std::uint64_t count, std::span<const std::byte>& bytes);
+  bool next(std::uint64_t& position, Record& record);
+  void end_of_records(std::uint64_t position, std::string_view what);
+  bool finish(std::uint64_t position);
+  bool read_words(const Record& record, std::span<const std::byte> content);
+  bool read_records(std::uint64_t at, std::span<const std::byte> records,
+                    const std::function<void(const McapMessage&)>& visitor);
+  bool read_chunk(const Record& record, std::span<const std::byte> content,
+                  const std::function<void(const McapMessage&)>& visitor);
+  bool read_record(std::uint64_t at, std::uint8_t kind, std::span<const std::byte> content,
+                   const std::function<void(const McapMessage&)>& visitor);
+
+  std::string path_, error_, profile_, library_;
+  int file_ = -1;
+  std::uint64_t size_ = 0;  // of the file [B]
+  bool truncated_ = false;
+  bool sealed_ = false;  // the file ends in the closing magic
+  std::map<std::string, McapWords> metadata_;
+  std::map<std::uint16_t, std::string> schemas_;
+  std::map<std::uint16_t, Channel> channels_;
+  std::vector<std::byte> window_;  // the piece of the file read last
+  std::uint64_t window_at_ = 0;
+  std::vector<std::byte> chunk_;  // the chunk read last, uncompressed
+};
+
+}  // namespace sightline
