@@ -71,7 +71,7 @@ struct Lane {
   Vector v;
 
   Lane() = default;
-  Lane(double s) : v(Vector{} + s) {}  // a constant of a formula is the same in all lanes
+  Lane(double s) : v(s - Vector{}) {}  // a constant of a formula is the same in all lanes
   explicit Lane(Vector vector) : v(vector) {}
 
   static Lane load(const double* row) {
