@@ -1,0 +1,292 @@
+#include "sightline/run/loop.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+
+namespace sightline {
+namespace {
+
+using Time = std::chrono::steady_clock;
+
+template <class... Args>
+[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
+  throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
+}
+
+std::size_t size(int n) { return static_cast<std::size_t>(n); }
+
+/// The horizon that gives the predicted paths their stages.
+const Horizon& longest_horizon(const Controllers& controllers) {
+  const auto fewer = [](const Solver& a, const Solver& b) {
+    return a.ocp().horizon().N < b.ocp().horizon().N;
+  };
+  return std::max_element(controllers.begin(), controllers.end(), fewer)->get().ocp().horizon();
+}
+
+const LoopOptions& checked(const LoopOptions& o, const Controllers& controllers) {
+  if (!(o.period >= 1e-4)) refuse("loop.period = {}, expected >= 1e-4 s", o.period);
+  if (!(o.duration > 0 && o.duration / o.period <= 1e9)) {
+    refuse("loop.duration = {}, expected > 0 s and at most 1e9 periods", o.duration);
+  }
+  if (!(o.path_interval >= 0)) refuse("loop.path_interval = {}, expected >= 0 s", o.path_interval);
+  if (controllers.empty()) refuse("the loop has no controller, expected at least one");
+  return o;
+}
+
+}  // namespace
+
+Sample sized_sample(const Team& plant, const Controllers& controllers) {
+  const std::size_t nx = size(plant.nx()), nu = size(plant.nu());
+  const Horizon horizon = controllers.empty() ? Horizon{} : longest_horizon(controllers);
+  Sample sample;
+  sample.x.resize(nx);
+  sample.measured.resize(nx);
+  sample.u.resize(nu);
+  sample.raw_u.resize(nu);
+  sample.solvers.resize(controllers.size());
+  sample.path.resize(size(horizon.N + 1) * nx);
+  sample.path_step = horizon.h();
+  return sample;
+}
+
+Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& clock, Ring<Sample>& ring,
+           const LoopOptions& options)
+    : plant_(plant),
+      sensor_(sensor),
+      clock_(clock),
+      ring_(ring),
+      options_(checked(options, controllers)),
+      u_(size(plant.team().nu())),
+      u_min_(u_.size()),
+      u_max_(u_.size()),
+      spare_(sized_sample(plant.team(), controllers)) {
+  for (Solver& solver : controllers) {
+    const Team& team = solver.ocp().team();
+    const double dt = solver.ocp().horizon().dt;
+    if (std::abs(dt - options_.period) > 1e-9) {
+      refuse("controller {}: horizon.period = {}, expected the loop's {}", controllers_.size(), dt,
+             options_.period);
+    }
+    Controller controller{.solver = &solver, .members = {}, .states = {}};
+    controller.states.resize(size(team.nx()));
+    for (int i = 0; i < team.bodies(); ++i)
+      controller.members.push_back(match(team, BodyId{i}, controllers_.size()));
+    controllers_.push_back(std::move(controller));
+  }
+  check_steered();
+  const Sample* item = ring.claim();
+  if (item == nullptr || item->x.size() != spare_.x.size() || item->path.size() != spare_.path.size() ||
+      item->solvers.size() != spare_.solvers.size()) {
+    refuse(
+        "the ring's samples are not of this loop's size, expected an empty ring of copies of sized_sample()");
+  }
+  events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size());
+
+  // Before any good command the robots hold their u*, within their limits.
+  for (const Controller& controller : controllers_) {
+    for (const Member& m : controller.members) {
+      if (m.limits == nullptr) continue;
+      const std::vector<double>& u_ref = plant.team().agent(m.body).u_ref;
+      const auto u_min = std::span(u_min_).first(m.nu), u_max = std::span(u_max_).first(m.nu);
+      m.limits->at(0.0, u_min, u_max);
+      for (std::size_t i = 0; i < m.nu; ++i) u_[m.plant_u + i] = std::clamp(u_ref[i], u_min[i], u_max[i]);
+    }
+  }
+}
+
+Loop::Member Loop::match(const Team& team, BodyId body, std::size_t controller) const {
+  const Team& world = plant_.team();
+  const std::string_view name = team.name(body);
+  const BodyId found = world.find(name);
+  if (found.index < 0)
+    refuse("controller {}: \"{}\" is not in the plant, expected one of its bodies", controller, name);
+  const Model &model = team.model(body), &real = world.model(found);
+  Member member{.body = found,
+                .nx = size(model.nx()),
+                .nu = size(model.nu()),
+                .plant_x = size(world.state_offset(found)),
+                .plant_u = size(world.input_offset(found)),
+                .ocp_x = size(team.state_offset(body)),
+                .ocp_u = size(team.input_offset(body)),
+                .limits = nullptr};
+  if (team.is_agent(body)) {
+    if (!world.is_agent(found)) {
+      refuse("controller {}: \"{}\" is an obstacle of the plant, expected a robot", controller, name);
+    }
+    if (model.name() != real.name() || model.nx() != real.nx() || model.nu() != real.nu()) {
+      refuse("controller {}: \"{}\" is of model {} ({} states), expected the plant's {} ({})", controller,
+             name, model.name(), model.nx(), real.name(), real.nx());
+    }
+    member.limits = &team.agent(body).limits;
+  } else if (world.is_agent(found)) {
+    member.nx = 0;
+  }
+  return member;
+}
+
+void Loop::check_steered() const {
+  const Team& world = plant_.team();
+  std::vector<int> steered_by(size(world.bodies()), -1);
+  for (std::size_t c = 0; c < controllers_.size(); ++c) {
+    for (const Member& m : controllers_[c].members) {
+      if (m.limits == nullptr) continue;
+      int& other = steered_by[size(m.body.index)];
+      if (other >= 0) {
+        refuse("\"{}\" is steered by controllers {} and {}, expected one", world.name(m.body), other, c);
+      }
+      other = static_cast<int>(c);
+    }
+  }
+  for (int i = 0; i < world.bodies(); ++i) {
+    if (world.is_agent(BodyId{i}) && steered_by[size(i)] < 0) {
+      refuse("\"{}\" is steered by no controller, expected one whose team has it", world.name(BodyId{i}));
+    }
+  }
+}
+
+LoopOutcome Loop::run() noexcept {
+  const std::int64_t periods = std::llround(options_.duration / options_.period);
+  const std::int64_t path_every =
+      options_.path_interval > 0
+          ? std::max<std::int64_t>(1, std::llround(options_.path_interval / options_.period))
+          : 0;
+  clock_.start(options_.period);
+  std::int64_t next_path = path_every > 0 ? 0 : periods, told = 0;
+  for (std::int64_t next = 0; next < periods; ++next) {
+    const std::int64_t k = std::min(clock_.wait(next), periods);
+    const double t = static_cast<double>(k) * options_.period;
+    if (k > next) {
+      outcome_.missed += k - next;
+      tell({t, EventKind::missed_period, 0, static_cast<double>(k - next)});
+      for (; next < k; ++next) outcome_.finite = plant_.step(u_, options_.period) && outcome_.finite;
+    }
+    outcome_.stopped = options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
+    if (k == periods || outcome_.stopped || !outcome_.finite) break;
+
+    Sample* slot = ring_.claim();
+    while (slot == nullptr && clock_.waits_for_log()) {
+      std::this_thread::yield();
+      slot = ring_.claim();
+    }
+    Sample& sample = slot != nullptr ? *slot : spare_;
+    sample.has_path = k >= next_path;
+    if (sample.has_path) next_path = (k / path_every + 1) * path_every;
+    std::copy(plant_.x().begin(), plant_.x().end(), sample.x.begin());
+    update(t, sensor_.measure(t, plant_.x()), sample);
+    ++outcome_.updates;
+
+    if (slot != nullptr) {
+      if (outcome_.dropped > told) {
+        told = outcome_.dropped;
+        tell({t, EventKind::samples_dropped, 0, static_cast<double>(told)});
+      }
+      // What does not fit waits for the next sample.
+      const auto fit = static_cast<std::ptrdiff_t>(std::min(events_.size(), sample.events.size()));
+      std::copy_n(events_.begin(), fit, sample.events.begin());
+      sample.event_count = static_cast<int>(fit);
+      events_.erase(events_.begin(), events_.begin() + fit);
+      ring_.publish();
+    } else {
+      ++outcome_.dropped;
+    }
+    outcome_.finite = plant_.step(u_, options_.period);
+  }
+  ring_.close();
+  return outcome_;
+}
+
+void Loop::update(double t, std::span<const double> measured, Sample& sample) noexcept {
+  const auto count = [&] { return options_.allocations != nullptr ? options_.allocations() : 0; };
+  const std::int64_t before_all = count();
+  const Time::time_point begin = Time::now();
+  sample.time = t;
+  std::copy(measured.begin(), measured.end(), sample.measured.begin());
+  if (sample.has_path) {
+    for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = measured[i % measured.size()];
+  }
+  for (std::size_t c = 0; c < controllers_.size(); ++c) {
+    Controller& controller = controllers_[c];
+    const std::int64_t before = count();
+    gather(controller, measured);
+    const Solution solution = controller.solver->solve(t, controller.states);
+    command(static_cast<int>(c), controller, solution, t, sample);
+    sample.solvers[c] = {solution.status, solution.residual, solution.iterations, 1e6 * solution.elapsed,
+                         count() - before};
+    if (outcome_.updates > 0 && solution.status != controller.status) {
+      tell({t, EventKind::solver_status, static_cast<int>(c), static_cast<double>(solution.status)});
+    }
+    controller.status = solution.status;
+    if (sample.has_path) write_path(controller, solution, sample);
+  }
+  std::copy(u_.begin(), u_.end(), sample.u.begin());
+  sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
+  outcome_.max_allocations = std::max(outcome_.max_allocations, count() - before_all);
+}
+
+void Loop::gather(Controller& controller, std::span<const double> measured) noexcept {
+  for (const Member& m : controller.members) {
+    double* to = &controller.states[m.ocp_x];
+    if (m.nx > 0) {
+      std::copy_n(&measured[m.plant_x], m.nx, to);
+      continue;
+    }
+    const Sight<double> seen = plant_.team().model(m.body).sight(&measured[m.plant_x], &u_[m.plant_u]);
+    to[0] = seen.p.x, to[1] = seen.p.y, to[2] = seen.p.z;
+    to[3] = seen.v.x, to[4] = seen.v.y, to[5] = seen.v.z;
+  }
+}
+
+void Loop::command(int index, const Controller& controller, const Solution& solution, double t,
+                   Sample& sample) noexcept {
+  const std::size_t nu = size(controller.solver->ocp().nu());
+  for (const Member& m : controller.members) {
+    if (m.limits == nullptr) continue;
+    const std::span<double> held = std::span(u_).subspan(m.plant_u, m.nu);
+    const auto u_min = std::span(u_min_).first(m.nu), u_max = std::span(u_max_).first(m.nu);
+    m.limits->at(t, u_min, u_max);
+    bool good = solution.u.size() == nu;
+    for (std::size_t i = 0; good && i < m.nu; ++i) {
+      const double u = solution.u[m.ocp_u + i];
+      good = u >= u_min[i] && u <= u_max[i];  // false for what is not a number
+    }
+    for (std::size_t i = 0; i < m.nu; ++i) {
+      if (good) held[i] = solution.u[m.ocp_u + i];
+      held[i] = std::clamp(held[i], u_min[i], u_max[i]);
+      sample.raw_u[m.plant_u + i] = solution.raw_u.size() == nu ? solution.raw_u[m.ocp_u + i] : held[i];
+    }
+    if (good) continue;
+    ++outcome_.refused;
+    tell({t, EventKind::input_refused, index, static_cast<double>(m.body.index)});
+  }
+}
+
+void Loop::write_path(const Controller& controller, const Solution& solution, Sample& sample) noexcept {
+  const Horizon& horizon = controller.solver->ocp().horizon();
+  const std::size_t nx = size(controller.solver->ocp().nx()), world_nx = sample.x.size();
+  const std::size_t N = size(horizon.N);
+  if (solution.x.size() != (N + 1) * nx || !all_finite(solution.x)) return;
+  // Another controller's horizon may have other stages: on a line between them, held after the last.
+  const double ratio = sample.path_step / horizon.h();
+  for (std::size_t i = 0; i * world_nx < sample.path.size(); ++i) {
+    const double at = std::min(static_cast<double>(i) * ratio, static_cast<double>(N));
+    const std::size_t stage = std::min(static_cast<std::size_t>(at), N - 1);
+    const double w = at - static_cast<double>(stage);
+    const double *from = &solution.x[stage * nx], *to = from + nx;
+    for (const Member& m : controller.members) {
+      for (std::size_t q = 0; q < m.nx; ++q) {
+        sample.path[i * world_nx + m.plant_x + q] = (1 - w) * from[m.ocp_x + q] + w * to[m.ocp_x + q];
+      }
+    }
+  }
+}
+
+void Loop::tell(const Event& event) noexcept {
+  if (events_.size() < events_.capacity()) events_.push_back(event);
+}
+
+}  // namespace sightline

@@ -1,0 +1,105 @@
+/// The control loop: measure, solve, check, apply; once per period.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "sightline/run/clock.hpp"
+#include "sightline/run/ring.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/sim/plant.hpp"
+#include "sightline/sim/sensor.hpp"
+#include "sightline/solver/solver.hpp"
+
+namespace sightline {
+
+/// Solvers of one loop, each with its own Ocp.
+using Controllers = std::vector<std::reference_wrapper<Solver>>;
+
+struct LoopOptions {
+  double duration = 60.0;      ///< [s]; round(duration / period) periods
+  double period = 0.01;        ///< [s], that of each controller's horizon
+  double path_interval = 0.1;  ///< time between two samples with a predicted path [s]; 0: none has one
+  /// Allocations of the calling thread so far, where they are counted.
+  std::int64_t (*allocations)() noexcept = nullptr;
+  /// Ends the loop at the next period once it is true.
+  const std::atomic<bool>* stop = nullptr;
+};
+
+/// What became of a run.
+struct LoopOutcome {
+  std::int64_t updates = 0;          ///< periods in which the controllers were asked
+  std::int64_t missed = 0;           ///< periods that were over before they could begin
+  std::int64_t dropped = 0;          ///< samples that found the ring full
+  std::int64_t refused = 0;          ///< commands of a robot that were not applied
+  std::int64_t max_allocations = 0;  ///< most in one update, state in to command out, all controllers
+  bool finite = true;                ///< false: a state of the plant was not, which ended the run
+  bool stopped = false;              ///< ended by the stop flag
+};
+
+/// A sample with all its vectors sized for a loop: the prototype of the ring's items.
+Sample sized_sample(const Team& plant, const Controllers& controllers);
+
+/// Runs controllers against a plant. Bodies are matched by name: what a controller's team calls a robot is a
+/// robot of the plant, and what it calls an obstacle may be one of the plant's obstacles, or a robot that
+/// another controller steers and this one sees as position and velocity.
+///
+/// Period k, at t = k period: the sensor's measurement goes to each controller in turn; of a robot whose
+/// command is not finite or not within its limits the last good one is applied instead, and an event tells
+/// it; the sample goes into the ring, and the plant steps. Where a steady clock missed periods, the plant
+/// went on under the command it had. Nothing in here allocates, locks, throws or prints.
+class Loop {
+ public:
+  /// All of it must outlive the loop.
+  /// @throws std::invalid_argument unless each robot of the plant is steered by exactly one controller and
+  /// all that a
+  ///         controller knows is there, of the same model, and the ring is made of sized_sample()
+  Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& clock, Ring<Sample>& ring,
+       const LoopOptions& options);
+
+  /// Runs to the end, once; closes the ring.
+  LoopOutcome run() noexcept;
+
+ private:
+  /// A body as the plant and as a controller's Ocp know it.
+  struct Member {
+    BodyId body;         // of the plant
+    std::size_t nx, nu;  // copied as they are; nx = 0: a robot seen as position and velocity
+    std::size_t plant_x, plant_u;
+    std::size_t ocp_x, ocp_u;
+    const InputLimits* limits;  // nullptr: not steered by this controller
+  };
+  struct Controller {
+    Solver* solver;
+    std::vector<Member> members;
+    std::vector<double> states;  // what the solver is given (its nx)
+    Status status{};
+  };
+
+  Member match(const Team& team, BodyId body, std::size_t controller) const;
+  void check_steered() const;
+
+  void update(double t, std::span<const double> measured, Sample& sample) noexcept;
+  void gather(Controller& controller, std::span<const double> measured) noexcept;
+  void command(int index, const Controller& controller, const Solution& solution, double t,
+               Sample& sample) noexcept;
+  void write_path(const Controller& controller, const Solution& solution, Sample& sample) noexcept;
+  void tell(const Event& event) noexcept;
+
+  Plant& plant_;
+  Sensor& sensor_;
+  Clock& clock_;
+  Ring<Sample>& ring_;
+  LoopOptions options_;
+  std::vector<Controller> controllers_;
+  std::vector<double> u_;  // applied, all robots of the plant; always within limits
+  std::vector<double> u_min_, u_max_;
+  std::vector<Event> events_;  // not yet in a sample
+  Sample spare_;               // written where the ring is full
+  LoopOutcome outcome_;
+};
+
+}  // namespace sightline

@@ -1,0 +1,65 @@
+/// A ring of preallocated items between one producer, which is never held up, and one consumer.
+#pragma once
+
+#include <time.h>
+
+#include <atomic>
+#include <cassert>
+#include <cstddef>
+#include <vector>
+
+namespace sightline {
+
+/// Items are made once, as copies of a prototype, and written and read where they are. No locks: the producer
+/// does not even wake the consumer, which looks every now and then.
+template <class T>
+class Ring {
+ public:
+  /// @param capacity  items that can wait, >= 1
+  Ring(std::size_t capacity, const T& prototype) : items_(capacity, prototype) {
+    assert(capacity > 0 && "a ring holds something");
+  }
+
+  /// Producer: the next item to write, or nullptr where all wait to be read.
+  T* claim() noexcept {
+    const std::size_t written = written_.load(std::memory_order_relaxed);
+    if (written - read_.load(std::memory_order_acquire) == items_.size()) return nullptr;
+    return &items_[written % items_.size()];
+  }
+  /// Producer: hands over the claimed item.
+  void publish() noexcept {
+    written_.store(written_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+  }
+  /// Producer: nothing comes after what was published.
+  void close() noexcept { closed_.store(true, std::memory_order_release); }
+
+  /// Consumer: the oldest item, or nullptr where none waits.
+  const T* front() const noexcept {
+    const std::size_t read = read_.load(std::memory_order_relaxed);
+    if (written_.load(std::memory_order_acquire) == read) return nullptr;
+    return &items_[read % items_.size()];
+  }
+  /// Consumer: done with the item at the front.
+  void pop() noexcept { read_.store(read_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
+  /// Consumer: the oldest item, as soon as there is one; nullptr when the ring is closed and empty.
+  const T* wait() const noexcept {
+    constexpr timespec nap = {0, 200'000};  // 0.2 ms
+    for (;;) {
+      const bool last = closed_.load(std::memory_order_acquire);  // before the look at the front
+      if (const T* item = front()) return item;
+      if (last) return nullptr;
+      ::nanosleep(&nap, nullptr);
+    }
+  }
+
+  std::size_t capacity() const noexcept { return items_.size(); }
+
+ private:
+  std::vector<T> items_;
+  // Counts of all items ever, each on a cache line of its own.
+  alignas(64) std::atomic<std::size_t> written_{0};
+  alignas(64) std::atomic<std::size_t> read_{0};
+  std::atomic<bool> closed_{false};
+};
+
+}  // namespace sightline

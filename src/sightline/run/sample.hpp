@@ -1,0 +1,55 @@
+/// What the loop hands to the log, once per control period.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "sightline/solver/solver.hpp"
+
+namespace sightline {
+
+/// What can happen besides the ordinary.
+enum class EventKind : std::uint8_t {
+  missed_period,    ///< a steady clock's period was over before the update; value: periods missed
+  solver_status,    ///< the status of a controller changed; value: the new Status as a number
+  input_refused,    ///< a command was not finite or above its limit after the solver's clamp and was not
+                    ///< applied
+  samples_dropped,  ///< the log could not keep up; value: samples dropped so far
+};
+std::string_view to_string(EventKind kind);
+
+struct Event {
+  double time = 0.0;  ///< [s]
+  EventKind kind{};
+  int controller = 0;
+  double value = 0.0;
+};
+
+/// One controller's record of one update.
+struct SolverRecord {
+  Status status{};
+  double residual = 0.0;
+  int iterations = 0;
+  double solve_us = 0.0;         ///< measured; goes into timing.csv alone
+  std::int64_t allocations = 0;  ///< on the control thread, state in to command out
+};
+
+/// One control period. All vectors are sized before the loop starts and never grow.
+struct Sample {
+  double time = 0.0;                  ///< [s], of the measurement
+  std::vector<double> x;              ///< true states of all bodies (nx)
+  std::vector<double> measured;       ///< what the controllers saw (nx)
+  std::vector<double> u;              ///< applied inputs (nu)
+  std::vector<double> raw_u;          ///< the solvers' inputs before their clamp (nu)
+  std::vector<SolverRecord> solvers;  ///< one for each controller
+  bool has_path = false;
+  std::vector<double> path;  ///< predicted states (N+1 x nx), where has_path
+  double path_step = 0.0;    ///< time between two predicted states [s]
+  double update_us = 0.0;    ///< measured: state in to command out, all controllers
+  int event_count = 0;
+  std::array<Event, 8> events{};
+};
+
+}  // namespace sightline

@@ -1,0 +1,140 @@
+#include "sightline/sim/disturbance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "sightline/potential/potential.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr std::uint64_t golden = 0x9e3779b97f4a7c15;
+
+std::uint64_t mix(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+  return z ^ (z >> 31);
+}
+
+// Times are sums of steps; two that differ by less are the same.
+constexpr double same_time = 1e-9;
+
+}  // namespace
+
+void Disturbances::check() const {
+  const auto expect = [](bool holds, std::string_view field, double value, std::string_view expected) {
+    require(holds, "disturbance", field, value, expected);
+  };
+  for (const double w : {wind.x, wind.y, wind.z}) expect(true, "wind", w, "finite m/s^2");
+  expect(gust_sigma >= 0, "gust.sigma", gust_sigma, ">= 0 m/s^2");
+  expect(gust_time > 0, "gust.time", gust_time, "> 0 s");
+  expect(airflow.amplitude >= 0, "airflow.amplitude", airflow.amplitude, ">= 0 m/s^2");
+  expect(airflow.distance > 0, "airflow.distance", airflow.distance, "> 0 m");
+  expect(airflow.frequency >= 0, "airflow.frequency", airflow.frequency, ">= 0 Hz");
+  expect(input_delay >= 0 && input_delay <= 1, "input_delay", input_delay, "0 to 1 s");
+  expect(yaw_lag == 0 || yaw_lag >= 1e-3, "yaw_lag", yaw_lag, "0 or >= 0.001 s");
+  expect(input_gain > 0, "input_gain", input_gain, "> 0");
+  expect(noise.position >= 0, "noise.position", noise.position, ">= 0 m");
+  expect(noise.heading >= 0, "noise.heading", noise.heading, ">= 0 rad");
+  expect(noise.velocity >= 0, "noise.velocity", noise.velocity, ">= 0 m/s");
+  expect(measurement_delay >= 0 && measurement_delay <= 1, "delay", measurement_delay, "0 to 1 s");
+}
+
+RandomStream::RandomStream(std::uint64_t seed, Chance purpose, int body)
+    : state_(mix(mix(mix(seed + golden) + static_cast<std::uint64_t>(purpose) + golden) +
+                 static_cast<std::uint64_t>(body) + golden)) {}
+
+std::uint64_t RandomStream::next() noexcept { return mix(state_ += golden); }
+
+double RandomStream::uniform() noexcept { return (static_cast<double>(next() >> 11) + 1.0) * 0x1p-53; }
+
+double RandomStream::normal() noexcept {
+  if (has_spare_) {
+    has_spare_ = false;
+    return spare_;
+  }
+  const double radius = sqrt(-2.0 * std::log(uniform()));
+  const SinCos<double> turn = sincos(2 * std::numbers::pi * uniform());
+  spare_ = radius * turn.sin;
+  has_spare_ = true;
+  return radius * turn.cos;
+}
+
+Gusts::Gusts(double sigma, double time, int robots, std::uint64_t seed) : sigma_(sigma), time_(time) {
+  for (int i = 0; i < robots; ++i) {
+    streams_.emplace_back(seed, Chance::gust, i);
+    a_.push_back(sigma_ * draw(static_cast<std::size_t>(i)));
+  }
+}
+
+Vec3<double> Gusts::draw(std::size_t robot) noexcept {
+  RandomStream& stream = streams_[robot];
+  const double x = stream.normal(), y = stream.normal(), z = stream.normal();
+  return {x, y, z};
+}
+
+void Gusts::advance(double s) noexcept {
+  const double keep = exp(-s / time_);
+  const double fresh = sigma_ * sqrt(1.0 - keep * keep);
+  for (std::size_t i = 0; i < a_.size(); ++i) a_[i] = keep * a_[i] + fresh * draw(i);
+}
+
+Wakes::Wakes(const Airflow& airflow, int robots, std::uint64_t seed) : airflow_(airflow) {
+  for (int i = 0; i < robots; ++i) {
+    RandomStream& stream = streams_.emplace_back(seed, Chance::wake, i);
+    phase_.push_back(2 * std::numbers::pi * stream.uniform());
+    swing_.push_back(sin(phase_.back()));
+  }
+}
+
+void Wakes::push(std::span<const Vec3<double>> p, std::span<Vec3<double>> acceleration) const noexcept {
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    for (std::size_t j = 0; j < p.size(); ++j) {
+      const Vec3<double> line = p[i] - p[j];
+      const double level = sqrt(square(line.x) + square(line.y));
+      if (!(level > 0)) continue;  // itself, or one right above the other: no side to be pushed to
+      const double near = std::min(square(airflow_.distance) / dot(line, line), Airflow::strongest);
+      const double push = airflow_.amplitude * near * swing_[j] / level;
+      acceleration[i].x -= push * line.y;
+      acceleration[i].y += push * line.x;
+    }
+  }
+}
+
+void Wakes::advance(double s) noexcept {
+  const double turn = 2 * std::numbers::pi * airflow_.frequency * s, spread = Airflow::wander * sqrt(s);
+  for (std::size_t i = 0; i < phase_.size(); ++i) {
+    phase_[i] = std::fmod(phase_[i] + turn + spread * streams_[i].normal(), 2 * std::numbers::pi);
+    swing_[i] = sin(phase_[i]);
+  }
+}
+
+InputDelay::InputDelay(double delay, double period, std::span<const double> initial)
+    : delay_(delay),
+      nu_(initial.size()),
+      arrival_(static_cast<std::size_t>(std::ceil(delay / period)) + 3),
+      rows_(arrival_.size() * nu_) {
+  std::copy(initial.begin(), initial.end(), rows_.begin());
+}
+
+void InputDelay::give(double t, std::span<const double> u) noexcept {
+  if (waiting_ + 1 < arrival_.size()) ++waiting_;
+  arrival_[row(waiting_)] = t + delay_;
+  std::copy(u.begin(), u.end(), rows_.begin() + static_cast<std::ptrdiff_t>(row(waiting_) * nu_));
+}
+
+std::span<const double> InputDelay::at(double t) noexcept {
+  while (waiting_ > 0 && arrival_[row(1)] <= t + same_time) {
+    held_ = row(1);
+    --waiting_;
+  }
+  return std::span(rows_).subspan(held_ * nu_, nu_);
+}
+
+double InputDelay::next_arrival() const noexcept {
+  return waiting_ > 0 ? arrival_[row(1)] : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace sightline

@@ -1,0 +1,123 @@
+#include "sightline/sim/plant.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <stdexcept>
+
+namespace sightline {
+namespace {
+
+const PlantOptions& checked(const PlantOptions& options) {
+  options.disturbances.check();
+  require(options.period >= 1e-4, "plant", "period", options.period, ">= 1e-4 s");
+  return options;
+}
+
+/// What the robots are told before anybody tells them something.
+std::vector<double> resting_input(const Team& team) {
+  std::vector<double> u;
+  for (const Agent& agent : team.agents()) u.insert(u.end(), agent.u_ref.begin(), agent.u_ref.end());
+  return u;
+}
+
+}  // namespace
+
+Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
+    : team_(std::move(team)),
+      disturbances_(checked(options).disturbances),
+      nx_(static_cast<std::size_t>(team_.nx())),
+      z_(std::move(x0)),
+      u_(static_cast<std::size_t>(team_.nu())),
+      delay_(disturbances_.input_delay, options.period, resting_input(team_)) {
+  if (z_.size() != nx_) {
+    throw std::invalid_argument(fmt::format("the plant's start has {} numbers, expected {}", z_.size(), nx_));
+  }
+  int robots = 0;
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i};
+    const Part& part = parts_.emplace_back(
+        Part{team_.model(body), static_cast<std::size_t>(team_.state_offset(body)),
+             static_cast<std::size_t>(team_.input_offset(body)), team_.is_agent(body) ? robots++ : -1});
+    if (!part.model.normalise(&z_[part.x])) {
+      throw std::invalid_argument(fmt::format(
+          "the start of \"{}\" is not a state, expected finite numbers and a heading other than (0, 0)",
+          team_.name(body)));
+    }
+    if (disturbances_.yaw_lag == 0) continue;
+    const auto names = part.model.inputs();
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      if (names[k] == "u_psi") lags_.push_back({part.u + k, nx_ + lags_.size()});
+    }
+  }
+  const std::span<const double> resting = delay_.at(0.0);
+  for (const YawLag& lag : lags_) z_.push_back(disturbances_.input_gain * resting[lag.input]);
+  scratch_.resize(RungeKuttaScratch::stages * z_.size());
+
+  const Vec3<double>& wind = disturbances_.wind;
+  if (disturbances_.gust_sigma > 0) {
+    gusts_.emplace(disturbances_.gust_sigma, disturbances_.gust_time, robots, options.seed);
+  }
+  if (disturbances_.airflow.amplitude > 0) wakes_.emplace(disturbances_.airflow, robots, options.seed);
+  p_.resize(static_cast<std::size_t>(robots));
+  acceleration_.resize(p_.size());
+  pushed_ = gusts_ || wakes_ || wind.x != 0 || wind.y != 0 || wind.z != 0;
+}
+
+bool Plant::step(std::span<const double> u, double dt) noexcept {
+  assert(u.size() == u_.size() && "the plant is given one input for each input of its robots");
+  assert(dt > 0 && "time goes on");
+  if (pushed_) set_accelerations();
+  delay_.give(time_, u);
+
+  // A command that comes into force divides the step; a lag as short as the step wants it divided too.
+  const double longest = lags_.empty() ? std::numeric_limits<double>::infinity() : disturbances_.yaw_lag / 4;
+  constexpr double same_time = 1e-9;
+  for (double done = 0; dt - done > same_time || done == 0;) {
+    const std::span<const double> held = delay_.at(time_ + done);
+    const double until_next = delay_.next_arrival() - (time_ + done);
+    double s = std::min(dt - done, longest);
+    if (until_next < s - same_time) s = until_next;
+    integrate(held, s);
+    done += s;
+  }
+
+  if (gusts_) gusts_->advance(dt);
+  if (wakes_) wakes_->advance(dt);
+  time_ += dt;
+  bool finite = true;
+  for (const Part& part : parts_) finite = part.model.normalise(&z_[part.x]) && finite;
+  return finite;
+}
+
+void Plant::set_accelerations() noexcept {
+  for (const Part& part : parts_) {
+    if (part.robot < 0) continue;
+    const auto robot = static_cast<std::size_t>(part.robot);
+    p_[robot] = part.model.sight(&z_[part.x], &u_[part.u]).p;
+    acceleration_[robot] = disturbances_.wind;
+    if (gusts_) acceleration_[robot] = acceleration_[robot] + gusts_->acceleration(part.robot);
+  }
+  if (wakes_) wakes_->push(p_, acceleration_);
+}
+
+void Plant::integrate(std::span<const double> u, double s) noexcept {
+  for (std::size_t i = 0; i < u_.size(); ++i) u_[i] = disturbances_.input_gain * u[i];
+  const auto f = [&](std::span<const double> z, std::span<double> rate) {
+    for (const YawLag& lag : lags_) {
+      rate[lag.state] = (disturbances_.input_gain * u[lag.input] - z[lag.state]) / disturbances_.yaw_lag;
+      u_[lag.input] = z[lag.state];
+    }
+    for (const Part& part : parts_) {
+      part.model.f(&z[part.x], u_.data() + part.u, &rate[part.x]);
+      if (pushed_ && part.robot >= 0) {
+        part.model.push(&z[part.x], acceleration_[static_cast<std::size_t>(part.robot)], &rate[part.x]);
+      }
+    }
+  };
+  rk4_step(f, z_, s, {scratch_});
+}
+
+}  // namespace sightline

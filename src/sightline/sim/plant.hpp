@@ -1,0 +1,69 @@
+/// The simulated world: the continuous models of all bodies, with what disturbs them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sightline/math/integrate.hpp"
+#include "sightline/ocp/team.hpp"
+#include "sightline/sim/disturbance.hpp"
+
+namespace sightline {
+
+struct PlantOptions {
+  std::uint64_t seed = 1;
+  Disturbances disturbances{};
+  double period = 0.01;  ///< shortest step that will be asked for [s]; sizes the queue of delayed commands
+};
+
+/// x' = f(x, u) of each body by the classical Runge-Kutta step with u held (zero-order hold). After each step
+/// every heading is put back on the circle. Undisturbed, a step is one Runge-Kutta step of each model, bit
+/// for bit.
+///
+/// Wind, gusts and wakes are accelerations of the robots, held over a step; a delayed command that comes into
+/// force within a step divides it there.
+class Plant {
+ public:
+  /// @param x0  states of all bodies, in the order of the team (nx)
+  /// @throws std::invalid_argument for a start or a disturbance that cannot be, named
+  Plant(Team team, std::vector<double> x0, const PlantOptions& options = {});
+
+  /// Advances by dt [s] under the inputs u (nu). Allocates nothing.
+  /// @return false where a state is no longer finite
+  bool step(std::span<const double> u, double dt) noexcept;
+
+  const Team& team() const { return team_; }
+  std::span<const double> x() const noexcept { return std::span(z_).first(nx_); }
+  double time() const noexcept { return time_; }
+
+ private:
+  struct Part {
+    Model model;
+    std::size_t x, u;  // offsets
+    int robot;         // index among the robots, or -1
+  };
+  struct YawLag {
+    std::size_t input, state;
+  };
+
+  void set_accelerations() noexcept;
+  void integrate(std::span<const double> u, double s) noexcept;
+
+  Team team_;
+  Disturbances disturbances_;
+  std::size_t nx_;
+  std::vector<Part> parts_;
+  std::vector<YawLag> lags_;
+  std::vector<double> z_;  // states of all bodies, then the lagging yaw inputs
+  std::vector<double> u_, scratch_;
+  InputDelay delay_;
+  std::optional<Gusts> gusts_;
+  std::optional<Wakes> wakes_;
+  std::vector<Vec3<double>> p_, acceleration_;  // of the robots
+  bool pushed_;
+  double time_ = 0.0;
+};
+
+}  // namespace sightline

@@ -1,0 +1,210 @@
+#include "sightline/sim/disturbance.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+namespace sightline {
+namespace {
+
+TEST(Disturbances, TheDefaultDisturbsNothingAndIsAccepted) { EXPECT_NO_THROW(Disturbances{}.check()); }
+
+TEST(Disturbances, EachFieldOutOfItsRangeIsNamed) {
+  const double nan = std::nan("");
+  const std::vector<std::pair<std::string, std::function<void(Disturbances&)>>> wrong = {
+      {"wind", [&](Disturbances& d) { d.wind.y = nan; }},
+      {"gust.sigma", [](Disturbances& d) { d.gust_sigma = -0.1; }},
+      {"gust.time", [](Disturbances& d) { d.gust_time = 0; }},
+      {"airflow.amplitude", [&](Disturbances& d) { d.airflow.amplitude = nan; }},
+      {"airflow.distance", [](Disturbances& d) { d.airflow.distance = 0; }},
+      {"airflow.frequency", [](Disturbances& d) { d.airflow.frequency = -1; }},
+      {"input_delay", [](Disturbances& d) { d.input_delay = 1.5; }},
+      {"yaw_lag", [](Disturbances& d) { d.yaw_lag = 1e-4; }},
+      {"input_gain", [](Disturbances& d) { d.input_gain = 0; }},
+      {"noise.position", [](Disturbances& d) { d.noise.position = -1; }},
+      {"noise.heading", [](Disturbances& d) { d.noise.heading = std::numeric_limits<double>::infinity(); }},
+      {"noise.velocity", [&](Disturbances& d) { d.noise.velocity = nan; }},
+      {"delay", [](Disturbances& d) { d.measurement_delay = -0.01; }},
+  };
+  for (const auto& [field, spoil] : wrong) {
+    Disturbances d;
+    spoil(d);
+    try {
+      d.check();
+      ADD_FAILURE() << field << " was accepted";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), testing::StartsWith("disturbance." + field + " = "));
+    }
+  }
+}
+
+TEST(RandomStream, NormalNumbersHaveMeanZeroVarianceOneAndKurtosisThree) {
+  RandomStream stream(5, Chance::gust, 0);
+  constexpr int n = 400'000;
+  double first = 0, second = 0, fourth = 0;
+  for (int i = 0; i < n; ++i) {
+    const double v = stream.normal();
+    first += v / n, second += v * v / n, fourth += v * v * v * v / n;
+  }
+  EXPECT_NEAR(first, 0.0, 0.01);
+  EXPECT_NEAR(second, 1.0, 0.01);
+  EXPECT_NEAR(fourth, 3.0, 0.1);
+}
+
+TEST(RandomStream, UniformNumbersFillTheUnitIntervalEvenly) {
+  RandomStream stream(5, Chance::wake, 0);
+  std::vector<int> counts(20, 0);
+  for (int i = 0; i < 200'000; ++i) {
+    const double v = stream.uniform();
+    ASSERT_GT(v, 0.0);
+    ASSERT_LE(v, 1.0);
+    ++counts[std::min<std::size_t>(19, static_cast<std::size_t>(v * 20))];
+  }
+  for (const int count : counts) EXPECT_NEAR(count, 10'000, 500);
+}
+
+TEST(RandomStream, SeedPurposeAndBodyEachNameAStreamOfItsOwn) {
+  const auto correlation = [](RandomStream a, RandomStream b) {
+    double sum = 0;
+    for (int i = 0; i < 100'000; ++i) sum += a.normal() * b.normal() / 100'000;
+    return sum;
+  };
+  const RandomStream stream(1, Chance::gust, 0);
+  EXPECT_NEAR(correlation(stream, stream), 1.0, 0.02);
+  EXPECT_NEAR(correlation(stream, {2, Chance::gust, 0}), 0.0, 0.02);
+  EXPECT_NEAR(correlation(stream, {1, Chance::wake, 0}), 0.0, 0.02);
+  EXPECT_NEAR(correlation(stream, {1, Chance::gust, 1}), 0.0, 0.02);
+}
+
+TEST(Gusts, HaveTheVarianceAndTheCorrelationOfTheProcessForAnyStep) {
+  constexpr double sigma = 0.3, time = 0.5;
+  for (const double s : {0.01, 0.05, 0.3}) {
+    Gusts gusts(sigma, time, 40, 7);
+    constexpr int lag = 3, steps = 4000;
+    std::vector<std::vector<Vec3<double>>> past;
+    double variance = 0, correlation = 0, crossed = 0;
+    for (int k = 0; k < steps; ++k) {
+      for (int i = 0; i < 40; ++i) {
+        const Vec3<double> a = gusts.acceleration(i);
+        variance += dot(a, a) / (3 * 40 * steps);
+        crossed += a.x * a.y / (40 * steps);
+      }
+      std::vector<Vec3<double>>& now = past.emplace_back();
+      for (int i = 0; i < 40; ++i) now.push_back(gusts.acceleration(i));
+      if (k >= lag) {
+        for (std::size_t i = 0; i < 40; ++i) {
+          correlation += dot(now[i], past[static_cast<std::size_t>(k - lag)][i]) / (3 * 40 * (steps - lag));
+        }
+      }
+      gusts.advance(s);
+    }
+    EXPECT_NEAR(variance, sigma * sigma, 0.05 * sigma * sigma) << s;
+    EXPECT_NEAR(correlation / variance, std::exp(-lag * s / time), 0.05) << s;
+    EXPECT_NEAR(crossed, 0.0, 0.05 * sigma * sigma) << s;
+  }
+}
+
+TEST(Gusts, OneMoreRobotLeavesTheOthersGustsAsTheyWere) {
+  Gusts three(0.2, 1.0, 3, 11), four(0.2, 1.0, 4, 11);
+  for (int k = 0; k < 100; ++k) {
+    for (int i = 0; i < 3; ++i) ASSERT_EQ(three.acceleration(i).x, four.acceleration(i).x);
+    three.advance(0.01);
+    four.advance(0.01);
+  }
+}
+
+// The largest push on the first of two robots over 20 s.
+Vec3<double> largest_push(const Airflow& airflow, const Vec3<double>& offset) {
+  Wakes wakes(airflow, 2, 4);
+  const std::vector<Vec3<double>> p = {{1, 2, 3}, Vec3<double>{1, 2, 3} + offset};
+  Vec3<double> largest{};
+  for (int k = 0; k < 2000; ++k) {
+    std::vector<Vec3<double>> a(2);
+    wakes.push(p, a);
+    largest = {std::max(largest.x, std::abs(a[0].x)), std::max(largest.y, std::abs(a[0].y)),
+               std::max(largest.z, std::abs(a[0].z))};
+    wakes.advance(0.01);
+  }
+  return largest;
+}
+
+TEST(Wakes, PushAcrossTheLineWithTheAmplitudeGivenAtTheDistance) {
+  const Airflow airflow{.amplitude = 0.15, .distance = 1.5};
+  const Vec3<double> level = largest_push(airflow, {1.5, 0, 0});
+  EXPECT_NEAR(level.y, 0.15, 1e-3);
+  EXPECT_EQ(level.x, 0.0);
+  EXPECT_EQ(level.z, 0.0);
+  const Vec3<double> slanted = largest_push(airflow, {0, 1.2, 0.9});
+  EXPECT_NEAR(slanted.x, 0.15, 1e-3);
+  EXPECT_EQ(slanted.y, 0.0);
+}
+
+TEST(Wakes, GrowWithTheInverseSquareOfTheDistanceUpToTheirCap) {
+  const Airflow airflow{.amplitude = 0.15, .distance = 1.5};
+  double previous = 0.0;
+  for (const double D : {6.0, 3.0, 1.5, 1.0, 0.76}) {
+    const double push = largest_push(airflow, {D, 0, 0}).y;
+    EXPECT_NEAR(push, 0.15 * square(1.5 / D), 0.01 * push) << D;
+    EXPECT_GT(push, previous);
+    previous = push;
+  }
+  for (const double D : {0.75, 0.1, 1e-9}) EXPECT_NEAR(largest_push(airflow, {D, 0, 0}).y, 0.6, 0.01) << D;
+  EXPECT_EQ(largest_push(airflow, {0, 0, 1}).y, 0.0) << "right above";
+}
+
+TEST(Wakes, SwingAtTheirFrequency) {
+  // Falls from above one half to below minus one half, once in a period of 2 s.
+  const Airflow airflow{.amplitude = 1.0, .distance = 1.0, .frequency = 0.5};
+  int falls = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Wakes wakes(airflow, 2, seed);
+    bool high = false;
+    for (int k = 0; k < 10'000; ++k) {
+      std::vector<Vec3<double>> a(2);
+      wakes.push(std::vector<Vec3<double>>{{0, 0, 0}, {1, 0, 0}}, a);
+      if (high && a[0].y < -0.5) {
+        ++falls;
+        high = false;
+      }
+      high = high || a[0].y > 0.5;
+      wakes.advance(0.01);
+    }
+  }
+  EXPECT_NEAR(falls, 20 * 50, 20);
+}
+
+TEST(InputDelay, ACommandComesIntoForceItsDelayAfterItWasGiven) {
+  const std::vector<double> initial = {-1.0};
+  for (const double delay : {0.0, 0.004, 0.06, 0.0625}) {
+    InputDelay line(delay, 0.01, initial);
+    for (int k = 0; k < 100; ++k) {
+      const double t = 0.01 * k;
+      line.give(t, std::vector<double>{static_cast<double>(k)});
+      const double expected = std::max(-1.0, std::floor((t - delay) / 0.01 + 1e-6));
+      ASSERT_EQ(line.at(t)[0], t + 1e-9 < delay ? -1.0 : expected) << "delay " << delay << " at " << t;
+      ASSERT_GT(line.next_arrival(), t);
+    }
+  }
+}
+
+TEST(InputDelay, OfCommandsFasterThanItsPeriodItKeepsTheLatestAndStaysInOrder) {
+  InputDelay line(0.05, 0.01, std::vector<double>{-1.0});
+  double previous = -1.0;
+  for (int k = 0; k < 1000; ++k) {
+    const double t = 0.001 * k;
+    line.give(t, std::vector<double>{static_cast<double>(k)});
+    const double now = line.at(t)[0];
+    ASSERT_GE(now, previous);
+    ASSERT_LE(now, std::max(-1.0, k - 49.0));
+    previous = now;
+  }
+  EXPECT_EQ(line.at(2.0)[0], 999.0);
+}
+
+}  // namespace
+}  // namespace sightline

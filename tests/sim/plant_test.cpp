@@ -1,0 +1,225 @@
+#include "sightline/sim/plant.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+namespace sightline {
+namespace {
+
+using Numbers = std::vector<double>;
+constexpr double dt = 0.01;
+
+Team two_robots() {
+  Team team;
+  team.add(Multirotor{});
+  team.add(Multirotor{});
+  return team;
+}
+
+// A team of both robot models and an obstacle, so that offsets matter.
+Team mixed() {
+  Team team;
+  team.add(AngleMultirotor{});
+  team.add(Obstacle{.name = "wall"});
+  team.add(Multirotor{});
+  return team;
+}
+const Numbers mixed_start = {0,    0,   1,        3.0, 0.2, -0.1, /**/ 3, 2,   1, 0.3,
+                             -0.2, 0.1, /**/ 1.5, 0,   1.2, 0.6,  0.8,    0.1, 0};
+
+// Random commands that hold for 0.2 s.
+Numbers command(int k, std::size_t nu) {
+  std::mt19937_64 random(static_cast<unsigned>(k / 20));
+  std::uniform_real_distribution<double> within(-1, 1);
+  Numbers u(nu);
+  for (double& v : u) v = within(random);
+  return u;
+}
+
+Numbers fly(const Team& team, const Numbers& x0, const PlantOptions& options, int steps) {
+  Plant plant(team, x0, options);
+  Numbers trajectory;
+  for (int k = 0; k < steps; ++k) {
+    plant.step(command(k, static_cast<std::size_t>(team.nu())), dt);
+    trajectory.insert(trajectory.end(), plant.x().begin(), plant.x().end());
+  }
+  return trajectory;
+}
+
+double largest_difference(const Numbers& a, const Numbers& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+const Numbers apart = {-0.6, -0.3, 0.6, 1, 0, 0, 0, /**/ 0.9, -0.3, 0.6, 1, 0, 0, 0};
+
+TEST(Plant, UndisturbedIsOneRungeKuttaStepOfEachModelBitForBit) {
+  const Team team = mixed();
+  Plant plant(team, mixed_start);
+  Numbers x = mixed_start, scratch(5 * 7);
+  for (int i = 0; i < team.bodies(); ++i)
+    ASSERT_TRUE(team.model(BodyId{i}).normalise(&x[0] + team.state_offset({i})));
+  for (int k = 0; k < 500; ++k) {
+    const Numbers u = command(k, 8);
+    ASSERT_TRUE(plant.step(u, dt));
+    for (int i = 0; i < team.bodies(); ++i) {
+      const Model& model = team.model(BodyId{i});
+      double* const part = &x[0] + team.state_offset(BodyId{i});
+      const double* const input = u.data() + team.input_offset(BodyId{i});
+      const auto f = [&](std::span<const double> at, std::span<double> rate) {
+        model.f(at.data(), input, rate.data());
+      };
+      rk4_step(f, {part, static_cast<std::size_t>(model.nx())}, dt, {scratch});
+      ASSERT_TRUE(model.normalise(part));
+    }
+    ASSERT_EQ(Numbers(plant.x().begin(), plant.x().end()), x) << "after step " << k;
+  }
+}
+
+TEST(Plant, ConvergesWithTheFourthOrderOfTheStep) {
+  const Numbers u = {0.7, -0.4, 0.3, 0.9, -0.5, 0.6, 0.1, -0.8};
+  const auto after_one_second = [&](int steps) {
+    Plant plant(two_robots(), apart);
+    for (int k = 0; k < steps; ++k) plant.step(u, 1.0 / steps);
+    return Numbers(plant.x().begin(), plant.x().end());
+  };
+  const Numbers exact = after_one_second(2000);
+  double previous = largest_difference(after_one_second(5), exact);
+  for (const int steps : {10, 20, 40}) {
+    const double error = largest_difference(after_one_second(steps), exact);
+    EXPECT_NEAR(std::log2(previous / error), 4.0, 0.4) << steps << " steps";
+    previous = error;
+  }
+}
+
+TEST(Plant, HeadingsStayOnTheCircleUnderAnyDisturbance) {
+  const PlantOptions options{.seed = 3,
+                             .disturbances = {.wind = {0.1, 0.2, 0},
+                                              .gust_sigma = 0.5,
+                                              .airflow = {.amplitude = 0.5},
+                                              .input_delay = 0.055,
+                                              .yaw_lag = 0.2}};
+  Plant plant(mixed(), mixed_start, options);
+  for (int k = 0; k < 2000; ++k) {
+    ASSERT_TRUE(plant.step(command(k, 8), dt));
+    ASSERT_NEAR(std::hypot(plant.x()[15], plant.x()[16]), 1.0, 1e-15);
+    ASSERT_LE(std::abs(plant.x()[3]), std::numbers::pi);
+  }
+}
+
+TEST(Plant, TheSameSeedFliesTheSameAndAnotherDoesNot) {
+  PlantOptions options{.seed = 1, .disturbances = {.gust_sigma = 0.2, .airflow = {.amplitude = 0.15}}};
+  const Numbers first = fly(two_robots(), apart, options, 300);
+  EXPECT_EQ(fly(two_robots(), apart, options, 300), first);
+  options.seed = 2;
+  EXPECT_GT(largest_difference(fly(two_robots(), apart, options, 300), first), 1e-3);
+}
+
+TEST(Plant, OneDisturbanceMoreLeavesTheOthersNumbersAsTheyWere) {
+  // A wake too weak to move a bit still draws from its stream.
+  PlantOptions options{.disturbances = {.gust_sigma = 0.2}};
+  const Numbers gusts_alone = fly(two_robots(), apart, options, 300);
+  options.disturbances.airflow.amplitude = 1e-300;
+  EXPECT_EQ(fly(two_robots(), apart, options, 300), gusts_alone);
+}
+
+TEST(Plant, ASteadyWindBlowsTheRobotToItsTerminalVelocityAndNoObstacle) {
+  Plant plant(mixed(), mixed_start, {.disturbances = {.wind = {0.1, 0, 0}}});
+  const Numbers still(8, 0.0);
+  for (int k = 0; k < 4000; ++k) plant.step(still, dt);
+  const Multirotor robot;
+  const auto v = plant.team().model(BodyId{2}).sight(&plant.x()[12], still.data()).v;
+  EXPECT_NEAR(v.x, 0.1 / -robot.a_f, 1e-6);
+  EXPECT_NEAR(v.y, 0.0, 1e-6);
+  EXPECT_DOUBLE_EQ(plant.x()[9], 0.3);
+  EXPECT_NEAR(plant.x()[6], 3 + 0.3 * 40, 1e-9);
+}
+
+TEST(Plant, AnInputDelayShiftsTheResponseByTheDelayWhereverItFalls) {
+  // A velocity under a held input grows linearly at first order; without drag the climb is exact.
+  for (const double delay : {0.0, 0.01, 0.06, 0.063, 0.0999, 0.5}) {
+    Plant late(two_robots(), apart, {.disturbances = {.input_delay = delay}});
+    const Numbers climb = {0, 0, 1, 0, 0, 0, 1, 0};
+    for (int k = 0; k < 100; ++k) {
+      late.step(climb, dt);
+      const double expected = 0.6 + std::max(0.0, (k + 1) * dt - delay);
+      ASSERT_NEAR(late.x()[2], expected, 1e-12) << "delay " << delay << ", step " << k;
+    }
+  }
+}
+
+TEST(Plant, ADelayOfWholeStepsIsTheUndelayedFlightThatManyStepsLater) {
+  Plant late(two_robots(), apart, {.disturbances = {.input_delay = 0.06}});
+  Plant prompt(two_robots(), apart);
+  const Numbers still(8, 0.0);
+  for (int k = 0; k < 6; ++k) prompt.step(still, dt);
+  for (int k = 0; k < 300; ++k) {
+    if (k >= 6) prompt.step(command(k - 6, 8), dt);
+    late.step(command(k, 8), dt);
+    if (k < 6) continue;
+    ASSERT_THAT(late.x(), testing::ElementsAreArray(prompt.x())) << "step " << k;
+  }
+}
+
+TEST(Plant, ALaggingYawCommandApproachesExponentially) {
+  const Multirotor robot;
+  for (const double lag : {0.2, 0.004}) {
+    Team team;
+    team.add(AngleMultirotor{});
+    Plant plant(team, {0, 0, 0, 0, 0, 0}, {.disturbances = {.yaw_lag = lag}});
+    const Numbers turn = {0, 0, 0, 0.5};
+    for (int k = 1; k <= 150; ++k) {
+      plant.step(turn, dt);
+      const double t = k * dt, psi = robot.b_psi * 0.5 * (t - lag * (1 - std::exp(-t / lag)));
+      ASSERT_NEAR(plant.x()[3], psi, 1e-4 * lag) << "lag " << lag << ", t = " << t;
+    }
+  }
+}
+
+TEST(Plant, TheInputGainScalesWhatTheInputsDo) {
+  Plant weak(two_robots(), apart, {.disturbances = {.input_gain = 0.8}});
+  Plant model(two_robots(), apart);
+  Numbers u = {0.5, 0.25, 1, -0.75, 0, 0, 0, 0}, scaled = u;
+  for (double& v : scaled) v *= 0.8;
+  for (int k = 0; k < 100; ++k) {
+    weak.step(u, dt);
+    model.step(scaled, dt);
+  }
+  EXPECT_THAT(weak.x(), testing::ElementsAreArray(model.x()));
+}
+
+TEST(Plant, AStateThatIsNoLongerFiniteIsTold) {
+  Plant plant(two_robots(), apart);
+  Numbers u(8, 0.0);
+  EXPECT_TRUE(plant.step(u, dt));
+  u[0] = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(plant.step(u, dt));
+}
+
+TEST(Plant, RefusesAStartOrADisturbanceThatCannotBe) {
+  const auto refusal = [](const Numbers& x0, const PlantOptions& options) -> std::string {
+    try {
+      Plant(two_robots(), x0, options);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  Numbers no_heading = apart, not_finite = apart;
+  no_heading[10] = 0.0;
+  not_finite[0] = std::nan("");
+  EXPECT_EQ(refusal({1, 2, 3}, {}), "the plant's start has 3 numbers, expected 14");
+  EXPECT_THAT(refusal(no_heading, {}), testing::HasSubstr("\"uav1\" is not a state"));
+  EXPECT_THAT(refusal(not_finite, {}), testing::HasSubstr("\"uav0\" is not a state"));
+  EXPECT_THAT(refusal(apart, {.disturbances = {.yaw_lag = -1}}),
+              testing::HasSubstr("yaw_lag = -1, expected"));
+  EXPECT_EQ(refusal(apart, {}), "accepted");
+}
+
+}  // namespace
+}  // namespace sightline
