@@ -1,0 +1,316 @@
+#include "sightline/io/scenario.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+
+#include "sightline/io/scenario_parts.hpp"
+#include "sightline/io/toml_table.hpp"
+
+namespace sightline {
+namespace {
+
+/// Fills a Scenario from a document, section by section; sections that others refer to come first.
+class Reader {
+ public:
+  Reader(const TomlDocument& document, Scenario& scenario) : root_(document), scenario_(scenario) {}
+
+  void read() {
+    root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "constrain", "event",
+                       "simulation", "log"});
+    if (root_.has("event")) root_.refuse("event", "no [[event]]: this version has no events yet");
+    read_horizon();
+    scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
+    read_simulation();
+    read_log();
+    read_agents();
+    read_bodies("target", scenario_.targets);
+    read_bodies("obstacle", scenario_.obstacles);
+    read_couplings();
+    read_constraints();
+  }
+
+ private:
+  void read_horizon() {
+    const TomlTable at = root_.table_or_empty("horizon");
+    Horizon& horizon = scenario_.horizon;
+    at.read(
+        {{"duration", &horizon.T, positive("> 0 s")}, {"period", &horizon.dt, {1e-4, 1e3, "1e-4 to 1000 s"}}},
+        {"stages"});
+    if (at.has("stages")) horizon.N = static_cast<int>(at.integer("stages", 1, 1000));
+  }
+
+  void read_simulation() {
+    const TomlTable at = root_.table_or_empty("simulation");
+    Simulation& s = scenario_.simulation;
+    at.read({{"duration", &s.duration, positive("> 0 s")},
+             {"settle", &s.settle, not_negative(">= 0 s")},
+             {"rms_from", &s.rms_from, not_negative(">= 0 s")}},
+            {"seed", "disturbance"});
+    if (at.has("seed")) {
+      s.seed = static_cast<std::uint64_t>(at.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
+    }
+    const double updates = s.duration / scenario_.horizon.dt;
+    if (updates > updates_max) {
+      at.refuse("duration", fmt::format("at most {:g} periods of {} s", updates_max, scenario_.horizon.dt));
+    }
+    if (updates < 0.5)
+      at.refuse("duration", fmt::format("at least one period of {} s", scenario_.horizon.dt));
+    read_disturbances(at.table_or_empty("disturbance"));
+  }
+
+  void read_disturbances(const TomlTable& at) {
+    Disturbances& d = scenario_.simulation.disturbances;
+    constexpr Range delay = {0.0, 1.0, "0 to 1 s"};
+    at.read({{"input_delay", &d.input_delay, delay},
+             {"yaw_lag", &d.yaw_lag, not_negative("0 or >= 0.001 s")},
+             {"input_gain", &d.input_gain, positive("> 0")},
+             {"delay", &d.measurement_delay, delay}},
+            {"wind", "gust", "airflow", "noise"});
+    if (at.has("wind")) d.wind = at.vec3("wind");
+    at.table_or_empty("gust").read(
+        {{"sigma", &d.gust_sigma, not_negative(">= 0 m/s^2")}, {"time", &d.gust_time, positive("> 0 s")}});
+    at.table_or_empty("airflow").read({{"amplitude", &d.airflow.amplitude, not_negative(">= 0 m/s^2")},
+                                       {"distance", &d.airflow.distance, positive("> 0 m")},
+                                       {"frequency", &d.airflow.frequency, not_negative(">= 0 Hz")}});
+    at.table_or_empty("noise").read({{"position", &d.noise.position, not_negative(">= 0 m")},
+                                     {"heading", &d.noise.heading, not_negative(">= 0 rad")},
+                                     {"velocity", &d.noise.velocity, not_negative(">= 0 m/s")}});
+    at.checked([&] { d.check(); });
+  }
+
+  void read_log() {
+    root_.table_or_empty("log").read({{"paths", &scenario_.log.paths, {1e-4, largest_number, ">= 1e-4 s"}}});
+  }
+
+  void read_agents() {
+    const auto agents = root_.named_tables("agent");
+    if (agents.empty()) root_.refuse("agent", "at least one [agent.NAME]");
+    if (agents.size() > agents_max) root_.refuse("agent", fmt::format("at most {} robots", agents_max));
+    for (const auto& [name, at] : agents) {
+      at.expect_only({"robot", "parameters", "start", "Q", "R", "Q_f", "u_ref", "u_min", "u_max", "limits",
+                      "reference", "sensor"});
+      const Model model = read_robot(at);
+      const auto nx = static_cast<std::size_t>(model.nx()), nu = static_cast<std::size_t>(model.nu());
+      const auto list = [&at = at](std::string_view key, std::size_t n, double missing, const Range& range) {
+        return at.has(key) ? at.numbers(key, n, range) : std::vector<double>(n, missing);
+      };
+      Agent agent{.name = name,
+                  .model = model,
+                  .Q = list("Q", nx, 0.0, not_negative(">= 0")),
+                  .R = list("R", nu, 1.0, positive("> 0")),
+                  .Q_f = list("Q_f", nx, 0.0, not_negative(">= 0")),
+                  .x_ref = read_reference(at, model),
+                  .u_ref = list("u_ref", nu, 0.0, any_number()),
+                  .limits = read_limits(at, list("u_min", nu, -1.0, any_number()),
+                                        list("u_max", nu, 1.0, any_number()))};
+      const std::vector<double> start = read_start(at.table("start", "a table with p and heading"), model);
+      scenario_.x0.insert(scenario_.x0.end(), start.begin(), start.end());
+
+      Observer observer{name, {}};
+      if (at.has("sensor")) {
+        SensorMount mount;
+        constexpr Range pitch = {-1.57, 1.57, "in (-pi/2, pi/2) rad"};
+        at.table("sensor").read({{"pitch", &mount.pitch, pitch}, {"offset", &mount.offset}});
+        observer.mount = mount;
+      }
+      observers_.push_back(observer);
+      enter(name, at, [&] { return scenario_.team.add(std::move(agent)); });
+    }
+  }
+
+  /// Refuses a u_min that is not below its u_max; `where` is the key that holds it.
+  static void check_crossing(const TomlTable& at, std::string_view where, const std::vector<double>& u_min,
+                             const std::vector<double>& u_max) {
+    for (std::size_t i = 0; i < u_min.size(); ++i) {
+      if (u_min[i] < u_max[i]) continue;
+      at.refuse(where, fmt::format("u_min < u_max, but u_min[{0}] = {1} and u_max[{0}] = {2}", i, u_min[i],
+                                   u_max[i]));
+    }
+  }
+
+  static InputLimits read_limits(const TomlTable& agent, std::vector<double> u_min,
+                                 std::vector<double> u_max) {
+    if (!agent.has("limits")) {
+      check_crossing(agent, agent.has("u_min") ? "u_min" : "u_max", u_min, u_max);
+      return {std::move(u_min), std::move(u_max)};
+    }
+    for (const std::string_view key : {"u_min", "u_max"}) {
+      if (agent.has(key)) agent.refuse(key, "no such key beside limits, which has its own");
+    }
+    const TomlTable at = agent.table("limits");
+    at.expect_only({"times", "u_min", "u_max"});
+    const std::vector<double> times = at.rising("times");
+    const auto lower = at.rows("u_min", times.size(), u_min.size()),
+               upper = at.rows("u_max", times.size(), u_min.size());
+    for (std::size_t k = 0; k < times.size(); ++k) check_crossing(at, "u_min", lower[k], upper[k]);
+    return {times, lower, upper};
+  }
+
+  std::vector<double> read_start(const TomlTable& at, const Model& model) {
+    at.expect_only({"p", "heading", "v"});
+    const double heading = at.has("heading") ? at.number("heading") : 0.0;
+    std::vector<double> x(static_cast<std::size_t>(model.nx()));
+    model.at_rest({at.vec3("p"), {cos(heading), sin(heading)}}, x.data());
+    if (!at.has("v")) return x;
+
+    // Forward and sideward velocity, where the robot has them as states.
+    const auto state = [&](std::string_view name) {
+      const auto found = std::find(model.states().begin(), model.states().end(), name);
+      if (found == model.states().end())
+        at.refuse("v", fmt::format("no velocity, {} has none", model.name()));
+      return static_cast<std::size_t>(found - model.states().begin());
+    };
+    const std::vector<double> v = at.numbers("v", 2);
+    x[state("v_f")] = v[0];
+    x[state("v_s")] = v[1];
+    return x;
+  }
+
+  void read_bodies(std::string_view section, std::vector<BodyId>& ids) {
+    const auto bodies = root_.named_tables(section);
+    if (scenario_.targets.size() + bodies.size() > agents_max) {
+      root_.refuse(section, fmt::format("at most {} targets and obstacles", agents_max));
+    }
+    for (const auto& [name, at] : bodies) {
+      at.expect_only({"p", "v"});
+      const Vec3<double> p = at.vec3("p"), v = at.has("v") ? at.vec3("v") : Vec3<double>{};
+      scenario_.x0.insert(scenario_.x0.end(), {p.x, p.y, p.z, v.x, v.y, v.z});
+      enter(name, at, [&, &n = name] { return scenario_.team.add(Obstacle{n}); });
+      ids.push_back(bodies_.at(name));
+    }
+  }
+
+  /// Adds a body to the team under a name that is fit for a topic and not yet taken.
+  template <class Add>
+  void enter(const std::string& name, const TomlTable& at, Add&& add) {
+    const bool fit =
+        !name.empty() && name.size() <= name_size_max && std::all_of(name.begin(), name.end(), [](char c) {
+          return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+                 c == '-';
+        });
+    if (!fit) at.refuse(fmt::format("a name of 1 to {} letters, digits, _ and -", name_size_max));
+    if (bodies_.contains(name))
+      at.refuse("a name of its own, another robot, target or obstacle has this one");
+    bodies_[name] = at.checked(add);
+  }
+
+  BodyId body(const TomlTable& at, std::string_view key, std::size_t i, const std::string& name) const {
+    const auto found = bodies_.find(name);
+    if (found != bodies_.end()) return found->second;
+    std::vector<std::string_view> known;
+    for (int b = 0; b < scenario_.team.bodies(); ++b) known.push_back(scenario_.team.name(BodyId{b}));
+    at.refuse(
+        key, i,
+        fmt::format("a known name, the nearest is \"{}\"", nearest(shortened(name, name_size_max), known)));
+  }
+
+  Observer observer(BodyId body) const {
+    const auto i = static_cast<std::size_t>(body.index);  // agents come first
+    return i < observers_.size() ? observers_[i] : Observer{std::string(scenario_.team.name(body)), {}};
+  }
+
+  void read_couplings() {
+    for (const TomlTable& at : root_.tables("couple")) {
+      at.expect_only({"potential", "between", "felt_by", "weight"});
+      const std::vector<std::string> ends = at.texts("between", 2, "names");
+      const Between between = {body(at, "between", 0, ends[0]), body(at, "between", 1, ends[1])};
+      if (between.first == between.second) at.refuse("between", "two different bodies");
+      const Weighted term = read_potential(at, observer(between.first));
+      if (!at.has("felt_by")) {
+        at.checked([&] { scenario_.team.couple(term, between); });
+        continue;
+      }
+      std::vector<AgentId> feeling;
+      const std::vector<std::string> names = at.texts("felt_by", TomlTable::any_length, "names");
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        const AgentId agent{body(at, "felt_by", i, names[i])};
+        if (!scenario_.team.is_agent(agent) || (agent != between.first && agent != between.second)) {
+          at.refuse("felt_by", i, fmt::format("a robot of between = [\"{}\", \"{}\"]", ends[0], ends[1]));
+        }
+        if (std::find(feeling.begin(), feeling.end(), agent) != feeling.end()) {
+          at.refuse("felt_by", i, "each robot once");
+        }
+        feeling.push_back(agent);
+      }
+      at.checked([&] { scenario_.team.couple(term, between, feeling); });
+    }
+  }
+
+  void read_constraints() {
+    for (const TomlTable& at : root_.tables("constrain")) {
+      at.expect_only({"agent", "potential", "weight"});
+      const std::string name = at.text("agent", "the name of a robot");
+      const auto found = bodies_.find(name);
+      if (found == bodies_.end() || !scenario_.team.is_agent(found->second)) {
+        std::vector<std::string_view> known;
+        for (const Agent& agent : scenario_.team.agents()) known.push_back(agent.name);
+        at.refuse("agent", fmt::format("a robot, the nearest is \"{}\"",
+                                       nearest(shortened(name, name_size_max), known)));
+      }
+      const Weighted term = read_potential(at, observer(found->second));
+      at.checked([&] { scenario_.team.constrain(term, AgentId{found->second}); });
+    }
+  }
+
+  TomlTable root_;
+  Scenario& scenario_;
+  std::vector<Observer> observers_;  // of the agents, in their order
+  std::unordered_map<std::string, BodyId> bodies_;
+};
+
+}  // namespace
+
+Scenario parse_scenario(std::string text, const std::filesystem::path& file) {
+  const TomlDocument document = parse_toml(text, file.native());
+  Scenario scenario;
+  Reader(document, scenario).read();
+  scenario.name = file.stem().string();
+  scenario.file = file;
+  scenario.text = std::move(text);
+  return scenario;
+}
+
+Scenario read_scenario(const std::filesystem::path& file) { return parse_scenario(read_text(file), file); }
+
+std::string summary(const Scenario& scenario) {
+  const Team& team = scenario.team;
+  const Horizon& horizon = scenario.horizon;
+  const Simulation& simulation = scenario.simulation;
+  std::string text;
+  const auto line = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+    text += '\n';
+  };
+  line("scenario    {}", scenario.name);
+  line("horizon     {} s, {} stages, period {} s", horizon.T, horizon.N, horizon.dt);
+  line("solver      {}", scenario.solver.name);
+  line("simulation  {} s, {:.0f} updates, seed {}", simulation.duration,
+       std::round(simulation.duration / horizon.dt), simulation.seed);
+  line("team        {} states, {} inputs", team.nx(), team.nu());
+  for (const Agent& agent : team.agents()) {
+    line("agent       {}: {}, {} states, {} inputs", agent.name, agent.model.name(), agent.model.nx(),
+         agent.model.nu());
+  }
+  for (const BodyId id : scenario.targets) line("target      {}", team.name(id));
+  for (const BodyId id : scenario.obstacles) line("obstacle    {}", team.name(id));
+  for (const Coupling& coupling : team.couplings()) {
+    std::string feeling;
+    for (const AgentId id : coupling.felt_by)
+      feeling += fmt::format("{}{}", feeling.empty() ? "" : ", ", team.name(id));
+    line("couple      {} {} between {} and {}, felt by {}", coupling.term.weight,
+         coupling.term.potential.name(), team.name(coupling.between.first),
+         team.name(coupling.between.second), feeling);
+  }
+  for (const Constraint& constraint : team.constraints()) {
+    line("constrain   {} {} of {}", constraint.term.weight, constraint.term.potential.name(),
+         team.name(constraint.agent));
+  }
+  return text;
+}
+
+}  // namespace sightline

@@ -1,0 +1,75 @@
+/// A scenario: everything a run needs, from one TOML file.
+///
+/// The words are those of the C++ interface; every number that may be left out has the default of the struct
+/// it sets.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "sightline/io/scenario_text.hpp"
+#include "sightline/ocp/ocp.hpp"
+#include "sightline/ocp/team.hpp"
+#include "sightline/sim/disturbance.hpp"
+#include "sightline/solver/cmscgmres.hpp"
+
+namespace sightline {
+
+/// Which solver, and its options.
+struct SolverChoice {
+  std::string name = "cmscgmres";
+  std::variant<CmscgmresOptions> options{};
+};
+
+/// The closed loop and how it is judged.
+struct Simulation {
+  double duration = 60.0;  ///< [s], > 0
+  std::uint64_t seed = 1;  ///< of all chance
+  double settle = 6.0;     ///< distances and views count from here [s], >= 0
+  double rms_from = 10.0;  ///< position errors count from here [s], >= 0
+  Disturbances disturbances{};
+};
+
+struct LogOptions {
+  double paths = 0.1;  ///< time between two logged predictions [s], > 0
+};
+
+/// Limits of what is read.
+inline constexpr std::size_t agents_max = 1024;   // robots; as many targets and obstacles together
+inline constexpr double updates_max = 1e9;        // duration / period
+inline constexpr std::size_t name_size_max = 64;  // of a robot; names become topics of the log
+
+struct Scenario {
+  std::string name;  ///< of the file, without folder and extension
+  std::string text;  ///< as it was read
+  std::filesystem::path file;
+  Horizon horizon{};
+  SolverChoice solver{};
+  Team team{};  ///< robots, then targets, then obstacles, each in the order of the file
+  std::vector<BodyId> targets;
+  std::vector<BodyId> obstacles;
+  std::vector<double> x0;  ///< states of all bodies at the start (team.nx())
+  Simulation simulation{};
+  LogOptions log{};
+};
+
+/// @throws ScenarioError
+Scenario read_scenario(const std::filesystem::path& file);
+
+/// The same from a text that is already read; `file` stands in the refusals.
+/// @throws ScenarioError
+Scenario parse_scenario(std::string text, const std::filesystem::path& file);
+
+/// A solver with its default options.
+/// @throws std::invalid_argument for a name that is none, with the names there are
+SolverChoice solver_named(std::string_view name);
+
+/// What a person reads to see that the scenario is what they meant: a few words per robot, coupling and
+/// setting.
+std::string summary(const Scenario& scenario);
+
+}  // namespace sightline

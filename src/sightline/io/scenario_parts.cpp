@@ -1,0 +1,224 @@
+#include "sightline/io/scenario_parts.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+
+#include "sightline/potential/bounds.hpp"
+#include "sightline/potential/distance.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+
+namespace sightline {
+namespace {
+
+/// A name in the file and what reads the part of that name.
+template <class Read>
+struct Named {
+  std::string_view name;
+  Read read;
+};
+
+template <class Read, std::size_t n>
+std::array<std::string_view, n> names(const std::array<Named<Read>, n>& list) {
+  std::array<std::string_view, n> all;
+  std::transform(list.begin(), list.end(), all.begin(), [](const auto& entry) { return entry.name; });
+  return all;
+}
+
+template <class Read, std::size_t n>
+Read find(const std::array<Named<Read>, n>& list, std::string_view name) {
+  return std::find_if(list.begin(), list.end(), [&](const auto& entry) { return entry.name == name; })->read;
+}
+
+// --- robots ---
+
+template <class M>
+Model read_multirotor(const TomlTable& at) {
+  M m;
+  at.read({{"b_z", &m.b_z},
+           {"b_psi", &m.b_psi},
+           {"a_f", &m.a_f},
+           {"b_f", &m.b_f},
+           {"a_s", &m.a_s},
+           {"b_s", &m.b_s}});
+  return m;
+}
+
+using ReadRobot = Model (*)(const TomlTable& parameters);
+constexpr std::array robots = {
+    Named<ReadRobot>{Multirotor::name, read_multirotor<Multirotor>},
+    Named<ReadRobot>{AngleMultirotor::name, read_multirotor<AngleMultirotor>},
+};
+
+// --- potentials ---
+
+Potential read_sensor_cone(const TomlTable& at, const Observer& observer) {
+  SensorCone cone;
+  at.read({{"alpha", &cone.alpha}, {"kappa_G", &cone.kappa_G}, {"kappa_A", &cone.kappa_A}}, {"form"});
+  constexpr std::array<std::string_view, 2> forms = {"sine", "tangent"};
+  if (at.has("form")) cone.form = at.word("form", forms) == "sine" ? ConeForm::sine : ConeForm::tangent;
+  if (!observer.mount) {
+    at.refuse(fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", observer.name));
+  }
+  cone.mount = *observer.mount;
+  return at.checked([&] { return Potential(cone); });
+}
+
+template <class Distance>
+Potential read_distance(const TomlTable& at, double Distance::*limit, std::string_view limit_name) {
+  Distance d;
+  at.read(
+      {{limit_name, &(d.*limit)}, {"kappa_H", &d.kappa_H}, {"kappa_G", &d.kappa_G}, {"kappa_A", &d.kappa_A}});
+  return at.checked([&] { return Potential(d); });
+}
+Potential read_keep_out(const TomlTable& at, const Observer&) {
+  return read_distance(at, &KeepOut::d_min, "d_min");
+}
+Potential read_cohesion(const TomlTable& at, const Observer&) {
+  return read_distance(at, &Cohesion::d_max, "d_max");
+}
+
+Potential read_altitude_band(const TomlTable& at, const Observer&) {
+  AltitudeBand band;
+  at.read({{"z_min", &band.z_min},
+           {"z_max", &band.z_max},
+           {"kappa_G", &band.kappa_G},
+           {"kappa_A", &band.kappa_A}});
+  return at.checked([&] { return Potential(band); });
+}
+
+Potential read_geofence(const TomlTable& at, const Observer&) {
+  Geofence fence;
+  at.read({{"kappa_G", &fence.kappa_G}, {"kappa_A", &fence.kappa_A}}, {"low", "high"});
+  const auto corner = [&](std::string_view key, std::array<double, 3>& to) {
+    if (!at.has(key)) return;
+    const Vec3<double> p = at.vec3(key);
+    to = {p.x, p.y, p.z};
+  };
+  corner("low", fence.low);
+  corner("high", fence.high);
+  return at.checked([&] { return Potential(fence); });
+}
+
+using ReadPotential = Potential (*)(const TomlTable& parameters, const Observer& observer);
+constexpr std::array potentials = {
+    Named<ReadPotential>{SensorCone::name, read_sensor_cone},
+    Named<ReadPotential>{KeepOut::name, read_keep_out},
+    Named<ReadPotential>{Cohesion::name, read_cohesion},
+    Named<ReadPotential>{AltitudeBand::name, read_altitude_band},
+    Named<ReadPotential>{Geofence::name, read_geofence},
+};
+
+// --- references; each reads its own key of `choice` ---
+
+Reference read_circle(const TomlTable& choice, const Model&) {
+  const TomlTable at = choice.table("circle");
+  Circle circle;
+  at.read({{"radius", &circle.radius, not_negative(">= 0 m")}, {"rate", &circle.rate}}, {"centre"});
+  circle.centre = at.vec3("centre");
+  return circle;
+}
+
+template <class Timed>
+Reference read_timed(const TomlTable& choice, const Model&) {
+  const TomlTable at = choice.table(Timed::name);
+  at.expect_only({"times", "p", "heading"});
+  Timed timed;
+  timed.times = at.rising("times");
+  const std::size_t n = timed.times.size();
+  for (const std::vector<double>& p : at.rows("p", n, 3)) timed.p.push_back({p[0], p[1], p[2]});
+  if (at.has("heading")) timed.heading = at.numbers("heading", n);
+  return timed;
+}
+
+Reference read_constant(const TomlTable& choice, const Model&) {
+  const TomlTable at = choice.table("constant");
+  at.expect_only({"p", "heading"});
+  Pose<double> pose{at.vec3("p"), {}};
+  if (at.has("heading")) {
+    const double heading = at.number("heading");
+    pose.d = {cos(heading), sin(heading)};
+  }
+  return [pose](double) { return pose; };
+}
+
+Reference read_state(const TomlTable& choice, const Model& model) {
+  return choice.numbers("state", static_cast<std::size_t>(model.nx()));
+}
+
+using ReadReference = Reference (*)(const TomlTable& choice, const Model& model);
+constexpr std::array references = {
+    Named<ReadReference>{"constant", read_constant},
+    Named<ReadReference>{Circle::name, read_circle},
+    Named<ReadReference>{Waypoints::name, read_timed<Waypoints>},
+    Named<ReadReference>{Steps::name, read_timed<Steps>},
+    Named<ReadReference>{"state", read_state},
+};
+
+// --- solvers ---
+
+SolverChoice read_cmscgmres(const TomlTable& at, const Horizon& horizon) {
+  CmscgmresOptions o;
+  at.read({{"zeta", &o.zeta, positive("> 0 1/s")},
+           {"alpha", &o.alpha, positive("> 0 1/s")},
+           {"difference_step", &o.difference_step, {1e-15, 0.1, "1e-15 to 0.1 s"}},
+           {"slack_weight", &o.slack_weight, positive("> 0")},
+           {"gmres_tolerance", &o.gmres_tolerance, not_negative(">= 0")},
+           {"tolerance", &o.tolerance, positive("> 0")}},
+          {"name", "k_max", "jacobian"});
+  if (!(o.zeta * horizon.dt < 2)) {
+    at.refuse("zeta", fmt::format("less than 2 / horizon.period = {} 1/s, beyond which it oscillates",
+                                  2 / horizon.dt));
+  }
+  if (at.has("k_max")) o.k_max = static_cast<int>(at.integer("k_max", 1, 1000));
+  constexpr std::array<std::string_view, 2> products = {"exact", "forward_difference"};
+  if (at.has("jacobian")) {
+    o.jacobian = at.word("jacobian", products) == "exact" ? JacobianProduct::exact
+                                                          : JacobianProduct::forward_difference;
+  }
+  return {"cmscgmres", o};
+}
+
+using ReadSolver = SolverChoice (*)(const TomlTable& at, const Horizon& horizon);
+constexpr std::array solvers = {
+    Named<ReadSolver>{"cmscgmres", read_cmscgmres},
+};
+
+}  // namespace
+
+Model read_robot(const TomlTable& agent) {
+  return find(robots, agent.word("robot", names(robots)))(agent.table_or_empty("parameters"));
+}
+
+Weighted read_potential(const TomlTable& at, const Observer& observer) {
+  const TomlTable choice = at.table("potential");
+  const std::string_view name = choice.choice(names(potentials));
+  const double weight = at.has("weight") ? at.number("weight", not_negative(">= 0")) : 1.0;
+  return {weight, find(potentials, name)(choice.table(name), observer)};
+}
+
+Reference read_reference(const TomlTable& agent, const Model& model) {
+  if (!agent.has("reference")) return {};
+  const TomlTable choice = agent.table("reference");
+  return find(references, choice.choice(names(references)))(choice, model);
+}
+
+SolverChoice read_solver(const TomlTable& solver, const Horizon& horizon) {
+  const std::string_view name =
+      solver.has("name") ? solver.word("name", names(solvers)) : solvers.front().name;
+  return find(solvers, name)(solver, horizon);
+}
+
+SolverChoice solver_named(std::string_view name) {
+  const auto known = names(solvers);
+  if (std::find(known.begin(), known.end(), name) == known.end()) {
+    throw std::invalid_argument(
+        fmt::format("solver = {}, expected one of {}", one_line(name), fmt::join(known, ", ")));
+  }
+  static const TomlDocument defaults{};
+  return find(solvers, name)(TomlTable(defaults), Horizon{});
+}
+
+}  // namespace sightline

@@ -1,0 +1,135 @@
+/// A TOML table read with types and ranges; every refusal says file, line, key, value and what was expected.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "sightline/io/scenario_text.hpp"
+#include "sightline/math/fixed.hpp"
+
+namespace sightline {
+
+/// Which numbers a key takes, and the words for it: "> 0 s".
+struct Range {
+  double low, high;           // both are allowed
+  std::string_view expected;  // ends with the unit
+};
+
+/// Nothing a scenario measures is larger; beyond it squares and sixth powers are no longer safe.
+inline constexpr double largest_number = 1e9;
+
+constexpr Range any_number(std::string_view expected = "finite, at most 1e9 either way") {
+  return {-largest_number, largest_number, expected};
+}
+constexpr Range not_negative(std::string_view expected) { return {0.0, largest_number, expected}; }
+constexpr Range positive(std::string_view expected) {
+  return {std::numeric_limits<double>::min(), largest_number, expected};
+}
+
+/// A key and the number it sets; without the key the number stays what it is.
+struct Field {
+  std::string_view key;
+  double* value;
+  Range range = any_number();
+};
+
+/// A parsed file, owner of what its tables look at.
+struct TomlDocument {
+  std::string file;
+  toml::table root;
+};
+
+/// @throws ScenarioError where the text is refused by check_text() or is not TOML
+TomlDocument parse_toml(std::string_view text, std::string file);
+
+/// The name of `known` with the least edit distance.
+std::string_view nearest(std::string_view name, std::span<const std::string_view> known);
+
+/// One table of a document. A view: the document outlives it. Every reading function throws ScenarioError.
+class TomlTable {
+ public:
+  explicit TomlTable(const TomlDocument& document);
+
+  bool has(std::string_view key) const { return find(key) != nullptr; }
+  std::size_t size() const { return table_->size(); }
+  /// Its place in the file, `agent.uav0`.
+  const std::string& path() const { return path_; }
+
+  /// Refuses keys that are not in the list.
+  void expect_only(std::span<const std::string_view> known) const;
+  void expect_only(std::initializer_list<std::string_view> known) const { expect_only(std::span(known)); }
+  /// Reads numbers that have defaults; refuses keys that are neither in `fields` nor in `others`.
+  void read(std::initializer_list<Field> fields, std::initializer_list<std::string_view> others = {}) const;
+  /// The only key of a table that chooses one of several.
+  std::string_view choice(std::span<const std::string_view> known) const;
+
+  double number(std::string_view key, const Range& range = any_number()) const;
+  std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high) const;
+  std::string text(std::string_view key, std::string_view expected) const;
+  /// The text, one of `known`.
+  std::string_view word(std::string_view key, std::span<const std::string_view> known) const;
+  Vec3<double> vec3(std::string_view key) const;
+  /// An array of numbers; of this length, or of any where `length` is `any_length`.
+  std::vector<double> numbers(std::string_view key, std::size_t length,
+                              const Range& range = any_number()) const;
+  /// An array of times [s], each later than the one before.
+  std::vector<double> rising(std::string_view key) const;
+  /// An array of `count` arrays of `length` numbers.
+  std::vector<std::vector<double>> rows(std::string_view key, std::size_t count, std::size_t length) const;
+  std::vector<std::string> texts(std::string_view key, std::size_t length, std::string_view expected) const;
+
+  TomlTable table(std::string_view key, std::string_view expected = "a table") const;
+  /// The table, or an empty one where the key is missing.
+  TomlTable table_or_empty(std::string_view key) const;
+  /// The named tables within a table, in the order of the file.
+  std::vector<std::pair<std::string, TomlTable>> named_tables(std::string_view key) const;
+  /// The tables of [[key]].
+  std::vector<TomlTable> tables(std::string_view key) const;
+
+  /// Makes something of this table; what it says of itself by std::invalid_argument becomes a ScenarioError.
+  template <class Make>
+  auto checked(Make&& make) const {
+    try {
+      return make();
+    } catch (const std::invalid_argument& error) {
+      refuse_as_said(error.what());
+    }
+  }
+
+  /// `path.key = value, expected ...`, or `path.key is missing, expected ...`.
+  [[noreturn]] void refuse(std::string_view key, std::string_view expected) const;
+  /// `path.key[i] = value, expected ...`.
+  [[noreturn]] void refuse(std::string_view key, std::size_t i, std::string_view expected) const;
+  /// Refuses the table itself, as `path = {...}, expected ...`.
+  [[noreturn]] void refuse(std::string_view expected) const;
+
+  static constexpr std::size_t any_length = static_cast<std::size_t>(-1);
+
+ private:
+  TomlTable(const TomlTable& parent, const toml::table& table, std::string path);
+
+  const toml::node* find(std::string_view key) const;
+  const toml::node& need(std::string_view key, std::string_view expected) const;
+  const toml::array& array(std::string_view key, std::size_t length, std::string_view of) const;
+  std::string place(std::string_view key) const;
+  double number_at(const toml::node& node, const std::string& place, const Range& range) const;
+  [[noreturn]] void refuse_node(const toml::node& node, std::string_view place,
+                                std::string_view expected) const;
+  [[noreturn]] void refuse_as_said(std::string_view sentence) const;
+
+  const std::string* file_;
+  const toml::table* table_;
+  std::string path_;
+  std::size_t line_;
+};
+
+}  // namespace sightline
