@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -67,6 +68,9 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file);
 /// A solver with its default options.
 /// @throws std::invalid_argument for a name that is none, with the names there are
 SolverChoice solver_named(std::string_view name);
+
+/// The chosen solver of a team over a horizon.
+std::unique_ptr<Solver> make_solver(const SolverChoice& choice, const Team& team, const Horizon& horizon);
 
 /// What a person reads to see that the scenario is what they meant: a few words per robot, coupling and
 /// setting.

@@ -221,4 +221,15 @@ SolverChoice solver_named(std::string_view name) {
   return find(solvers, name)(TomlTable(defaults), Horizon{});
 }
 
+std::unique_ptr<Solver> make_solver(const SolverChoice& choice, const Team& team, const Horizon& horizon) {
+  struct Make {
+    const Team& team;
+    const Horizon& horizon;
+    std::unique_ptr<Solver> operator()(const CmscgmresOptions& o) const {
+      return std::make_unique<Cmscgmres>(team, horizon, o);
+    }
+  };
+  return std::visit(Make{team, horizon}, choice.options);
+}
+
 }  // namespace sightline

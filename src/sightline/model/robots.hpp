@@ -14,8 +14,8 @@ namespace sightline {
 /// Hover-controlled multirotor with the heading as a direction vector, (24); the defaults are the
 /// AR.Drone 2.0, (16).
 ///
-///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s]   position [m], heading, forward and sideward velocity in V
-///   [m/s] u = [u_f, u_s, u_z, u_psi]                normalised commands, within [-1, 1]
+///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s]  position [m], heading, velocity forward and sideward in V [m/s]
+///   u = [u_f, u_s, u_z, u_psi]               normalised commands, within [-1, 1]
 struct Multirotor {
   static constexpr int nx = 7, nu = 4;
   static constexpr std::string_view name = "multirotor";

@@ -1,7 +1,8 @@
 /// The optimal control problem of a team over a horizon: what every solver is given. Constant and shareable.
 ///
-///   min over u of  phi(x(t_f), t_f) + int l(x, u, tau) dtau,   x' = f(x, u),  x(t_0) = x_k,  u_min <= u <=
-///   u_max   (1), (2) l = sum_i l_i(x_i, u_i) + sum_c k_c l_c(x_i, x_j) (8)
+///   min over u   phi(x(t_f), t_f) + int l(x, u, tau) dtau                        (1)
+///   subject to   x' = f(x, u),  x(t_0) = x_k,  u_min <= u <= u_max               (2)
+///   with         l = sum_i l_i(x_i, u_i) + sum_c k_c l_c(x_i, x_j)               (8)
 ///
 /// Discrete: h = T/N, x_{i+1} = x_i + h f(x_i, u_i). The formulas of each agent and each coupled pair are
 /// traced once, here; agents and pairs of one kind share a program.

@@ -131,6 +131,9 @@ void Team::couple(const Weighted& term, Between between, std::vector<AgentId> fe
   }
   for (const AgentId agent : felt_by) {
     check_body(agent);
+    if (std::count(felt_by.begin(), felt_by.end(), agent) > 1) {
+      refuse("felt_by names \"{}\" twice, expected each robot once", name(agent));
+    }
     if (!is_agent(agent) || (agent != between.first && agent != between.second)) {
       refuse("felt_by names \"{}\", expected a robot of between = [\"{}\", \"{}\"]", name(agent),
              name(between.first), name(between.second));

@@ -23,8 +23,8 @@ S beyond(const Step& eps, double kappa_G, const S& outside) {
 
 /// Keeps a robot between two heights.
 ///
-///   l = sig(z - z_max, kappa_A) (1 + kappa_G (z - z_max)^2) + sig(z_min - z, kappa_A) (1 + kappa_G (z_min -
-///   z)^2)
+///   l = sig(z - z_max, kappa_A) (1 + kappa_G (z - z_max)^2)
+///     + sig(z_min - z, kappa_A) (1 + kappa_G (z_min - z)^2)
 struct AltitudeBand {
   double z_min = 0.3;     ///< [m]
   double z_max = 3.0;     ///< [m], > z_min

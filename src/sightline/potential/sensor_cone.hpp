@@ -17,9 +17,11 @@ enum class ConeForm {
 
 /// Potential of a cone-shaped field of view: small inside the cone, rising away from it.
 ///
-///   constraints   c1 = y^2 + z^2 - (x sin alpha)^2 <= 0,   c2 = -x <= 0                              (27),
-///   (28) unit step     l  = eps(c2) + eps(c1) eps(-c2) (30) slope         eps(c2) (1 + kappa_G (x^2 + y^2 +
-///   z^2)) + eps(c1) eps(-c2) (1 + kappa_G (y^2 + z^2))     (34) sigmoid       eps(c) <- sig(c, kappa_A) (39)
+///   constraints   c1 = y^2 + z^2 - (x sin alpha)^2 <= 0,   c2 = -x <= 0          (27), (28)
+///   unit step     l = eps(c2) + eps(c1) eps(-c2)                                 (30)
+///   slope         l = eps(c2) (1 + kappa_G (x^2 + y^2 + z^2))
+///                   + eps(c1) eps(-c2) (1 + kappa_G (y^2 + z^2))                 (34)
+///   sigmoid       eps(c) <- sig(c, kappa_A)                                      (39)
 ///
 /// with (x, y, z) the target in the sensor frame S, x along the optical axis, (48).
 struct SensorCone {

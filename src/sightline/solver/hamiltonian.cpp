@@ -1,7 +1,6 @@
 #include "sightline/solver/hamiltonian.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace sightline {
 
@@ -256,6 +255,7 @@ void Hamiltonian::lay_out_tangents() {
     tangents_.push_back(std::move(agent));
   }
   tangent_ = Rows(N_ + 1, length);
+  d_input_ = Rows(1, nu_);
 
   const auto tangent_of = [&](BodyId body) -> AgentTangent& {
     const auto& bodies = ocp_.agent_bodies();
@@ -338,13 +338,12 @@ void Hamiltonian::tangent(const double* du, double* dF, int stride) noexcept {
       tangent_[N_ - 1][agent.dlambda_at + j] = 2.0 * Q_f[at(j, 1)] * tangent_[N_][agent.dx_at + j];
     }
   }
-  alignas(row_alignment) std::array<double, 64> row;
   for (int i = N_ - 1; i >= 0; --i) {
     const double* const s = tangent_[i];
     for (const AgentTangent& agent : tangents_) {
-      std::fill_n(row.data(), padded(agent.nu), 0.0);
-      agent.input.apply(i, s, row.data());
-      std::copy_n(row.data(), agent.nu, dF + at(i, stride) + at(agent.u_at, 1));
+      std::fill_n(d_input_[0], padded(agent.nu), 0.0);
+      agent.input.apply(i, s, d_input_[0]);
+      std::copy_n(d_input_[0], agent.nu, dF + at(i, stride) + at(agent.u_at, 1));
       if (i == 0) continue;
       double* const before = tangent_[i - 1] + agent.dlambda_at;
       std::copy_n(s + agent.dlambda_at, padded(agent.nx), before);

@@ -97,6 +97,7 @@ class Hamiltonian {
   std::vector<double> u_min_, u_max_, x_end_ref_, stage_x_, stage_u_, stage_rate_, H_z_;
   std::vector<AgentTangent> tangents_;
   Rows tangent_;  // [stage 0..N]: padded [dx | du | dlambda_next]
+  Rows d_input_;  // one agent's rows of dF
 };
 
 }  // namespace sightline
