@@ -43,8 +43,10 @@ class Rows {
 class Evaluation {
  public:
   Evaluation() = default;
-  /// @param length  numbers in a row: the points the formula is evaluated at
+  /// @param program  must outlive the evaluation
+  /// @param length   numbers in a row: the points the formula is evaluated at
   Evaluation(const Program& program, int length);
+  Evaluation(Program&&, int) = delete;
 
   void input(int i, const double* row) { at(i) = const_cast<double*>(row); }  // only ever read
   void output(int i, double* row) { at(program_->first_output() + i) = row; }

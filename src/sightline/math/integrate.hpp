@@ -9,7 +9,7 @@ namespace sightline {
 
 /// Scratch of one Runge-Kutta step of a state of n numbers.
 struct RungeKuttaScratch {
-  static constexpr std::size_t stages = 5;
+  static constexpr std::size_t rows_needed = 5;
   std::span<double> rows;  ///< 5 n numbers: k1..k4 and the trial state
 };
 

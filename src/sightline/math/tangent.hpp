@@ -30,6 +30,10 @@ struct Tangent {
     const S q = a.value / b.value;
     return {q, (a.rate - q * b.rate) / b.value};
   }
+  Tangent& operator+=(const Tangent& b) { return *this = *this + b; }
+  Tangent& operator-=(const Tangent& b) { return *this = *this - b; }
+  Tangent& operator*=(const Tangent& b) { return *this = *this * b; }
+
   friend Tangent sqrt(const Tangent& a) {
     const S r = sqrt(a.value);
     return {r, a.rate / (2.0 * r)};

@@ -37,10 +37,14 @@ InputLimits::InputLimits(std::vector<double> times, std::vector<std::vector<doub
     refuse("limits have {} times, {} u_min and {} u_max, expected as many of each", times_.size(),
            u_min_.size(), u_max_.size());
   }
-  if (!std::is_sorted(times_.begin(), times_.end(), std::less_equal<>())) refuse("limits.times must rise");
   for (std::size_t k = 0; k < times_.size(); ++k) {
+    if (!std::isfinite(times_[k])) refuse("limits.times = {}, expected finite and rising", times_[k]);
+    if (k > 0 && !(times_[k] > times_[k - 1])) {
+      refuse("limits.times = {} after {}, expected finite and rising", times_[k], times_[k - 1]);
+    }
     if (u_min_[k].size() != u_max_[k].size() || u_min_[k].size() != u_min_[0].size()) {
-      refuse("limits: u_min and u_max differ in length");
+      refuse("limits: u_min has {} entries, u_max has {}, expected as many in all", u_min_[k].size(),
+             u_max_[k].size());
     }
     for (std::size_t i = 0; i < u_min_[k].size(); ++i) {
       if (!(u_min_[k][i] < u_max_[k][i]) || !std::isfinite(u_min_[k][i]) || !std::isfinite(u_max_[k][i])) {
@@ -83,6 +87,9 @@ AgentId Team::add(Agent agent) {
   }
   if (static_cast<int>(agent.limits.u_min()[0].size()) != nu) {
     refuse("{}.u_min has {} entries, expected {}", agent.name, agent.limits.u_min()[0].size(), nu);
+  }
+  if (const std::size_t n = agent.x_ref.length(); n != 0 && n != agent.Q.size()) {
+    refuse("{}.x_ref has {} numbers, expected {}", agent.name, n, nx);
   }
   const BodyId id = enter(agent.name, agent.model, static_cast<int>(agents_.size()));
   agents_.push_back(std::move(agent));

@@ -35,6 +35,7 @@ struct AltitudeBand {
 
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const {
+    require(std::isfinite(z_min), name, "z_min", z_min, "a finite height, m");
     require(z_max > z_min, name, "z_max", z_max, "above z_min");
     require(kappa_G >= 0, name, "kappa_G", kappa_G, ">= 0 1/m^2");
     require(kappa_A > 0, name, "kappa_A", kappa_A, "> 0 1/m");
@@ -68,8 +69,10 @@ struct Geofence {
 
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const {
-    for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t i = 0; i < 3; ++i) {
+      require(std::isfinite(low[i]), name, "low", low[i], "finite coordinates, m");
       require(high[i] > low[i], name, "high", high[i], "above low in each axis");
+    }
     require(kappa_G >= 0, name, "kappa_G", kappa_G, ">= 0 1/m^2");
     require(kappa_A > 0, name, "kappa_A", kappa_A, "> 0 1/m");
   }

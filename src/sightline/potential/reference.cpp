@@ -1,7 +1,10 @@
 #include "sightline/potential/reference.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace sightline {
 namespace {
@@ -10,6 +13,21 @@ namespace {
 std::size_t last_before(const std::vector<double>& times, double t) {
   const auto after = std::upper_bound(times.begin(), times.end(), t);
   return after == times.begin() ? 0 : static_cast<std::size_t>(after - times.begin() - 1);
+}
+
+void check_times(std::string_view name, const std::vector<double>& times, std::size_t places,
+                 std::size_t headings) {
+  if (times.empty() || places != times.size() || (headings != 0 && headings != times.size())) {
+    throw std::invalid_argument(fmt::format(
+        "{} has {} times, {} positions and {} headings, expected at least one time and as many of each", name,
+        times.size(), places, headings));
+  }
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (!std::isfinite(times[i]) || (i > 0 && !(times[i] > times[i - 1]))) {
+      throw std::invalid_argument(
+          fmt::format("{}.times[{}] = {}, expected times that rise", name, i, times[i]));
+    }
+  }
 }
 
 Vec2<double> direction(const std::vector<double>& heading, std::size_t i) {
@@ -24,6 +42,8 @@ Pose<double> Circle::operator()(double t) const {
   return {{centre.x + radius * c, centre.y + radius * s, centre.z}, {}};
 }
 
+void Waypoints::check() const { check_times(name, times, p.size(), heading.size()); }
+
 Pose<double> Waypoints::operator()(double t) const {
   const std::size_t i = last_before(times, t);
   if (i + 1 >= times.size() || t <= times[i]) return {p[i], direction(heading, i)};
@@ -33,6 +53,8 @@ Pose<double> Waypoints::operator()(double t) const {
   const double turn = wrap_angle(heading[i + 1] - heading[i]);
   return {at, {cos(heading[i] + s * turn), sin(heading[i] + s * turn)}};
 }
+
+void Steps::check() const { check_times(name, times, p.size(), heading.size()); }
 
 Pose<double> Steps::operator()(double t) const {
   const std::size_t i = last_before(times, t);

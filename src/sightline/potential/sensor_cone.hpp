@@ -38,6 +38,8 @@ struct SensorCone {
     require(alpha > 0 && alpha < half_pi, name, "alpha", alpha, "in (0, pi/2) rad");
     require(kappa_G >= 0, name, "kappa_G", kappa_G, ">= 0 1/m^2");
     require(kappa_A > 0, name, "kappa_A", kappa_A, "> 0 1/m^2");
+    require(std::fabs(mount.pitch) < half_pi, name, "mount.pitch", mount.pitch, "in (-pi/2, pi/2) rad");
+    require(std::isfinite(mount.offset), name, "mount.offset", mount.offset, "a finite length, m");
   }
 
   /// l over any step; UnitStep with kappa_G = 0 is (30).

@@ -236,13 +236,17 @@ void Cmscgmres::keep_plan(double time) noexcept {
 
 /// The input that the last good plan has for this time; before there is one, zero within the limits.
 Solution Cmscgmres::fall_back(double time, Status status) noexcept {
-  started_ = false;
   const double stages = plan_h_ > 0 ? (time - plan_time_) / plan_h_ : 0.0;
   const int i = static_cast<int>(clamp(std::isfinite(stages) ? stages : 0.0, 0.0, N_ - 1.0));
   here_.set_time(std::isfinite(time) ? time : plan_time_, 0.0);
   clamp_inputs({&plan_[at(i, nu_)], at(nu_, 1)});
-  return {
-      .u = u_, .raw_u = raw_u_, .x = X_, .status = status, .residual = 0.0, .iterations = 0, .elapsed = 0.0};
+  return {.u = u_,
+          .raw_u = raw_u_,
+          .x = X_,
+          .status = status,
+          .residual = std::numeric_limits<double>::infinity(),
+          .iterations = 0,
+          .elapsed = 0.0};
 }
 
 Solution Cmscgmres::solve(double time, std::span<const double> states) noexcept {
@@ -258,7 +262,7 @@ Solution Cmscgmres::solve(double time, std::span<const double> states) noexcept 
   if (!std::isfinite(time) || !accept(states)) return failed(Status::invalid_state);
 
   // A gap longer than 1/zeta would overshoot; going back in time starts anew.
-  double step = ocp_.horizon().dt;
+  double step = std::min(ocp_.horizon().dt, 1.0 / options_.zeta);
   if (started_ && time > last_time_) step = std::min(time - last_time_, 1.0 / options_.zeta);
   if (!started_ || time < last_time_) start(time);
   last_time_ = time;
@@ -285,7 +289,11 @@ Solution Cmscgmres::solve(double time, std::span<const double> states) noexcept 
     outcome = gmres_.solve([this](const double* v, double* out) { difference_product(v, out); }, b_, U_dot_,
                            options_.gmres_tolerance);
   }
-  if (!advance(step)) return failed(Status::not_finite);
+  if (!advance(step)) {
+    started_ = false;
+    for (int i = 0; i <= N_; ++i) std::copy(x_.begin(), x_.end(), &X_[at(i, nx_)]);
+    return failed(Status::not_finite);
+  }
 
   clamp_inputs({U_, at(nu_, 1)});
   keep_plan(time);

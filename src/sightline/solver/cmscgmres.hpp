@@ -6,7 +6,6 @@
 /// slack per input.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "sightline/solver/gmres.hpp"

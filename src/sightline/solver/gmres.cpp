@@ -67,12 +67,15 @@ Gmres::Gmres(int n, int k_max)
 double Gmres::orthogonalise(int k) noexcept {
   // Modified Gram-Schmidt; each pass takes one direction away and measures the next.
   double* const w = basis_[k + 1];
+  const double before = dot(w, w, length_);
   double projection = dot(basis_[0], w, length_);
   for (int j = 0; j <= k; ++j) {
     hessenberg(j, k) = projection;
     projection = subtract_and_dot(w, projection, basis_[j], j < k ? basis_[j + 1] : w, length_);
   }
-  const double length = std::sqrt(projection);
+  // What is left of a vector that lay in the space is rounding, not a direction.
+  constexpr double rounding = 1e-28;  // of a squared length
+  const double length = projection > rounding * before ? std::sqrt(projection) : 0.0;
   hessenberg(k + 1, k) = length;
   if (length > 0) {
     for (int i = 0; i < length_; ++i) w[i] /= length;
@@ -82,13 +85,16 @@ double Gmres::orthogonalise(int k) noexcept {
 
 bool Gmres::rotate(int k) noexcept {
   const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  double square = 0.0;
+  for (int j = 0; j <= k + 1; ++j) square += hessenberg(j, k) * hessenberg(j, k);
   for (int j = 0; j < k; ++j) {
     const double a = hessenberg(j, k), b = hessenberg(j + 1, k);
     hessenberg(j, k) = cos_[at(j)] * a + sin_[at(j)] * b;
     hessenberg(j + 1, k) = cos_[at(j)] * b - sin_[at(j)] * a;
   }
   const double diagonal = std::hypot(hessenberg(k, k), hessenberg(k + 1, k));
-  if (!(diagonal > 0)) return false;
+  // A singular matrix leaves a diagonal of rounding alone.
+  if (!(diagonal > 1e-12 * std::sqrt(square)) || !std::isfinite(diagonal)) return false;
   cos_[at(k)] = hessenberg(k, k) / diagonal;
   sin_[at(k)] = hessenberg(k + 1, k) / diagonal;
   hessenberg(k, k) = diagonal;

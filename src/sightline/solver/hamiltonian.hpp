@@ -21,7 +21,10 @@ namespace sightline {
 
 class Hamiltonian {
  public:
+  /// @param ocp  must outlive it
   explicit Hamiltonian(const Ocp& ocp);
+  Hamiltonian(const Hamiltonian&) = delete;
+  Hamiltonian& operator=(const Hamiltonian&) = delete;
 
   /// The horizon from t [s] in steps of h [s]: references, limits, stage times.
   void set_time(double t, double h) noexcept;

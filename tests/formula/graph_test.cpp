@@ -1,0 +1,197 @@
+#include "sightline/formula/graph.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "sightline/math/elementary.hpp"
+#include "tests/support/random.hpp"
+
+namespace sightline {
+namespace {
+
+/// A graph grown at random, and terms of it: inputs, constants and results, seen with either sign.
+class GraphLaws : public testing::Test {
+ protected:
+  Term any() {
+    const Term t = terms_[random_() % terms_.size()];
+    return random_() % 2 == 0 ? t : -t;
+  }
+  Term input() { return graph_.input(static_cast<int>(random_() % 3)); }
+  double number() { return uniform(random_, -3, 3); }
+
+  /// Adds one more term; constants stay moderate, so that none becomes infinite on the way.
+  void grow() {
+    const Term t = draw();
+    if (!graph_.is_constant(t) || std::fabs(graph_.constant_value(t)) < 10) terms_.push_back(t);
+  }
+  Term draw() {
+    switch (random_() % 8) {
+      case 0:
+        return graph_.add(any(), any());
+      case 1:
+        return graph_.multiply(any(), any());
+      case 2:
+        return graph_.reciprocal(graph_.exponential(any()));
+      case 3:
+        return graph_.exponential(any());
+      case 4:
+        return graph_.logistic(any());
+      case 5:
+        return graph_.sine(any());
+      case 6:
+        return graph_.cosine(any());
+      default:
+        return random_() % 2 == 0 ? input() : graph_.constant(number());
+    }
+  }
+
+  /// Whether a and b are one node with one sign; zero has none.
+  bool same(Term a, Term b) const { return a == b || (graph_.is_zero(a) && graph_.is_zero(b)); }
+
+  /// Calls law(a, b) on many pairs of terms of many graphs.
+  template <class Law>
+  void for_pairs(Law law) {
+    for (int k = 0; k < 40; ++k) {
+      graph_ = Graph();
+      terms_ = {input()};
+      for (int i = 0; i < 60; ++i) {
+        grow();
+        law(any(), any());
+      }
+    }
+  }
+
+  Random random_{1};
+  Graph graph_;
+  std::vector<Term> terms_;
+};
+
+TEST_F(GraphLaws, ADifferenceAndItsNegativeAreOneNode) {
+  for_pairs([&](Term a, Term b) { EXPECT_TRUE(same(graph_.subtract(a, b), -graph_.subtract(b, a))); });
+}
+
+TEST_F(GraphLaws, TheSignOfAProductMovesFreelyBetweenItsFactors) {
+  for_pairs([&](Term a, Term b) {
+    const Term ab = graph_.multiply(a, b);
+    EXPECT_TRUE(same(-ab, graph_.multiply(-a, b)));
+    EXPECT_TRUE(same(-ab, graph_.multiply(a, -b)));
+    EXPECT_TRUE(same(ab, graph_.multiply(-a, -b)));
+  });
+}
+
+TEST_F(GraphLaws, SumsAndProductsCommute) {
+  for_pairs([&](Term a, Term b) {
+    EXPECT_TRUE(same(graph_.add(a, b), graph_.add(b, a)));
+    EXPECT_TRUE(same(graph_.multiply(a, b), graph_.multiply(b, a)));
+  });
+}
+
+TEST_F(GraphLaws, OddAndEvenFunctionsShareTheirNodeWithTheNegative) {
+  for_pairs([&](Term a, Term) {
+    if (graph_.is_constant(a)) return;
+    EXPECT_EQ(graph_.sine(-a), -graph_.sine(a));
+    EXPECT_EQ(graph_.cosine(-a), graph_.cosine(a));
+    EXPECT_EQ(graph_.reciprocal(-a), -graph_.reciprocal(a));
+    EXPECT_EQ(graph_.logistic(-a), graph_.subtract(graph_.constant(1.0), graph_.logistic(a)));
+  });
+}
+
+TEST_F(GraphLaws, ZerosAndOnesFoldAway) {
+  for_pairs([&](Term a, Term) {
+    const Term zero = graph_.constant(0.0), one = graph_.constant(1.0);
+    EXPECT_TRUE(same(graph_.add(a, zero), a));
+    EXPECT_TRUE(same(graph_.multiply(a, one), a));
+    EXPECT_TRUE(same(graph_.multiply(a, -one), -a));
+    EXPECT_TRUE(graph_.is_zero(graph_.multiply(a, zero)));
+    EXPECT_TRUE(graph_.is_zero(graph_.subtract(a, a)));
+    EXPECT_TRUE(same(graph_.add(a, a), graph_.multiply(graph_.constant(2.0), a)));
+  });
+}
+
+TEST_F(GraphLaws, ASumTakenBackLeavesTheTerm) {
+  for_pairs([&](Term, Term) {
+    const Term a = graph_.sine(input());  // no sum with a constant: gathering those rounds anew
+    const Term one = graph_.constant(1.0);
+    EXPECT_EQ(graph_.subtract(one, graph_.subtract(one, a)), a);
+  });
+}
+
+TEST_F(GraphLaws, ConstantsGatherInFront) {
+  for_pairs([&](Term, Term) {
+    const Term x = input(), y = graph_.exponential(input());
+    const double c = number(), d = number();
+    const auto constant = [&](double v) { return graph_.constant(v); };
+    EXPECT_EQ(graph_.multiply(constant(c), graph_.multiply(constant(d), x)),
+              graph_.multiply(constant(c * d), x));
+    EXPECT_EQ(graph_.add(constant(c), graph_.add(constant(d), x)), graph_.add(constant(c + d), x));
+    EXPECT_EQ(graph_.multiply(graph_.multiply(constant(c), x), y),
+              graph_.multiply(constant(c), graph_.multiply(x, y)));
+    EXPECT_EQ(graph_.multiply(x, graph_.multiply(constant(c), y)),
+              graph_.multiply(constant(c), graph_.multiply(x, y)));
+  });
+}
+
+TEST_F(GraphLaws, ConstantsAreComputedAtOnce) {
+  for_pairs([&](Term, Term) {
+    const double a = number(), b = number();
+    const Term ta = graph_.constant(a), tb = graph_.constant(b);
+    EXPECT_EQ(graph_.constant_value(graph_.add(ta, tb)), a + b);
+    EXPECT_EQ(graph_.constant_value(graph_.subtract(ta, tb)), a - b);
+    EXPECT_EQ(graph_.constant_value(graph_.multiply(ta, tb)), a * b);
+    EXPECT_EQ(graph_.constant_value(graph_.reciprocal(ta)), 1.0 / a);
+    EXPECT_EQ(graph_.constant_value(graph_.square_root(graph_.constant(a * a))), sqrt(a * a));
+    EXPECT_EQ(graph_.constant_value(graph_.exponential(ta)), exp(a));
+    EXPECT_EQ(graph_.constant_value(graph_.logistic(ta)), logistic(a));
+    EXPECT_EQ(graph_.constant_value(graph_.sine(ta)), sin(a));
+    EXPECT_EQ(graph_.constant_value(graph_.cosine(ta)), cos(a));
+    EXPECT_EQ(graph_.constant(a), -graph_.constant(-a));
+  });
+}
+
+TEST_F(GraphLaws, NoNodeIsStoredTwice) {
+  for_pairs([&](Term, Term) {});
+  std::set<std::tuple<Op, int, bool, int, bool, double>> seen;
+  for (const Node& n : graph_.nodes()) {
+    EXPECT_TRUE(seen.emplace(n.op, n.a.node, n.a.negative, n.b.node, n.b.negative, n.value).second);
+  }
+}
+
+TEST_F(GraphLaws, OperandsComeBeforeWhatIsMadeOfThem) {
+  for_pairs([&](Term, Term) {});
+  for (int v = 0; v < graph_.size(); ++v) {
+    EXPECT_LT(graph_.nodes()[static_cast<std::size_t>(v)].a.node, v);
+    EXPECT_LT(graph_.nodes()[static_cast<std::size_t>(v)].b.node, v);
+  }
+}
+
+TEST_F(GraphLaws, NodesHoldTheSignsThatOpPromises) {
+  for_pairs([&](Term, Term) {});
+  for (const Node& n : graph_.nodes()) {
+    if (n.op == Op::constant) {
+      EXPECT_FALSE(std::signbit(n.value));
+    }
+    if (n.op != Op::square_root && n.op != Op::exponential) {
+      EXPECT_FALSE(n.a.negative);
+    }
+    if (n.op != Op::add) {
+      EXPECT_FALSE(n.b.negative);
+    }
+  }
+}
+
+TEST(Graph, ASharedPartIsOneNode) {
+  Graph graph;
+  const Term x = graph.input(0), y = graph.input(1);
+  const Term first = graph.exponential(graph.multiply(x, y));
+  const int size = graph.size();
+  EXPECT_EQ(graph.exponential(graph.multiply(y, x)), first);
+  EXPECT_EQ(graph.exponential(graph.multiply(-y, -x)), first);
+  EXPECT_EQ(graph.input(1), y);
+  EXPECT_EQ(graph.size(), size);
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,150 @@
+#include "sightline/formula/interpret.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+
+#include "sightline/formula/derive.hpp"
+#include "sightline/formula/trace.hpp"
+#include "tests/support/error.hpp"
+#include "tests/support/formula.hpp"
+#include "tests/support/wide.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr int n = 3;
+
+/// A random formula with its derivatives, as a program.
+struct Recorded {
+  explicit Recorded(Random& random, int operations)
+      : formula(random, uniform_array<n>(random, -1.5, 1.5), operations) {
+    Graph graph;
+    const auto symbols = variables(graph, 0, n);
+    std::vector<Term> inputs;
+    for (const Symbol& s : symbols) inputs.push_back(s.in(graph));
+    std::vector<Term> outputs = {formula(symbols).in(graph)};
+    const Derivatives d = derive(graph, outputs[0], inputs);
+    outputs.insert(outputs.end(), d.first.begin(), d.first.end());
+    outputs.insert(outputs.end(), d.second.begin(), d.second.end());
+    program = Program(graph, outputs, n);
+  }
+
+  Formula formula;
+  Program program;
+};
+
+/// The outputs of a program over the points that stand in the rows of `in`.
+Rows run(const Program& program, const Rows& in, int length) {
+  Rows out(program.outputs(), length);
+  Evaluation evaluation(program, length);
+  for (int i = 0; i < program.inputs(); ++i) evaluation.input(i, in[i]);
+  for (int i = 0; i < program.outputs(); ++i) evaluation.output(i, out[i]);
+  evaluation.run();
+  return out;
+}
+
+TEST(Interpret, OnLanesAFormulaIsWhatItIsOnPlainNumbers) {
+  Random random(1);
+  constexpr int length = 40;
+  int tested = 0;
+  constexpr int formulas = 2000;
+  for (int k = 0; k < formulas; ++k) {
+    const Recorded f(random, 1 + static_cast<int>(random() % 24));
+    Rows in(n, length);
+    for (double& v : in.all()) v = uniform(random, -1.5, 1.5);
+    const Rows out = run(f.program, in, length);
+    for (int point = 0; point < length; ++point) {
+      const Wide exact = f.formula(std::vector<Wide>{in[0][point], in[1][point], in[2][point]});
+      if (!(exact.rounding() < 1e-13)) continue;  // away from the point it was drawn at, a formula may grow
+      ASSERT_LE(std::fabs(out[0][point] - static_cast<double>(exact.value())), 2 * exact.rounding()) << k;
+      ++tested;
+    }
+  }
+  EXPECT_GT(tested, formulas * length * 9 / 10);
+}
+
+TEST(Interpret, APointHasTheSameBitsInARowOfAnyLength) {
+  Random random(2);
+  for (int k = 0; k < 30; ++k) {
+    const Recorded f(random, 16);
+    Rows in(n, 100);
+    for (double& v : in.all()) v = uniform(random, -1.5, 1.5);
+    const Rows whole = run(f.program, in, 100);
+    for (int length = 1; length <= 100; ++length) {
+      const Rows part = run(f.program, in, length);
+      for (int o = 0; o < f.program.outputs(); ++o) {
+        for (int point = 0; point < length; ++point) ASSERT_TRUE(same_bits(part[o][point], whole[o][point]));
+      }
+    }
+  }
+}
+
+TEST(Interpret, APointHasTheSameBitsAtAnyPlaceOfARow) {
+  Random random(3);
+  for (int k = 0; k < 100; ++k) {
+    const Recorded f(random, 16);
+    const auto x = uniform_array<n>(random, -1.5, 1.5);
+    const auto alone = evaluate(f.program, x);
+    const int length = 1 + static_cast<int>(random() % 100);
+    const int at = static_cast<int>(random() % static_cast<std::uint64_t>(length));
+    Rows in(n, length);
+    for (double& v : in.all()) v = uniform(random, -1.5, 1.5);
+    for (int i = 0; i < n; ++i) in[i][at] = x[static_cast<std::size_t>(i)];
+    const Rows out = run(f.program, in, length);
+    for (int o = 0; o < f.program.outputs(); ++o) {
+      EXPECT_TRUE(same_bits(out[o][at], alone[static_cast<std::size_t>(o)]));
+    }
+  }
+}
+
+TEST(Interpret, InputsAreLeftAsTheyWereAndASecondRunGivesTheSame) {
+  Random random(4);
+  for (int k = 0; k < 100; ++k) {
+    const Recorded f(random, 20);
+    Rows in(n, 37), out(f.program.outputs(), 37);
+    for (double& v : in.all()) v = uniform(random, -1.5, 1.5);
+    const std::vector<double> before(in.all().begin(), in.all().end());
+    Evaluation evaluation(f.program, 37);
+    for (int i = 0; i < n; ++i) evaluation.input(i, in[i]);
+    for (int i = 0; i < f.program.outputs(); ++i) evaluation.output(i, out[i]);
+    evaluation.run();
+    const std::vector<double> once(out.all().begin(), out.all().end());
+    evaluation.run();
+    EXPECT_TRUE(std::equal(before.begin(), before.end(), in.all().begin()));
+    EXPECT_TRUE(std::equal(once.begin(), once.end(), out.all().begin(), same_bits));
+  }
+}
+
+TEST(Interpret, NotANumberInOnePointStaysInThatPoint) {
+  Random random(5);
+  Graph graph;
+  const auto x = variables(graph, 0, n);
+  const Term out = logistic(x[0] * x[1] + exp(x[2])).in(graph);
+  const Program program(graph, std::span(&out, 1), n);
+  for (int bad = 0; bad < 24; ++bad) {
+    Rows in(n, 24);
+    for (double& v : in.all()) v = uniform(random, -1, 1);
+    in[1][bad] = std::numeric_limits<double>::quiet_NaN();
+    const Rows result = run(program, in, 24);
+    for (int point = 0; point < 24; ++point) EXPECT_EQ(std::isnan(result[0][point]), point == bad);
+  }
+}
+
+TEST(Rows, AreAlignedPaddedApartAndZero) {
+  for (int length = 1; length < 40; ++length) {
+    Rows rows(3, length);
+    EXPECT_EQ(rows.count(), 3);
+    EXPECT_EQ(rows.stride(), padded(length));
+    for (int r = 0; r < 3; ++r) {
+      EXPECT_EQ(reinterpret_cast<std::uintptr_t>(rows[r]) % row_alignment, 0u);
+      EXPECT_EQ(rows[r], rows[0] + r * rows.stride());
+    }
+    for (const double v : rows.all()) EXPECT_EQ(v, 0.0);
+    EXPECT_EQ(rows.all().size(), 3u * static_cast<std::size_t>(rows.stride()));
+  }
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,196 @@
+#include "sightline/formula/program.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <set>
+
+#include "sightline/formula/derive.hpp"
+#include "sightline/formula/trace.hpp"
+#include "sightline/math/elementary.hpp"
+#include "tests/support/error.hpp"
+#include "tests/support/formula.hpp"
+#include "tests/support/wide.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr int n = 3;
+
+/// Runs a program one number to a row; a row that was never written holds nothing.
+template <class S>
+std::vector<S> run(const Program& program, std::span<const double> inputs) {
+  std::vector<std::optional<S>> rows(static_cast<std::size_t>(program.rows()));
+  const auto constants = program.constants();
+  for (std::size_t i = 0; i < inputs.size(); ++i) rows[i] = S(inputs[i]);
+  for (std::size_t i = 0; i < constants.size(); ++i) rows[inputs.size() + i] = S(constants[i]);
+  for (const Instruction& q : program.instructions()) {
+    const auto row = [&](int r) { return rows.at(static_cast<std::size_t>(r)).value(); };
+    const auto result = [&]() -> S {
+      switch (q.code) {
+        case Code::copy:
+          return row(q.a);
+        case Code::negate:
+          return -row(q.a);
+        case Code::add:
+          return row(q.a) + row(q.b);
+        case Code::subtract:
+          return row(q.a) - row(q.b);
+        case Code::multiply:
+          return row(q.a) * row(q.b);
+        case Code::multiply_add:
+          return row(q.a) * row(q.b) + row(q.c);
+        case Code::multiply_subtract:
+          return row(q.a) * row(q.b) - row(q.c);
+        case Code::subtract_product:
+          return row(q.c) - row(q.a) * row(q.b);
+        case Code::reciprocal:
+          return S(1.0) / row(q.a);
+        case Code::square_root:
+          return sqrt(row(q.a));
+        case Code::exponential:
+          return exp(row(q.a));
+        case Code::logistic:
+          return logistic(row(q.a));
+        case Code::sine:
+          return sin(row(q.a));
+        case Code::cosine:
+          return cos(row(q.a));
+      }
+      return S();
+    };
+    rows.at(static_cast<std::size_t>(q.d)) = result();
+  }
+  std::vector<S> outputs;
+  for (int i = program.first_output(); i < program.rows(); ++i)
+    outputs.push_back(rows[static_cast<std::size_t>(i)].value());
+  return outputs;
+}
+
+/// Several random formulas of the same inputs in one graph, with all their derivatives.
+struct Recorded {
+  explicit Recorded(Random& random) : x(uniform_array<n>(random, -1.5, 1.5)) {
+    const auto symbols = variables(graph, 0, n);
+    std::vector<Term> inputs;
+    for (const Symbol& s : symbols) inputs.push_back(s.in(graph));
+    for (std::uint64_t k = 1 + random() % 3; k > 0; --k) {
+      formulas.emplace_back(random, x, 1 + static_cast<int>(random() % 16));
+      outputs.push_back(formulas.back()(symbols).in(graph));
+    }
+    if (random() % 2 == 0) {
+      const Derivatives d = derive(graph, outputs[0], inputs);
+      outputs.insert(outputs.end(), d.first.begin(), d.first.end());
+      outputs.insert(outputs.end(), d.second.begin(), d.second.end());
+    }
+  }
+
+  std::array<double, n> x;
+  Graph graph;
+  std::vector<Formula> formulas;
+  std::vector<Term> outputs;
+};
+
+TEST(Program, RowsAreReusedWithoutLosingANumberThatIsStillNeeded) {
+  Random random(1);
+  for (int k = 0; k < 4000; ++k) {
+    const Recorded f(random);
+    const auto results = run<Wide>(Program(f.graph, f.outputs, n), f.x);
+    for (std::size_t i = 0; i < f.formulas.size(); ++i) {
+      const Wide exact = f.formulas[i](std::vector<Wide>(f.x.begin(), f.x.end()));
+      EXPECT_LE(relative_error(static_cast<double>(results[i].value()), static_cast<double>(exact.value())),
+                1e-14)
+          << k;
+    }
+  }
+}
+
+TEST(Program, ScratchIsNoMoreThanTheInstructionsAskFor) {
+  Random random(2);
+  std::size_t instructions = 0, scratch = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const Recorded f(random);
+    const Program program(f.graph, f.outputs, n);
+    std::set<int> written;
+    for (const Instruction& q : program.instructions()) {
+      ASSERT_GE(q.d, program.first_scratch());
+      ASSERT_LT(q.d, program.rows());
+      if (q.d < program.first_output()) written.insert(q.d);
+    }
+    EXPECT_EQ(written.size(), static_cast<std::size_t>(program.scratch()));
+    instructions += program.instructions().size();
+    scratch += written.size();
+  }
+  EXPECT_LT(2 * scratch, instructions);
+}
+
+TEST(Program, EveryOutputIsWrittenOnceAndLast) {
+  Random random(3);
+  for (int k = 0; k < 1000; ++k) {
+    const Recorded f(random);
+    const Program program(f.graph, f.outputs, n);
+    ASSERT_EQ(program.outputs(), static_cast<int>(f.outputs.size()));
+    const auto tail = program.instructions().last(f.outputs.size());
+    for (std::size_t i = 0; i < tail.size(); ++i)
+      EXPECT_EQ(tail[i].d, program.first_output() + static_cast<int>(i));
+  }
+}
+
+TEST(Program, TheSameFormulaGivesTheSameProgram) {
+  Random random(4), again(4);
+  for (int k = 0; k < 500; ++k) {
+    const Recorded a(random), b(again);
+    EXPECT_EQ(Program(a.graph, a.outputs, n), Program(b.graph, b.outputs, n));
+  }
+}
+
+TEST(Program, ConstantsAreDistinctAndUsed) {
+  Random random(5);
+  for (int k = 0; k < 1000; ++k) {
+    const Recorded f(random);
+    const Program program(f.graph, f.outputs, n);
+    const std::set<double> distinct(program.constants().begin(), program.constants().end());
+    EXPECT_EQ(distinct.size(), program.constants().size());
+    std::set<int> read;
+    for (const Instruction& q : program.instructions()) read.insert({q.a, q.b, q.c});
+    for (int r = program.first_constant(); r < program.first_scratch(); ++r) EXPECT_TRUE(read.contains(r));
+  }
+}
+
+/// The codes of one output's program, but for the copy at the end.
+std::vector<Code> codes(const Graph& graph, Term out) {
+  const Program program(graph, std::span(&out, 1), n);
+  std::vector<Code> list;
+  for (const Instruction& q : program.instructions()) list.push_back(q.code);
+  list.pop_back();
+  return list;
+}
+
+TEST(Program, AProductUsedByOneSumAloneBecomesPartOfIt) {
+  Graph g;
+  const Term x = g.input(0), y = g.input(1), z = g.input(2), xy = g.multiply(x, y);
+  EXPECT_EQ(codes(g, g.add(xy, z)), std::vector{Code::multiply_add});
+  EXPECT_EQ(codes(g, g.subtract(z, xy)), std::vector{Code::subtract_product});
+  EXPECT_EQ(codes(g, g.multiply(xy, g.add(xy, z))), (std::vector{Code::multiply, Code::add, Code::multiply}));
+  const Term late = g.exponential(z);  // after the product, so that the product stands first in the sum
+  EXPECT_EQ(codes(g, g.subtract(xy, late)), (std::vector{Code::exponential, Code::multiply_subtract}));
+}
+
+TEST(Program, WhatNoOutputNeedsIsLeftOut) {
+  Graph g;
+  const Term x = g.input(0), sum = g.add(x, g.input(1));
+  g.exponential(g.multiply(sum, g.constant(7.0)));
+  EXPECT_EQ(codes(g, sum), std::vector{Code::add});
+  EXPECT_TRUE(Program(g, std::span(&sum, 1), n).constants().empty());
+}
+
+TEST(Program, AnInputOrAConstantMayItselfBeAnOutput) {
+  Graph g;
+  const std::vector<Term> outputs = {g.input(2), -g.input(0), g.constant(-2.5), g.input(2)};
+  const auto results = run<double>(Program(g, outputs, n), std::array{1.0, 2.0, 3.0});
+  EXPECT_EQ(results, (std::vector{3.0, -1.0, -2.5, 3.0}));
+}
+
+}  // namespace
+}  // namespace sightline

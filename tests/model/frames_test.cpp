@@ -1,0 +1,188 @@
+#include "sightline/model/frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/error.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/strict.hpp"
+
+namespace sightline {
+namespace {
+
+using Transform = Eigen::Matrix4d;
+
+/// T(p), (41).
+Transform translation(double x, double y, double z) {
+  Transform T = Transform::Identity();
+  T.topRightCorner<3, 1>() << x, y, z;
+  return T;
+}
+
+/// T_y(beta), (42).
+Transform about_y(double beta) {
+  Transform T = Transform::Identity();
+  const double c = std::cos(beta), s = std::sin(beta);
+  T.topLeftCorner<3, 3>() << c, 0, -s, 0, 1, 0, s, 0, c;
+  return T;
+}
+
+/// T_z(d), (43).
+Transform about_z(Vec2<double> d) {
+  Transform T = Transform::Identity();
+  T.topLeftCorner<3, 3>() << d.x, d.y, 0, -d.y, d.x, 0, 0, 0, 1;
+  return T;
+}
+
+/// T_SG = T_SV T_VG, (44)-(46).
+Transform sensor_from_global(const SensorMount& mount, const Pose<double>& robot) {
+  const Transform T_VG = about_z(robot.d) * translation(-robot.p.x, -robot.p.y, -robot.p.z);
+  const Transform T_SV = about_y(mount.pitch) * translation(-mount.offset, 0, 0);
+  return T_SV * T_VG;
+}
+
+SensorMount random_mount(Random& random) { return {uniform(random, -1.5, 1.5), uniform(random, -0.5, 0.5)}; }
+
+/// The point of G that the sensor sees at p_S, (47).
+Vec3<double> global_point(const SensorMount& mount, const Pose<double>& robot, const Vec3<double>& p_S) {
+  const Eigen::Vector4d p =
+      sensor_from_global(mount, robot).inverse() * Eigen::Vector4d(p_S.x, p_S.y, p_S.z, 1.0);
+  return {p[0], p[1], p[2]};
+}
+
+TEST(SensorMount, TheClosedFormIsTheProductOfTheTransforms) {
+  Random random(1);
+  for (int k = 0; k < 20'000; ++k) {
+    const SensorMount mount = random_mount(random);
+    const Pose<double> robot = random_pose(random, 3);
+    const Vec3<double> point = random_point(random, 3), p_S = mount(robot, point);
+    const Eigen::Vector4d expected =
+        sensor_from_global(mount, robot) * Eigen::Vector4d(point.x, point.y, point.z, 1.0);
+    EXPECT_NEAR(p_S.x, expected[0], 4e-15);
+    EXPECT_NEAR(p_S.y, expected[1], 4e-15);
+    EXPECT_NEAR(p_S.z, expected[2], 4e-15);
+  }
+}
+
+TEST(SensorMount, TheInverseLeadsBackToThePoint) {
+  Random random(2);
+  for (int k = 0; k < 5000; ++k) {
+    const SensorMount mount = random_mount(random);
+    const Pose<double> robot = random_pose(random, 3);
+    const Vec3<double> point = random_point(random, 3);
+    EXPECT_LE(norm(global_point(mount, robot, mount(robot, point)) - point), 2e-14);
+  }
+}
+
+TEST(SensorMount, DistancesAreKept) {
+  Random random(3);
+  for (int k = 0; k < 5000; ++k) {
+    const SensorMount mount = random_mount(random);
+    const Pose<double> robot = random_pose(random, 3);
+    const Vec3<double> a = random_point(random, 3), b = random_point(random, 3);
+    EXPECT_LE(relative_error(norm(mount(robot, a) - mount(robot, b)), norm(a - b)), 1e-14);
+  }
+}
+
+TEST(SensorMount, TheAxisInTheVehicleIsCosBetaZeroMinusSinBeta) {
+  Random random(4);
+  for (int k = 0; k < 5000; ++k) {
+    const SensorMount mount = random_mount(random);
+    const double far = uniform(random, 0.1, 5);
+    const Pose<double> robot{{}, {1.0, 0.0}};  // V is G
+    const Vec3<double> on_axis{mount.offset + far * std::cos(mount.pitch), 0.0, -far * std::sin(mount.pitch)};
+    const Vec3<double> p_S = mount(robot, on_axis);
+    EXPECT_NEAR(p_S.x, far, 2e-15 * (1 + far));
+    EXPECT_NEAR(std::hypot(p_S.y, p_S.z), 0.0, 2e-15 * (1 + far));
+  }
+}
+
+TEST(SensorMount, WhereRobotAndPointMoveTogetherNothingChanges) {
+  Random random(5);
+  for (int k = 0; k < 5000; ++k) {
+    const SensorMount mount = random_mount(random);
+    const Pose<double> robot = random_pose(random, 3);
+    const Vec3<double> point = random_point(random, 3), shift = random_point(random, 3);
+    const Vec2<double> turn = random_pose(random, 1).d;
+    const auto moved = [&](const Vec3<double>& p) {
+      const Vec2<double> r = rotate<double>(turn, {p.x, p.y});
+      return Vec3<double>{r.x, r.y, p.z} + shift;
+    };
+    const Pose<double> moved_robot{moved(robot.p), rotate(turn, robot.d)};
+    EXPECT_LE(norm(mount(moved_robot, moved(point)) - mount(robot, point)), 2e-14);
+  }
+}
+
+TEST(SensorMount, EveryScalarSeesTheSamePoint) {
+  Random random(6);
+  for (int k = 0; k < 1000; ++k) {
+    const SensorMount mount = random_mount(random);
+    const Pose<double> r = random_pose(random, 3);
+    const Vec3<double> p = random_point(random, 3), expected = mount(r, p);
+    const auto strict =
+        mount(Pose<Strict>{{r.p.x, r.p.y, r.p.z}, {r.d.x, r.d.y}}, Vec3<Strict>{p.x, p.y, p.z});
+    const auto lanes =
+        mount(Pose<NativeLane>{{r.p.x, r.p.y, r.p.z}, {r.d.x, r.d.y}}, Vec3<NativeLane>{p.x, p.y, p.z});
+    EXPECT_EQ(strict.x.value(), expected.x);
+    EXPECT_EQ(strict.y.value(), expected.y);
+    EXPECT_EQ(strict.z.value(), expected.z);
+    EXPECT_EQ(lanes.x[0], expected.x);
+    EXPECT_EQ(lanes.y[0], expected.y);
+    EXPECT_EQ(lanes.z[0], expected.z);
+  }
+}
+
+TEST(Frames, RotationKeepsLengthsAndTheTransposeUndoesIt) {
+  Random random(7);
+  for (int k = 0; k < 5000; ++k) {
+    const Vec2<double> d = random_pose(random, 1).d, v{uniform(random, -3, 3), uniform(random, -3, 3)};
+    const Vec2<double> v_G = rotate(d, v), back = rotate({d.x, -d.y}, v_G);
+    EXPECT_LE(relative_error(dot(v_G, v_G), dot(v, v)), 1e-14);
+    EXPECT_NEAR(back.x, v.x, 4e-15);
+    EXPECT_NEAR(back.y, v.y, 4e-15);
+    // Headings turn as angles add.
+    const double angle = std::atan2(d.y, d.x) + std::atan2(v.y, v.x);
+    EXPECT_NEAR(std::sin(angle), v_G.y / std::hypot(v_G.x, v_G.y), 1e-13);
+  }
+}
+
+TEST(ViewAngle, IsTheAngleBetweenTheAxisAndThePoint) {
+  Random random(8);
+  for (int k = 0; k < 5000; ++k) {
+    const SensorMount mount = random_mount(random);
+    const Pose<double> robot = random_pose(random, 3);
+    const Vec3<double> point = random_point(random, 3), p_S = mount(robot, point);
+    const double angle = view_angle(mount, robot, point);
+    EXPECT_GE(angle, 0.0);
+    EXPECT_LE(angle, std::numbers::pi);
+    EXPECT_NEAR(std::cos(angle), p_S.x / norm(p_S), 1e-14);  // (71)
+  }
+}
+
+TEST(ViewAngle, KeepsItsDigitsNearTheAxis) {
+  Random random(9);
+  for (int k = 0; k < 1000; ++k) {
+    const SensorMount mount{0.0, 0.0};
+    const double angle = std::exp(uniform(random, std::log(1e-12), std::log(0.1)));
+    const Pose<double> robot{{}, {1.0, 0.0}};
+    EXPECT_LE(relative_error(view_angle(mount, robot, {2.0, 0.0, -2.0 * std::tan(angle)}), angle, 0.0),
+              1e-14);
+  }
+  EXPECT_EQ(view_angle({}, {{-0.17, 0.0, 0.0}, {1.0, 0.0}}, {}), 0.0);  // at the sensor itself
+}
+
+TEST(Sight, WhatIsWrittenIsReadInTheOrderPositionHeadingVelocity) {
+  std::array<double, sight_size> row;
+  for (std::size_t i = 0; i < row.size(); ++i) row[i] = 1.0 + static_cast<double>(i);
+  const auto s = sight_from<double>(row);
+  EXPECT_EQ((std::array{s.p.x, s.p.y, s.p.z, s.d.x, s.d.y, s.v.x, s.v.y, s.v.z}), row);
+  std::array<double, sight_size> again{};
+  write_sight(s, again);
+  EXPECT_EQ(again, row);
+}
+
+}  // namespace
+}  // namespace sightline

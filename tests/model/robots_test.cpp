@@ -1,0 +1,124 @@
+#include "sightline/model/robots.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sightline/math/integrate.hpp"
+#include "sightline/model/model.hpp"
+#include "tests/support/error.hpp"
+#include "tests/support/random.hpp"
+
+namespace sightline {
+namespace {
+
+/// One step of 0.01 s of any robot under a constant input, back on its manifold afterwards.
+void fly(const Model& model, std::span<double> x, std::span<const double> u) {
+  std::vector<double> rows(5 * x.size());
+  const auto f = [&](std::span<const double> at, std::span<double> rate) {
+    model.f(at.data(), u.data(), rate.data());
+  };
+  rk4_step(f, x, 0.01, {rows});
+  ASSERT_TRUE(model.normalise(x.data()));
+}
+
+TEST(Multirotor, TheDefaultsAreTheArDrone) {
+  const Multirotor m;
+  EXPECT_EQ((std::array{m.b_z, m.b_psi, m.a_f, m.b_f, m.a_s, m.b_s}),
+            (std::array{1.0, 1.6, -0.5092, 1.458, -0.5092, 1.458}));  // (16)
+  const AngleMultirotor a;
+  EXPECT_EQ((std::array{a.b_z, a.b_psi, a.a_f, a.b_f, a.a_s, a.b_s}),
+            (std::array{m.b_z, m.b_psi, m.a_f, m.b_f, m.a_s, m.b_s}));
+}
+
+TEST(Multirotor, TheRateIsEquation24) {
+  Random random(1);
+  for (int k = 0; k < 1000; ++k) {
+    const auto c = uniform_array<6>(random, -2, 2);
+    const Multirotor m{.b_z = c[0], .b_psi = c[1], .a_f = c[2], .b_f = c[3], .a_s = c[4], .b_s = c[5]};
+    const auto x = uniform_array<7>(random, -2, 2);
+    const auto u = uniform_array<4>(random, -1, 1);
+    const auto [d_x, d_y, v_f, v_s] = std::array{x[3], x[4], x[5], x[6]};
+    const std::array<double, 7> expected = {
+        v_f * d_x - v_s * d_y,    v_f * d_y + v_s * d_x,   c[0] * u[2], -d_y * c[1] * u[3], d_x * c[1] * u[3],
+        c[2] * v_f + c[3] * u[0], c[4] * v_s - c[5] * u[1]};
+    const auto rate = m.f(x, u);
+    for (std::size_t i = 0; i < rate.size(); ++i) EXPECT_LE(relative_error(rate[i], expected[i]), 1e-15) << i;
+  }
+}
+
+TEST(Multirotor, TheHeadingKeepsItsLengthToFirstOrder) {
+  Random random(2);
+  for (int k = 0; k < 1000; ++k) {
+    const auto x = uniform_array<7>(random, -2, 2);
+    const auto rate = Multirotor{}.f(x, uniform_array<4>(random, -1, 1));
+    EXPECT_NEAR(x[3] * rate[3] + x[4] * rate[4], 0.0, 1e-14);
+  }
+}
+
+TEST(Multirotor, ForwardIsWhereItHeadsAndSidewardInputMovesItToTheRight) {
+  const Multirotor m;
+  const std::array<double, 4> forward = {1, 0, 0, 0}, sideward = {0, 1, 0, 0}, left = {0, 0, 0, 1};
+  const std::array<double, 7> x = {0, 0, 0, 0, 1, 0, 0};  // heads along y
+  EXPECT_GT(m.f(x, forward)[5], 0.0);
+  EXPECT_LT(m.f(x, sideward)[6], 0.0);
+  EXPECT_LT(m.f(x, left)[3], 0.0);  // turns anticlockwise, towards -x
+}
+
+TEST(AngleMultirotor, MovesAsTheDirectionVectorDoes) {
+  Random random(3);
+  for (int k = 0; k < 50; ++k) {
+    const auto c = uniform_array<6>(random, -1, 1);
+    const Model direction =
+        Multirotor{.b_z = c[0], .b_psi = c[1], .a_f = c[2], .b_f = c[3], .a_s = c[4], .b_s = c[5]};
+    const Model angle =
+        AngleMultirotor{.b_z = c[0], .b_psi = c[1], .a_f = c[2], .b_f = c[3], .a_s = c[4], .b_s = c[5]};
+    const Pose<double> start = random_pose(random, 2);
+    std::array<double, 7> x;
+    std::array<double, 6> y;
+    direction.at_rest(start, x.data());
+    angle.at_rest(start, y.data());
+    std::array<double, 4> u{};
+    for (int step = 0; step < 500; ++step) {
+      if (step % 50 == 0) u = uniform_array<4>(random, -1, 1);
+      fly(direction, x, u);
+      fly(angle, y, u);
+    }
+    const Sight<double> a = direction.sight(x.data(), u.data()), b = angle.sight(y.data(), u.data());
+    EXPECT_LE(norm(a.p - b.p), 1e-8);
+    EXPECT_LE(norm(a.v - b.v), 1e-8);
+    EXPECT_LE(std::hypot(a.d.x - b.d.x, a.d.y - b.d.y), 1e-8);
+  }
+}
+
+TEST(AngleMultirotor, TheAngleJumpsAtPiWhereTheDirectionGoesOn) {
+  const Model angle = AngleMultirotor{}, direction = Multirotor{};
+  const Pose<double> start{{}, {-1.0, 0.01}};
+  std::array<double, 7> x;
+  std::array<double, 6> y;
+  direction.at_rest(start, x.data());
+  angle.at_rest(start, y.data());
+  const std::array<double, 4> turn = {0, 0, 0, 1};
+  const double psi = y[3], d_y = x[4];
+  fly(angle, y, turn);
+  fly(direction, x, turn);
+  EXPECT_LT(y[3] - psi, -6.0);
+  EXPECT_LT(std::fabs(x[4] - d_y), 0.02);
+}
+
+TEST(Body, GoesOnWithTheVelocityItHas) {
+  Random random(4);
+  const Model body = Body{};
+  for (int k = 0; k < 100; ++k) {
+    const auto start = uniform_array<6>(random, -2, 2);
+    auto x = start;
+    for (int step = 0; step < 100; ++step) fly(body, x, {});
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(x[i], start[i] + start[i + 3], 1e-13);
+      EXPECT_EQ(x[i + 3], start[i + 3]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sightline

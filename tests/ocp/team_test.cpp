@@ -1,0 +1,269 @@
+#include "sightline/ocp/team.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sightline/potential/bounds.hpp"
+#include "sightline/potential/distance.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace sightline {
+namespace {
+
+/// Two robots and an obstacle.
+struct Trio {
+  Team team;
+  AgentId uav0 = team.add(Multirotor{});
+  AgentId uav1 = team.add(AngleMultirotor{});
+  BodyId rock = team.add(Obstacle{"rock"});
+};
+
+TEST(Team, BodiesWithoutANameAreNumbered) {
+  Team team;
+  EXPECT_EQ(team.name(team.add(Multirotor{})), "uav0");
+  EXPECT_EQ(team.name(team.add(Obstacle{})), "obstacle0");
+  EXPECT_EQ(team.name(team.add(AngleMultirotor{})), "uav1");
+  EXPECT_EQ(team.name(team.add(Obstacle{})), "obstacle1");
+  EXPECT_EQ(team.name(team.add(Multirotor{}, {.name = "scout"})), "scout");
+}
+
+TEST(Team, ABodyIsFoundByItsName) {
+  const Trio trio;
+  EXPECT_EQ(trio.team.find("uav0"), trio.uav0);
+  EXPECT_EQ(trio.team.find("uav1"), trio.uav1);
+  EXPECT_EQ(trio.team.find("rock"), trio.rock);
+  EXPECT_EQ(trio.team.find("nobody").index, -1);
+  EXPECT_EQ(trio.team.find("").index, -1);
+}
+
+TEST(Team, StatesAndInputsFollowOneAnotherWithoutGaps) {
+  Random random(1);
+  for (int k = 0; k < 100; ++k) {
+    Team team;
+    int nx = 0, nu = 0, agents = 0;
+    for (int i = 0; i < 10; ++i) {
+      const auto kind = random() % 3;
+      const BodyId id = kind == 0   ? team.add(Multirotor{})
+                        : kind == 1 ? team.add(AngleMultirotor{})
+                                    : team.add(Obstacle{});
+      EXPECT_EQ(id.index, i);
+      EXPECT_EQ(team.state_offset(id), nx);
+      EXPECT_EQ(team.input_offset(id), nu);
+      EXPECT_EQ(team.is_agent(id), kind < 2);
+      if (team.is_agent(id)) {
+        EXPECT_EQ(team.agent(id).name, team.name(id));
+        EXPECT_EQ(&team.agent(id), &team.agents()[static_cast<std::size_t>(agents++)]);
+      }
+      nx += team.model(id).nx();
+      nu += team.model(id).nu();
+    }
+    EXPECT_EQ(team.bodies(), 10);
+    EXPECT_EQ(team.nx(), nx);
+    EXPECT_EQ(team.nu(), nu);
+    EXPECT_EQ(static_cast<int>(team.agents().size()), agents);
+  }
+}
+
+TEST(Team, WhatIsNotSaidOfAnAgentIsZeroOrOne) {
+  Team team;
+  const Agent& agent = team.agent(team.add(Multirotor{}));
+  EXPECT_EQ(agent.Q, std::vector<double>(7, 0.0));
+  EXPECT_EQ(agent.R, std::vector<double>(4, 1.0));
+  EXPECT_EQ(agent.Q_f, std::vector<double>(7, 0.0));
+  EXPECT_EQ(agent.u_ref, std::vector<double>(4, 0.0));
+  EXPECT_EQ(agent.limits.u_min()[0], std::vector<double>(4, -1.0));
+  EXPECT_EQ(agent.limits.u_max()[0], std::vector<double>(4, 1.0));
+}
+
+TEST(Team, ACouplingIsFeltByAllItsRobotsUnlessSaidOtherwise) {
+  Trio t;
+  t.team.couple(0.4 * KeepOut{}, {t.uav0, t.uav1});
+  t.team.couple(0.4 * KeepOut{}, {t.rock, t.uav1});
+  t.team.couple(0.4 * KeepOut{}, {t.uav0, t.uav1}, felt_by(t.uav1));
+  t.team.couple(0.4 * KeepOut{}, {t.uav0, t.uav1}, felt_by({t.uav1, t.uav0}));
+  ASSERT_EQ(t.team.couplings().size(), 4u);
+  EXPECT_EQ(t.team.couplings()[0].felt_by, (std::vector{t.uav0, t.uav1}));
+  EXPECT_EQ(t.team.couplings()[1].felt_by, std::vector{t.uav1});
+  EXPECT_EQ(t.team.couplings()[2].felt_by, std::vector{t.uav1});
+  EXPECT_EQ(t.team.couplings()[3].felt_by, (std::vector{t.uav1, t.uav0}));
+  EXPECT_EQ(t.team.couplings()[1].between.first, t.rock);
+  EXPECT_EQ(t.team.couplings()[0].term.weight, 0.4);
+}
+
+TEST(Team, AConstraintIsKeptWithItsRobotAndItsWeight) {
+  Trio t;
+  t.team.constrain(2.0 * AltitudeBand{}, t.uav1);
+  ASSERT_EQ(t.team.constraints().size(), 1u);
+  EXPECT_EQ(t.team.constraints()[0].agent, t.uav1);
+  EXPECT_EQ(t.team.constraints()[0].term.weight, 2.0);
+}
+
+/// An agent that may be added, to be spoilt.
+Agent sound() {
+  return {.name = "a",
+          .model = Multirotor{},
+          .Q = std::vector<double>(7, 1.0),
+          .R = std::vector<double>(4, 1.0),
+          .Q_f = {},
+          .limits = {std::vector<double>(4, -1.0), std::vector<double>(4, 1.0)}};
+}
+
+/// What the team says to an agent that `spoil` has changed.
+template <class Spoil>
+std::string refusal_after(Spoil spoil) {
+  return refusal_of([&] {
+    Team team;
+    Agent agent = sound();
+    spoil(agent);
+    team.add(std::move(agent));
+  });
+}
+
+TEST(Team, AnUnsoundAgentIsRefusedByFieldValueAndRange) {
+  EXPECT_EQ(refusal_after([](Agent&) {}), "");
+  EXPECT_EQ(refusal_after([](Agent& a) { a.Q.pop_back(); }), "a.Q has 6 entries, expected 7");
+  EXPECT_EQ(refusal_after([](Agent& a) { a.R.push_back(1); }), "a.R has 5 entries, expected 4");
+  EXPECT_EQ(refusal_after([](Agent& a) { a.Q_f = {1, 2}; }), "a.Q_f has 2 entries, expected 7");
+  EXPECT_EQ(refusal_after([](Agent& a) { a.Q[3] = -0.5; }), "a.Q = -0.5, expected >= 0");
+  EXPECT_EQ(refusal_after([](Agent& a) { a.Q[3] = not_a_number; }), "a.Q = nan, expected >= 0");
+  EXPECT_EQ(refusal_after([](Agent& a) { a.R[0] = 0; }), "a.R = 0, expected > 0");
+  EXPECT_EQ(refusal_after([](Agent& a) { a.R[0] = infinite; }), "a.R = inf, expected > 0");
+  EXPECT_EQ(refusal_after([](Agent& a) { a.Q_f.assign(7, -1.0); }), "a.Q_f = -1, expected >= 0");
+  EXPECT_EQ(refusal_after([](Agent& a) {
+              a.u_ref = {0, 0};
+            }),
+            "a.u_ref has 2 entries, expected 4 finite numbers");
+  EXPECT_EQ(refusal_after([](Agent& a) {
+              a.u_ref = {0, 0, 0, not_a_number};
+            }),
+            "a.u_ref has 4 entries, expected 4 finite numbers");
+  EXPECT_EQ(refusal_after([](Agent& a) {
+              a.limits = {std::vector{-1.0}, std::vector{1.0}};
+            }),
+            "a.u_min has 1 entries, expected 4");
+}
+
+TEST(Team, ANameIsGivenOnce) {
+  Trio t;
+  EXPECT_EQ(refusal_of([&] { t.team.add(Obstacle{"rock"}); }),
+            "the name \"rock\" is given twice, expected one body of a name");
+  EXPECT_EQ(refusal_of([&] { t.team.add(Multirotor{}, {.name = "rock"}); }),
+            "the name \"rock\" is given twice, expected one body of a name");
+}
+
+TEST(Team, AnUnsoundCouplingIsRefused) {
+  Trio t;
+  const auto couple = [&](const Weighted& term, Between between, std::vector<AgentId> felt) {
+    return refusal_of([&] { t.team.couple(term, between, std::move(felt)); });
+  };
+  const Weighted term = 0.4 * KeepOut{};
+  const Between both{t.uav0, t.uav1};
+  EXPECT_EQ(couple(term, {t.uav0, BodyId{7}}, {t.uav0}),
+            "body 7 is not in the team, expected an id that add() returned");
+  EXPECT_EQ(couple(term, {BodyId{}, t.uav0}, {t.uav0}),
+            "body -1 is not in the team, expected an id that add() returned");
+  EXPECT_EQ(couple(-0.5 * KeepOut{}, both, {t.uav0}), "weight = -0.5 of keep_out, expected >= 0");
+  EXPECT_EQ(couple(not_a_number * KeepOut{}, both, {t.uav0}), "weight = nan of keep_out, expected >= 0");
+  EXPECT_EQ(couple(1.0 * AltitudeBand{}, both, {t.uav0}),
+            "altitude_band sees one robot alone, expected a potential between two bodies");
+  EXPECT_EQ(couple(term, {t.uav0, t.uav0}, {t.uav0}), "\"uav0\" is coupled with itself, expected two bodies");
+  EXPECT_EQ(couple(term, both, {}),
+            "the coupling keep_out of \"uav0\" and \"uav1\" is felt by nobody, expected at least one robot "
+            "of the two");
+  EXPECT_EQ(couple(term, {t.uav0, t.rock}, {t.uav1}),
+            "felt_by names \"uav1\", expected a robot of between = [\"uav0\", \"rock\"]");
+  EXPECT_EQ(couple(term, {t.uav0, t.rock}, {AgentId{t.rock}}),
+            "felt_by names \"rock\", expected a robot of between = [\"uav0\", \"rock\"]");
+  EXPECT_EQ(couple(term, both, {AgentId{{9}}}),
+            "body 9 is not in the team, expected an id that add() returned");
+  EXPECT_TRUE(t.team.couplings().empty());
+}
+
+TEST(Team, TwoThingsThatAreNotControlledFeelNothing) {
+  Trio t;
+  const BodyId tree = t.team.add(Obstacle{"tree"});
+  EXPECT_EQ(refusal_of([&] {
+              t.team.couple(1.0 * KeepOut{}, {t.rock, tree});
+            }),
+            "the coupling keep_out of \"rock\" and \"tree\" is felt by nobody, expected at least one robot "
+            "of the two");
+}
+
+TEST(Team, AnUnsoundConstraintIsRefused) {
+  Trio t;
+  const auto constrain = [&](const Weighted& term, AgentId agent) {
+    return refusal_of([&] { t.team.constrain(term, agent); });
+  };
+  EXPECT_EQ(constrain(1.0 * AltitudeBand{}, AgentId{t.rock}), "\"rock\" is not controlled, expected a robot");
+  EXPECT_EQ(constrain(1.0 * KeepOut{}, t.uav0),
+            "keep_out lies between two bodies, expected a potential of one robot");
+  EXPECT_EQ(constrain(-1.0 * AltitudeBand{}, t.uav0), "weight = -1 of altitude_band, expected >= 0");
+  EXPECT_EQ(constrain(1.0 * AltitudeBand{}, AgentId{}),
+            "body -1 is not in the team, expected an id that add() returned");
+  EXPECT_TRUE(t.team.constraints().empty());
+}
+
+TEST(InputLimits, HoldFromTheirTimeToTheNextAndTheFirstBefore) {
+  const InputLimits limits({1, 2, 3}, {{-1}, {-2}, {-3}}, {{1}, {0.5}, {0.25}});
+  const auto at = [&](double t) {
+    double u_min = 0, u_max = 0;
+    limits.at(t, {&u_min, 1}, {&u_max, 1});
+    return std::pair(u_min, u_max);
+  };
+  EXPECT_EQ(at(-100), std::pair(-1.0, 1.0));
+  EXPECT_EQ(at(1.0), std::pair(-1.0, 1.0));
+  EXPECT_EQ(at(1.999), std::pair(-1.0, 1.0));
+  EXPECT_EQ(at(2.0), std::pair(-2.0, 0.5));
+  EXPECT_EQ(at(2.5), std::pair(-2.0, 0.5));
+  EXPECT_EQ(at(3.0), std::pair(-3.0, 0.25));
+  EXPECT_EQ(at(1e9), std::pair(-3.0, 0.25));
+}
+
+TEST(InputLimits, WhatIsNoLimitIsRefused) {
+  using Rows = std::vector<std::vector<double>>;
+  const auto constant = [](std::vector<double> u_min, std::vector<double> u_max) {
+    return refusal_of([&] { InputLimits(std::move(u_min), std::move(u_max)); });
+  };
+  const auto timed = [](std::vector<double> times, Rows u_min, Rows u_max) {
+    return refusal_of([&] { InputLimits(std::move(times), std::move(u_min), std::move(u_max)); });
+  };
+  EXPECT_EQ(constant({-1, 0.5}, {1, 0.5}),
+            "limits: u_min[1] = 0.5, u_max[1] = 0.5, expected u_min < u_max, both finite");
+  EXPECT_EQ(constant({-infinite}, {1}),
+            "limits: u_min[0] = -inf, u_max[0] = 1, expected u_min < u_max, both finite");
+  EXPECT_EQ(constant({-1}, {not_a_number}),
+            "limits: u_min[0] = -1, u_max[0] = nan, expected u_min < u_max, both finite");
+  EXPECT_EQ(constant({-1}, {1, 1}), "limits: u_min has 1 entries, u_max has 2, expected as many in all");
+  EXPECT_EQ(timed({0, 1}, {{-1}, {-1, -1}}, {{1}, {1, 1}}),
+            "limits: u_min has 2 entries, u_max has 2, expected as many in all");
+  EXPECT_EQ(timed({}, {}, {}), "limits have 0 times, 0 u_min and 0 u_max, expected as many of each");
+  EXPECT_EQ(timed({0, 1}, {{-1}}, {{1}}),
+            "limits have 2 times, 1 u_min and 1 u_max, expected as many of each");
+  for (const double second : {1.0, 0.5}) {
+    EXPECT_EQ(timed({1, second}, {{-1}, {-1}}, {{1}, {1}}),
+              fmt::format("limits.times = {} after 1, expected finite and rising", second));
+  }
+  EXPECT_EQ(timed({infinite}, {{-1}}, {{1}}), "limits.times = inf, expected finite and rising");
+  EXPECT_EQ(timed({0, not_a_number}, {{-1}, {-1}}, {{1}, {1}}),
+            "limits.times = nan, expected finite and rising");
+}
+
+TEST(Team, AReferenceOfAnotherLengthIsRefused) {
+  Team team;
+  EXPECT_THROW(team.add(Multirotor{}, {.x_ref = std::array<double, 3>{1, 2, 3}}), std::invalid_argument);
+  EXPECT_THROW(team.add(AngleMultirotor{}, {.x_ref = std::array<double, 7>{}}), std::invalid_argument);
+  EXPECT_THROW(team.add(Multirotor{}, {.x_ref = [](double) { return std::array<double, 6>{}; }}),
+               std::invalid_argument);
+  EXPECT_NO_THROW(team.add(Multirotor{}, {.x_ref = std::array<double, 7>{}}));
+  EXPECT_NO_THROW(team.add(AngleMultirotor{}, {.x_ref = Circle{}}));
+}
+
+TEST(Team, ARobotFeelsACouplingOnce) {
+  Team team;
+  const AgentId a = team.add(Multirotor{}), b = team.add(Multirotor{});
+  EXPECT_THROW(team.couple(1.0 * KeepOut{}, Between{a, b}, felt_by({a, a})), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,72 @@
+#include "sightline/potential/bounds.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace sightline {
+namespace {
+
+Sight<double> at(double x, double y, double z) { return {{{x, y, z}, {1.0, 0.0}}, {}}; }
+
+TEST(AltitudeBand, OutsideTheWayBackIsDownhill) {
+  Random random(1);
+  for (int k = 0; k < 5000; ++k) {
+    const AltitudeBand band{.z_min = 0.5, .z_max = 2.5, .kappa_A = uniform(random, 5, 20)};
+    const double beyond = uniform(random, 0.0, 20.0);
+    EXPECT_LT(band(at(0, 0, 2.5 + beyond)), band(at(0, 0, 2.6 + beyond)));
+    EXPECT_LT(band(at(0, 0, 0.5 - beyond)), band(at(0, 0, 0.4 - beyond)));
+  }
+}
+
+TEST(AltitudeBand, ItIsLowestInItsMiddleAndSymmetricAboutIt) {
+  Random random(2);
+  for (int k = 0; k < 5000; ++k) {
+    const AltitudeBand band{.z_min = 0.5, .z_max = 2.5};
+    const double off = uniform(random, 0.01, 5.0);
+    EXPECT_LE(band(at(0, 0, 1.5)), band(at(0, 0, 1.5 + off)));
+    EXPECT_NEAR(band(at(0, 0, 1.5 + off)), band(at(0, 0, 1.5 - off)), 1e-13);
+  }
+}
+
+TEST(Geofence, IsTheSumOfABandInEachAxis) {
+  Random random(3);
+  for (int k = 0; k < 5000; ++k) {
+    const Geofence box{.low = {-1, -2, 0.5}, .high = {1, 3, 2}};
+    const Vec3<double> p = random_point(random, 5);
+    double sum = 0, worst = -infinite;
+    for (const auto& [low, high, v] : {std::array{-1.0, 1.0, p.x}, {-2.0, 3.0, p.y}, {0.5, 2.0, p.z}}) {
+      const AltitudeBand band{.z_min = low, .z_max = high, .kappa_G = box.kappa_G, .kappa_A = box.kappa_A};
+      sum += band(at(0, 0, v));
+      worst = std::max(worst, band.violation(at(0, 0, v)));
+    }
+    EXPECT_NEAR(box(at(p.x, p.y, p.z)), sum, 1e-13);
+    EXPECT_EQ(box.violation(at(p.x, p.y, p.z)), worst);
+  }
+}
+
+TEST(Bounds, ParametersOutOfRangeAreRefusedByName) {
+  const auto band = [](AltitudeBand b) { return refusal_of([&] { b.check(); }); };
+  const auto box = [](Geofence g) { return refusal_of([&] { g.check(); }); };
+  EXPECT_EQ(band({.z_min = 2, .z_max = 2}), "altitude_band.z_max = 2, expected above z_min");
+  EXPECT_EQ(band({.z_max = infinite}), "altitude_band.z_max = inf, expected above z_min");
+  EXPECT_EQ(band({.z_min = not_a_number}), "altitude_band.z_min = nan, expected a finite height, m");
+  EXPECT_EQ(band({.z_min = -infinite}), "altitude_band.z_min = -inf, expected a finite height, m");
+  EXPECT_EQ(box({.high = {10, -10, 5}}), "geofence.high = -10, expected above low in each axis");
+  EXPECT_EQ(box({.high = {10, 10, not_a_number}}), "geofence.high = nan, expected above low in each axis");
+  EXPECT_EQ(box({.low = {0, -infinite, 0}}), "geofence.low = -inf, expected finite coordinates, m");
+  for (const double bad : {-1.0, not_a_number, infinite}) {
+    EXPECT_EQ(band({.kappa_G = bad}), fmt::format("altitude_band.kappa_G = {}, expected >= 0 1/m^2", bad));
+    EXPECT_EQ(box({.kappa_G = bad}), fmt::format("geofence.kappa_G = {}, expected >= 0 1/m^2", bad));
+  }
+  for (const double bad : {0.0, -1.0, not_a_number, infinite}) {
+    EXPECT_EQ(band({.kappa_A = bad}), fmt::format("altitude_band.kappa_A = {}, expected > 0 1/m", bad));
+    EXPECT_EQ(box({.kappa_A = bad}), fmt::format("geofence.kappa_A = {}, expected > 0 1/m", bad));
+  }
+  EXPECT_EQ(band({}), "");
+  EXPECT_EQ(box({}), "");
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,78 @@
+// An update takes nothing from the heap: counted, not believed.
+#include "cli/allocations.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+
+#include "sightline/solver/cmscgmres.hpp"
+#include "tests/support/closed_loop.hpp"
+#include "tests/support/paper_team.hpp"
+
+namespace sightline {
+namespace {
+
+using paper::Variant;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Calls of the heap by f; zero where the build does not count.
+template <class F>
+std::int64_t counted(F&& f) {
+  const std::int64_t before = cli::allocations();
+  f();
+  return cli::allocations() - before;
+}
+
+TEST(Allocations, TheCounterSeesWhatASolverIsMadeOf) {
+  const std::int64_t one = cli::counts_allocations() ? 1 : 0;
+  EXPECT_EQ(counted([] {}), 0);
+  EXPECT_EQ(counted([] { Rows(3, 3); }), one);
+  EXPECT_GE(counted([] { Cmscgmres(paper::target_alone(), {}); }), 10 * one);
+}
+
+TEST(Allocations, NoUpdateTakesMemoryFromTheFirstOnHoweverItEnds) {
+  for (const JacobianProduct product : {JacobianProduct::exact, JacobianProduct::forward_difference}) {
+    for (const Variant variant : {Variant::joint, Variant::masked}) {
+      Cmscgmres mpc(paper::team(variant), {}, {.jacobian = product});
+      std::vector<double> x = paper::saturating_start(), bad(14, nan), huge = x;
+      huge[0] = 1e200;
+      std::array<bool, status_count> seen{};
+      double t = 0.0;
+      const auto update = [&](std::span<const double> states) {
+        Status status{};
+        EXPECT_EQ(counted([&] { status = mpc.solve(t, states).status; }), 0);
+        seen[static_cast<std::size_t>(status)] = true;
+      };
+      for (int k = 0; k < 300; ++k, t += 0.01) {
+        update(x);
+        if (k % 100 == 50) update(bad);
+        if (k % 100 == 60) update(huge);
+        if (k % 100 == 70) update({});
+        if (k == 150) mpc.restart();
+        if (k == 200) t = 0.0;
+        const auto u = mpc.step(t, x);
+        advance(mpc.ocp().team(), x, u, 0.01);
+      }
+      EXPECT_EQ(counted([&] { (void)mpc.kkt(t, x); }), 0);
+      EXPECT_TRUE(seen[0] && seen[1] && seen[3] && seen[4]) << "an outcome was not met";
+    }
+  }
+}
+
+TEST(Allocations, GmresTakesNoneAfterItWasMade) {
+  const int n = 100;
+  Gmres gmres(n, 30);
+  Rows rows(2, gmres.length());
+  for (const double scale : {1.0, 0.0, nan}) {
+    for (int i = 0; i < n; ++i) rows[0][i] = scale * i;
+    const auto product = [&](const double* v, double* out) {
+      for (int i = 0; i < n; ++i) out[i] = (1.0 + 0.1 * i) * v[i];
+    };
+    EXPECT_EQ(counted([&] { gmres.solve(product, rows[0], rows[1], 1e-8); }), 0);
+  }
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,50 @@
+/// Random numbers, poses and sights; every test seeds its own.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <random>
+
+#include "sightline/model/frames.hpp"
+
+namespace sightline {
+
+using Random = std::mt19937_64;
+
+inline double uniform(Random& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+/// Any finite double, every exponent alike.
+inline double any_finite(Random& random) {
+  for (;;) {
+    const double x = std::bit_cast<double>(std::uint64_t{random()});
+    if (std::isfinite(x)) return x;
+  }
+}
+
+template <std::size_t n>
+std::array<double, n> uniform_array(Random& random, double low, double high) {
+  std::array<double, n> a;
+  for (double& v : a) v = uniform(random, low, high);
+  return a;
+}
+
+inline Vec3<double> random_point(Random& random, double reach) {
+  return {uniform(random, -reach, reach), uniform(random, -reach, reach), uniform(random, -reach, reach)};
+}
+
+/// Anywhere within `reach` [m] of the origin in each axis, with any heading.
+inline Pose<double> random_pose(Random& random, double reach) {
+  const double psi = uniform(random, -std::numbers::pi, std::numbers::pi);
+  return {random_point(random, reach), {std::cos(psi), std::sin(psi)}};
+}
+
+inline Sight<double> random_sight(Random& random, double reach) {
+  return {random_pose(random, reach), random_point(random, 2.0)};
+}
+
+}  // namespace sightline
