@@ -1,0 +1,322 @@
+#include "sightline/io/figures.hpp"
+
+#include <fmt/format.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <set>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+namespace sightline {
+namespace {
+
+using Mark = Drawing::Mark;
+using Curve = Drawing::Curve;
+using Panel = Drawing::Panel;
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array<std::string_view, Drawing::colours + 2> colours = {
+    "#3b82d6", "#e07b1a", "#2a9d5c", "#a05cd0", "#d64a8b", "#1aa3b5", "#d8322f", "#8a8f98"};
+constexpr int width = 900, left = 102, axes_width = 780;  // [px]
+constexpr std::string_view messages = "gnuplot.log";
+
+}  // namespace
+
+std::vector<std::size_t> rows_to_draw(std::span<const std::span<const double>> columns, std::size_t most) {
+  const std::size_t rows = columns.empty() ? 0 : columns.front().size();
+  std::set<std::size_t> kept;
+  if (rows <= most) {
+    for (std::size_t i = 0; i < rows; ++i) kept.insert(kept.end(), i);
+    return {kept.begin(), kept.end()};
+  }
+  const std::size_t stretches = (most - 2) / (2 * columns.size());
+  for (std::size_t s = 0; s < stretches; ++s) {
+    const std::size_t begin = s * rows / stretches, end = (s + 1) * rows / stretches;
+    for (const auto& column : columns) {
+      std::size_t low = begin, high = begin;
+      for (std::size_t i = begin; i < end; ++i) {
+        if (!std::isfinite(column[i])) continue;
+        if (!(column[low] <= column[i])) low = i;
+        if (!(column[high] >= column[i])) high = i;
+      }
+      kept.insert({low, high});
+    }
+  }
+  kept.insert({0, rows - 1});
+  return {kept.begin(), kept.end()};
+}
+
+namespace {
+
+// Text of a user in single quotes, where gnuplot expands nothing.
+std::string literal(std::string_view text) {
+  std::string result = "'";
+  for (const char c : text) {
+    if (c == '\'') result += '\'';
+    result += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  }
+  return result + "'";
+}
+
+std::string shell_quoted(std::string_view text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+// What an axis cannot show becomes a gap; curves, panels and drawings without a point go.
+void prune(std::vector<Drawing>& drawings) {
+  for (Drawing& drawing : drawings) {
+    for (Panel& panel : drawing.panels) {
+      for (Curve& curve : panel.curves) {
+        for (std::size_t i = 0; i < curve.x.size(); ++i) {
+          const bool shown = std::isfinite(curve.x[i]) && std::isfinite(curve.y[i]) &&
+                             (!panel.log_x || curve.x[i] > 0) && (!panel.log_y || curve.y[i] > 0);
+          if (!shown) curve.y[i] = none;
+        }
+      }
+      std::erase_if(panel.curves, [](const Curve& curve) {
+        return std::none_of(curve.y.begin(), curve.y.end(), [](double y) { return std::isfinite(y); });
+      });
+    }
+    const bool shared = !drawing.panels.empty() && drawing.panels.front().x_label.empty();
+    const std::string x_label = shared ? drawing.panels.back().x_label : "";
+    std::erase_if(drawing.panels, [](const Panel& panel) { return panel.curves.empty(); });
+    if (shared && !drawing.panels.empty()) drawing.panels.back().x_label = x_label;
+  }
+  std::erase_if(drawings, [](const Drawing& drawing) { return drawing.panels.empty(); });
+}
+
+std::string_view style(Mark mark) {
+  switch (mark) {
+    case Mark::line:
+      return "with lines lw 1.6";
+    case Mark::dashed:
+      return "with lines lw 1.6 dt (8,5)";
+    case Mark::thin:
+      return "with lines lw 0.8";
+    case Mark::points:
+      return "with points pt 7 ps 0.7";
+    case Mark::bars:
+      return "with fillsteps fs solid 0.55 noborder";
+    case Mark::arrows:
+      break;
+  }
+  return "with vectors filled head size screen 0.011,18,60 lw 1.4";
+}
+
+std::size_t characters(std::string_view utf8) {
+  return static_cast<std::size_t>(
+      std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+// Columns and rows of the legend above a panel.
+struct Legend {
+  std::size_t columns = 1, rows = 0;
+
+  explicit Legend(const Panel& panel) {
+    std::size_t entries = 0, longest = 0;
+    for (const Curve& curve : panel.curves) {
+      if (curve.title.empty()) continue;
+      ++entries;
+      longest = std::max(longest, characters(curve.title));
+    }
+    columns = std::clamp<std::size_t>(axes_width / (70 + 9 * longest), 1, std::max<std::size_t>(1, entries));
+    rows = (entries + columns - 1) / columns;
+  }
+};
+
+struct Range {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+
+  double length() const { return high - low; }
+  double middle() const { return low + 0.5 * length(); }
+};
+
+Range range_of(const Panel& panel, std::vector<double> Curve::*axis) {
+  Range range;
+  for (const Curve& curve : panel.curves) {
+    for (std::size_t i = 0; i < curve.y.size(); ++i) {
+      if (!std::isfinite(curve.y[i])) continue;
+      range.low = std::min(range.low, (curve.*axis)[i]), range.high = std::max(range.high, (curve.*axis)[i]);
+    }
+  }
+  return range;
+}
+
+// The data with some air; of a logarithmic y at most the upper six decades.
+std::string ranges(const Panel& panel) {
+  const Range x = range_of(panel, &Curve::x), y = range_of(panel, &Curve::y);
+  const auto text = [](double x_low, double x_high, double y_low, double y_high) {
+    return fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
+  };
+  if (panel.equal_scales) {
+    const double metres = 0.54 * std::max({x.length() / axes_width, y.length() / panel.height,
+                                           1e-6 * (1 + std::abs(x.middle()) + std::abs(y.middle()))});
+    const double across = metres * axes_width, up = metres * panel.height;
+    return text(x.middle() - across, x.middle() + across, y.middle() - up, y.middle() + up);
+  }
+  const double size = std::max(std::abs(y.low), std::abs(y.high));
+  const double air =
+      y.length() > 0 ? std::max({0.07 * y.length(), 1e-6 * size, 1e-9}) : std::max(1e-3, 0.07 * size);
+  const double y_low = panel.log_y ? std::max(y.low, 1e-6 * y.high) / 1.3 : panel.log_x ? 0.0 : y.low - air;
+  const double y_high = panel.log_y ? 1.6 * y.high : y.high + air;
+  if (panel.log_x) return text(x.low / 1.05, x.high * 1.05, y_low, y_high);
+  const double x_air = x.length() > 0 ? 0.003 * x.length() : 1e-3;  // the last tic is seen
+  return text(x.low, x.high + x_air, y_low, y_high);
+}
+
+void write_curve(std::ofstream& script, const Curve& curve, std::string_view name) {
+  script << name << " << EOD\n";
+  if (curve.mark == Mark::arrows) {
+    for (std::size_t i = 0; i + 1 < curve.x.size(); i += 2) {
+      const double dx = curve.x[i + 1] - curve.x[i], dy = curve.y[i + 1] - curve.y[i];
+      if (!std::isfinite(dx + dy)) continue;
+      script << fmt::format("{:.8g} {:.8g} {:.5g} {:.5g}\n", curve.x[i], curve.y[i], dx, dy);
+    }
+  } else {
+    for (std::size_t i = 0; i < curve.x.size(); ++i) {
+      if (std::isfinite(curve.y[i])) script << fmt::format("{:.8g} {:.8g}", curve.x[i], curve.y[i]);
+      script << '\n';  // an empty row is a gap
+    }
+  }
+  script << "EOD\n";
+}
+
+void write_panel(std::ofstream& script, const Panel& panel) {
+  for (std::size_t i = 0; i < panel.curves.size(); ++i) {
+    write_curve(script, panel.curves[i], fmt::format("$c{}", i));
+  }
+  script << "unset logscale\n"
+         << (panel.log_x ? "set logscale x\n" : "") << (panel.log_y ? "set logscale y\n" : "")
+         << ranges(panel) << "set xlabel " << literal(panel.x_label) << " offset 0,0.4\nset ylabel "
+         << literal(panel.y_label) << " offset 0.5,0\nset format x "
+         << (panel.x_label.empty() ? "''" : "'%g'") << "\nplot ";
+  for (std::size_t i = 0; i < panel.curves.size(); ++i) {
+    const Curve& curve = panel.curves[i];
+    script << (i > 0 ? ", " : "")
+           << fmt::format("$c{} {} lc rgb '{}' {}", i, style(curve.mark), colours.at(curve.colour),
+                          curve.title.empty() ? "notitle" : "title " + literal(curve.title));
+  }
+  script << '\n';
+}
+
+void write_drawing(std::ofstream& script, const Drawing& drawing, const std::string& picture) {
+  constexpr int row = 20, gap = 10, axis = 46;
+  const auto head = [](const Panel& panel) { return static_cast<int>(Legend(panel).rows) * row; };
+  int height = gap;
+  for (const Panel& panel : drawing.panels) {
+    height += head(panel) + panel.height + gap + (panel.x_label.empty() ? 0 : axis);
+  }
+  const auto screen = [&](int y) { return 1 - y / static_cast<double>(height); };
+  script << fmt::format(
+      "set terminal svg size {},{} font 'sans-serif,13' noenhanced\nset output {}\nset multiplot\n"
+      "set lmargin at screen {}\nset rmargin at screen {}\n",
+      width, height, literal(picture), left / double{width}, (left + axes_width) / double{width});
+  int y = gap;
+  for (const Panel& panel : drawing.panels) {
+    const Legend legend(panel);
+    script << fmt::format("set key at screen {},{} left top maxcols {} maxrows {}\n", left / double{width},
+                          screen(y - gap / 2), legend.columns, std::max<std::size_t>(1, legend.rows));
+    y += head(panel);
+    script << fmt::format("set tmargin at screen {}\n", screen(y));
+    y += panel.height;
+    script << fmt::format("set bmargin at screen {}\n", screen(y));
+    y += gap + (panel.x_label.empty() ? 0 : axis);
+    write_panel(script, panel);
+  }
+  script << "unset multiplot\nset output\n";
+}
+
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+}
+
+std::string read_text(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// gnuplot's picture as an element of a page: no head, ids of its own, no titles that pop up under the pointer,
+// black as the page's colour.
+std::string inlined(std::string svg, std::size_t number) {
+  const std::size_t begin = svg.find("<svg");
+  if (begin == std::string::npos) throw std::runtime_error("gnuplot drew no picture");
+  svg.erase(0, begin);
+  for (const std::string_view mark : {" id='", " id=\"", "href='#", "url(#"}) {
+    replace_all(svg, mark, fmt::format("{}f{}_", mark, number));
+  }
+  for (std::size_t at = svg.find("<title>"); at != std::string::npos; at = svg.find("<title>", at)) {
+    svg.erase(at, svg.find("</title>", at) + std::string_view("</title>").size() - at);
+  }
+  replace_all(svg, "\"black\"", "\"currentColor\"");
+  replace_all(svg, "'black'", "'currentColor'");
+  return svg;
+}
+
+/// A folder for gnuplot's files, gone with this.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "sightline-XXXXXX").string();
+    if (!mkdtemp(name.data()))
+      throw std::runtime_error("no folder for gnuplot's files can be made in " + name);
+    path_ = name;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace
+
+std::vector<Figure> draw(std::vector<Drawing> drawings) {
+  prune(drawings);
+  if (drawings.empty()) return {};
+  const TemporaryFolder folder;
+  const auto picture = [&](std::size_t i) { return folder.path() / fmt::format("{}.svg", i); };
+  {
+    std::ofstream script(folder.path() / "figures.gp");
+    script << "set encoding utf8\nset border lw 0.8\nset tics nomirror scale 0.6\n"
+              "set grid lw 0.5 lc rgb '#8a8f98'\n"
+              "set key horizontal Left reverse samplen 2\n";
+    for (std::size_t i = 0; i < drawings.size(); ++i) write_drawing(script, drawings[i], picture(i).string());
+    script.close();
+    if (!script) throw std::runtime_error("the figures' data cannot be written to " + folder.path().string());
+  }
+  const auto at = [&](std::string_view file) { return shell_quoted((folder.path() / file).string()); };
+  const int code = std::system(fmt::format("gnuplot -d {} 2> {}", at("figures.gp"), at(messages)).c_str());
+  if (WIFEXITED(code) && WEXITSTATUS(code) == 127) {
+    throw std::runtime_error(
+        "gnuplot is missing, which draws the report's figures; scripts/deps.sh installs it");
+  }
+  if (code != 0) {
+    throw std::runtime_error(
+        fmt::format("gnuplot failed to draw the report's figures: {}", read_text(folder.path() / messages)));
+  }
+  std::vector<Figure> figures;
+  for (std::size_t i = 0; i < drawings.size(); ++i) {
+    figures.push_back({drawings[i].title, drawings[i].caption, inlined(read_text(picture(i)), i)});
+  }
+  return figures;
+}
+
+}  // namespace sightline

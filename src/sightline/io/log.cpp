@@ -1,0 +1,443 @@
+#include "sightline/io/log.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "sightline/io/cdr.hpp"
+#include "sightline/io/mcap.hpp"
+#include "sightline/io/version.hpp"
+
+namespace sightline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double chunk_time = 0.1;  // [s]
+constexpr double same_time = 1e-9;  // in chunks
+constexpr std::string_view frame = "map";
+
+std::size_t size(int n) { return static_cast<std::size_t>(n); }
+std::uint64_t nanoseconds(double time) { return static_cast<std::uint64_t>(std::llround(time * 1e9)); }
+
+// The shortest text that reads back to the same bits.
+void put(std::string& to, double value) {
+  if (std::isfinite(value)) {
+    fmt::format_to(std::back_inserter(to), "{}", value);
+  } else {
+    to += "null";
+  }
+}
+
+void put(std::string& to, std::string_view key, std::span<const double> values) {
+  fmt::format_to(std::back_inserter(to), ",\"{}\":[", key);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i > 0) to += ',';
+    put(to, values[i]);
+  }
+  to += ']';
+}
+
+// A message {time, ...}: each property with its type, "numbers" a list of them.
+std::string json_schema(std::initializer_list<std::pair<const char*, std::string_view>> properties) {
+  Json schema = {{"type", "object"}, {"properties", {{"time", {{"type", "number"}}}}}};
+  for (const auto& [name, type] : properties) {
+    Json& property = schema["properties"][name];
+    if (type == "numbers") {
+      property = {{"type", "array"}, {"items", {{"type", "number"}}}};
+    } else {
+      property = {{"type", type}};
+    }
+  }
+  return schema.dump();
+}
+
+// d x d' about z [rad/s]; 0 for a body without a heading.
+double turn_rate(const Model& model, const double* x, const double* u) {
+  const auto names = model.states();
+  const auto place = [&](std::string_view name) -> std::optional<std::size_t> {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - names.begin());
+  };
+  std::vector<double> rate(size(model.nx()));
+  model.f(x, u, rate.data());
+  if (const auto psi = place("psi")) return rate[*psi];
+  const auto d_x = place("d_x"), d_y = place("d_y");
+  return d_x && d_y ? x[*d_x] * rate[*d_y] - x[*d_y] * rate[*d_x] : 0.0;
+}
+
+// What a report must know of the team.
+std::string team_json(const Team& team) {
+  Json json = {{"bodies", Json::array()}, {"pairs", Json::array()}};
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    Json entry = {{"name", team.name(body)},
+                  {"robot", team.model(body).name()},
+                  {"kind", team.is_agent(body) ? "agent" : "obstacle"}};
+    if (team.is_agent(body)) {
+      const auto inputs = team.model(body).inputs();
+      const InputLimits& limits = team.agent(body).limits;
+      entry["inputs"] = std::vector<std::string>(inputs.begin(), inputs.end());
+      entry["limits"] = {{"times", limits.times()}, {"u_min", limits.u_min()}, {"u_max", limits.u_max()}};
+    }
+    json["bodies"].push_back(std::move(entry));
+  }
+  for (const Observation& pair : observations(team)) {
+    json["pairs"].push_back({{"observer", pair.observer.index},
+                             {"target", pair.target.index},
+                             {"pitch", pair.cone.mount.pitch},
+                             {"offset", pair.cone.mount.offset},
+                             {"alpha", pair.cone.alpha},
+                             {"d_min", pair.d_min},
+                             {"d_max", pair.d_max}});
+  }
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+// Appends by write(2); the first failure is kept, and nothing is written after it.
+class TextFile {
+ public:
+  explicit TextFile(const std::filesystem::path& path)
+      : path_(path.string()), file_(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+    if (file_ < 0) fail("opened");
+  }
+  ~TextFile() { close(); }
+  TextFile(const TextFile&) = delete;
+  TextFile& operator=(const TextFile&) = delete;
+
+  void write(std::string_view text) {
+    while (file_ >= 0 && !text.empty()) {
+      const ssize_t count = ::write(file_, text.data(), text.size());
+      if (count >= 0) {
+        text.remove_prefix(static_cast<std::size_t>(count));
+      } else if (errno != EINTR) {
+        fail("written");
+      }
+    }
+  }
+  void close() {
+    if (file_ >= 0 && ::close(std::exchange(file_, -1)) != 0) fail("closed");
+  }
+  const std::string& error() const { return error_; }
+
+ private:
+  void fail(std::string_view what) {
+    error_ = fmt::format("{} cannot be {}: {}", path_, what, std::generic_category().message(errno));
+    if (file_ >= 0) ::close(std::exchange(file_, -1));
+  }
+
+  std::string path_, error_;
+  int file_;
+};
+
+std::filesystem::path prepared(const std::filesystem::path& folder) {
+  // What goes wrong here is said by the files that cannot be opened.
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  for (const char* name : {"summary.json", "report.html"}) std::filesystem::remove(folder / name, ignored);
+  return folder;
+}
+
+}  // namespace
+
+class Log::Files {
+ public:
+  Files(const Scenario& scenario, const std::filesystem::path& folder, std::size_t controllers,
+        std::function<void(double)> written);
+
+  void add(const Sample& sample);
+  void end();
+
+  const Summary& summary() const { return summary_; }
+  const std::string& error() const { return mcap_.ok() ? timing_.error() : mcap_.error(); }
+
+ private:
+  struct Channel {
+    ChannelId id{};
+    std::uint32_t sequence = 0;
+  };
+  struct BodyChannels {
+    BodyId body;
+    Channel state, pose, twist;
+    std::optional<Channel> measured{}, input{}, path{}, reference{};
+  };
+
+  void open_body(BodyId body, bool is_measured);
+  Channel open(SchemaId schema, const std::string& topic, std::string_view encoding) {
+    return {mcap_.channel(schema, topic, encoding, {})};
+  }
+  void send_bytes(Channel& channel, double time) {
+    mcap_.message(channel.id, channel.sequence++, nanoseconds(time), bytes_);
+  }
+  void begin_text(double time) {
+    text_ = "{\"time\":";
+    put(text_, time);
+  }
+  void send_text(Channel& channel, double time) {
+    text_ += '}';
+    mcap_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(text_)));
+  }
+
+  void add_body(BodyChannels& channels, const Sample& sample);
+  void add_pose(Channel& channel, const Model& model, const double* x, double time);
+  void add_agent(BodyChannels& channels, const Sample& sample);
+  void add_path(BodyChannels& channels, const Sample& sample);
+  void add_reference(BodyChannels& channels, double time);
+  void add_records(const Sample& sample);
+  void add_timing(const Sample& sample);
+
+  Team team_;
+  double period_;  // [s]
+  std::function<void(double)> written_;
+  Summary summary_;
+  std::filesystem::path folder_;
+  McapWriter mcap_;
+  TextFile timing_;
+
+  struct Schemas {
+    SchemaId pose, twist, path, state, input, reference, solver, event;
+  } schemas_{};
+  std::vector<BodyChannels> bodies_;
+  std::vector<Channel> solvers_;
+  Channel events_;
+  std::int64_t chunk_ = -1;  // number of the open chunk in simulated time
+  double last_ = 0.0;        // time of the last sample [s]
+
+  std::vector<std::byte> bytes_;
+  std::string text_, rows_;
+  std::vector<StampedPose> path_;
+  std::vector<double> x_ref_, no_input_;
+};
+
+Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder, std::size_t controllers,
+                  std::function<void(double)> written)
+    : team_(scenario.team),
+      period_(scenario.horizon.dt),
+      written_(std::move(written)),
+      summary_(scenario, controllers),
+      folder_(prepared(folder)),
+      mcap_(folder_ / "run.mcap", "ros2", fmt::format("sightline {}", version)),
+      timing_(folder_ / "timing.csv"),
+      no_input_(size(team_.nu())) {
+  mcap_.metadata("sightline", {{"name", scenario.name},
+                               {"scenario", scenario.text},
+                               {"version", std::string(version)},
+                               {"compiler", std::string(compiler)},
+                               {"solver", scenario.solver.name},
+                               {"seed", fmt::format("{}", scenario.simulation.seed)},
+                               {"period", fmt::format("{}", period_)},
+                               {"controllers", fmt::format("{}", controllers)},
+                               {"team", team_json(team_)}});
+  const auto ros = [&](const RosSchema& schema) { return mcap_.schema(schema.name, "ros2msg", schema.text); };
+  const auto json = [&](std::string_view name,
+                        std::initializer_list<std::pair<const char*, std::string_view>> properties) {
+    return mcap_.schema(name, "jsonschema", json_schema(properties));
+  };
+  schemas_.pose = ros(pose_schema());
+  schemas_.twist = ros(twist_schema());
+  schemas_.path = ros(path_schema());
+  schemas_.state = json("sightline.State", {{"x", "numbers"}});
+  schemas_.input = json("sightline.Input", {{"u", "numbers"}, {"raw", "numbers"}});
+  schemas_.reference = json("sightline.Reference", {{"p", "numbers"}, {"d", "numbers"}});
+  schemas_.solver =
+      json("sightline.Solver",
+           {{"status", "string"}, {"residual", "number"}, {"iterations", "integer"}, {"cost", "number"}});
+  schemas_.event =
+      json("sightline.Event", {{"kind", "string"}, {"controller", "integer"}, {"value", "number"}});
+
+  const Disturbances& d = scenario.simulation.disturbances;
+  const bool is_measured =
+      d.noise.position > 0 || d.noise.heading > 0 || d.noise.velocity > 0 || d.measurement_delay > 0;
+  for (int i = 0; i < team_.bodies(); ++i) open_body(BodyId{i}, is_measured);
+  rows_ = "time,update_us";
+  for (std::size_t c = 0; c < controllers; ++c) {
+    const std::string name = controllers > 1 ? fmt::format("controller{}", c) : "";
+    solvers_.push_back(open(schemas_.solver, name.empty() ? "/solver" : "/" + name + "/solver", "json"));
+    rows_ += name.empty() ? ",solve_us" : ",solve_us." + name;
+  }
+  rows_ += ",allocations,iterations,missed\n";
+  events_ = open(schemas_.event, "/events", "json");
+}
+
+void Log::Files::open_body(BodyId body, bool is_measured) {
+  const std::string topic = fmt::format("/{}/", team_.name(body));
+  BodyChannels channels{body, open(schemas_.state, topic + "state", "json"),
+                        open(schemas_.pose, topic + "pose", "cdr"),
+                        open(schemas_.twist, topic + "twist", "cdr")};
+  if (is_measured) channels.measured = open(schemas_.pose, topic + "measured", "cdr");
+  if (team_.is_agent(body)) {
+    channels.input = open(schemas_.input, topic + "input", "json");
+    channels.path = open(schemas_.path, topic + "path", "cdr");
+    const Agent& agent = team_.agent(body);
+    if (tracks_position(agent) || tracks_heading(agent)) {
+      channels.reference = open(schemas_.reference, topic + "reference", "json");
+    }
+  }
+  bodies_.push_back(channels);
+}
+
+void Log::Files::add(const Sample& sample) {
+  const auto chunk = static_cast<std::int64_t>(std::floor(sample.time / chunk_time + same_time));
+  last_ = sample.time;
+  summary_.add(sample);
+  for (BodyChannels& channels : bodies_) {
+    add_body(channels, sample);
+    if (!team_.is_agent(channels.body)) continue;
+    add_agent(channels, sample);
+    if (channels.reference && chunk != chunk_) add_reference(channels, sample.time);
+  }
+  add_records(sample);
+  add_timing(sample);
+  if (chunk == chunk_) return;
+  chunk_ = chunk;
+  mcap_.flush();
+  timing_.write(rows_);
+  rows_.clear();
+  if (written_ && error().empty()) written_(sample.time);
+}
+
+void Log::Files::add_body(BodyChannels& channels, const Sample& sample) {
+  const Model& model = team_.model(channels.body);
+  const std::size_t nx = size(model.nx()), offset = size(team_.state_offset(channels.body));
+  const double *x = sample.x.data() + offset, *u = sample.u.data() + team_.input_offset(channels.body);
+  begin_text(sample.time);
+  put(text_, "x", {x, nx});
+  send_text(channels.state, sample.time);
+  add_pose(channels.pose, model, x, sample.time);
+  if (channels.measured) add_pose(*channels.measured, model, sample.measured.data() + offset, sample.time);
+  if (!all_finite({x, nx}) || !all_finite({u, size(model.nu())})) return;
+  const Vec3<double> v = model.sight(x, u).v;
+  encode_twist(bytes_, frame, {nanoseconds(sample.time), {v.x, v.y, v.z}, {0, 0, turn_rate(model, x, u)}});
+  send_bytes(channels.twist, sample.time);
+}
+
+void Log::Files::add_pose(Channel& channel, const Model& model, const double* x, double time) {
+  const Pose<double> pose = model.sight(x, no_input_.data());
+  if (!all_finite({x, size(model.nx())}) || (pose.d.x == 0 && pose.d.y == 0)) return;
+  encode_pose(bytes_, frame, {nanoseconds(time), {pose.p.x, pose.p.y, pose.p.z}, {pose.d.x, pose.d.y}});
+  send_bytes(channel, time);
+}
+
+void Log::Files::add_agent(BodyChannels& channels, const Sample& sample) {
+  const std::size_t nu = size(team_.model(channels.body).nu());
+  const std::size_t offset = size(team_.input_offset(channels.body));
+  begin_text(sample.time);
+  put(text_, "u", std::span(sample.u).subspan(offset, nu));
+  put(text_, "raw", std::span(sample.raw_u).subspan(offset, nu));
+  send_text(*channels.input, sample.time);
+  if (sample.has_path) add_path(channels, sample);
+}
+
+void Log::Files::add_path(BodyChannels& channels, const Sample& sample) {
+  const Model& model = team_.model(channels.body);
+  const std::size_t stages = sample.path.size() / sample.x.size();
+  path_.clear();
+  for (std::size_t i = 0; i < stages; ++i) {
+    const double* x = &sample.path[i * sample.x.size() + size(team_.state_offset(channels.body))];
+    const Pose<double> pose = model.sight(x, no_input_.data());
+    if (!all_finite({x, size(model.nx())}) || (pose.d.x == 0 && pose.d.y == 0)) return;
+    const double ahead = sample.path_step * static_cast<double>(i);
+    path_.push_back({nanoseconds(sample.time + ahead), {pose.p.x, pose.p.y, pose.p.z}, {pose.d.x, pose.d.y}});
+  }
+  encode_path(bytes_, frame, nanoseconds(sample.time), path_);
+  send_bytes(*channels.path, sample.time);
+}
+
+void Log::Files::add_reference(BodyChannels& channels, double time) {
+  const Agent& agent = team_.agent(channels.body);
+  x_ref_.resize(agent.Q.size());
+  agent.x_ref(time, agent.model, x_ref_);
+  const Pose<double> pose = agent.model.sight(x_ref_.data(), no_input_.data());
+  begin_text(time);
+  if (tracks_position(agent)) put(text_, "p", std::array{pose.p.x, pose.p.y, pose.p.z});
+  if (tracks_heading(agent) && !(pose.d.x == 0 && pose.d.y == 0)) {
+    put(text_, "d", std::array{pose.d.x, pose.d.y});
+  }
+  send_text(*channels.reference, time);
+}
+
+void Log::Files::add_records(const Sample& sample) {
+  const double cost = stage_cost(team_, sample.time, sample.x, sample.u);
+  for (std::size_t c = 0; c < solvers_.size(); ++c) {
+    const SolverRecord& record = sample.solvers[c];
+    begin_text(sample.time);
+    fmt::format_to(std::back_inserter(text_), ",\"status\":\"{}\",\"residual\":", to_string(record.status));
+    put(text_, record.residual);
+    fmt::format_to(std::back_inserter(text_), ",\"iterations\":{},\"cost\":", record.iterations);
+    put(text_, cost);
+    send_text(solvers_[c], sample.time);
+  }
+  for (int i = 0; i < sample.event_count; ++i) {
+    const Event& event = sample.events[size(i)];
+    begin_text(event.time);
+    fmt::format_to(std::back_inserter(text_),
+                   ",\"kind\":\"{}\",\"controller\":{},\"value\":", to_string(event.kind), event.controller);
+    put(text_, event.value);
+    send_text(events_, sample.time);
+  }
+}
+
+void Log::Files::add_timing(const Sample& sample) {
+  const auto row = std::back_inserter(rows_);
+  fmt::format_to(row, "{},{:.3f}", sample.time, sample.update_us);
+  std::int64_t allocations = 0, iterations = 0, missed = 0;
+  for (const SolverRecord& record : sample.solvers) {
+    fmt::format_to(row, ",{:.3f}", record.solve_us);
+    allocations += record.allocations;
+    iterations += record.iterations;
+  }
+  for (int i = 0; i < sample.event_count; ++i) {
+    const Event& event = sample.events[size(i)];
+    if (event.kind == EventKind::missed_period) missed += std::llround(event.value);
+  }
+  fmt::format_to(row, ",{},{},{}\n", allocations, iterations, missed);
+}
+
+void Log::Files::end() {
+  mcap_.close();
+  timing_.write(rows_);
+  timing_.close();
+  if (written_ && error().empty() && chunk_ >= 0) written_(last_ + period_);
+}
+
+Log::Log(const Scenario& scenario, const std::filesystem::path& folder, const Controllers& controllers,
+         Ring<Sample>& ring, std::function<void(double)> written)
+    : ring_(ring),
+      files_(std::make_unique<Files>(scenario, folder, controllers.size(), std::move(written))) {}
+
+Log::~Log() {
+  if (thread_.joinable()) ring_.close();
+  finish();
+}
+
+void Log::start() {
+  thread_ = std::thread([this] {
+    while (const Sample* sample = ring_.wait()) {
+      files_->add(*sample);
+      ring_.pop();
+    }
+    files_->end();
+  });
+}
+
+void Log::finish() {
+  if (thread_.joinable()) thread_.join();
+}
+
+const std::string& Log::error() const { return files_->error(); }
+const Summary& Log::summary() const { return files_->summary(); }
+
+}  // namespace sightline

@@ -1,0 +1,69 @@
+/// A run as its files tell it: what a report is made from.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sightline/model/frames.hpp"
+
+namespace sightline {
+
+/// What run.mcap and timing.csv of one folder hold. Columns of one name space have one row a period, `time`.
+/// What was not finite is not a number.
+struct Recording {
+  struct Body {
+    std::string name;
+    std::string robot;  ///< of the model, "body" for what is not controlled
+    bool is_agent = false;
+    std::vector<Vec3<double>> p;         ///< [m], one a period
+    std::vector<double> heading;         ///< psi [rad], unwrapped, one a period
+    std::vector<Vec3<double>> v;         ///< in G [m/s], one a period
+    std::vector<std::string> inputs;     ///< names of the inputs
+    std::vector<double> u_min, u_max;    ///< at the start, one for each input
+    std::vector<std::vector<double>> u;  ///< applied, [input][period]
+    std::vector<double> reference_time;  ///< [s], every 0.1 s; empty: neither place nor heading is asked for
+    std::vector<Vec3<double>> reference_p;  ///< empty where the place is free
+    std::vector<double> reference_heading;  ///< psi [rad], unwrapped; empty where the heading is free
+  };
+  /// An observer and its target, by the coupling with a sensor; limits that no coupling states are not a
+  /// number.
+  struct Pair {
+    std::size_t observer = 0, target = 0;  ///< in `bodies`
+    SensorMount mount{};
+    double alpha = 0.0;  ///< limit of the view angle [rad]
+    double d_min = 0.0, d_max = 0.0;
+  };
+  struct Event {
+    double time = 0.0;
+    std::string kind;
+    int controller = 0;
+    double value = 0.0;
+  };
+  struct Controller {
+    std::string name;
+    std::vector<std::string> status;  ///< one a period
+    std::vector<double> residual;
+    std::vector<int> iterations;
+  };
+
+  std::string name, scenario, version, compiler, solver;
+  std::uint64_t seed = 0;
+  double period = 0.0;       ///< [s]
+  std::vector<double> time;  ///< [s]
+  std::vector<double> cost;  ///< stage cost l, one a period
+  std::vector<Body> bodies;
+  std::vector<Pair> pairs;
+  std::vector<Controller> controllers;
+  std::vector<Event> events;
+  std::vector<double> update_us;  ///< measured, one a row of timing.csv
+  std::vector<double> solve_us;   ///< measured, all controllers together
+  bool complete = true;           ///< false: the log ends in the middle, the run was killed
+};
+
+/// Reads a run's folder; the log of a killed run as far as it is sound.
+/// @throws std::runtime_error with a sentence that names the file where it cannot be read
+Recording read_recording(const std::filesystem::path& folder);
+
+}  // namespace sightline

@@ -1,0 +1,414 @@
+#include "sightline/io/summary.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <system_error>
+
+#include "sightline/io/version.hpp"
+#include "sightline/potential/distance.hpp"
+
+namespace sightline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double same_time = 1e-9;        // times of samples are multiples of the period, up to rounding [s]
+constexpr double raw_tolerance = 1e-9;    // of a raw input beyond its limit
+constexpr double lost_after = 2.0;        // out of view at the end for so long is a failure [s]
+constexpr std::size_t events_max = 1000;  // in the summary; the log has all
+constexpr double solves_reserved = 1e6;   // at most at the start
+
+bool weighs(const Agent& agent, std::initializer_list<std::string_view> prefixes) {
+  const auto states = agent.model.states();
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    for (const std::string_view prefix : prefixes) {
+      if (states[i].starts_with(prefix) && agent.Q[i] > 0) return true;
+    }
+  }
+  return false;
+}
+
+double share(std::int64_t part, std::int64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : none;
+}
+
+// The least of the sorted values that this share of them does not exceed.
+double quantile(const std::vector<double>& sorted, double q) {
+  if (sorted.empty()) return none;
+  const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(sorted.size())));
+  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
+}
+
+// An extreme starts at infinity and stays there where nothing was counted.
+double counted(double value) { return std::isfinite(value) ? value : none; }
+
+}  // namespace
+
+bool tracks_position(const Agent& agent) { return weighs(agent, {"p_"}); }
+bool tracks_heading(const Agent& agent) { return weighs(agent, {"d_", "psi"}); }
+
+std::vector<Observation> observations(const Team& team) {
+  std::vector<Observation> found;
+  const auto same = [](const Observation& o, BodyId a, BodyId b) { return o.observer == a && o.target == b; };
+  for (const Coupling& c : team.couplings()) {
+    const BodyId a = c.between.first, b = c.between.second;
+    const auto* cone = c.term.potential.as<SensorCone>();
+    const bool known =
+        std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); });
+    if (cone != nullptr && !known) found.push_back({a, b, *cone, none, none});
+  }
+  // A distance has no direction. fmax and fmin pass over what is not a number.
+  for (const Coupling& c : team.couplings()) {
+    const BodyId a = c.between.first, b = c.between.second;
+    for (Observation& o : found) {
+      if (!same(o, a, b) && !same(o, b, a)) continue;
+      if (const auto* near = c.term.potential.as<KeepOut>()) o.d_min = std::fmax(o.d_min, near->d_min);
+      if (const auto* far = c.term.potential.as<Cohesion>()) o.d_max = std::fmin(o.d_max, far->d_max);
+    }
+  }
+  return found;
+}
+
+Summary::Summary(const Scenario& scenario, std::size_t controllers)
+    : scenario_(scenario), period_(scenario.horizon.dt), least_distance2_(infinity) {
+  const Team& team = scenario_.team;
+  for (const Observation& pair : observations(team)) {
+    views_.push_back({pair, infinity, -infinity, -infinity, none, none});
+  }
+  for (const Coupling& c : team.couplings()) {
+    add_limit(c.term.potential, c.between.first, c.between.second);
+  }
+  for (const Constraint& c : team.constraints()) add_limit(c.term.potential, c.agent, c.agent);
+  for (int i = 0; i < team.bodies(); ++i) {
+    if (team.is_agent(BodyId{i})) robots_.push_back({BodyId{i}});
+  }
+  sights_.resize(static_cast<std::size_t>(team.bodies()));
+  const double solves = scenario_.simulation.duration / period_ * static_cast<double>(controllers);
+  solve_us_.reserve(static_cast<std::size_t>(std::clamp(solves, 0.0, solves_reserved)) + 1);
+}
+
+void Summary::add_limit(const Potential& potential, BodyId a, BodyId b) {
+  if (potential.violation({}, {}) == -infinity) return;
+  const Team& team = scenario_.team;
+  const std::string who =
+      a == b ? std::string(team.name(a)) : fmt::format("{}-{}", team.name(a), team.name(b));
+  limits_.push_back({fmt::format("{} {}", potential.name(), who), potential, a, b, none});
+}
+
+void Summary::add(const Sample& sample) {
+  const Team& team = scenario_.team;
+  ++updates_;
+  end_ = sample.time + period_;
+  if (!all_finite(sample.x) || !all_finite(sample.u) || !all_finite(sample.raw_u)) ++not_finite_;
+  cost_ += period_ * stage_cost(team, sample.time, sample.x, sample.u);
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    sights_[static_cast<std::size_t>(i)] = team.model(body).sight(sample.x.data() + team.state_offset(body),
+                                                                  sample.u.data() + team.input_offset(body));
+  }
+  add_inputs(sample);
+  add_robots(sample);
+  add_places();
+  add_views(sample.time);
+  add_limits(sample.time);
+  add_solvers(sample);
+}
+
+void Summary::add_inputs(const Sample& sample) {
+  for (const Robot& robot : robots_) {
+    const Agent& agent = scenario_.team.agent(robot.body);
+    const auto offset = static_cast<std::size_t>(scenario_.team.input_offset(robot.body));
+    u_min_.resize(agent.R.size());
+    u_max_.resize(agent.R.size());
+    agent.limits.at(sample.time, u_min_, u_max_);
+    for (std::size_t i = 0; i < u_min_.size(); ++i) {
+      const double raw = sample.raw_u[offset + i];
+      max_abs_input_ = std::max(max_abs_input_, std::abs(raw));
+      if (!(raw >= u_min_[i] - raw_tolerance && raw <= u_max_[i] + raw_tolerance)) ++input_violations_;
+    }
+  }
+}
+
+void Summary::add_robots(const Sample& sample) {
+  for (Robot& robot : robots_) {
+    const Agent& agent = scenario_.team.agent(robot.body);
+    const double* u = sample.u.data() + scenario_.team.input_offset(robot.body);
+    for (std::size_t i = 0; i < agent.R.size(); ++i) robot.energy += period_ * agent.R[i] * u[i] * u[i];
+    if (!tracks_position(agent) || sample.time < scenario_.simulation.rms_from - same_time) continue;
+    x_ref_.resize(agent.Q.size());
+    agent.x_ref(sample.time, agent.model, x_ref_);
+    const Vec3<double> e = sight(robot.body).p - agent.model.sight(x_ref_.data(), agent.u_ref.data()).p;
+    robot.squared_error += dot(e, e);
+    ++robot.errors;
+  }
+}
+
+void Summary::add_places() {
+  const Team& team = scenario_.team;
+  for (const Robot& robot : robots_) {
+    for (int i = 0; i < team.bodies(); ++i) {
+      const BodyId other{i};
+      // Two robots once; a robot and what is not controlled, whichever stands first.
+      if (other == robot.body || (team.is_agent(other) && i < robot.body.index)) continue;
+      const Vec3<double> r = sight(robot.body).p - sight(other).p;
+      least_distance2_ = std::min(least_distance2_, dot(r, r));
+    }
+  }
+}
+
+void Summary::add_views(double time) {
+  for (View& view : views_) {
+    const Sight<double>&observer = sight(view.pair.observer), &target = sight(view.pair.target);
+    const double angle = view_angle(view.pair.cone.mount, observer, target.p);
+    const bool seen = angle <= view.pair.cone.alpha;
+    double &begun = seen ? view.in_since : view.out_since, &over = seen ? view.out_since : view.in_since;
+    if (std::isnan(begun)) begun = time;
+    over = none;
+    if (time < scenario_.simulation.settle - same_time) continue;
+    const double distance = norm(observer.p - target.p);
+    view.nearest = std::min(view.nearest, distance);
+    view.farthest = std::max(view.farthest, distance);
+    view.angle_max = std::max(view.angle_max, angle);
+    ++view.settled;
+    view.seen += seen ? 1 : 0;
+  }
+}
+
+void Summary::add_limits(double time) {
+  for (Limit& limit : limits_) {
+    const double excess = limit.potential.violation(sight(limit.a), sight(limit.b));
+    if (excess <= 0) {
+      limit.broken_since = none;
+      continue;
+    }
+    if (std::isnan(limit.broken_since)) limit.broken_since = time;
+    ++limit.broken;
+    limit.longest = std::max(limit.longest, end_ - limit.broken_since);
+    limit.worst = std::max(limit.worst, excess);
+  }
+}
+
+void Summary::add_solvers(const Sample& sample) {
+  std::int64_t allocations = 0;
+  for (const SolverRecord& record : sample.solvers) {
+    ++statuses_[static_cast<std::size_t>(record.status)];
+    solve_us_.push_back(record.solve_us);
+    allocations += record.allocations;
+  }
+  allocations_ = std::max(allocations_, allocations);
+  for (int i = 0; i < sample.event_count; ++i) {
+    const Event& event = sample.events[static_cast<std::size_t>(i)];
+    if (event.kind != EventKind::solver_status && events_.size() < events_max) events_.push_back(event);
+  }
+}
+
+std::vector<std::string> Summary::out_of_view() const {
+  const Team& team = scenario_.team;
+  std::vector<std::string> sentences;
+  for (const View& view : views_) {
+    if (end_ - view.out_since >= lost_after - same_time) {
+      sentences.push_back(fmt::format("{} has not seen {} since {:.2f} s", team.name(view.pair.observer),
+                                      team.name(view.pair.target), view.out_since));
+    }
+  }
+  return sentences;
+}
+
+SummaryValues Summary::values() const {
+  const Team& team = scenario_.team;
+  const auto name = [&](BodyId body) { return std::string(team.name(body)); };
+  std::vector<double> solves = solve_us_;
+  std::sort(solves.begin(), solves.end());
+  double sum = 0.0;
+  for (const double us : solves) sum += us;
+
+  SummaryValues v;
+  v.updates = updates_;
+  v.cost = cost_;
+  v.solve_us = {solves.empty() ? none : sum / static_cast<double>(solves.size()), quantile(solves, 0.5),
+                quantile(solves, 0.99), quantile(solves, 1.0)};
+  v.allocations_per_update = allocations_;
+  v.statuses = statuses_;
+  v.not_finite = not_finite_;
+  v.input_violations = input_violations_;
+  v.max_abs_input = max_abs_input_;
+  v.min_distance = counted(std::sqrt(least_distance2_));
+  for (const View& view : views_) {
+    v.pairs.push_back({name(view.pair.observer), name(view.pair.target), counted(view.nearest),
+                       counted(view.farthest), counted(view.angle_max), view.in_since,
+                       share(view.seen, view.settled)});
+  }
+  for (const Robot& robot : robots_) {
+    const double mean_square = robot.squared_error / static_cast<double>(robot.errors);
+    v.robots.push_back({name(robot.body), robot.errors > 0 ? std::sqrt(mean_square) : none, robot.energy});
+  }
+  for (const Limit& limit : limits_) {
+    v.limits.push_back({limit.name, share(limit.broken, updates_), limit.longest, limit.worst});
+  }
+  for (const Event& event : events_) {
+    const std::string what(to_string(event.kind));
+    const bool of_robot = event.kind == EventKind::input_refused;
+    v.events.push_back({event.time, of_robot ? what + " " + name(BodyId{static_cast<int>(event.value)})
+                                             : fmt::format("{} {}", what, event.value)});
+  }
+  return v;
+}
+
+std::string Summary::json() const {
+  const SummaryValues v = values();
+  Json json;
+  json["scenario"] = scenario_.name;
+  json["seed"] = scenario_.simulation.seed;
+  json["version"] = version;
+  json["solver"] = scenario_.solver.name;
+  json["updates"] = v.updates;
+  json["cost"] = v.cost;
+  json["solve_us"] = {{"mean", v.solve_us.mean},
+                      {"median", v.solve_us.median},
+                      {"p99", v.solve_us.p99},
+                      {"max", v.solve_us.max}};
+  json["allocations_per_update"] = v.allocations_per_update;
+  for (int i = 0; i < status_count; ++i) {
+    json["status"][std::string(to_string(static_cast<Status>(i)))] = v.statuses[static_cast<std::size_t>(i)];
+  }
+  json["not_finite"] = v.not_finite;
+  json["input_violations"] = v.input_violations;
+  json["max_abs_input"] = v.max_abs_input;
+  json["min_distance"] = v.min_distance;
+  for (const char* list : {"pairs", "agents", "limits", "events"}) json[list] = Json::array();
+  for (const auto& pair : v.pairs) {
+    json["pairs"].push_back({{"observer", pair.observer},
+                             {"target", pair.target},
+                             {"distance", {{"min", pair.distance_min}, {"max", pair.distance_max}}},
+                             {"view_angle_max", pair.view_angle_max},
+                             {"in_view_from", pair.in_view_from},
+                             {"in_view_fraction", pair.in_view_fraction}});
+  }
+  for (const auto& robot : v.robots) {
+    json["agents"].push_back(
+        {{"name", robot.name}, {"rms_position_error", robot.rms_position_error}, {"energy", robot.energy}});
+  }
+  for (const auto& limit : v.limits) {
+    json["limits"].push_back({{"name", limit.name},
+                              {"fraction", limit.fraction},
+                              {"longest", limit.longest},
+                              {"worst", limit.worst}});
+  }
+  for (const auto& event : v.events) json["events"].push_back({{"time", event.time}, {"name", event.name}});
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string write_summary(const std::filesystem::path& folder, std::string_view json) {
+  const std::string path = (folder / "summary.json").string(), unfinished = path + ".part";
+  const auto failed = [&] {
+    const std::string why = std::generic_category().message(errno);
+    ::unlink(unfinished.c_str());
+    return fmt::format("{} cannot be written: {}", path, why);
+  };
+  const int file = ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (file < 0) return failed();
+  while (!json.empty()) {
+    const ssize_t count = ::write(file, json.data(), json.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) {
+      const int reason = errno;
+      ::close(file);
+      errno = reason;
+      return failed();
+    }
+    json.remove_prefix(static_cast<std::size_t>(count));
+  }
+  if (::close(file) != 0 || std::rename(unfinished.c_str(), path.c_str()) != 0) return failed();
+  return {};
+}
+
+namespace {
+
+// A number as a person reads it; "-" for null.
+std::string words(const Json& value, std::string_view unit) {
+  if (!value.is_number()) return "-";
+  const auto number = value.get<double>();
+  const double size = std::abs(number);
+  const int digits = size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3;
+  const std::string text = value.is_number_integer() ? fmt::format("{}", value.get<std::int64_t>())
+                           : size > 0 && size < 1e-3 ? fmt::format("{:.1e}", number)
+                                                     : fmt::format("{:.{}f}", number, digits);
+  return unit.empty() ? text : fmt::format("{} {}", text, unit);
+}
+
+std::string percent(const Json& value) {
+  return value.is_number() ? fmt::format("{:.1f} %", 100.0 * value.get<double>()) : "-";
+}
+
+std::vector<SummaryLine> lines_of(const Json& s) {
+  std::vector<SummaryLine> lines;
+  const auto name = [](const Json& word) { return word.get<std::string>(); };
+  const auto add = [&](std::string what, std::string value) {
+    lines.push_back({std::move(what), std::move(value)});
+  };
+
+  std::string statuses;
+  for (const auto& [status, count] : s.at("status").items()) {
+    if (count != 0)
+      statuses += fmt::format("{}{} {}", statuses.empty() ? "" : ", ", words(count, ""), status);
+  }
+  add("updates", fmt::format("{} ({})", words(s.at("updates"), ""), statuses));
+  add("cost", words(s.at("cost"), "s"));
+  const Json& us = s.at("solve_us");
+  const std::string_view beside = s.at("solver") == "cmscgmres" ? " (the paper: 2.5 ms)" : "";
+  add("time to solve",
+      fmt::format("mean {}{}, median {}, 99 % within {}, longest {}", words(us.at("mean"), "µs"), beside,
+                  words(us.at("median"), "µs"), words(us.at("p99"), "µs"), words(us.at("max"), "µs")));
+  add("allocations in an update", words(s.at("allocations_per_update"), ""));
+  add("largest input", fmt::format("{} before the clamp, {} beyond a limit", words(s.at("max_abs_input"), ""),
+                                   words(s.at("input_violations"), "")));
+  if (s.at("not_finite") != 0) add("not finite", words(s.at("not_finite"), "updates"));
+  add("least distance", words(s.at("min_distance"), "m"));
+  for (const Json& pair : s.at("pairs")) {
+    const Json &from = pair.at("in_view_from"), &distance = pair.at("distance");
+    add(fmt::format("{} sees {}", name(pair.at("observer")), name(pair.at("target"))),
+        fmt::format("distance {} to {}, angle at most {}, {} of the time; {}", words(distance.at("min"), ""),
+                    words(distance.at("max"), "m"), words(pair.at("view_angle_max"), "rad"),
+                    percent(pair.at("in_view_fraction")),
+                    from.is_null() ? "not in view at the end" : "in view for good from " + words(from, "s")));
+  }
+  for (const Json& agent : s.at("agents")) {
+    const Json& error = agent.at("rms_position_error");
+    add(name(agent.at("name")),
+        (error.is_null() ? "" : fmt::format("position error {} (RMS), ", words(error, "m"))) +
+            fmt::format("input energy {}", words(agent.at("energy"), "s")));
+  }
+  for (const Json& limit : s.at("limits")) {
+    add("limit " + name(limit.at("name")),
+        limit.at("fraction") == 0.0
+            ? "kept"
+            : fmt::format("broken {} of the time, at most {} on end, by up to {}",
+                          percent(limit.at("fraction")), words(limit.at("longest"), "s"),
+                          words(limit.at("worst"), "")));
+  }
+  if (!s.at("events").empty()) add("events", fmt::format("{}", s.at("events").size()));
+  return lines;
+}
+
+}  // namespace
+
+std::vector<SummaryLine> summary_lines(std::string_view json) {
+  try {
+    return lines_of(Json::parse(json));
+  } catch (const Json::exception& e) {
+    throw std::runtime_error(fmt::format("summary.json is no summary of a run: {}", e.what()));
+  }
+}
+
+}  // namespace sightline

@@ -1,0 +1,153 @@
+/// What a run is judged by: summary.json, gathered sample by sample.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sightline/io/scenario.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/run/sample.hpp"
+
+namespace sightline {
+
+/// Whether the agent's Q asks for a place, or for a heading: only then a reference is one to be judged by.
+bool tracks_position(const Agent& agent);
+bool tracks_heading(const Agent& agent);
+
+/// An observer and what its sensor is to see, by the first coupling with a sensor cone.
+struct Observation {
+  BodyId observer, target;
+  SensorCone cone;
+  double d_min, d_max;  ///< tightest of the couplings between the two [m]; not a number where none states it
+};
+
+/// All observations of a team, in the order of its couplings.
+std::vector<Observation> observations(const Team& team);
+
+/// The numbers of a run. Not a number: there was nothing to compute it from.
+struct SummaryValues {
+  struct Times {
+    double mean, median, p99, max;  ///< [µs]
+  };
+  struct Pair {
+    std::string observer, target;
+    double distance_min, distance_max;  ///< after settle [m]
+    double view_angle_max;              ///< after settle [rad], (71)
+    double in_view_from;                ///< in view from here to the end [s]
+    double in_view_fraction;            ///< after settle
+  };
+  struct Robot {
+    std::string name;
+    double rms_position_error;  ///< from rms_from on [m]
+    double energy;              ///< sum of dt u'Ru of the applied input [s]
+  };
+  struct Limit {
+    std::string name;  ///< "keep_out uav0-uav1"
+    double fraction;   ///< of the time it was broken
+    double longest;    ///< [s]
+    double worst;      ///< excess, in the limit's unit; 0 while it holds
+  };
+  struct Happening {
+    double time;  ///< [s]
+    std::string name;
+  };
+
+  std::int64_t updates = 0;
+  double cost = 0.0;  ///< sum of dt l(x, u, t), all weights, masked or not [s]
+  Times solve_us{};
+  std::int64_t allocations_per_update = 0;            ///< most in one update
+  std::array<std::int64_t, status_count> statuses{};  ///< updates by Status
+  std::int64_t not_finite = 0;                        ///< samples with a state or an input that is not
+  std::int64_t input_violations = 0;                  ///< components of the raw u beyond their limit
+  double max_abs_input = 0.0;                         ///< of the raw u
+  double min_distance = 0.0;                          ///< of a robot to any other body, all of the run [m]
+  std::vector<Pair> pairs;
+  std::vector<Robot> robots;
+  std::vector<Limit> limits;
+  std::vector<Happening> events;  ///< but for changes of status, which the log has; at most 1000
+};
+
+/// Gathers SummaryValues. One thread.
+class Summary {
+ public:
+  /// @param controllers  solver records in each sample
+  Summary(const Scenario& scenario, std::size_t controllers);
+
+  void add(const Sample& sample);
+
+  SummaryValues values() const;
+  /// summary.json, its keys as in docs/notation.md; what is not finite is null.
+  std::string json() const;
+
+  /// Samples with a state or an input, applied or raw, that is not finite; whether there is none.
+  std::int64_t not_finite() const { return not_finite_; }
+  bool finite() const { return not_finite_ == 0; }
+  /// Whether some observer did not see its target during all of the last 2 s.
+  bool target_lost_at_end() const { return !out_of_view().empty(); }
+  /// A sentence for each of them.
+  std::vector<std::string> out_of_view() const;
+
+ private:
+  struct View {
+    Observation pair;
+    double nearest, farthest, angle_max;  // after settle [m], [rad]
+    double out_since, in_since;           // begin of the present stretch [s]; NaN in the other
+    std::int64_t settled = 0, seen = 0;   // samples after settle, and those of them in view
+  };
+  struct Limit {
+    std::string name;
+    Potential potential;
+    BodyId a, b;
+    double broken_since;  // [s]; NaN while it holds
+    double longest = 0.0, worst = 0.0;
+    std::int64_t broken = 0;
+  };
+  struct Robot {
+    BodyId body;
+    double squared_error = 0.0, energy = 0.0;
+    std::int64_t errors = 0;
+  };
+
+  const Sight<double>& sight(BodyId body) const { return sights_[static_cast<std::size_t>(body.index)]; }
+  void add_limit(const Potential& potential, BodyId a, BodyId b);
+  void add_inputs(const Sample& sample);
+  void add_robots(const Sample& sample);
+  void add_places();
+  void add_views(double time);
+  void add_limits(double time);
+  void add_solvers(const Sample& sample);
+
+  Scenario scenario_;
+  double period_;  // [s]
+  std::vector<View> views_;
+  std::vector<Limit> limits_;
+  std::vector<Robot> robots_;
+  std::vector<Sight<double>> sights_;  // of all bodies at the present sample
+  std::vector<double> x_ref_, u_min_, u_max_;
+
+  std::int64_t updates_ = 0, not_finite_ = 0, input_violations_ = 0, allocations_ = 0;
+  double end_ = 0.0;  // of the last period [s]
+  double cost_ = 0.0, max_abs_input_ = 0.0, least_distance2_;
+  std::array<std::int64_t, status_count> statuses_{};
+  std::vector<double> solve_us_;
+  std::vector<Event> events_;
+};
+
+/// One line of the summary as a person reads it.
+struct SummaryLine {
+  std::string what, value;
+};
+
+/// summary.json in words and units.
+/// @throws std::runtime_error where the text is no such summary
+std::vector<SummaryLine> summary_lines(std::string_view json);
+
+/// Writes summary.json into the folder, whole or not at all.
+/// @return what went wrong, a sentence; empty if it stands there
+std::string write_summary(const std::filesystem::path& folder, std::string_view json);
+
+}  // namespace sightline
