@@ -1,0 +1,28 @@
+/// The commands. Each prints results on stdout and messages on stderr, and returns the exit code:
+/// 0 done, 1 the flight failed or output was lost, 2 bad input.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace sightline::cli {
+
+struct RunOptions {
+  std::filesystem::path scenario;
+  std::filesystem::path output;  ///< empty: out/NAME
+  std::optional<std::string> solver;
+  std::optional<std::uint64_t> seed;
+  bool realtime = false;
+};
+
+/// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.
+int run(const RunOptions& options);
+/// Reads a scenario and says what it describes, or what is wrong with it.
+int check(const std::filesystem::path& scenario);
+/// Makes report.html again from what a run left.
+int report(const std::filesystem::path& folder);
+int version();
+
+}  // namespace sightline::cli

@@ -1,0 +1,48 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "cli/commands.hpp"
+
+int main(int argc, char** argv) {
+  using namespace sightline::cli;
+
+  CLI::App app(
+      "sightline keeps robot teams in each other's sight: real-time nonlinear MPC of coupled robots.");
+  app.require_subcommand(1);
+  app.set_help_all_flag("--help-all", "Help of all commands");
+
+  RunOptions run_options;
+  CLI::App* run_command = app.add_subcommand("run", "Fly a scenario; write log, summary and report");
+  run_command->add_option("SCENARIO", run_options.scenario, "Scenario file (TOML)")->required();
+  run_command->add_option("-o,--output", run_options.output, "Folder for the results [out/NAME]");
+  run_command->add_option("--solver", run_options.solver, "Solver, instead of the scenario's");
+  run_command->add_option("--seed", run_options.seed, "Seed of all chance, instead of the scenario's");
+  run_command->add_flag("--realtime", run_options.realtime,
+                        "Pace by the wall clock; missed periods are events");
+
+  std::filesystem::path scenario, folder;
+  CLI::App* check_command = app.add_subcommand("check", "Read a scenario and say what it describes");
+  check_command->add_option("SCENARIO", scenario, "Scenario file (TOML)")->required();
+
+  CLI::App* report_command = app.add_subcommand("report", "Make report.html again from a run's files");
+  report_command->add_option("DIR", folder, "Folder of a run")->required();
+
+  CLI::App* version_command = app.add_subcommand("version", "Version and compiler");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  try {
+    if (run_command->parsed()) return run(run_options);
+    if (check_command->parsed()) return check(scenario);
+    if (report_command->parsed()) return report(folder);
+    if (version_command->parsed()) return version();
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "sightline: %s\n", e.what());
+    return 1;
+  }
+  return 2;
+}

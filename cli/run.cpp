@@ -1,0 +1,147 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+
+#include "cli/allocations.hpp"
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "sightline/io/log.hpp"
+#include "sightline/io/report.hpp"
+#include "sightline/io/scenario.hpp"
+#include "sightline/run/loop.hpp"
+
+namespace sightline::cli {
+namespace {
+
+/// Samples that may wait for the log: a second of flight at 100 Hz and more, within this much memory.
+std::size_t ring_capacity(const Sample& sample) {
+  constexpr std::size_t memory = 256'000'000;  // bytes
+  const std::size_t numbers = 2 * sample.x.size() + 2 * sample.u.size() + sample.path.size();
+  return std::clamp<std::size_t>(memory / (sizeof(Sample) + sizeof(double) * numbers), 8, 1024);
+}
+
+Scenario read(const RunOptions& options) {
+  Scenario scenario = read_scenario(options.scenario);
+  if (options.seed) scenario.simulation.seed = *options.seed;
+  // The scenario's own options hold for its own solver.
+  if (options.solver && *options.solver != scenario.solver.name)
+    scenario.solver = solver_named(*options.solver);
+  return scenario;
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder)) {
+    throw std::invalid_argument(fmt::format("-o {}: {}, expected a folder that can be made", folder.native(),
+                                            error ? error.message() : "not a folder"));
+  }
+}
+
+void print_table(const std::string& summary) {
+  const auto lines = summary_lines(summary);
+  std::size_t width = 0;
+  for (const SummaryLine& line : lines) width = std::max(width, line.what.size());
+  for (const SummaryLine& line : lines) fmt::print("{:{}}  {}\n", line.what, width, line.value);
+}
+
+/// What makes a run a failure, each said once on stderr.
+bool failed(const LoopOutcome& outcome, const Log& log) {
+  bool any = false;
+  const auto say = [&](std::string_view sentence) {
+    fmt::print(stderr, "sightline: {}\n", sentence);
+    any = true;
+  };
+  if (!outcome.finite || log.summary().not_finite() > 0) say("a state or an input was not finite");
+  for (const std::string& sentence : log.summary().out_of_view()) say(sentence);
+  if (outcome.dropped > 0)
+    say(fmt::format("{} samples were lost, the log could not keep up", outcome.dropped));
+  if (!log.error().empty()) say(log.error());
+  return any;
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  Scenario scenario;
+  std::filesystem::path folder;
+  try {
+    scenario = read(options);
+    folder = options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output;
+    make_folder(folder);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
+
+  // All memory is taken here, before the first period.
+  const Simulation& simulation = scenario.simulation;
+  const double period = scenario.horizon.dt;
+  const auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
+  const Controllers controllers = {*solver};
+  Plant plant(scenario.team, scenario.x0,
+              {.seed = simulation.seed, .disturbances = simulation.disturbances, .period = period});
+  Sensor sensor(scenario.team, {.seed = simulation.seed,
+                                .noise = simulation.disturbances.noise,
+                                .delay = simulation.disturbances.measurement_delay,
+                                .period = period});
+  const Sample prototype = sized_sample(scenario.team, controllers);
+  Ring<Sample> ring(ring_capacity(prototype), prototype);
+  SimulatedClock simulated;
+  SteadyClock steady;
+  Clock& clock = options.realtime ? static_cast<Clock&>(steady) : simulated;
+  Loop loop(plant, sensor, controllers, clock, ring,
+            {.duration = simulation.duration,
+             .period = period,
+             .path_interval = scenario.log.paths,
+             .allocations = allocations});
+
+  LoopOutcome outcome;
+  Progress progress(simulation.duration);
+  Log log(scenario, folder, controllers, ring, [&](double time) { progress.show(time); });
+  log.start();
+  outcome = loop.run();
+  log.finish();
+  progress.end();
+
+  bool bad = failed(outcome, log);
+  if (const std::string lost = write_summary(folder, log.summary().json()); !lost.empty()) {
+    fmt::print(stderr, "sightline: {}\n", lost);
+    bad = true;
+  }
+  if (log.error().empty()) {
+    try {
+      write_report(folder);
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "sightline: {}\n", error.what());
+      bad = true;
+    }
+  }
+  print_table(log.summary().json());
+  for (const char* file : {"report.html", "run.mcap", "summary.json"})
+    fmt::print("{}\n", (folder / file).native());
+  return bad ? 1 : 0;
+}
+
+int report(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_directory(folder)) {
+    fmt::print(stderr, "{}: not a folder, expected the folder of a run\n", folder.native());
+    return 2;
+  }
+  if (!std::filesystem::is_regular_file(folder / "run.mcap")) {
+    fmt::print(stderr, "{}: no run.mcap, expected the folder of a run\n", folder.native());
+    return 2;
+  }
+  try {
+    write_report(folder);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "sightline: {}\n", error.what());
+    return 1;
+  }
+  fmt::print("{}\n", (folder / "report.html").native());
+  return 0;
+}
+
+}  // namespace sightline::cli

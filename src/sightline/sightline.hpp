@@ -1,0 +1,10 @@
+/// All of sightline that a program needs: teams, potentials, solvers, the simulated world.
+#pragma once
+
+#include "sightline/ocp/ocp.hpp"
+#include "sightline/potential/bounds.hpp"
+#include "sightline/potential/distance.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/sim/plant.hpp"
+#include "sightline/sim/sensor.hpp"
+#include "sightline/solver/cmscgmres.hpp"

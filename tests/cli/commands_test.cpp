@@ -1,0 +1,221 @@
+#include "cli/commands.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "sightline/io/recording.hpp"
+#include "tests/support/command.hpp"
+
+namespace sightline::cli {
+namespace {
+
+using nlohmann::json;
+using test::fresh_folder;
+using test::read_file;
+using test::shell;
+using test::sightline;
+namespace fs = std::filesystem;
+
+long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+/// paper_7_1 with another duration [s].
+fs::path short_scenario(const fs::path& folder, const std::string& duration) {
+  const std::string text = read_file(SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml");
+  const fs::path file = folder / "short.toml";
+  std::ofstream(file) << std::regex_replace(text, std::regex("duration = 60.0"), "duration = " + duration);
+  return file;
+}
+
+TEST(Run, FliesThePaperAndLeavesItsFiles) {
+  const fs::path folder = fresh_folder();
+  const auto run = sightline("run scenarios/paper_7_1.toml -o " + (folder / "out").string(), folder);
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  for (const char* file : {"run.mcap", "timing.csv", "summary.json", "report.html"}) {
+    EXPECT_GT(fs::file_size(folder / "out" / file), 1000u) << file;
+  }
+  const json s = json::parse(read_file(folder / "out" / "summary.json"));
+  EXPECT_EQ(s.at("scenario"), "paper_7_1");
+  EXPECT_EQ(s.at("solver"), "cmscgmres");
+  EXPECT_EQ(s.at("updates"), 6000);
+  EXPECT_NEAR(s.at("cost").get<double>(), 79.8, 0.5);
+  EXPECT_EQ(s.at("allocations_per_update"), 0);
+  EXPECT_EQ(s.at("not_finite"), 0);
+  EXPECT_EQ(s.at("input_violations"), 0);
+  EXPECT_LE(s.at("max_abs_input").get<double>(), 1.0);
+  const json& pair = s.at("pairs").at(0);
+  EXPECT_EQ(pair.at("observer"), "uav0");
+  EXPECT_GE(pair.at("distance").at("min").get<double>(), 1.43);
+  EXPECT_LE(pair.at("distance").at("max").get<double>(), 1.82);
+  EXPECT_LE(pair.at("in_view_from").get<double>(), 21.0);
+  EXPECT_NEAR(s.at("agents").at(1).at("rms_position_error").get<double>(), 0.070, 0.005);
+}
+
+TEST(Run, TheExampleFliesTheSameTrajectoryAsTheScenario) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(sightline("run scenarios/paper_7_1.toml -o " + (folder / "out").string(), folder).code, 0);
+  const auto example = shell("'" SIGHTLINE_EXAMPLES "/sensor_tracking'", folder);
+  ASSERT_EQ(example.code, 0);
+  std::istringstream numbers(example.out);
+  std::vector<double> x;  // one period after the last sample
+  for (double v; numbers >> v;) x.push_back(v);
+  ASSERT_EQ(x.size(), 14u);
+  const Recording recording = read_recording(folder / "out");
+  for (std::size_t body = 0; body < 2; ++body) {
+    // 0.01 s at these speeds is less than 0.1 mm off a straight line.
+    const auto& p = recording.bodies.at(body).p;
+    const Vec3<double> next = p.back() + (p.back() - p[p.size() - 2]);
+    EXPECT_NEAR(next.x, x[7 * body], 1e-4);
+    EXPECT_NEAR(next.y, x[7 * body + 1], 1e-4);
+    EXPECT_NEAR(next.z, x[7 * body + 2], 1e-4);
+  }
+}
+
+TEST(Run, SameSeedSameLogByteForByte) {
+  const fs::path folder = fresh_folder();
+  const std::string scenario = "scenarios/paper_7_2.toml --seed 7 -o ";
+  for (const char* name : {"a", "b"}) sightline("run " + scenario + (folder / name).string(), folder);
+  sightline("run scenarios/paper_7_2.toml --seed 8 -o " + (folder / "c").string(), folder);
+  const std::string a = read_file(folder / "a" / "run.mcap");
+  EXPECT_GT(a.size(), 100000u);
+  EXPECT_TRUE(a == read_file(folder / "b" / "run.mcap"));
+  EXPECT_FALSE(a == read_file(folder / "c" / "run.mcap"));
+}
+
+TEST(Run, ADiskThatIsFullIsSaidOnceAndTheLoopFinishes) {
+  const fs::path folder = fresh_folder();
+  const fs::path scenario = short_scenario(folder, "2.0"), out = folder / "out";
+  fs::create_directory(out);
+  fs::create_symlink("/dev/full", out / "run.mcap");
+  const auto run = sightline("run " + scenario.string() + " -o " + out.string(), folder);
+  EXPECT_EQ(run.code, 1);
+  std::size_t said = 0;
+  for (std::size_t at = 0; (at = run.err.find("No space left", at)) != std::string::npos; ++at) ++said;
+  EXPECT_EQ(said, 1u) << run.err;
+  EXPECT_NE(run.out.find("200"), std::string::npos) << "the table tells of all 200 updates: " << run.out;
+}
+
+TEST(Run, AFolderThatCannotBeMadeIsBadInput) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "file") << "x";
+  const auto run = sightline("run scenarios/paper_7_1.toml -o " + (folder / "file").string(), folder);
+  EXPECT_EQ(run.code, 2);
+  EXPECT_EQ(lines(run.err), 1) << run.err;
+}
+
+TEST(Run, ATargetThatStaysOutOfViewIsAFailure) {
+  const fs::path folder = fresh_folder();
+  // Facing away, far too short a flight to turn round.
+  std::string text = read_file(SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml");
+  text = std::regex_replace(text, std::regex("duration = 60.0"), "duration = 2.5");
+  text = std::regex_replace(
+      text, std::regex("p = \\[-0.6,-?[^\\]]*\\], heading = 0.0|p = \\[-0.6, -0.3, 0.6\\], heading = 0.0"),
+      "p = [-1.5, 0.0, 0.6], heading = 3.14");
+  std::ofstream(folder / "away.toml") << text;
+  const auto run =
+      sightline("run " + (folder / "away.toml").string() + " -o " + (folder / "out").string(), folder);
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.err.find("uav1"), std::string::npos) << run.err;
+}
+
+TEST(Run, RealTimeTakesTheTimeItSays) {
+  const fs::path folder = fresh_folder();
+  const fs::path scenario = short_scenario(folder, "2.0");
+  const auto begin = std::chrono::steady_clock::now();
+  const auto run =
+      sightline("run --realtime " + scenario.string() + " -o " + (folder / "out").string(), folder);
+  const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  EXPECT_GE(took, 1.98);  // the last period ends the run at its start
+  EXPECT_NE(run.code, 2) << run.err;
+  const json s = json::parse(read_file(folder / "out" / "summary.json"));
+  EXPECT_EQ(s.at("allocations_per_update"), 0);
+}
+
+TEST(Report, IsMadeAgainFromTheFilesAlone) {
+  const fs::path folder = fresh_folder();
+  const fs::path out = folder / "out", scenario = short_scenario(folder, "3.0");
+  sightline("run " + scenario.string() + " -o " + out.string(), folder);
+  fs::remove(scenario);
+  const std::string first = read_file(out / "report.html");
+  fs::remove(out / "report.html");
+  const auto report = sightline("report " + out.string(), folder);
+  EXPECT_EQ(report.code, 0) << report.err;
+  EXPECT_TRUE(first == read_file(out / "report.html"));
+  EXPECT_NE(report.out.find("report.html"), std::string::npos);
+}
+
+TEST(Report, RefusesWhatIsNoRun) {
+  const fs::path folder = fresh_folder();
+  for (const fs::path& bad : {folder, folder / "nowhere"}) {
+    const auto report = sightline("report " + bad.string(), folder);
+    EXPECT_EQ(report.code, 2);
+    EXPECT_EQ(lines(report.err), 1) << report.err;
+  }
+}
+
+TEST(Check, SaysOkAndDescribesEachShippedScenario) {
+  const fs::path folder = fresh_folder();
+  for (const auto& entry : fs::recursive_directory_iterator(SIGHTLINE_SOURCE_DIR "/scenarios")) {
+    if (entry.path().extension() != ".toml") continue;
+    const auto check = sightline("check " + entry.path().string(), folder);
+    EXPECT_EQ(check.code, 0) << check.err;
+    EXPECT_EQ(check.out.rfind("ok\n", 0), 0u) << check.out;
+    for (const char* word : {"agent", "states", "inputs", "stages"}) {
+      EXPECT_NE(check.out.find(word), std::string::npos) << entry.path() << " " << word;
+    }
+  }
+}
+
+TEST(Check, EachBrokenScenarioEndsWithTwoAndOneLine) {
+  const fs::path folder = fresh_folder();
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(SIGHTLINE_SOURCE_DIR "/tests/scenarios/broken")) {
+    for (const char* command : {"check ", "run "}) {
+      const auto result = sightline(command + entry.path().string() + " ", folder);
+      EXPECT_EQ(result.code, 2) << entry.path();
+      EXPECT_EQ(lines(result.err), 1) << result.err;
+      EXPECT_TRUE(std::regex_search(result.err, std::regex(":[0-9]+: .*expected"))) << result.err;
+      EXPECT_EQ(result.out, "");
+    }
+    ++files;
+  }
+  EXPECT_GE(files, 30);
+}
+
+TEST(Check, NeitherPipeNorFolderNorHugeFileHoldsItUp) {
+  const fs::path folder = fresh_folder();
+  for (const char* make : {"mkfifo bad", "mkdir bad", "truncate -s 100M bad", "truncate -s 0 bad",
+                           "head -c 1000 /dev/urandom > bad", "ln -s bad bad", "ln -s /dev/zero bad"}) {
+    fs::remove_all(folder / "bad");
+    ASSERT_EQ(shell("cd " + folder.string() + " && " + make, folder).code, 0) << make;
+    const auto check = shell("timeout 5 '" SIGHTLINE_BINARY "' check " + (folder / "bad").string(), folder);
+    EXPECT_EQ(check.code, 2) << make;
+    EXPECT_EQ(lines(check.err), 1) << make << ": " << check.err;
+    EXPECT_NE(check.err.find("expected"), std::string::npos) << make << ": " << check.err;
+  }
+}
+
+TEST(Commands, BadWordsEndWithTwo) {
+  const fs::path folder = fresh_folder();
+  for (const char* words :
+       {"", "fly", "run", "check", "report", "run scenarios/paper_7_1.toml --seed x",
+        "run scenarios/paper_7_1.toml --solver best", "check nowhere.toml", "version now"}) {
+    const auto result = sightline(words, folder);
+    EXPECT_EQ(result.code, 2) << words;
+    EXPECT_NE(result.err, "") << words;
+  }
+}
+
+TEST(Commands, VersionNamesItself) {
+  const fs::path folder = fresh_folder();
+  const auto version = sightline("version", folder);
+  EXPECT_EQ(version.code, 0);
+  EXPECT_EQ(version.out.rfind("sightline ", 0), 0u) << version.out;
+}
+
+}  // namespace
+}  // namespace sightline::cli
