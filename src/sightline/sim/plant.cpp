@@ -54,7 +54,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
   }
   const std::span<const double> resting = delay_.at(0.0);
   for (const YawLag& lag : lags_) z_.push_back(disturbances_.input_gain * resting[lag.input]);
-  scratch_.resize(RungeKuttaScratch::stages * z_.size());
+  scratch_.resize(RungeKuttaScratch::rows_needed * z_.size());
 
   const Vec3<double>& wind = disturbances_.wind;
   if (disturbances_.gust_sigma > 0) {
