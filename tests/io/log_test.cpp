@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -15,6 +14,7 @@
 
 #include "sightline/io/cdr.hpp"
 #include "sightline/io/mcap.hpp"
+#include "tests/support/folder.hpp"
 
 namespace sightline {
 namespace {
@@ -22,24 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// A folder of this process alone, gone at its end.
-class Folder {
- public:
-  Folder() : path_(fs::path(::testing::TempDir()) / fmt::format("log_test_{}", ::getpid())) {
-    fs::create_directories(path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 fs::path place(std::string_view name) {
-  static const Folder folder;
+  static const test::Folder folder("log_test");
   return folder.path() / name;
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include "sightline/io/log.hpp"
 #include "sightline/io/version.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/folder.hpp"
 #include "tests/support/paper_team.hpp"
 
 namespace sightline {
@@ -19,24 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder of this process alone, gone at its end.
-class Folder {
- public:
-  Folder() : path_(fs::path(::testing::TempDir()) / fmt::format("recording_test_{}", ::getpid())) {
-    fs::create_directories(path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 fs::path place(std::string_view name) {
-  static const Folder folder;
+  static const test::Folder folder("recording_test");
   fs::create_directories(folder.path() / name);
   return folder.path() / name;
 }

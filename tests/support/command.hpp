@@ -1,7 +1,6 @@
 /// Runs the command line as a user does: exit code, stdout and stderr of a shell command.
 #pragma once
 
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
@@ -9,6 +8,8 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+
+#include "tests/support/folder.hpp"
 
 namespace sightline::test {
 
@@ -21,16 +22,6 @@ inline std::string read_file(const std::filesystem::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();
   return text.str();
-}
-
-/// An empty folder of the running test.
-inline std::filesystem::path fresh_folder() {
-  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-  const auto folder =
-      std::filesystem::temp_directory_path() / "sightline_cli" / info->test_suite_name() / info->name();
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
 }
 
 /// Runs `command` in a shell from the root of the tree; its streams go through files in `folder`.
