@@ -17,12 +17,14 @@
 #if SIGHTLINE_COUNTS
 
 // The C library's own heap, behind the names that are replaced here; operator new comes through malloc.
+// NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 }
+// NOLINTEND(bugprone-reserved-identifier)
 
 namespace {
 thread_local std::int64_t count = 0;

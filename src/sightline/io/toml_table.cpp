@@ -58,7 +58,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 TomlDocument parse_toml(std::string_view text, std::string file) {
   check_text(text, file);
   try {
-    return {file, toml::parse(text)};
+    toml::table root = toml::parse(text);
+    return {std::move(file), std::move(root)};
   } catch (const toml::parse_error& error) {
     throw ScenarioError(file, std::max<std::size_t>(error.source().begin.line, 1),
                         fmt::format("{}, expected TOML", shortened(error.description(), 4 * shown_size)));
@@ -179,7 +180,7 @@ Vec3<double> TomlTable::vec3(std::string_view key) const {
 }
 
 std::vector<double> TomlTable::rising(std::string_view key) const {
-  const std::vector<double> times = numbers(key, any_length);
+  std::vector<double> times = numbers(key, any_length);
   for (std::size_t i = 1; i < times.size(); ++i) {
     if (!(times[i] > times[i - 1])) refuse(key, i, "times that rise [s]");
   }

@@ -87,7 +87,7 @@ AgentFormula Ocp::trace_agent(const Agent& agent, BodyId body) {
   Graph graph;
   int next = 0;
   const auto inputs = [&](int n) {
-    const auto symbols = variables(graph, next, n);
+    auto symbols = variables(graph, next, n);
     next += n;
     return symbols;
   };

@@ -12,8 +12,7 @@ using Sums = std::array<NativeLane, packs>;
 /// The partial sums, added in pairs: an order that does not depend on the width of a pack.
 double total(const Sums& sums) {
   std::array<double, dot_quantum> s;
-  for (int p = 0; p < packs; ++p)
-    sums[static_cast<std::size_t>(p)].store(&s[static_cast<std::size_t>(p * native_width)]);
+  for (std::size_t p = 0; p < sums.size(); ++p) sums[p].store(s.data() + p * native_width);
   for (std::size_t half = dot_quantum / 2; half > 0; half /= 2) {
     for (std::size_t i = 0; i < half; ++i) s[i] += s[i + half];
   }
@@ -58,7 +57,7 @@ Gmres::Gmres(int n, int k_max)
     : length_(round_up(n)),
       k_max_(k_max),
       basis_(k_max + 1, length_),
-      h_(static_cast<std::size_t>((k_max + 1) * k_max)),
+      h_(static_cast<std::size_t>(k_max + 1) * static_cast<std::size_t>(k_max)),
       cos_(static_cast<std::size_t>(k_max)),
       sin_(static_cast<std::size_t>(k_max)),
       g_(static_cast<std::size_t>(k_max) + 1),

@@ -33,7 +33,10 @@ class Gmres {
   Outcome solve(Product&& product, const double* b, double* x, double tolerance) noexcept;
 
  private:
-  double& hessenberg(int i, int j) { return h_[static_cast<std::size_t>(j * (k_max_ + 1) + i)]; }
+  double& hessenberg(int i, int j) {
+    return h_[static_cast<std::size_t>(j) * static_cast<std::size_t>(k_max_ + 1) +
+              static_cast<std::size_t>(i)];
+  }
   /// Makes v_{k+1} orthogonal to the basis before it. @return its length before it was made a unit vector
   double orthogonalise(int k) noexcept;
   /// Applies the rotations to column k and adds one that removes its last entry. @return false where it is
