@@ -8,6 +8,7 @@
 #include <chrono>
 #include <random>
 #include <regex>
+#include <system_error>
 
 #include "sightline/io/mcap.hpp"
 #include "sightline/io/recording.hpp"
@@ -21,6 +22,7 @@ std::string shown_until_killed(const std::string& scenario, const std::string& f
                                std::chrono::milliseconds after) {
   int terminal = -1;
   const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  if (child < 0) throw std::system_error(errno, std::generic_category(), "forkpty");
   if (child == 0) {
     execl(SIGHTLINE_BINARY, "sightline", "run", "--realtime", scenario.c_str(), "-o", folder.c_str(),
           nullptr);

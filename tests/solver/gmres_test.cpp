@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#define EIGEN_DONT_VECTORIZE  // GCC 12 takes the AVX-512 intrinsics for uninitialised
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
