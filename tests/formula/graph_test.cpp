@@ -193,5 +193,20 @@ TEST(Graph, ASharedPartIsOneNode) {
   EXPECT_EQ(graph.size(), size);
 }
 
+TEST(Graph, ConstantsAreDrawnToTheFrontUnlessToldOtherwise) {
+  Graph graph;
+  const Term c = graph.constant(3.0), a = graph.input(0), b = graph.input(1);
+  EXPECT_EQ(graph.multiply(graph.multiply(c, a), b), graph.multiply(c, graph.multiply(a, b)));
+  graph.draw_constants(false);
+  EXPECT_NE(graph.multiply(graph.multiply(c, b), a), graph.multiply(c, graph.multiply(a, b)));
+}
+
+TEST(Graph, TheMaximumOfConstantsIsAConstant) {
+  Graph graph;
+  EXPECT_EQ(graph.maximum(graph.constant(-1.0), graph.constant(-2.0)), graph.constant(-1.0));
+  const Term a = graph.input(0);
+  EXPECT_EQ(graph.node(graph.maximum(-a, graph.constant(2.0))).op, Op::maximum);
+}
+
 }  // namespace
 }  // namespace sightline

@@ -58,6 +58,8 @@ std::vector<S> run(const Program& program, std::span<const double> inputs) {
           return sin(row(q.a));
         case Code::cosine:
           return cos(row(q.a));
+        case Code::maximum:
+          return row(q.a) > row(q.b) ? row(q.a) : row(q.b);
       }
       return S();
     };

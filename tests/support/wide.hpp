@@ -32,6 +32,7 @@ class Wide {
     return {q, (a.rounding_ + std::fabs(q) * b.rounding_) / std::fabs(b.value_) + 2 * unit * std::fabs(q)};
   }
   friend Wide operator-(const Wide& a) { return {-a.value_, a.rounding_}; }
+  friend bool operator>(const Wide& a, const Wide& b) { return a.value_ > b.value_; }
   friend Wide sqrt(const Wide& a) {
     const long double r = std::sqrt(a.value_);
     return {r, a.rounding_ / (2 * r) + unit * r};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <stdexcept>
 
 namespace sightline {
 namespace {
@@ -74,6 +75,9 @@ Local differentiate(Graph& g, int v, bool second_order) {
       d.first[0] = -g.sine(n.a);
       d.second[0] = -self;
       break;
+    case Op::maximum:
+      throw std::invalid_argument(
+          "a formula takes the maximum of what it is derived by, expected a smooth formula");
   }
   return d;
 }

@@ -63,7 +63,7 @@ Term Graph::multiply(Term a, Term b) {
     if (is_constant(b)) return with_sign(constant(node(a).value * node(b).value), negative);
     if (node(a).value == 0.0) return constant(0.0);
     if (node(a).value == 1.0) return with_sign(b, negative);
-    if (node(b).op == Op::multiply && is_constant(node(b).a)) {  // c (c' x)
+    if (draw_constants_ && node(b).op == Op::multiply && is_constant(node(b).a)) {  // c (c' x)
       const Node inner = node(b);
       return with_sign(multiply(constant(node(a).value * node(inner.a).value), inner.b), negative);
     }
@@ -73,8 +73,8 @@ Term Graph::multiply(Term a, Term b) {
       const Node inner = node(factor);
       return with_sign(multiply(inner.a, multiply(inner.b, other)), negative);
     };
-    if (node(a).op == Op::multiply && is_constant(node(a).a)) return pull(a, b);
-    if (node(b).op == Op::multiply && is_constant(node(b).a)) return pull(b, a);
+    if (draw_constants_ && node(a).op == Op::multiply && is_constant(node(a).a)) return pull(a, b);
+    if (draw_constants_ && node(b).op == Op::multiply && is_constant(node(b).a)) return pull(b, a);
     if (a.node > b.node) std::swap(a, b);
   }
   return with_sign(unique({.op = Op::multiply, .a = a, .b = b}), negative);
@@ -110,6 +110,13 @@ Term Graph::sine(Term a) {
 Term Graph::cosine(Term a) {
   if (is_constant(a)) return constant(sightline::cos(constant_value(a)));
   return unique({.op = Op::cosine, .a = positive(a)});
+}
+
+Term Graph::maximum(Term a, Term b) {
+  if (is_constant(a) && is_constant(b)) {
+    return constant(sightline::maximum(constant_value(a), constant_value(b)));
+  }
+  return unique({.op = Op::maximum, .a = a, .b = b});
 }
 
 }  // namespace sightline

@@ -24,6 +24,7 @@ enum class Op : std::uint8_t {
   logistic,     ///< 1 / (1 + e^-a); a positive
   sine,         ///< sin a; a positive
   cosine,       ///< cos a; a positive
+  maximum,      ///< the larger of a and b; has no derivative
 };
 
 /// A node of a graph, or its negative.
@@ -37,7 +38,7 @@ struct Term {
 
 struct Node {
   Op op{};
-  Term a{}, b{};       ///< operands; b of sums and products alone
+  Term a{}, b{};       ///< operands; b of sums, products and maxima alone
   double value = 0.0;  ///< of a constant; the index of an input
 
   bool operator==(const Node&) const = default;
@@ -57,8 +58,13 @@ class Graph {
   Term logistic(Term a);
   Term sine(Term a);
   Term cosine(Term a);
+  Term maximum(Term a, Term b);
 
   Term subtract(Term a, Term b) { return add(a, -b); }
+
+  /// Whether a constant factor is drawn to the front of a product, c (a b) for a (c b). That finds common
+  /// parts while differentiating; in products of matrices it multiplies the same factor again in each column.
+  void draw_constants(bool on) { draw_constants_ = on; }
 
   bool is_constant(Term t) const { return node(t).op == Op::constant; }
   /// Value of a constant term, its sign included.
@@ -76,6 +82,7 @@ class Graph {
 
   Term unique(const Node& node);
 
+  bool draw_constants_ = true;
   std::vector<Node> nodes_;
   std::unordered_map<Node, int, Hash> index_;
 };

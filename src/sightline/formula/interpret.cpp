@@ -33,19 +33,25 @@ Evaluation::Evaluation(const Program& program, int length)
 
 namespace {
 
-using L = NativeLane;
+/// Where the rows of one pass begin.
+struct PassRows {
+  double* const* rows;
+  int inputs, first_output;
+  std::ptrdiff_t offset;  // into the caller's rows
 
-/// One instruction over `packs` packs; `Packs` > 0 fixes their number at compile time.
-template <int Packs>
-void execute(std::span<const Instruction> instructions, double* const* rows, int inputs, int first_output,
-             std::ptrdiff_t offset, int count) {
-  const auto row = [&](int r) { return rows[r] + (r < inputs || r >= first_output ? offset : 0); };
+  double* operator()(int r) const { return rows[r] + (r < inputs || r >= first_output ? offset : 0); }
+};
+
+/// All instructions, each over `packs` packs; `Packs` > 0 fixes their number at compile time.
+/// @param row  the beginning of a row
+template <class L, int Packs, class Row>
+void execute(std::span<const Instruction> instructions, const Row& row, int count) {
   const int packs = Packs > 0 ? Packs : count;
   for (const Instruction& q : instructions) {
     double* const d = row(q.d);
     const double* const a = row(q.a);
     const auto each = [&](auto&& f) {
-      for (int p = 0; p < packs; ++p) f(p * native_width).store(d + p * native_width);
+      for (int p = 0; p < packs; ++p) f(p * L::width).store(d + p * L::width);
     };
     const auto unary = [&](auto&& f) { each([&](int i) { return f(L::load(a + i)); }); };
     const auto binary = [&](auto&& f) {
@@ -77,10 +83,10 @@ void execute(std::span<const Instruction> instructions, double* const* rows, int
         ternary([](L x, L y, L z) { return fma(x, y, z); });
         break;
       case Code::multiply_subtract:
-        ternary([](L x, L y, L z) { return fma(x, y, -z); });
+        ternary([](L x, L y, L z) { return multiply_subtract(x, y, z); });
         break;
       case Code::subtract_product:
-        ternary([](L x, L y, L z) { return fma(-x, y, z); });
+        ternary([](L x, L y, L z) { return subtract_product(x, y, z); });
         break;
       case Code::reciprocal:
         unary([](L x) { return L(1.0) / x; });
@@ -100,6 +106,9 @@ void execute(std::span<const Instruction> instructions, double* const* rows, int
       case Code::cosine:
         unary([](L x) { return cos(x); });
         break;
+      case Code::maximum:
+        binary([](L x, L y) { return maximum(x, y); });
+        break;
     }
   }
 }
@@ -111,22 +120,47 @@ void Evaluation::run() const noexcept {
   const int inputs = program_->inputs(), first_output = program_->first_output();
   for (int done = 0; done < packs_; done += row_quantum) {
     const int packs = std::min(packs_ - done, row_quantum);
-    const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(done) * native_width;
+    const PassRows rows{rows_.data(), inputs, first_output, static_cast<std::ptrdiff_t>(done) * native_width};
     switch (packs) {
       case 1:
-        execute<1>(instructions, rows_.data(), inputs, first_output, offset, packs);
+        execute<NativeLane, 1>(instructions, rows, packs);
         break;
       case 3:  // 20 stages in packs of 8
-        execute<3>(instructions, rows_.data(), inputs, first_output, offset, packs);
+        execute<NativeLane, 3>(instructions, rows, packs);
         break;
       case row_quantum:
-        execute<row_quantum>(instructions, rows_.data(), inputs, first_output, offset, packs);
+        execute<NativeLane, row_quantum>(instructions, rows, packs);
         break;
       default:
-        execute<0>(instructions, rows_.data(), inputs, first_output, offset, packs);
+        execute<NativeLane, 0>(instructions, rows, packs);
     }
   }
 }
+
+template <int W>
+PackEvaluation<W>::PackEvaluation(const Program& program)
+    : program_(&program),
+      own_(1, W * (program.first_output() - program.first_constant())),
+      rows_(static_cast<std::size_t>(program.rows()), nullptr) {
+  for (int r = program.first_constant(); r < program.first_output(); ++r) {
+    double* const row = own_[0] + W * (r - program.first_constant());
+    rows_[static_cast<std::size_t>(r)] = row;
+    if (r < program.first_scratch()) {
+      std::fill_n(row, W, program.constants()[static_cast<std::size_t>(r - program.first_constant())]);
+    }
+  }
+}
+
+template <int W>
+void PackEvaluation<W>::run() noexcept {
+  execute<Lane<W>, 1>(
+      program_->instructions(), [rows = rows_.data()](int r) { return rows[r]; }, 1);
+}
+
+template class PackEvaluation<1>;
+template class PackEvaluation<2>;
+template class PackEvaluation<4>;
+template class PackEvaluation<8>;
 
 std::vector<double> evaluate(const Program& program, std::span<const double> inputs) {
   assert(static_cast<int>(inputs.size()) == program.inputs() && "one number for each input of the program");

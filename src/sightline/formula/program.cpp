@@ -1,5 +1,6 @@
 #include "sightline/formula/program.hpp"
 
+#include <array>
 #include <cassert>
 #include <map>
 
@@ -107,12 +108,13 @@ class Lowering {
     const Node& n = node(static_cast<std::size_t>(v));
     Instruction i{};
     const auto row = [&](Term t) { return row_.at(t.node); };
-    int negated = -1;  // scratch for the operand of exp or sqrt that stands with a minus
+    std::array<int, 2> negated = {-1, -1};  // scratch for operands that stand with a minus where none is free
     const auto operand = [&](Term t) {
       if (!t.negative) return row(t);
-      negated = take_row();
-      out.push_back({.code = Code::negate, .d = negated, .a = row(t)});
-      return negated;
+      int& place = negated[negated[0] < 0 ? 0 : 1];
+      place = take_row();
+      out.push_back({.code = Code::negate, .d = place, .a = row(t)});
+      return place;
     };
     if (const Term product = product_of_[static_cast<std::size_t>(v)]; product.node >= 0) {
       const bool second = product.node == n.b.node;
@@ -149,10 +151,17 @@ class Lowering {
         case Op::cosine:
           i = {.code = Code::cosine, .a = row(n.a)};
           break;
+        case Op::maximum: {
+          const int a = operand(n.a);
+          i = {.code = Code::maximum, .a = a, .b = operand(n.b)};
+          break;
+        }
       }
     }
     // Operands that end here give their rows to the result.
-    if (negated >= 0) free_.push_back(negated);
+    for (const int place : negated) {
+      if (place >= 0) free_.push_back(place);
+    }
     for_each_operand(static_cast<std::size_t>(v), [&](Term t) {
       if (last_use_[index(t)] != v) return;
       last_use_[index(t)] = -1;

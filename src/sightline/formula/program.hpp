@@ -26,6 +26,7 @@ enum class Code : std::uint8_t {
   logistic,
   sine,
   cosine,
+  maximum,  ///< d = a where a > b, else b
 };
 
 struct Instruction {

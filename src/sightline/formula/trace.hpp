@@ -56,6 +56,10 @@ class Symbol {
   friend Symbol cos(const Symbol& a) {
     return apply(a, &Graph::cosine, [](double x) { return sightline::cos(x); });
   }
+  /// Of the solver's own algebra; a formula that is derived must not take it.
+  friend Symbol maximum(const Symbol& a, const Symbol& b) {
+    return combine(a, b, &Graph::maximum, [](double x, double y) { return sightline::maximum(x, y); });
+  }
 
  private:
   template <class OnNumbers>

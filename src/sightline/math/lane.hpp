@@ -67,6 +67,7 @@ template <int W>
 struct Lane {
   using Vector = typename detail::Storage<W>::Vector;
   using Bits = typename detail::Storage<W>::Bits;
+  static constexpr int width = W;
 
   Vector v;
 
@@ -132,6 +133,49 @@ Lane<W> fma(Lane<W> a, Lane<W> b, Lane<W> c) {
   return r;
 }
 
+/// a b - c, rounded once.
+template <std::same_as<double> D>
+D multiply_subtract(D a, D b, D c) {
+  return __builtin_fma(a, b, -c);
+}
+
+/// c - a b, rounded once.
+template <std::same_as<double> D>
+D subtract_product(D a, D b, D c) {
+  return __builtin_fma(-a, b, c);
+}
+
+// By their own instructions: the compiler does not draw the sign of a vector into a fused product.
+template <int W>
+Lane<W> multiply_subtract(Lane<W> a, Lane<W> b, Lane<W> c) {
+  using L = Lane<W>;
+#if defined(__AVX512F__)
+  if constexpr (W == 8)
+    return L((typename L::Vector)_mm512_fmsub_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
+#endif
+#if defined(__FMA__)
+  if constexpr (W == 4)
+    return L((typename L::Vector)_mm256_fmsub_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v));
+  if constexpr (W == 2) return L((typename L::Vector)_mm_fmsub_pd((__m128d)a.v, (__m128d)b.v, (__m128d)c.v));
+#endif
+  return fma(a, b, -c);
+}
+
+template <int W>
+Lane<W> subtract_product(Lane<W> a, Lane<W> b, Lane<W> c) {
+  using L = Lane<W>;
+#if defined(__AVX512F__)
+  if constexpr (W == 8)
+    return L((typename L::Vector)_mm512_fnmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
+#endif
+#if defined(__FMA__)
+  if constexpr (W == 4)
+    return L((typename L::Vector)_mm256_fnmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v));
+  if constexpr (W == 2) return L((typename L::Vector)_mm_fnmadd_pd((__m128d)a.v, (__m128d)b.v, (__m128d)c.v));
+#endif
+  return fma(-a, b, c);
+}
+
 template <std::same_as<double> D>
 D sqrt(D a) {
   return __builtin_sqrt(a);
@@ -150,6 +194,17 @@ inline double where_negative(double c, double a, double b) { return c < 0 ? a : 
 template <int W>
 Lane<W> where_negative(Lane<W> c, Lane<W> a, Lane<W> b) {
   return Lane<W>(c.v < 0.0 ? a.v : b.v);
+}
+
+/// The larger of a and b; b where one of them is not a number.
+template <std::same_as<double> D>
+D maximum(D a, D b) {
+  return a > b ? a : b;
+}
+
+template <int W>
+Lane<W> maximum(Lane<W> a, Lane<W> b) {
+  return Lane<W>(a.v > b.v ? a.v : b.v);
 }
 
 /// x within [low, high]; not a number stays so.

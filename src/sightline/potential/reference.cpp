@@ -37,11 +37,6 @@ Vec2<double> direction(const std::vector<double>& heading, std::size_t i) {
 
 }  // namespace
 
-Pose<double> Circle::operator()(double t) const {
-  const auto [s, c] = sincos(rate * t);
-  return {{centre.x + radius * c, centre.y + radius * s, centre.z}, {}};
-}
-
 void Waypoints::check() const { check_times(name, times, p.size(), heading.size()); }
 
 Pose<double> Waypoints::operator()(double t) const {

@@ -21,7 +21,11 @@ struct Circle {
   double radius = 0.5;    ///< [m], >= 0
   double rate = 0.3;      ///< [rad/s]
 
-  Pose<double> operator()(double t) const;
+  template <Real S>
+  Pose<S> operator()(S t) const {
+    const auto [s, c] = sincos(S(rate) * t);
+    return {{fma(S(radius), c, S(centre.x)), fma(S(radius), s, S(centre.y)), S(centre.z)}, {S(0.0), S(0.0)}};
+  }
 };
 
 /// Straight lines between poses at given times; held before the first and after the last.
@@ -54,23 +58,42 @@ struct Steps {
 class Reference {
  public:
   /// The origin at rest, without a heading.
-  Reference() : Reference([](double) { return Pose<double>{}; }) {}
+  Reference() : Reference([](double) { return Pose<double>{}; }) { constant_ = true; }
 
   /// t -> Pose<double>.
   /// @throws std::invalid_argument from the trajectory's own check()
   template <std::invocable<double> F>
   requires std::same_as<std::invoke_result_t<F, double>, Pose<double>> Reference(F pose)
-      : write_(
-            [pose](double t, const Model& model, std::span<double> x) { model.at_rest(pose(t), x.data()); }) {
+      : write_([pose](const Times& times, const Model& model, const Target& x) {
+          std::array<double, max_states> state;
+          const auto write = [&](int k, const Pose<double>& p) {
+            model.at_rest(p, state.data());
+            x.put(k, state.data(), model.nx());
+          };
+          if constexpr (std::invocable<F, NativeLane>) {
+            // Many times at once.
+            for (int k = 0; k < times.n; k += native_width) {
+              NativeLane t = times.t;
+              for (int l = 0; l < native_width; ++l) t.v[l] = times.at(k + l);
+              const Pose<NativeLane> p = pose(t);
+              for (int l = 0; l < native_width && k + l < times.n; ++l)
+                write(k + l, {{p.p.x[l], p.p.y[l], p.p.z[l]}, {p.d.x[l], p.d.y[l]}});
+            }
+          } else {
+            for (int k = 0; k < times.n; ++k) write(k, pose(times.at(k)));
+          }
+        }) {
     if constexpr (requires { pose.check(); }) pose.check();
   }
 
   /// t -> std::array<double, nx>, or another range of always the same length: the whole state.
   template <std::invocable<double> F>
   requires std::convertible_to<std::invoke_result_t<F, double>, std::span<const double>> Reference(F state)
-      : write_([state](double t, const Model&, std::span<double> x) {
-          const auto& value = state(t);
-          std::copy_n(value.begin(), x.size(), x.begin());
+      : write_([state](const Times& times, const Model& model, const Target& x) {
+          for (int k = 0; k < times.n; ++k) {
+            const auto& value = state(times.at(k));
+            x.put(k, &*value.begin(), model.nx());
+          }
         }),
         length_(std::size(state(0.0))) {}
 
@@ -78,17 +101,48 @@ class Reference {
   template <std::size_t n>
   Reference(const std::array<double, n>& state)
       : Reference(std::vector<double>(state.begin(), state.end())) {}
-  Reference(const std::vector<double>& state) : Reference([state](double) -> const auto& { return state; }) {}
+  Reference(const std::vector<double>& state)
+      : write_([state](const Times& times, const Model& model, const Target& x) {
+          for (int k = 0; k < times.n; ++k) x.put(k, state.data(), model.nx());
+        }),
+        length_(state.size()),
+        constant_(true) {}
+
+  /// Whether x* is the same at all times.
+  bool is_constant() const { return constant_; }
 
   /// x*(t) into x, of length nx. Allocates nothing if the function it was made from does not.
-  void operator()(double t, const Model& model, std::span<double> x) const { write_(t, model, x); }
+  void operator()(double t, const Model& model, std::span<double> x) const {
+    write_({t, 0.0, 1}, model, {x.data(), 0, 1});
+  }
+  /// x*(t + k h), k = 0 .. n - 1; entry i of the k-th at x[k stage + i entry].
+  void along(double t, double h, int n, const Model& model, double* x, std::ptrdiff_t stage,
+             std::ptrdiff_t entry) const {
+    write_({t, h, n}, model, {x, stage, entry});
+  }
 
   /// Numbers in the state it gives; 0 for a pose, which suits any robot.
   std::size_t length() const { return length_; }
 
  private:
-  std::function<void(double, const Model&, std::span<double>)> write_;
+  static constexpr int max_states = 64;
+
+  struct Times {
+    double t, h;
+    int n;
+    double at(int k) const { return t + k * h; }
+  };
+  struct Target {
+    double* x;
+    std::ptrdiff_t stage, entry;
+    void put(int k, const double* state, int nx) const {
+      for (int i = 0; i < nx; ++i) x[k * stage + i * entry] = state[i];
+    }
+  };
+
+  std::function<void(const Times&, const Model&, const Target&)> write_;
   std::size_t length_ = 0;
+  bool constant_ = false;
 };
 
 }  // namespace sightline

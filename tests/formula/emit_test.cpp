@@ -1,0 +1,58 @@
+#include "sightline/formula/emit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+
+#include "sightline/formula/trace.hpp"
+
+namespace sightline {
+namespace {
+
+/// (a + c) b and c / a, of inputs (a, b) and a constant c.
+Program two_outputs(double c) {
+  Graph graph;
+  const Symbol a(graph, graph.input(0)), b(graph, graph.input(1));
+  const std::array<Term, 2> outputs = {((a + c) * b).in(graph), (-(Symbol(c) / a)).in(graph)};
+  return Program(graph, outputs, 2);
+}
+
+const std::array<Block, 1> in = {Block{"in", 2}}, out = {Block{"out", 2}};
+
+TEST(Emit, ProgramsOfOneStructureDifferInTheirConstantsAlone) {
+  EXPECT_EQ(structure(two_outputs(0.3)), structure(two_outputs(0.7)));
+  EXPECT_EQ(emit(two_outputs(0.3), "f", in, out), emit(two_outputs(0.7), "f", in, out));
+  EXPECT_NE(two_outputs(0.3), two_outputs(0.7));
+}
+
+TEST(Emit, AnOperationThatFallsAwayIsAnotherStructure) {
+  EXPECT_NE(structure(two_outputs(0.3)), structure(two_outputs(0.0)));
+  EXPECT_NE(structure(two_outputs(0.3)), structure(two_outputs(1.0)));
+}
+
+TEST(Emit, NoNumberOfTheFormulaIsPrinted) {
+  const std::string text = emit(two_outputs(0.31415), "f", in, out);
+  EXPECT_EQ(text.find("31415"), std::string::npos);
+  EXPECT_NE(text.find("constants[0]"), std::string::npos);
+}
+
+TEST(Emit, EveryOutputIsStoredOnce) {
+  const std::string text = emit(two_outputs(0.3), "f", in, out);
+  for (const char* place : {".store(out + 0 * L::width)", ".store(out + 1 * L::width)"}) {
+    const std::size_t first = text.find(place);
+    ASSERT_NE(first, std::string::npos) << text;
+    EXPECT_EQ(text.find(place, first + 1), std::string::npos) << text;
+  }
+}
+
+TEST(Emit, AnInputOrAConstantMayBeAnOutput) {
+  Graph graph;
+  const std::array<Term, 2> outputs = {-graph.input(1), graph.constant(2.0)};
+  const std::string text = emit(Program(graph, outputs, 2), "f", in, out);
+  EXPECT_NE(text.find("(-L::load(in + 1 * L::width)).store(out + 0 * L::width)"), std::string::npos) << text;
+  EXPECT_NE(text.find("(L(constants[0])).store(out + 1 * L::width)"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace sightline
