@@ -8,3 +8,4 @@
 #include "sightline/sim/plant.hpp"
 #include "sightline/sim/sensor.hpp"
 #include "sightline/solver/cmscgmres.hpp"
+#include "sightline/solver/newton_riccati.hpp"

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "sightline/solver/cmscgmres.hpp"
+#include "sightline/solver/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/paper_team.hpp"
@@ -52,7 +53,7 @@ void expect_same_bits(const std::vector<double>& a, const std::vector<double>& b
 template <class S>
 class AnySolver : public testing::Test {};
 
-using Solvers = testing::Types<Cmscgmres>;
+using Solvers = testing::Types<Cmscgmres, NewtonRiccati>;
 TYPED_TEST_SUITE(AnySolver, Solvers);
 
 TYPED_TEST(AnySolver, GivesInputsAndAPredictionFromTheMeasuredState) {

@@ -17,13 +17,14 @@
 #include "sightline/ocp/team.hpp"
 #include "sightline/sim/disturbance.hpp"
 #include "sightline/solver/cmscgmres.hpp"
+#include "sightline/solver/newton_riccati.hpp"
 
 namespace sightline {
 
 /// Which solver, and its options.
 struct SolverChoice {
   std::string name = "cmscgmres";
-  std::variant<CmscgmresOptions> options{};
+  std::variant<CmscgmresOptions, NewtonRiccatiOptions> options{};
 };
 
 /// The closed loop and how it is judged.

@@ -181,9 +181,23 @@ SolverChoice read_cmscgmres(const TomlTable& at, const Horizon& horizon) {
   return {"cmscgmres", o};
 }
 
+SolverChoice read_newton_riccati(const TomlTable& at, const Horizon&) {
+  NewtonRiccatiOptions o;
+  at.read({{"tolerance", &o.tolerance, positive("> 0")},
+           {"krylov_stop", &o.krylov_stop, not_negative(">= 0")},
+           {"step_cap", &o.step_cap, positive("> 0")},
+           {"deadline", &o.deadline, not_negative(">= 0 s, 0 for none")}},
+          {"name", "max_newton_steps", "max_krylov"});
+  if (at.has("max_newton_steps"))
+    o.max_newton_steps = static_cast<int>(at.integer("max_newton_steps", 1, 1000));
+  if (at.has("max_krylov")) o.max_krylov = static_cast<int>(at.integer("max_krylov", 0, 1000));
+  return {"newton_riccati", o};
+}
+
 using ReadSolver = SolverChoice (*)(const TomlTable& at, const Horizon& horizon);
 constexpr std::array solvers = {
     Named<ReadSolver>{"cmscgmres", read_cmscgmres},
+    Named<ReadSolver>{"newton_riccati", read_newton_riccati},
 };
 
 }  // namespace
@@ -227,6 +241,9 @@ std::unique_ptr<Solver> make_solver(const SolverChoice& choice, const Team& team
     const Horizon& horizon;
     std::unique_ptr<Solver> operator()(const CmscgmresOptions& o) const {
       return std::make_unique<Cmscgmres>(team, horizon, o);
+    }
+    std::unique_ptr<Solver> operator()(const NewtonRiccatiOptions& o) const {
+      return std::make_unique<NewtonRiccati>(team, horizon, o);
     }
   };
   return std::visit(Make{team, horizon}, choice.options);

@@ -1,0 +1,78 @@
+#include "sightline/solver/generator.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdio>
+
+#include "sightline/solver/pose_potential.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double h = 0.05;  // any stage length that meets no other constant gives the same structure
+
+/// Prints a function as a member of the struct that the lines before it have opened.
+std::string member(const BlockProgram& p, std::string_view name) {
+  return emit(p.program, name, p.inputs, p.outputs);
+}
+
+}  // namespace
+
+void Generator::add(const Model& model, Seen seen) {
+  const StagePrograms programs = trace_stage(model, h, seen);
+  const std::uint64_t key = structure(programs);
+  if (!known_.insert(key).second) return;
+  const StageSizes& n = programs.sizes;
+  const std::string name = fmt::format("Stage_{:016x}", key);
+  functions_ += fmt::format("/// {}\nstruct {} {{\nstatic constexpr StageSizes sizes{{{}, {}, {}, {}}};\n",
+                            model.name(), name, n.nx, n.nu, n.ns, n.stored);
+  constexpr std::array<std::string_view, 5> names = {"step", "back", "back_first", "precondition_back",
+                                                     "precondition_forward"};
+  for (std::size_t i = 0; i < names.size(); ++i) functions_ += member(*programs.all()[i], names[i]);
+  functions_ += "};\n\n";
+  for (const std::string_view width : {"2", "native_width"}) {
+    stage_rows_ += fmt::format("    {{0x{:016x}, {}, make_compiled<{}, {}>}},\n", key, width, width, name);
+  }
+}
+
+void Generator::add(const std::vector<Weighted>& terms) {
+  std::vector<const Weighted*> pointers;
+  for (const Weighted& t : terms) pointers.push_back(&t);
+  const PosePotential potential = trace_potential(pointers, h, {});
+  const Program& program = potential.derivatives;
+  const std::uint64_t key = structure(program);
+  if (!known_.insert(key).second) return;
+  const std::string name = fmt::format("Formula_{:016x}", key);
+  functions_ += fmt::format("/// {}\nstruct {} {{\nstatic constexpr int inputs = {}, outputs = {};\n",
+                            terms[0].potential.name(), name, program.inputs(), program.outputs());
+  const std::array<Block, 1> in = {Block{"in", program.inputs()}}, out = {Block{"out", program.outputs()}};
+  functions_ += emit(program, "evaluate", in, out) + "};\n\n";
+  for (const std::string_view width : {"2", "native_width"}) {
+    formula_rows_ += fmt::format("    {{0x{:016x}, {}, run_compiled<{}, {}>}},\n", key, width, width, name);
+  }
+}
+
+std::string Generator::text() const {
+  return "// Printed by the generator; not to be edited.\n#include <vector>\n\n#include "
+         "\"sightline/solver/kernel_table.hpp\"\n\n"
+         "namespace sightline {\nnamespace {\n\n" +
+         functions_ + "const std::vector<StageKernel> stage_kernels = {\n" + stage_rows_ +
+         "};\nconst std::vector<FormulaKernel> formula_kernels = {\n" + formula_rows_ + "};\n\n" +
+         (for_library_
+              ? "}  // namespace\n\nconst KernelTable& built_in_kernels() {\n"
+                "  static const KernelTable table{stage_kernels, formula_kernels};\n  return table;\n}\n\n"
+              : "KernelTable table{stage_kernels, formula_kernels};\n"
+                "[[maybe_unused]] const bool registered = register_kernels(table);\n\n}  // namespace\n") +
+         "}  // namespace sightline\n";
+}
+
+bool Generator::write(const char* path) const {
+  std::FILE* const file = std::fopen(path, "w");
+  if (file == nullptr) return false;
+  const std::string all = text();
+  const bool written = std::fwrite(all.data(), 1, all.size(), file) == all.size();
+  return std::fclose(file) == 0 && written;
+}
+
+}  // namespace sightline

@@ -1,0 +1,48 @@
+/// All agents of a team in groups of equal models, each group in lanes.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sightline/ocp/ocp.hpp"
+#include "sightline/solver/coupling.hpp"
+#include "sightline/solver/group.hpp"
+#include "sightline/solver/kernel_table.hpp"
+#include "sightline/solver/layout.hpp"
+
+namespace sightline {
+
+/// Arrays are those of the layout. Equal agents are dealt out: agent a of n groups is in group a mod n, lane
+/// a / n, so that neighbours of a chain stand in neighbouring groups at the same lane.
+class Groups {
+ public:
+  Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice);
+
+  const Layout& layout() const { return layout_; }
+  Group& group_of(int agent) { return *groups_[static_cast<std::size_t>(layout_.place(agent).group)]; }
+  const Group& group_of(int agent) const {
+    return *groups_[static_cast<std::size_t>(layout_.place(agent).group)];
+  }
+
+  void roll_out(const double* u, double* s) noexcept;
+  /// States of the last roll-out, agent a of stage k at x + k stage + x_at[a].
+  void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept;
+  double tracking_cost(const double* u, int agent) const noexcept;
+  /// Factorises at the last roll-out; where a pivot is not sound, the lane is damped (Levenberg) until all
+  /// are.
+  /// @return factorisations beyond the first
+  int factor(const double* u, const double* active, const double* c, double* H_u) noexcept;
+  /// One backward sweep, for H_u alone.
+  void differentiate(const double* u, const double* active, const double* c, double* H_u) noexcept;
+  void forward(double* du, double* ds) noexcept;
+  void precondition(const double* r, double* du, double* ds) noexcept;
+
+ private:
+  double h_;
+  Layout layout_;
+  std::vector<std::unique_ptr<Group>> groups_;
+  std::vector<std::vector<int>> members_;  // [group][lane]: agent
+};
+
+}  // namespace sightline

@@ -1,0 +1,56 @@
+/// Where each agent's numbers stand in the arrays of a team: groups one after the other, [stage][entry][lane]
+/// within.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "sightline/math/lane.hpp"
+
+namespace sightline {
+
+struct Layout {
+  struct Part {
+    int nu = 0, ns = 0;                  ///< entries a stage of u and of s
+    std::ptrdiff_t u = 0, s = 0, c = 0;  ///< first number in the arrays of u, of s and of the couplings' c
+    int nc() const { return ns + ns * (ns + 1) / 2; }
+  };
+  struct Place {
+    int group = 0, lane = 0;
+  };
+  /// One agent's numbers: the entry i of stage k is at first + k stage + i width.
+  struct View {
+    std::ptrdiff_t first = 0, stage = 0;
+    int width = 0;
+    std::ptrdiff_t operator()(int k, int i) const { return first + k * stage + i * width; }
+  };
+
+  int stages = 0, width = 0;
+  std::vector<Part> groups{};
+  std::vector<Place> agents{};                   ///< in the order of the team's agents
+  int u_length = 0, s_length = 0, c_length = 0;  ///< whole packs
+
+  void add(int nu, int ns) {
+    groups.push_back({nu, ns, u_length, s_length, c_length});
+    u_length += padded(stages * nu * width);
+    s_length += padded(stages * ns * width);
+    c_length += padded(stages * groups.back().nc() * width);
+  }
+
+  View u(int agent) const {
+    const Part& g = part(agent);
+    return {g.u + place(agent).lane, g.nu * width, width};
+  }
+  View s(int agent) const {
+    const Part& g = part(agent);
+    return {g.s + place(agent).lane, g.ns * width, width};
+  }
+  View c(int agent) const {
+    const Part& g = part(agent);
+    return {g.c + place(agent).lane, g.nc() * width, width};
+  }
+  const Place& place(int agent) const { return agents[static_cast<std::size_t>(agent)]; }
+  const Part& part(int agent) const { return groups[static_cast<std::size_t>(place(agent).group)]; }
+};
+
+}  // namespace sightline

@@ -1,0 +1,406 @@
+#include "sightline/solver/newton_riccati.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "sightline/math/subnormals.hpp"
+
+namespace sightline {
+namespace {
+
+using L = NativeLane;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+void check(bool holds, std::string_view option, double value, std::string_view expected) {
+  if (holds && std::isfinite(value)) return;
+  throw std::invalid_argument(fmt::format("solver.{} = {}, expected {}", option, value, expected));
+}
+
+NewtonRiccatiOptions checked(const NewtonRiccatiOptions& o) {
+  check(o.max_newton_steps >= 1 && o.max_newton_steps <= 1000, "max_newton_steps", o.max_newton_steps,
+        "1 to 1000");
+  check(o.tolerance > 0, "tolerance", o.tolerance, "> 0 1/s");
+  check(o.max_krylov >= 0 && o.max_krylov <= 1000, "max_krylov", o.max_krylov, "0 to 1000");
+  check(o.krylov_stop >= 0, "krylov_stop", o.krylov_stop, ">= 0");
+  check(o.step_cap > 0, "step_cap", o.step_cap, "> 0");
+  check(o.deadline >= 0, "deadline", o.deadline, ">= 0 s");
+  check(o.start_steps >= 1 && o.start_steps <= 1000, "start_steps", o.start_steps, "1 to 1000");
+  return o;
+}
+
+L absolute(L a) { return maximum(a, -a); }
+
+double largest(L a) {
+  double m = 0.0;
+  for (int i = 0; i < L::width; ++i) m = std::max(m, a[i]);
+  return m;
+}
+
+L minimum(L a, L b) { return -maximum(-a, -b); }
+L within(L x, L low, L high) { return minimum(maximum(x, low), high); }
+
+}  // namespace
+
+NewtonRiccati::NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options)
+    : ocp_(std::move(ocp)),
+      options_(checked(options)),
+      potentials_(trace_potentials(ocp_)),
+      groups_(ocp_, potentials_, options_.kernels),
+      influence_(influence_graph(potentials_, static_cast<int>(ocp_.agents().size()))),
+      couplings_(make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels)),
+      krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop),
+      descent_(potentials_, groups_.layout(), influence_),
+      u_vectors_(9, groups_.layout().u_length),
+      s_vectors_(2, groups_.layout().s_length),
+      c_(1, groups_.layout().c_length),
+      u_(u_vectors_[0]),
+      du_(u_vectors_[1]),
+      active_(u_vectors_[2]),
+      H_u_(u_vectors_[3]),
+      low_(u_vectors_[4]),
+      high_(u_vectors_[5]),
+      u_before_(u_vectors_[6]),
+      plan_(u_vectors_[7]),
+      u_start_(u_vectors_[8]),
+      s_(s_vectors_[0]),
+      ds_(s_vectors_[1]),
+      x_now_(at(ocp_.nx())),
+      limits_(at(2 * ocp_.nu())),
+      u_out_(at(ocp_.nu())),
+      raw_u_(at(ocp_.nu())),
+      x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)) {
+  for (const BodyId body : ocp_.agent_bodies()) x_at_.push_back(ocp_.team().state_offset(body));
+  for (const Agent& agent : ocp_.team().agents()) limits_move_ |= agent.limits.times().size() > 1;
+  std::fill_n(active_, groups_.layout().u_length, 1.0);
+}
+
+bool NewtonRiccati::late() const noexcept {
+  return options_.deadline > 0 && Clock::now() - begin_ >= std::chrono::duration<double>(options_.deadline);
+}
+
+bool NewtonRiccati::accept(std::span<const double> states) noexcept {
+  if (static_cast<int>(states.size()) != ocp_.nx()) return false;
+  std::copy(states.begin(), states.end(), x_now_.begin());
+  const Team& team = ocp_.team();
+  for (int b = 0; b < team.bodies(); ++b) {
+    if (!team.model(BodyId{b}).normalise(&x_now_[at(team.state_offset(BodyId{b}))])) return false;
+  }
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    Group& group = groups_.group_of(a);
+    const int lane = groups_.layout().place(a).lane, lanes = groups_.layout().width;
+    const double* const x = &x_now_[at(team.state_offset(ocp_.agent_bodies()[at(a)]))];
+    for (int i = 0; i < group.sizes().nx; ++i) {
+      group.x(0, i, lane) = x[i];
+      if (!started_) {  // lanes at rest begin somewhere that exists
+        for (int l = lane + 1; l < lanes; ++l) group.x(0, i, l) = x[i];
+      }
+    }
+  }
+  return true;
+}
+
+/// References, limits, and what is known of bodies that are not controlled, along the horizon.
+void NewtonRiccati::set_time(double time) noexcept {
+  time_ = time;
+  const Team& team = ocp_.team();
+  const int N = ocp_.horizon().N;
+  const double h = ocp_.horizon().h();
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const Agent& agent = team.agents()[at(a)];
+    Group& group = groups_.group_of(a);
+    const int lane = groups_.layout().place(a).lane, nx = group.sizes().nx, nu = group.sizes().nu;
+    if (!started_ || !agent.x_ref.is_constant()) {
+      const std::ptrdiff_t lanes = groups_.layout().width;
+      agent.x_ref.along(time, h, N + 1, agent.model, &group.x_ref(0, 0, lane), nx * lanes, lanes);
+    }
+    if (started_ && !limits_move_) continue;
+    const Layout::View u = groups_.layout().u(a);
+    for (int k = 0; k < N; ++k) {
+      agent.limits.at(time + k * h, {limits_.data(), at(nu)}, {limits_.data() + nu, at(nu)});
+      for (int i = 0; i < nu; ++i) {
+        low_[u(k, i)] = limits_[at(i)];
+        high_[u(k, i)] = limits_[at(nu + i)];
+      }
+    }
+  }
+  for (int k = 0; k < N; ++k) couplings_->set_time(k, time + k * h);
+  for (int b = 0; b < team.bodies(); ++b) {
+    if (team.is_agent(BodyId{b})) continue;
+    Sight<double> sight = team.model(BodyId{b}).sight(&x_now_[at(team.state_offset(BodyId{b}))], nullptr);
+    for (int k = 0; k < N; ++k) {
+      couplings_->set_body(b, k, sight);
+      sight.p = sight.p + h * sight.v;
+    }
+  }
+  if (!limits_move_ || !started_) return;
+  // A limit that moved takes its inputs along, or lets them go.
+  for (int i = 0; i < groups_.layout().u_length; ++i) {
+    u_[i] = clamp(u_[i], low_[i], high_[i]);
+    if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 1.0;
+  }
+}
+
+void NewtonRiccati::start() noexcept {
+  for (int i = 0; i < groups_.layout().u_length; ++i) {
+    u_[i] = clamp(has_plan_ ? u_[i] : 0.0, low_[i], high_[i]);
+    active_[i] = 1.0;
+  }
+  all_free_ = true;
+  has_plan_ = false;
+}
+
+NewtonRiccati::Proposal NewtonRiccati::examine() const noexcept {
+  const double per_h = 1.0 / ocp_.horizon().h();
+  L step = 0.0, residual = 0.0, beyond = 0.0, not_finite = 0.0;
+  for (int i = 0; i < groups_.layout().u_length; i += L::width) {
+    const L u = L::load(u_ + i), du = L::load(du_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
+    const L next = u + du;
+    step = maximum(absolute(du), step);
+    beyond = maximum(maximum(next - high, low - next), beyond);
+    not_finite = fma(du, L(0.0), not_finite);
+    const L H_u = L(per_h) * L::load(H_u_ + i);
+    residual = maximum(absolute(u - within(u - H_u, low, high)), residual);
+  }
+  double nan = 0.0;
+  for (int i = 0; i < L::width; ++i) nan += not_finite[i];
+  return {largest(step), largest(residual), nan == 0.0, !(largest(beyond) > 0.0)};
+}
+
+/// Inputs that want to leave their limits are put on them and held; held ones that want back are freed.
+/// @return whether the set changed
+bool NewtonRiccati::update_active() noexcept {
+  bool changed = false;
+  all_free_ = true;
+  for (int i = 0; i < groups_.layout().u_length; ++i) {
+    const double next = u_[i] + du_[i];
+    double active = 1.0;
+    if (active_[i] != 0.0) {
+      if (next > high_[i] || next < low_[i]) {
+        active = 0.0;
+        u_[i] = next > high_[i] ? high_[i] : low_[i];
+      }
+    } else {
+      const bool at_high = u_[i] - low_[i] > high_[i] - u_[i];
+      active = (at_high ? H_u_[i] < 0 : H_u_[i] > 0) ? 0.0 : 1.0;
+    }
+    changed |= active != active_[i];
+    active_[i] = active;
+    if (active == 0.0) {
+      all_free_ = false;
+      du_[i] = 0.0;
+    }
+  }
+  return changed;
+}
+
+/// u <- u + du, within the limits.
+void NewtonRiccati::take() noexcept {
+  for (int i = 0; i < groups_.layout().u_length; i += L::width) {
+    const L u = L::load(u_before_ + i) + L::load(du_ + i);
+    within(u, L::load(low_ + i), L::load(high_ + i)).store(u_ + i);
+  }
+}
+
+/// Goes from u_start towards the step only as far as costs fall. Where that is not far, on by projected
+/// Newton (Bertsekas 1982): inputs that are pushed against a limit nearby are held there, which makes the
+/// step one of descent. Where even that fails, down the gradient.
+void NewtonRiccati::descend() noexcept {
+  constexpr double far_enough = 0.25, nearby = 0.05;
+  const int n = groups_.layout().u_length;
+  const auto search = [&] {
+    return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_);
+  };
+  for (int i = 0; i < n; ++i) du_[i] = u_[i] + du_[i] - u_start_[i];
+  if (search() < far_enough && !late()) {
+    const auto linearise = [&] {
+      std::copy_n(u_, n, u_start_);
+      groups_.roll_out(u_, s_);
+      couplings_->evaluate(s_, c_[0]);
+      groups_.differentiate(u_, active_, c_[0], H_u_);
+    };
+    linearise();
+    for (int i = 0; i < n; ++i) {
+      const bool at_low = u_[i] < low_[i] + nearby && H_u_[i] > 0,
+                 at_high = u_[i] > high_[i] - nearby && H_u_[i] < 0;
+      active_[i] = at_low || at_high ? 0.0 : 1.0;
+      if (at_low) u_[i] = low_[i];
+      if (at_high) u_[i] = high_[i];
+    }
+    linearise();
+    groups_.factor(u_, active_, c_[0], H_u_);
+    groups_.forward(du_, ds_);
+    krylov_.complete(groups_, *couplings_, du_, ds_);
+    if (search() == 0.0) {
+      for (int i = 0; i < n; ++i) du_[i] = -0.5 / ocp_.horizon().h() * H_u_[i];
+      search();
+    }
+  }
+  all_free_ = true;
+  for (int i = 0; i < n; ++i) {
+    if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 1.0;
+    all_free_ &= active_[i] != 0.0;
+    du_[i] = 0.0;
+  }
+  std::copy_n(u_, n, u_before_);
+}
+
+NewtonRiccati::Step NewtonRiccati::newton_step() noexcept {
+  constexpr int attempts = 3;
+  Step result;
+  Proposal proposal;
+  bool damped = false;
+  std::copy_n(u_, groups_.layout().u_length, u_start_);
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    groups_.roll_out(u_, s_);
+    couplings_->evaluate(s_, c_[0]);
+    if (late()) {
+      std::copy_n(u_, groups_.layout().u_length, u_before_);
+      std::fill_n(du_, groups_.layout().u_length, 0.0);
+      result.in_time = false;
+      return result;
+    }
+    damped = groups_.factor(u_, active_, c_[0], H_u_) > 0;
+    groups_.forward(du_, ds_);
+    if (!late()) result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_);
+    proposal = examine();
+    result.residual = proposal.residual;
+    result.finite = proposal.finite;
+    if (!proposal.finite || (proposal.within_limits && all_free_) || !update_active() || late()) break;
+  }
+  std::copy_n(u_, groups_.layout().u_length, u_before_);
+  if (!proposal.finite) return result;
+  if (proposal.largest > options_.step_cap || proposal.residual > options_.step_cap || damped) {
+    descend();
+  } else {
+    take();
+  }
+  result.in_time = !late();
+  return result;
+}
+
+void NewtonRiccati::write_inputs() noexcept {
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const Layout::View u = groups_.layout().u(a);
+    const std::size_t to = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
+    for (int i = 0; i < groups_.layout().part(a).nu; ++i) {
+      u_out_[to + at(i)] = u_[u(0, i)];
+      raw_u_[to + at(i)] = u_before_[u(0, i)] + du_[u(0, i)];
+    }
+  }
+}
+
+void NewtonRiccati::write_states() noexcept {
+  const Team& team = ocp_.team();
+  const int N = ocp_.horizon().N;
+  groups_.copy_states(x_out_.data(), ocp_.nx(), x_at_);
+  for (int b = 0; b < team.bodies(); ++b) {
+    if (team.is_agent(BodyId{b})) continue;
+    const std::size_t from = at(team.state_offset(BodyId{b}));
+    for (int k = 0; k <= N; ++k) {
+      double* const to = &x_out_[from + at(k * ocp_.nx())];
+      for (std::size_t i = 0; i < 3; ++i) {
+        to[i] = x_now_[from + i] + k * ocp_.horizon().h() * x_now_[from + 3 + i];
+        to[3 + i] = x_now_[from + 3 + i];
+      }
+    }
+  }
+}
+
+/// The input that the last good plan has for this time; before there is one, zero within the limits.
+Solution NewtonRiccati::fall_back(double time, Status status) noexcept {
+  const Team& team = ocp_.team();
+  const double h = ocp_.horizon().h();
+  const double stages = (time - plan_time_) / h;
+  const int k = static_cast<int>(clamp(std::isfinite(stages) ? stages : 0.0, 0.0, ocp_.horizon().N - 1.0));
+  started_ = false;
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const Layout::View u = groups_.layout().u(a);
+    const int nu = groups_.layout().part(a).nu;
+    const std::size_t to = at(team.input_offset(ocp_.agent_bodies()[at(a)]));
+    team.agents()[at(a)].limits.at(std::isfinite(time) ? time : plan_time_, {limits_.data(), at(nu)},
+                                   {limits_.data() + nu, at(nu)});
+    for (int i = 0; i < nu; ++i) {
+      const double planned = plan_[u(k, i)];
+      raw_u_[to + at(i)] = planned;
+      u_out_[to + at(i)] = clamp(planned, limits_[at(i)], limits_[at(nu + i)]);
+    }
+  }
+  return {.u = u_out_,
+          .raw_u = raw_u_,
+          .x = x_out_,
+          .status = status,
+          .residual = 0.0,
+          .iterations = 0,
+          .elapsed = std::chrono::duration<double>(Clock::now() - begin_).count()};
+}
+
+Solution NewtonRiccati::solve(double time, std::span<const double> states) noexcept {
+  begin_ = Clock::now();
+  const FlushSubnormals guard;
+  if (!std::isfinite(time) || !accept(states)) return fall_back(time, Status::invalid_state);
+  set_time(time);
+  const bool anew = !started_ && !has_plan_;
+  const int steps =
+      anew ? std::max(options_.max_newton_steps, options_.start_steps) : options_.max_newton_steps;
+  if (!started_) start();
+  started_ = true;
+
+  Step step;
+  int iterations = 0;
+  for (int i = 0; i < steps; ++i) {
+    step = newton_step();
+    iterations += step.iterations;
+    if (!step.finite || !step.in_time || step.residual <= options_.tolerance) break;
+  }
+  if (!step.finite) return fall_back(time, Status::not_finite);
+  write_inputs();
+  write_states();
+  std::copy_n(u_, groups_.layout().u_length, plan_);
+  plan_time_ = time;
+  const Status status = !step.in_time                         ? Status::deadline
+                        : step.residual <= options_.tolerance ? Status::converged
+                                                              : Status::iteration_limit;
+  return {.u = u_out_,
+          .raw_u = raw_u_,
+          .x = x_out_,
+          .status = status,
+          .residual = step.residual,
+          .iterations = iterations,
+          .elapsed = std::chrono::duration<double>(Clock::now() - begin_).count()};
+}
+
+void NewtonRiccati::plan(int k, std::span<double> u) const noexcept {
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const Layout::View from = groups_.layout().u(a);
+    const std::size_t to = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
+    for (int i = 0; i < groups_.layout().part(a).nu; ++i) u[to + at(i)] = u_[from(k, i)];
+  }
+}
+
+void NewtonRiccati::set_plan(int k, std::span<const double> u) noexcept {
+  has_plan_ = true;
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const Layout::View to = groups_.layout().u(a);
+    const std::size_t from = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
+    for (int i = 0; i < groups_.layout().part(a).nu; ++i) u_[to(k, i)] = u[from + at(i)];
+  }
+}
+
+double NewtonRiccati::kkt(double time, std::span<const double> states) noexcept {
+  const FlushSubnormals guard;
+  if (!std::isfinite(time) || !accept(states)) return std::numeric_limits<double>::infinity();
+  set_time(time);
+  if (!started_) start();
+  groups_.roll_out(u_, s_);
+  couplings_->evaluate(s_, c_[0]);
+  groups_.differentiate(u_, active_, c_[0], H_u_);
+  const Proposal at_u = examine();
+  return at_u.residual;
+}
+
+}  // namespace sightline

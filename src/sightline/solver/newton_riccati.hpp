@@ -1,0 +1,101 @@
+/// The default solver: one exact Newton step an update on the coupled optimality conditions, a Riccati
+/// factorisation for each robot, Krylov iterations for the couplings.
+///
+/// Single shooting: the trajectory is rolled out from the measured state, so the dynamics hold exactly and
+/// the unknowns are the inputs. Limits are exact, by an active set that is relinearised when it changes.
+/// Where a step cannot be trusted it is damped, shortened or, at worst, not taken. docs/equations.md, 11.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "sightline/solver/descent.hpp"
+#include "sightline/solver/solver.hpp"
+
+namespace sightline {
+
+struct NewtonRiccatiOptions {
+  int max_newton_steps = 1;  ///< an update, >= 1; the first after a start may take `start_steps`
+  double tolerance = 1e-6;   ///< status is `converged` up to this residual [1/s], > 0
+  int max_krylov = 4;        ///< Krylov iterations or sweeps a step, >= 0
+  double krylov_stop =
+      1e-3;               ///< they stop once the correction is this small in the norm of the Hessian, >= 0
+  double step_cap = 0.5;  ///< beyond this step of an input, or this residual, costs are watched, > 0
+  double deadline = 0.0;  ///< an update ends about this time [s] after it began; 0: none
+  int start_steps = 10;   ///< Newton steps of the first update at most, >= 1
+  KernelChoice kernels = KernelChoice::compiled_if_there;
+};
+
+class NewtonRiccati final : public Solver {
+ public:
+  /// @throws std::invalid_argument naming an option out of its range
+  explicit NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options = {});
+  NewtonRiccati(const Team& team, const Horizon& horizon, const NewtonRiccatiOptions& options = {})
+      : NewtonRiccati(Ocp(team, horizon), options) {}
+
+  std::string_view name() const override { return "newton_riccati"; }
+  const Ocp& ocp() const override { return ocp_; }
+  /// `Solution::x` is the trajectory that was linearised: from the measured state, under the inputs before
+  /// the step.
+  Solution solve(double time, std::span<const double> states) noexcept override;
+  double kkt(double time, std::span<const double> states) noexcept override;
+  void restart() noexcept override { started_ = false; }
+
+  /// The inputs planned at stage k, of all agents (nu): what the next update starts from.
+  void plan(int k, std::span<double> u) const noexcept;
+  /// Puts another plan in its place, limits permitting; for a team that changed. All stages must be set.
+  void set_plan(int k, std::span<const double> u) noexcept;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// What one step came to.
+  struct Step {
+    double residual = 0.0;
+    int iterations = 0;
+    bool finite = true, in_time = true;
+  };
+  /// What one pass over a proposed step finds.
+  struct Proposal {
+    double largest = 0.0;   ///< |du|
+    double residual = 0.0;  ///< of u
+    bool finite = true, within_limits = true;
+  };
+
+  bool accept(std::span<const double> states) noexcept;
+  void set_time(double time) noexcept;
+  void start() noexcept;
+  Step newton_step() noexcept;
+  Proposal examine() const noexcept;
+  bool update_active() noexcept;
+  void take() noexcept;
+  void descend() noexcept;
+  bool late() const noexcept;
+  void write_inputs() noexcept;
+  void write_states() noexcept;
+  Solution fall_back(double time, Status status) noexcept;
+
+  Ocp ocp_;
+  NewtonRiccatiOptions options_;
+  std::vector<BodyPotential> potentials_;
+  Groups groups_;
+  InfluenceGraph influence_;
+  std::unique_ptr<Couplings> couplings_;
+  Krylov krylov_;
+  Descent descent_;
+
+  bool started_ = false, has_plan_ = false;
+  bool all_free_ = true;  // no input is held at a limit
+  bool limits_move_ = false;
+  double time_ = 0.0;
+  Clock::time_point begin_{};
+  Rows u_vectors_, s_vectors_, c_;
+  double *u_, *du_, *active_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
+  double *s_, *ds_;
+  double plan_time_ = 0.0;
+  std::vector<int> x_at_;  // of each agent in the stacked state
+  std::vector<double> x_now_, limits_, u_out_, raw_u_, x_out_;
+};
+
+}  // namespace sightline

@@ -1,0 +1,175 @@
+#include "sightline/solver/pose_potential.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "sightline/formula/derive.hpp"
+
+namespace sightline {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// The weighted sum over given variables, those not given being zero.
+Term record(Graph& graph, std::span<const Weighted* const> terms, double h, std::span<const int> variables) {
+  std::vector<Symbol> z(at(PosePotential::time_variable + 1), Symbol(0.0));
+  int input = 0;
+  for (const int v : variables) z[at(v)] = Symbol(graph, graph.input(input++));
+  const auto part = [&](int from) { return std::span<const Symbol>(z).subspan(at(from), at(sight_size)); };
+  const Sight<Symbol> a = sight_from<Symbol>(part(0)), b = sight_from<Symbol>(part(sight_size));
+  Symbol l = 0.0;
+  for (const Weighted* term : terms) l += term->weight * term->potential(a, b, z.back());
+  return (h * l).in(graph);
+}
+
+std::vector<Term> inputs(Graph& graph, int n) {
+  std::vector<Term> z;
+  for (int i = 0; i < n; ++i) z.push_back(graph.input(i));
+  return z;
+}
+
+std::vector<int> range(int n) {
+  std::vector<int> list(at(n));
+  std::iota(list.begin(), list.end(), 0);
+  return list;
+}
+
+/// The inputs that the outputs depend on.
+std::vector<int> occurring(const Graph& graph, Term out, int n) {
+  std::vector<bool> live(at(graph.size()), false);
+  live[at(out.node)] = true;
+  std::vector<int> list;
+  std::vector<bool> occurs(at(n), false);
+  for (std::size_t v = live.size(); v-- > 0;) {
+    if (!live[v]) continue;
+    const Node& node = graph.nodes()[v];
+    if (node.op == Op::input) {
+      occurs[static_cast<std::size_t>(node.value)] = true;
+    } else if (node.op != Op::constant) {
+      live[at(node.a.node)] = true;
+      if (node.b.node >= 0) live[at(node.b.node)] = true;
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    if (occurs[at(i)]) list.push_back(i);
+  }
+  return list;
+}
+
+/// l(p_a - p_b, d_a): the gradient with respect to p_b is literally the negative of that to p_a.
+bool is_relative(Graph& graph, Term l, const std::vector<int>& variables) {
+  const bool pose_of_a_and_position_of_b = std::all_of(variables.begin(), variables.end(), [](int v) {
+    return v < 5 || (v >= sight_size && v < sight_size + 3);
+  });
+  if (!pose_of_a_and_position_of_b) return false;
+  const std::vector<Term> first = gradient(graph, l, inputs(graph, 2 * sight_size));
+  for (int i = 0; i < 3; ++i) {
+    const Term a = first[at(i)], b = first[at(sight_size + i)];
+    if (!(graph.is_zero(a) && graph.is_zero(b)) && a != -b) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool PosePotential::sees_motion(bool of_b) const {
+  const int from = (of_b ? sight_size : 0) + 5;
+  return std::any_of(variables.begin(), variables.end(), [&](int v) { return v >= from && v < from + 3; });
+}
+
+PosePotential trace_potential(std::span<const Weighted* const> terms, double h, const Ends& ends) {
+  PosePotential p;
+  {
+    Graph graph;
+    const Term l = record(graph, terms, h, range(PosePotential::time_variable + 1));
+    p.variables = occurring(graph, l, PosePotential::time_variable + 1);
+    p.relative = ends.a_is_agent && ends.b_is_agent && is_relative(graph, l, p.variables);
+  }
+  if (p.relative) p.variables = range(PosePotential::relative_size);
+  Graph graph;
+  const int n = static_cast<int>(p.variables.size());
+  const Term l = record(graph, terms, h, p.variables);
+  p.value = Program(graph, std::vector{l}, n);
+  const Derivatives d = derive(graph, l, inputs(graph, n));
+  std::vector<Term> outputs;
+  if (p.relative) {
+    outputs = d.first;
+    outputs.insert(outputs.end(), d.second.begin(), d.second.end());
+    p.derivatives = Program(graph, outputs, n);
+    return p;
+  }
+
+  const auto output = [&](Term t) {
+    const auto found = std::find_if(outputs.begin(), outputs.end(), [&](Term o) { return o.node == t.node; });
+    if (found != outputs.end()) return static_cast<int>(found - outputs.begin());
+    outputs.push_back({t.node, false});
+    return static_cast<int>(outputs.size()) - 1;
+  };
+  const auto of_b = [](int v) { return v >= sight_size; };
+  const auto feels = [&](int v) {
+    return of_b(v) ? ends.b_feels && ends.b_is_agent : ends.a_feels && ends.a_is_agent;
+  };
+  for (int i = 0; i < n; ++i) {
+    const int v = p.variables[at(i)];
+    const Term t = d.first[at(i)];
+    if (v == PosePotential::time_variable || graph.is_zero(t)) continue;
+    if (feels(v)) p.gradient.push_back({v, output(t), t.negative});
+    for (int j = i; j < n; ++j) {
+      const int w = p.variables[at(j)];
+      const Term s = d.second[at(upper_index(i, j, n))];
+      if (w == PosePotential::time_variable || graph.is_zero(s)) continue;
+      if (of_b(v) == of_b(w)) {
+        if (feels(v)) p.own.push_back({v, w, output(s), s.negative});
+      } else if (ends.a_is_agent && ends.b_is_agent) {
+        p.cross.push_back({v, w, output(s), s.negative});
+      }
+    }
+  }
+  p.derivatives = Program(graph, outputs, n);
+  return p;
+}
+
+std::vector<BodyPotential> trace_potentials(const Ocp& ocp) {
+  const Team& team = ocp.team();
+  const double h = ocp.horizon().h();
+  std::vector<int> agent_of(at(team.bodies()), -1);
+  for (std::size_t i = 0; i < ocp.agent_bodies().size(); ++i) {
+    agent_of[at(ocp.agent_bodies()[i].index)] = static_cast<int>(i);
+  }
+  std::vector<BodyPotential> list;
+  std::vector<bool> taken(team.couplings().size(), false);
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    if (taken[i]) continue;
+    const Coupling& first = team.couplings()[i];
+    std::vector<const Weighted*> terms;
+    for (std::size_t j = i; j < taken.size(); ++j) {
+      const Coupling& c = team.couplings()[j];
+      if (taken[j] || c.between.first != first.between.first || c.between.second != first.between.second ||
+          c.felt_by != first.felt_by) {
+        continue;
+      }
+      terms.push_back(&c.term);
+      taken[j] = true;
+    }
+    const auto feels = [&](BodyId body) {
+      return std::find(first.felt_by.begin(), first.felt_by.end(), body) != first.felt_by.end();
+    };
+    const BodyId a = first.between.first, b = first.between.second;
+    const Ends ends{team.is_agent(a), team.is_agent(b), feels(a), feels(b)};
+    list.push_back({agent_of[at(a.index)], agent_of[at(b.index)], a.index, b.index, ends,
+                    trace_potential(terms, h, ends)});
+  }
+  for (std::size_t a = 0; a < ocp.agent_bodies().size(); ++a) {
+    std::vector<const Weighted*> terms;
+    for (const Constraint& c : team.constraints()) {
+      if (c.agent == ocp.agent_bodies()[a]) terms.push_back(&c.term);
+    }
+    if (terms.empty()) continue;
+    const Ends ends{true, false, true, false};
+    list.push_back(
+        {static_cast<int>(a), -1, ocp.agent_bodies()[a].index, -1, ends, trace_potential(terms, h, ends)});
+  }
+  return list;
+}
+
+}  // namespace sightline

@@ -1,0 +1,63 @@
+/// The potentials between two bodies as the solver needs them: gradient and Hessian over what is seen of the
+/// two.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sightline/formula/program.hpp"
+#include "sightline/ocp/ocp.hpp"
+
+namespace sightline {
+
+/// Which of the two ends is there for the optimiser, and which feels the potentials.
+struct Ends {
+  bool a_is_agent = true, b_is_agent = true;
+  bool a_feels = true, b_feels = true;
+};
+
+/// h times a weighted sum of potentials over the Sights of a and b.
+///
+/// In the frequent case it depends on r = p_a - p_b and the heading of a alone: then its variables are
+/// (r, d_a), 5 numbers, `derivatives` gives the gradient (5) and the upper triangle of the Hessian (15), and
+/// the entries are empty. Otherwise the variables are those of (s_a, s_b, t) that occur.
+struct PosePotential {
+  static constexpr int relative_size = 5;
+  static constexpr int time_variable = 2 * sight_size;  ///< s_a is 0 .. 7, s_b 8 .. 15
+
+  struct First {
+    int variable, output;
+    bool negative;
+  };
+  struct Second {
+    int row, column, output;
+    bool negative;
+  };
+
+  bool relative = false;
+  std::vector<int> variables;   ///< of (s_a, s_b, t), inputs of both programs in this order
+  Program value;                ///< one output
+  Program derivatives;          ///< every entry of the lists below, once up to sign
+  std::vector<First> gradient;  ///< of the ends that feel it
+  std::vector<Second> own;      ///< Hessian within an end that feels it, row <= column
+  std::vector<Second> cross;    ///< Hessian between a (row) and b (column), where both are agents
+
+  /// Whether the velocity of that end occurs.
+  bool sees_motion(bool of_b) const;
+};
+
+/// @param terms  potentials between the same bodies, felt by the same agents; or of one robot alone, a
+PosePotential trace_potential(std::span<const Weighted* const> terms, double h, const Ends& ends);
+
+/// Potentials between two bodies that are felt alike, by index in the team.
+struct BodyPotential {
+  int a = -1, b = -1;  ///< agents, or -1: not controlled
+  int body_a = -1, body_b = -1;
+  Ends ends;
+  PosePotential potential;
+};
+
+/// The potentials of a team, pair by pair and robot by robot.
+std::vector<BodyPotential> trace_potentials(const Ocp& ocp);
+
+}  // namespace sightline

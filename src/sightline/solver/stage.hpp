@@ -1,0 +1,76 @@
+/// One stage of the Newton step, traced once from a model: six short programs that know nothing of matrices.
+///
+/// The Riccati stage is written once, as dense loops over any scalar. Run on the recording scalar, zeros and
+/// constants of A, B, J fold away, and what is left is the sparse code one would have written by hand.
+/// Derivation: docs/equations.md, 11.
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include "sightline/formula/emit.hpp"
+#include "sightline/model/model.hpp"
+
+namespace sightline {
+
+/// What the couplings see of a robot, and so the space in which they are formed.
+enum class Seen {
+  pose,             ///< p, d: 5 numbers
+  pose_and_motion,  ///< p, d, v: 8 numbers; v depends on u
+};
+
+constexpr int seen_size(Seen seen) { return seen == Seen::pose ? 5 : sight_size; }
+
+/// A program whose inputs and outputs stand in blocks, one after the other.
+struct BlockProgram {
+  Program program;
+  std::vector<Block> inputs, outputs;
+};
+
+/// Numbers in the blocks of a model's programs; s is what is seen, a symmetric n x n matrix has n (n + 1)
+/// / 2.
+struct StageSizes {
+  int nx = 0, nu = 0, ns = 0;
+  int stored = 0;  ///< distinct entries of A, B, J that change
+
+  int weights() const { return nx + 2 * nu + 1; }          ///< Q, R, u*, rho
+  int coupling() const { return ns + ns * (ns + 1) / 2; }  ///< gradient and Hessian with respect to s
+  int gain() const { return nu + nu * (nu - 1) / 2 + nu * nx + stored; }  ///< D^-1, L, K, stored
+  int carry() const { return 1 + 2 * nx + nx * (nx + 1) / 2; }            ///< doubt, lambda, e, P
+
+  bool operator==(const StageSizes&) const = default;
+};
+
+/// The programs of one model at one stage length h. Each stage's Hamiltonian, times h, is
+/// Phi = h l(x, u) + lambda' (x + h f) + c' s(x, u), with c the gradient of all potentials.
+///
+///   step        x, u -> x + h f, s
+///   back        x, u, x*, active, weights, coupling, carry -> H_u, gain, k, carry of the stage before
+///   back_first  the same at stage 0: the carry is `doubt` alone
+///   precondition_back      p, r, gain -> p of the stage before, k       right side r in s
+///   precondition_forward   y, gain, k -> du, y of the next stage, change of s
+///
+/// H_u is Phi_u (times h, that is). `active` is 1 where an input is free and 0 where it is held at a limit;
+/// `doubt` > 0 says that a pivot was below its floor at some stage so far. du = -(k + K y).
+struct StagePrograms {
+  StageSizes sizes;
+  BlockProgram step, back, back_first, precondition_back, precondition_forward;
+
+  std::array<const BlockProgram*, 5> all() const {
+    return {&step, &back, &back_first, &precondition_back, &precondition_forward};
+  }
+};
+
+/// A pivot of the Riccati factorisation below this, per h, is not trusted.
+inline constexpr double pivot_floor = 1e-3;
+
+/// The first of the programs alone: equal ones belong to equal models.
+BlockProgram trace_step(const Model& model, double h, Seen seen);
+
+StagePrograms trace_stage(const Model& model, double h, Seen seen);
+
+/// The same for models that differ in the values of their parameters alone.
+std::uint64_t structure(const StagePrograms& programs);
+
+}  // namespace sightline

@@ -1,0 +1,155 @@
+#include "sightline/solver/coupling.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sightline/formula/derive.hpp"
+#include "sightline/solver/groups.hpp"
+#include "tests/support/error.hpp"
+#include "tests/support/paper_team.hpp"
+#include "tests/support/random_team.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr Horizon horizon{.T = 0.3, .N = 6, .dt = 0.01};
+
+/// A team's potentials over random Sights, with what they need.
+struct Field {
+  Ocp ocp;
+  std::vector<BodyPotential> potentials;
+  Groups groups;
+  std::unique_ptr<Couplings> couplings;
+  Rows s, c, z, y;
+
+  Field(Team team, Random& random, KernelChoice choice = KernelChoice::compiled_if_there)
+      : ocp(std::move(team), horizon),
+        potentials(trace_potentials(ocp)),
+        groups(ocp, potentials, choice),
+        couplings(make_couplings(potentials, groups.layout(), ocp.team().bodies(), choice)),
+        s(1, layout().s_length),
+        c(1, layout().c_length),
+        z(1, layout().s_length),
+        y(1, layout().s_length) {
+    for (int k = 0; k < layout().stages; ++k) {
+      couplings->set_time(k, 0.1 * k);
+      for (int b = 0; b < ocp.team().bodies(); ++b) {
+        if (!ocp.team().is_agent(BodyId{b})) couplings->set_body(b, k, random_sight(random, 1.5));
+      }
+    }
+    each_seen([&](std::ptrdiff_t at, int, int, int) { s[0][at] = uniform(random, -1.2, 1.2); });
+  }
+
+  const Layout& layout() const { return groups.layout(); }
+  int agents() const { return static_cast<int>(layout().agents.size()); }
+
+  /// f(place in s, agent, stage, entry) for all that can change; stage 0 is left to velocities.
+  template <class F>
+  void each_seen(F&& f) const {
+    for (int a = 0; a < agents(); ++a) {
+      for (int k = 1; k < layout().stages; ++k)
+        for (int i = 0; i < layout().part(a).ns; ++i) f(layout().s(a)(k, i), a, k, i);
+    }
+  }
+
+  /// What agent a pays: the potentials it feels.
+  double pays(int a) {
+    std::vector<double> values(potentials.size());
+    couplings->values(s[0], values);
+    double sum = 0.0;
+    for (std::size_t p = 0; p < values.size(); ++p) {
+      const BodyPotential& q = potentials[p];
+      if ((q.a == a && q.ends.a_feels) || (q.b == a && q.ends.b_feels)) sum += values[p];
+    }
+    return sum;
+  }
+  double gradient(int a, int k, int i) const { return c[0][layout().c(a)(k, i)]; }
+};
+
+TEST(Couplings, TheGradientIsThatOfWhatTheAgentFeels) {
+  Random random(1);
+  for (int trial = 0; trial < 12; ++trial) {
+    Field field(random_team(random, 2 + static_cast<int>(random() % 4), Feeling::anyone), random);
+    field.couplings->evaluate(field.s[0], field.c[0]);
+    field.each_seen([&](std::ptrdiff_t at, int a, int k, int i) {
+      const double here = field.s[0][at], step = 1e-5;
+      field.s[0][at] = here + step;
+      const double above = field.pays(a);
+      field.s[0][at] = here - step;
+      const double below = field.pays(a);
+      field.s[0][at] = here;
+      EXPECT_NEAR(field.gradient(a, k, i), (above - below) / (2 * step), 1e-8) << trial;
+    });
+  }
+}
+
+/// The change of all gradients along z is what the own Hessians and the coupling blocks say.
+void expect_product_is_the_derivative(Field& field, Random& random) {
+  field.each_seen([&](std::ptrdiff_t at, int, int, int) { field.z[0][at] = uniform(random, -1, 1); });
+  const double step = 1e-5;
+  std::vector<double> slope;
+  Rows s_0(1, field.layout().s_length);
+  std::copy_n(field.s[0], field.layout().s_length, s_0[0]);
+  for (const double side : {1.0, -1.0}) {
+    for (int i = 0; i < field.layout().s_length; ++i) field.s[0][i] = s_0[0][i] + side * step * field.z[0][i];
+    field.couplings->evaluate(field.s[0], field.c[0]);
+    std::size_t n = 0;
+    field.each_seen([&](std::ptrdiff_t, int a, int k, int i) {
+      if (side > 0) slope.push_back(0.0);
+      slope[n++] += side * field.gradient(a, k, i) / (2 * step);
+    });
+  }
+  std::copy_n(s_0[0], field.layout().s_length, field.s[0]);
+  field.couplings->evaluate(field.s[0], field.c[0]);
+  field.couplings->product(field.z[0], field.y[0]);
+  std::size_t n = 0;
+  field.each_seen([&](std::ptrdiff_t at, int a, int k, int i) {
+    const int ns = field.layout().part(a).ns;
+    double along = field.y[0][at];
+    for (int j = 0; j < ns; ++j) {
+      const int entry = ns + upper_index(std::min(i, j), std::max(i, j), ns);
+      along += field.c[0][field.layout().c(a)(k, entry)] * field.z[0][field.layout().s(a)(k, j)];
+    }
+    EXPECT_NEAR(along, slope[n++], 1e-7);
+  });
+}
+
+TEST(Couplings, HessiansAndProductAreTheDerivativeOfTheGradients) {
+  Random random(2);
+  for (int trial = 0; trial < 12; ++trial) {
+    Field field(random_team(random, 2 + static_cast<int>(random() % 4), Feeling::anyone), random);
+    expect_product_is_the_derivative(field, random);
+  }
+}
+
+Team chain(int agents, bool masked) {
+  Team team;
+  std::vector<AgentId> ids;
+  for (int i = 0; i < agents; ++i) ids.push_back(team.add(Multirotor{}));
+  for (std::size_t i = 0; i + 1 < ids.size(); ++i) {
+    const auto who = masked ? felt_by(ids[i]) : felt_by({ids[i], ids[i + 1]});
+    team.couple(0.4 * SensorCone{}, {ids[i], ids[i + 1]}, who);
+    team.couple(0.4 * Cohesion{}, {ids[i], ids[i + 1]}, who);
+    team.couple(0.4 * KeepOut{}, {ids[i], ids[i + 1]}, who);
+  }
+  return team;
+}
+
+TEST(Couplings, LanesOfAgentsDoNotChangeTheLaws) {
+  Random random(3);
+  for (const int agents : {2, 3, 8, 19, 32}) {
+    for (const bool masked : {false, true}) {
+      Field field(chain(agents, masked), random);
+      expect_product_is_the_derivative(field, random);
+      Random same_1(4), same_2(4);
+      Field compiled(chain(agents, masked), same_1),
+          interpreted(chain(agents, masked), same_2, KernelChoice::interpreted);
+      for (Field* f : {&compiled, &interpreted}) f->couplings->evaluate(f->s[0], f->c[0]);
+      compiled.each_seen([&](std::ptrdiff_t, int a, int k, int i) {
+        EXPECT_NEAR(compiled.gradient(a, k, i), interpreted.gradient(a, k, i), 1e-15);
+      });
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,56 @@
+#include "sightline/solver/descent.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/paper_team.hpp"
+#include "tests/support/random.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr Horizon horizon{.T = 1.0, .N = 20, .dt = 0.01};
+
+TEST(Descent, WhatItsUnitsPayDoesNotRiseAndLimitsHold) {
+  Random random(1);
+  for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
+    const Ocp ocp(paper::team(variant), horizon);
+    const auto potentials = trace_potentials(ocp);
+    Groups groups(ocp, potentials, KernelChoice::compiled_if_there);
+    const Layout& layout = groups.layout();
+    const auto couplings = make_couplings(potentials, layout, 2, KernelChoice::compiled_if_there);
+    Descent descent(potentials, layout, influence_graph(potentials, 2));
+    Rows u(5, layout.u_length), s(1, layout.s_length);
+    std::fill_n(u[2], layout.u_length, -1.0);
+    std::fill_n(u[3], layout.u_length, 1.0);
+    std::vector<double> value(potentials.size());
+    const auto cost = [&](const double* inputs) {
+      groups.roll_out(inputs, s[0]);
+      couplings->values(s[0], value);
+      return std::array{groups.tracking_cost(inputs, 0) + value[0], groups.tracking_cost(inputs, 1)};
+    };
+    for (int trial = 0; trial < 50; ++trial) {
+      for (int a = 0; a < 2; ++a) {
+        const auto x = Multirotor{}.at_rest(random_pose(random, 2.0));
+        for (int i = 0; i < 7; ++i)
+          groups.group_of(a).x(0, i, layout.place(a).lane) = x[static_cast<std::size_t>(i)];
+      }
+      for (int i = 0; i < layout.u_length; ++i) {
+        u[0][i] = uniform(random, -1, 1);
+        u[1][i] = uniform(random, -2, 2);
+      }
+      const auto before = cost(u[0]);
+      const double alpha = descent.search(groups, *couplings, u[0], u[1], u[2], u[3], u[4], s[0]);
+      const auto after = cost(u[4]);
+      EXPECT_GE(alpha, 0.0);
+      if (variant == paper::Variant::joint) {
+        EXPECT_LE(after[0] + after[1], before[0] + before[1]);
+      } else {
+        EXPECT_LE(after[1], before[1]) << "uav1 pays for itself alone";
+      }
+      for (int i = 0; i < layout.u_length; ++i) EXPECT_TRUE(u[4][i] >= -1 && u[4][i] <= 1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,86 @@
+#include "sightline/solver/kernel_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sightline/model/robots.hpp"
+#include "sightline/potential/distance.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/solver/pose_potential.hpp"
+#include "tests/support/random.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr int stages = 12;
+
+/// All that a group computes from random data, in one list.
+std::vector<double> all_results(Group& group, int width, std::uint64_t seed) {
+  Random random(seed);
+  const StageSizes& n = group.sizes();
+  Rows u(4, stages * n.nu * width), s(3, stages * n.ns * width), c(1, stages * n.coupling() * width);
+  for (int lane = 0; lane < width; ++lane) {
+    for (int i = 0; i < n.nx; ++i) group.x(0, i, lane) = uniform(random, -1, 1);
+    for (int i = 0; i < n.weights() - 1; ++i) group.weight(i, lane) = uniform(random, 0.5, 2);
+  }
+  for (double& v : c.all()) v = uniform(random, -0.01, 0.01);
+  for (int i = 0; i < stages * n.nu * width; ++i) {
+    u[0][i] = uniform(random, -1, 1);
+    u[1][i] = random() % 5 == 0 ? 0.0 : 1.0;
+  }
+  std::vector<double> results;
+  const auto keep = [&](const Rows& rows) {
+    results.insert(results.end(), rows.all().begin(), rows.all().end());
+  };
+  group.roll_out(u[0], s[0]);
+  group.backward(u[0], u[1], c[0], u[2]);
+  group.forward(u[3], s[1]);
+  keep(u);
+  for (int i = 0; i < stages * n.ns * width; ++i) s[2][i] = 0.01 * s[1][i];
+  group.precondition(s[2], u[3], s[1]);
+  keep(u);
+  keep(s);
+  return results;
+}
+
+template <RobotModel M>
+void expect_same_bits(const M& model, Seen seen) {
+  const auto programs = std::make_shared<const StagePrograms>(trace_stage(model, 0.04, seen));
+  for (const int width : {2, native_width}) {
+    const auto compiled = make_group(programs, stages, width, KernelChoice::compiled_if_there);
+    const auto interpreted = make_group(programs, stages, width, KernelChoice::interpreted);
+    EXPECT_EQ(all_results(*compiled, width, 1), all_results(*interpreted, width, 1));
+    EXPECT_NE(typeid(*compiled), typeid(*interpreted)) << model.name;
+  }
+}
+
+TEST(KernelTable, CompiledAndInterpretedGroupsGiveTheSameBits) {
+  for (const Seen seen : {Seen::pose, Seen::pose_and_motion}) {
+    expect_same_bits(Multirotor{}, seen);
+    expect_same_bits(Multirotor{.b_z = 1.3, .b_psi = 1.21, .a_f = -0.3, .b_f = 1.1, .a_s = -0.35, .b_s = 1.2},
+                     seen);
+    expect_same_bits(AngleMultirotor{}, seen);
+  }
+}
+
+TEST(KernelTable, ModelsThatWereNotPrintedAreInterpreted) {
+  const auto programs =
+      std::make_shared<const StagePrograms>(trace_stage(Multirotor{.a_f = 0.0}, 0.05, Seen::pose));
+  const auto group = make_group(programs, stages, 2, KernelChoice::compiled_if_there);
+  const auto interpreted = make_group(programs, stages, 2, KernelChoice::interpreted);
+  EXPECT_EQ(typeid(*group), typeid(*interpreted));
+}
+
+TEST(KernelTable, TheBuiltInPotentialsAreFoundWhateverTheirParameters) {
+  const auto found = [](const std::vector<Weighted>& terms) {
+    std::vector<const Weighted*> pointers;
+    for (const Weighted& t : terms) pointers.push_back(&t);
+    const PosePotential p = trace_potential(pointers, 0.05, {});
+    return find_formula(p.derivatives, 2) != nullptr && find_formula(p.derivatives, native_width) != nullptr;
+  };
+  EXPECT_TRUE(found({0.4 * SensorCone{}}));
+  EXPECT_TRUE(found({0.4 * SensorCone{}, 0.4 * Cohesion{}, 0.4 * KeepOut{}}));
+  EXPECT_TRUE(found({0.73 * KeepOut{.d_min = 0.83, .kappa_H = 2.9, .kappa_G = 0.0023, .kappa_A = 6.1}}));
+}
+
+}  // namespace
+}  // namespace sightline

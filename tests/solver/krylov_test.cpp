@@ -1,0 +1,93 @@
+#include "sightline/solver/krylov.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/random_team.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr Horizon horizon{.T = 1.0, .N = 20, .dt = 0.01};
+
+Team with(int agents, const std::vector<std::array<int, 3>>& couplings) {
+  Team team;
+  std::vector<AgentId> ids;
+  for (int i = 0; i < agents; ++i) ids.push_back(team.add(Multirotor{}));
+  for (const auto& [a, b, who] : couplings) {
+    const AgentId first = ids[static_cast<std::size_t>(a)], second = ids[static_cast<std::size_t>(b)];
+    if (who < 0) {
+      team.couple(0.4 * KeepOut{}, {first, second});
+    } else {
+      team.couple(0.4 * KeepOut{}, {first, second}, felt_by(ids[static_cast<std::size_t>(who)]));
+    }
+  }
+  return team;
+}
+
+InfluenceGraph graph_of(const Team& team) {
+  const Ocp ocp(team, horizon);
+  return influence_graph(trace_potentials(ocp), static_cast<int>(ocp.agents().size()));
+}
+
+TEST(Krylov, TheInfluenceGraphIsNamedByItsArrows) {
+  EXPECT_EQ(graph_of(with(3, {})).kind, Influence::none);
+  EXPECT_EQ(graph_of(with(3, {{0, 1, -1}, {1, 2, -1}})).kind, Influence::mutual);
+  const InfluenceGraph chain = graph_of(with(4, {{0, 1, 0}, {1, 2, 1}, {2, 3, 2}}));
+  EXPECT_EQ(chain.kind, Influence::cascade);
+  EXPECT_EQ(chain.depth, 3);
+  EXPECT_EQ(chain.depth_of, (std::vector<int>{3, 2, 1, 0}));
+  EXPECT_EQ(graph_of(with(3, {{0, 1, 0}, {1, 2, 1}, {2, 0, 2}})).kind, Influence::cyclic);
+  EXPECT_EQ(graph_of(with(3, {{0, 1, 0}, {1, 2, -1}})).kind, Influence::cyclic) << "mutual and one-sided";
+}
+
+/// || ds + P^-1 C ds - ds_0 ||: zero for the step of the whole team.
+double defect(const Team& team, Random& random) {
+  const Ocp ocp(team, horizon);
+  const std::vector<BodyPotential> potentials = trace_potentials(ocp);
+  const int agents = static_cast<int>(ocp.agents().size());
+  Groups groups(ocp, potentials, KernelChoice::compiled_if_there);
+  const Layout& layout = groups.layout();
+  const auto couplings = make_couplings(potentials, layout, team.bodies(), KernelChoice::compiled_if_there);
+  Rows u(6, layout.u_length), s(5, layout.s_length), c(1, layout.c_length);
+  std::fill_n(u[1], layout.u_length, 1.0);
+  for (int a = 0; a < agents; ++a) {
+    const Pose<double> pose = random_pose(random, 1.5);
+    const auto x = Multirotor{}.at_rest(pose);
+    for (int i = 0; i < 7; ++i)
+      groups.group_of(a).x(0, i, layout.place(a).lane) = x[static_cast<std::size_t>(i)];
+  }
+  groups.roll_out(u[0], s[0]);
+  couplings->evaluate(s[0], c[0]);
+  groups.factor(u[0], u[1], c[0], u[2]);
+  groups.forward(u[3], s[1]);
+  Krylov krylov(layout, influence_graph(potentials, agents), 60, 1e-13);
+  std::copy_n(s[1], layout.s_length, s[2]);
+  krylov.complete(groups, *couplings, u[3], s[2]);
+  // The inputs found are what counts: their Sights follow from the linearised dynamics, by differences.
+  const double step = 1e-6;
+  Rows moved(2, layout.s_length);
+  for (const int side : {0, 1}) {
+    for (int i = 0; i < layout.u_length; ++i) u[4][i] = u[0][i] + (side == 0 ? step : -step) * u[3][i];
+    groups.roll_out(u[4], moved[side]);
+  }
+  for (int i = 0; i < layout.s_length; ++i) s[2][i] = (moved[0][i] - moved[1][i]) / (2 * step);
+  groups.roll_out(u[0], s[0]);
+  couplings->product(s[2], s[3]);
+  groups.precondition(s[3], u[5], s[4]);
+  double worst = 0.0;
+  for (int i = 0; i < layout.s_length; ++i) worst = std::max(worst, std::fabs(s[2][i] + s[4][i] - s[1][i]));
+  return worst;
+}
+
+TEST(Krylov, EveryKindOfTeamGetsTheStepOfTheWhole) {
+  Random random(1);
+  for (int trial = 0; trial < 5; ++trial) {
+    EXPECT_LE(defect(with(4, {{0, 1, -1}, {1, 2, -1}, {2, 3, -1}, {0, 2, -1}}), random), 1e-7);
+    EXPECT_LE(defect(with(4, {{0, 1, 0}, {1, 2, 1}, {2, 3, 2}, {0, 2, 0}}), random), 1e-7);
+    EXPECT_LE(defect(with(3, {{0, 1, 0}, {1, 2, 1}, {2, 0, 2}}), random), 1e-7);
+    EXPECT_LE(defect(with(4, {{0, 1, 0}, {1, 2, -1}, {2, 3, 3}}), random), 1e-7);
+  }
+}
+
+}  // namespace
+}  // namespace sightline

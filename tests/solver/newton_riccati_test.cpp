@@ -1,0 +1,253 @@
+#include "sightline/solver/newton_riccati.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cli/allocations.hpp"
+#include "sightline/solver/hamiltonian.hpp"
+#include "tests/support/closed_loop.hpp"
+#include "tests/support/ipopt_reference.hpp"
+#include "tests/support/paper_team.hpp"
+#include "tests/support/random_team.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr Horizon horizon{.T = 1.0, .N = 20, .dt = 0.01};
+
+/// Newton to the end: as many steps and Krylov iterations as it takes.
+NewtonRiccatiOptions converging() {
+  return {
+      .max_newton_steps = 40, .tolerance = 1e-10, .max_krylov = 80, .krylov_stop = 1e-12, .start_steps = 40};
+}
+
+/// The optimality conditions at the solver's plan by `Hamiltonian`, which shares no code with it.
+double projected_gradient(const NewtonRiccati& solver, double time, const std::vector<double>& x) {
+  const Ocp& ocp = solver.ocp();
+  const int N = ocp.horizon().N, nx = ocp.nx(), nu = ocp.nu();
+  const auto size = [](int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); };
+  std::vector<double> U(size(N, nu)), X(size(N + 1, nx)), Lambda(size(N + 1, nx)), F(size(N, nu));
+  for (int k = 0; k < N; ++k) solver.plan(k, {&U[size(k, nu)], size(nu, 1)});
+  Hamiltonian hamiltonian(ocp);
+  hamiltonian.set_time(time, ocp.horizon().h());
+  hamiltonian.roll_out(x.data(), U.data(), nu, nullptr, 0.0, X.data());
+  hamiltonian.linearise(X.data(), U.data(), nu);
+  hamiltonian.costates(X.data(), nullptr, 0.0, Lambda.data(), F.data(), nu);
+  double worst = 0.0;
+  for (int k = 0; k < N; ++k) {
+    for (int j = 0; j < nu; ++j) {
+      const double u = U[size(k, nu) + size(j, 1)], F_u = F[size(k, nu) + size(j, 1)];
+      worst =
+          std::max(worst, std::fabs(u - clamp(u - F_u, hamiltonian.u_min(k)[j], hamiltonian.u_max(k)[j])));
+    }
+  }
+  return worst;
+}
+
+std::vector<double> normalised(const Team& team, std::vector<double> x) {
+  for (int i = 0; i < team.bodies(); ++i)
+    (void)team.model(BodyId{i}).normalise(&x[static_cast<std::size_t>(team.state_offset(BodyId{i}))]);
+  return x;
+}
+
+TEST(NewtonRiccati, ItsKktIsThatOfTheHamiltonianForEveryTeam) {
+  Random random(1);
+  for (int trial = 0; trial < 40; ++trial) {
+    const Team team = random_team(random, 1 + static_cast<int>(random() % 5), Feeling::anyone);
+    NewtonRiccati solver(team, horizon, {.start_steps = 1});
+    const std::vector<double> x = normalised(team, random_states(random, team, 2.0));
+    const double t = uniform(random, 0, 2);
+    solver.solve(t, x);
+    EXPECT_NEAR(solver.kkt(t, x), projected_gradient(solver, t, x), 1e-11 * (1 + solver.kkt(t, x))) << trial;
+  }
+}
+
+TEST(NewtonRiccati, ConvergesToAStationaryPointOfEveryTeam) {
+  Random random(2);
+  int converged = 0;
+  constexpr int trials = 60;
+  for (int trial = 0; trial < trials; ++trial) {
+    const Feeling feeling = trial % 2 == 0 ? Feeling::everyone : Feeling::anyone;
+    const Team team = random_team(random, 1 + static_cast<int>(random() % 5), feeling);
+    NewtonRiccati solver(team, horizon, converging());
+    const std::vector<double> x = normalised(team, random_states(random, team, 2.0));
+    const Solution s = solver.solve(0.3, x);
+    if (s.status != Status::converged) continue;
+    ++converged;
+    EXPECT_LE(projected_gradient(solver, 0.3, x), 1e-8) << trial;
+  }
+  EXPECT_GE(converged, trials * 95 / 100);
+}
+
+TEST(NewtonRiccati, FindsTheOptimumOfIpopt) {
+  Random random(5);
+  int same = 0, other = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    const Team team = random_team(random, 2 + static_cast<int>(random() % 4), Feeling::everyone);
+    const Ocp ocp(team, horizon);
+    const std::vector<double> x = normalised(team, random_states(random, team, 1.5));
+    NewtonRiccati solver(ocp, converging());
+    if (solver.solve(0.2, x).status != Status::converged) continue;
+    const std::size_t nu = static_cast<std::size_t>(ocp.nu());
+    std::vector<double> u(nu * static_cast<std::size_t>(horizon.N));
+    for (int k = 0; k < horizon.N; ++k)
+      solver.plan(k, std::span(u).subspan(nu * static_cast<std::size_t>(k), nu));
+    // From our plan, so that both stay at one of several local optima.
+    const Optimum optimum = IpoptReference(ocp).solve(0.2, x, u);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < u.size(); ++i) worst = std::max(worst, std::fabs(u[i] - optimum.u[i]));
+    ++(worst <= 1e-6 ? same : other);
+  }
+  EXPECT_GE(same, 25) << other << " ended at another optimum";
+}
+
+TEST(NewtonRiccati, FliesThePairAtTheCostOfTheConvergedOptimum) {
+  for (const auto& [variant, expected] :
+       {std::pair{paper::Variant::joint, 75.755}, {paper::Variant::masked, 76.22}}) {
+    const Team team = paper::team(variant);
+    NewtonRiccati solver(team, horizon);
+    double cost = 0.0;
+    fly(solver, paper::start(), 6000, [&](double t, const std::vector<double>& x, const Solution& s) {
+      cost += horizon.dt * stage_cost(team, t, x, s.u);
+    });
+    EXPECT_NEAR(cost, expected, 0.01);
+  }
+}
+
+TEST(NewtonRiccati, OneStepAnUpdateFollowsTheOptimum) {
+  const Team team = paper::team(paper::Variant::joint);
+  NewtonRiccati solver(team, horizon), optimum(team, horizon, converging());
+  double worst = 0.0;
+  fly(solver, paper::start(), 400, [&](double t, const std::vector<double>& x, const Solution& s) {
+    const std::vector<double> u(s.u.begin(), s.u.end());
+    const Solution best = optimum.solve(t, x);
+    for (std::size_t i = 0; t > 2.0 && i < u.size(); ++i)
+      worst = std::max(worst, std::fabs(u[i] - best.u[i]));
+  });
+  EXPECT_LE(worst, 1e-5);
+}
+
+TEST(NewtonRiccati, CompiledAndInterpretedFunctionsGiveTheSameBits) {
+  const Team team = paper::team(paper::Variant::joint);
+  NewtonRiccati compiled(team, horizon), interpreted(team, horizon, {.kernels = KernelChoice::interpreted});
+  fly(compiled, paper::saturating_start(), 300,
+      [&](double t, const std::vector<double>& x, const Solution& s) {
+        const Solution other = interpreted.solve(t, x);
+        for (std::size_t i = 0; i < s.u.size(); ++i) ASSERT_EQ(s.u[i], other.u[i]) << t;
+        ASSERT_EQ(s.residual, other.residual) << t;
+      });
+}
+
+TEST(NewtonRiccati, AnAgentThatFeelsNothingFliesAsIfAlone) {
+  NewtonRiccati together(paper::team(paper::Variant::masked), horizon), alone(paper::target_alone(), horizon);
+  fly(together, paper::start(), 1000, [&](double t, const std::vector<double>& x, const Solution& s) {
+    const Solution single = alone.solve(t, std::span<const double>(x).subspan(7));
+    for (std::size_t i = 0; i < 4; ++i) ASSERT_NEAR(s.u[4 + i], single.u[i], 1e-9) << t;
+  });
+}
+
+TEST(NewtonRiccati, InputsStayWithinTheirLimits) {
+  for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
+    NewtonRiccati solver(paper::team(variant, {-0.4, 0.8}), horizon);
+    bool at_limit = false;
+    fly(solver, paper::saturating_start(), 600, [&](double t, const std::vector<double>&, const Solution& s) {
+      for (const double u : s.u) {
+        ASSERT_TRUE(u >= -0.4 && u <= 0.8) << t;
+        at_limit |= u == -0.4 || u == 0.8;
+      }
+    });
+    EXPECT_TRUE(at_limit);
+  }
+}
+
+TEST(NewtonRiccati, NearlyEveryColdStartReachesTheOptimum) {
+  for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
+    Random random(3);
+    const Team team = paper::team(variant);
+    int reached = 0;
+    constexpr int trials = 200, steps = 30;
+    for (int trial = 0; trial < trials; ++trial) {
+      NewtonRiccati solver(team, horizon, {.start_steps = 1});
+      std::vector<double> x = random_states(random, team, 6.0);
+      if (trial % 10 == 0) std::copy_n(x.begin(), 3, x.begin() + 7);  // in the same place
+      for (int k = 0; k < steps; ++k) {
+        for (const double u : solver.solve(0.0, x).u) ASSERT_LE(std::fabs(u), 1.0);
+        if (solver.kkt(0.0, x) > 1e-6) continue;
+        ++reached;
+        break;
+      }
+    }
+    EXPECT_GE(reached, trials * 998 / 1000);
+  }
+}
+
+TEST(NewtonRiccati, EveryStatusIsGivenWhereItIsDue) {
+  const Team team = paper::team(paper::Variant::joint);
+  NewtonRiccati solver(team, horizon);
+  std::vector<double> x = paper::start();
+  EXPECT_EQ(solver.solve(0.0, x).status, Status::converged);
+  x[0] += 0.05;
+  const Solution next = solver.solve(0.01, x);
+  EXPECT_EQ(next.status, Status::iteration_limit);
+  EXPECT_GT(next.residual, 1e-6);
+  const std::vector<double> planned(next.u.begin(), next.u.end());
+  x[0] = std::nan("");
+  const Solution refused = solver.solve(0.01, x);
+  EXPECT_EQ(refused.status, Status::invalid_state);
+  for (std::size_t i = 0; i < planned.size(); ++i) EXPECT_EQ(refused.u[i], planned[i]);
+
+  NewtonRiccati hurried(team, horizon, {.deadline = 1e-9});
+  const Solution late = hurried.solve(0.0, paper::start());
+  EXPECT_EQ(late.status, Status::deadline);
+  for (const double u : late.u) EXPECT_LE(std::fabs(u), 1.0);
+
+  x = paper::start();
+  x[0] = 1e200;
+  const Solution overflowing = solver.solve(0.02, x);
+  EXPECT_EQ(overflowing.status, Status::not_finite);
+  for (const double u : overflowing.u) EXPECT_LE(std::fabs(u), 1.0);
+  EXPECT_EQ(solver.solve(0.03, paper::start()).status, Status::converged) << "it starts anew";
+}
+
+TEST(NewtonRiccati, NoUpdateAllocates) {
+  for (const KernelChoice kernels : {KernelChoice::compiled_if_there, KernelChoice::interpreted}) {
+    Random random(4);
+    for (int trial = 0; trial < 6; ++trial) {
+      const Team team = random_team(random, 3, trial % 2 == 0 ? Feeling::everyone : Feeling::anyone);
+      NewtonRiccati solver(team, horizon, {.kernels = kernels});
+      for (int k = 0; k < 5; ++k) {
+        std::vector<double> x = random_states(random, team, k < 3 ? 3.0 : 30.0);
+        if (k == 4) x[0] = std::nan("");
+        const std::int64_t before = cli::allocations();
+        solver.solve(0.01 * k, x);
+        EXPECT_EQ(cli::allocations() - before, 0) << trial << " " << k;
+      }
+    }
+  }
+}
+
+TEST(NewtonRiccati, AnotherPlanIsWhereTheNextUpdateBegins) {
+  const Team team = paper::team(paper::Variant::joint);
+  NewtonRiccati from(team, horizon), to(team, horizon);
+  const std::vector<double> x = paper::start();
+  from.solve(0.0, x);
+  std::vector<double> u(8);
+  for (int k = 0; k < horizon.N; ++k) {
+    from.plan(k, u);
+    to.set_plan(k, u);
+  }
+  EXPECT_LE(to.kkt(0.0, x), 1e-6);
+}
+
+TEST(NewtonRiccati, AnOptionOutOfItsRangeIsNamed) {
+  const Team team = paper::target_alone();
+  EXPECT_THROW(NewtonRiccati(team, horizon, {.max_newton_steps = 0}), std::invalid_argument);
+  EXPECT_THROW(NewtonRiccati(team, horizon, {.tolerance = 0.0}), std::invalid_argument);
+  EXPECT_THROW(NewtonRiccati(team, horizon, {.step_cap = -1.0}), std::invalid_argument);
+  EXPECT_THROW(NewtonRiccati(team, horizon, {.deadline = std::nan("")}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,64 @@
+#include "sightline/solver/pose_potential.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "sightline/formula/derive.hpp"
+#include "sightline/formula/interpret.hpp"
+#include "tests/support/random_team.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double h = 0.05;
+
+PosePotential trace(const std::vector<Weighted>& terms, const Ends& ends = {}) {
+  std::vector<const Weighted*> pointers;
+  for (const Weighted& t : terms) pointers.push_back(&t);
+  return trace_potential(pointers, h, ends);
+}
+
+TEST(PosePotential, WhatDependsOnTheRelativePositionIsFoundSo) {
+  EXPECT_TRUE(trace({0.4 * SensorCone{}}).relative);
+  EXPECT_TRUE(trace({0.4 * KeepOut{}, 0.3 * Cohesion{}, 0.2 * SensorCone{}}).relative);
+  EXPECT_FALSE(trace({1.0 * ChangingPace{}}).relative);
+  EXPECT_FALSE(trace({0.4 * KeepOut{}}, {.a_is_agent = true, .b_is_agent = false}).relative);
+  EXPECT_FALSE(trace({0.4 * AltitudeBand{}}, {true, false, true, false}).relative);
+}
+
+TEST(PosePotential, ValueIsTheWeightedSumTimesH) {
+  Random random(1);
+  const std::vector<Weighted> terms = {0.4 * SensorCone{}, 0.3 * KeepOut{}};
+  const PosePotential p = trace(terms);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Sight<double> a = random_sight(random, 2.0), b = random_sight(random, 2.0);
+    const Vec3<double> r = a.p - b.p;
+    double l = 0.0;
+    for (const Weighted& t : terms) l += t.weight * t.potential(a, b, 0.0);
+    EXPECT_NEAR(evaluate(p.value, std::array{r.x, r.y, r.z, a.d.x, a.d.y})[0], h * l, 1e-14 * (1 + l));
+  }
+}
+
+TEST(PosePotential, OnlyVariablesThatOccurAreListed) {
+  const PosePotential band = trace({1.0 * AltitudeBand{}}, {true, false, true, false});
+  EXPECT_EQ(band.variables, std::vector<int>{2});
+  EXPECT_EQ(band.gradient.size(), 1u);
+  EXPECT_EQ(band.own.size(), 1u);
+  EXPECT_TRUE(band.cross.empty());
+  const PosePotential pace = trace({1.0 * ChangingPace{}});
+  EXPECT_TRUE(pace.sees_motion(false));
+  EXPECT_TRUE(pace.sees_motion(true));
+  EXPECT_FALSE(band.sees_motion(false));
+  EXPECT_EQ(pace.variables.back(), PosePotential::time_variable);
+}
+
+TEST(PosePotential, AnEndThatFeelsNothingHasNoRow) {
+  const PosePotential p = trace({1.0 * ChangingPace{}}, {.a_feels = true, .b_feels = false});
+  for (const auto& g : p.gradient) EXPECT_LT(g.variable, sight_size);
+  for (const auto& s : p.own) EXPECT_LT(s.row, sight_size);
+  EXPECT_FALSE(p.cross.empty()) << "a still sees b move";
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,211 @@
+#include "sightline/solver/stage.hpp"
+
+#include <gtest/gtest.h>
+
+// GCC 12 mistakes the masks of its own intrinsics for a fault.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+#include <Eigen/Dense>
+
+#include "sightline/formula/derive.hpp"
+#include "sightline/formula/interpret.hpp"
+#include "sightline/model/robots.hpp"
+#include "tests/support/difference.hpp"
+#include "tests/support/error.hpp"
+#include "tests/support/random.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double h = 0.05;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+int size_of(const std::vector<Block>& blocks) {
+  int n = 0;
+  for (const Block& b : blocks) n += b.size;
+  return n;
+}
+
+/// Where a block begins.
+int place(const std::vector<Block>& blocks, std::string_view name) {
+  int n = 0;
+  for (const Block& b : blocks) {
+    if (b.name == name) return n;
+    n += b.size;
+  }
+  ADD_FAILURE() << "no block " << name;
+  return 0;
+}
+
+/// Phi of a stage in extended precision, by the model's struct itself.
+template <RobotModel M>
+struct Phi {
+  M model;
+  Seen seen;
+  std::vector<double> x_ref, weights, lambda, gradient, Hessian;
+  std::vector<double> s_0;  // potentials are quadratic in s around here
+
+  Wide operator()(const std::vector<Wide>& z) const {
+    std::array<Wide, M::nx> x;
+    std::array<Wide, M::nu> u;
+    for (int i = 0; i < M::nx; ++i) x[at(i)] = z[at(i)];
+    for (int i = 0; i < M::nu; ++i) u[at(i)] = z[at(M::nx + i)];
+    const auto f = model.f(x, u);
+    std::array<Wide, sight_size> s;
+    write_sight(sight(model, x, u), s);
+    Wide phi = 0.0;
+    for (int i = 0; i < M::nx; ++i) {
+      const Wide e = x[at(i)] - x_ref[at(i)];
+      phi = phi + h * weights[at(i)] * (e * e) + lambda[at(i)] * (x[at(i)] + h * f[at(i)]);
+    }
+    for (int i = 0; i < M::nu; ++i) {
+      const Wide e = u[at(i)] - weights[at(M::nx + M::nu + i)];
+      phi = phi + h * weights[at(M::nx + i)] * (e * e);
+    }
+    const int ns = seen_size(seen);
+    for (int i = 0; i < ns; ++i) {
+      phi = phi + gradient[at(i)] * s[at(i)];
+      for (int j = 0; j < ns; ++j) {
+        const double entry = Hessian[at(upper_index(std::min(i, j), std::max(i, j), ns))];
+        phi = phi + 0.5 * entry * ((s[at(i)] - s_0[at(i)]) * (s[at(j)] - s_0[at(j)]));
+      }
+    }
+    return phi;
+  }
+};
+
+/// One stage by dense linear algebra from differences of Phi, against the traced program.
+template <RobotModel M>
+void expect_stage_is_the_dense_one(const M& model, Seen seen, Random& random) {
+  constexpr int nx = M::nx, nu = M::nu;
+  const StagePrograms programs = trace_stage(model, h, seen);
+  const BlockProgram& back = programs.back;
+  std::vector<double> in(at(size_of(back.inputs)));
+  for (double& v : in) v = uniform(random, -1, 1);
+  const int P_at = place(back.inputs, "carry") + 1 + 2 * nx;
+  for (int i = 0; i < nx; ++i) in[at(P_at + upper_index(i, i, nx))] += 4.0;
+  for (int a = 0; a < nu; ++a) in[at(place(back.inputs, "active") + a)] = a == 1 ? 0.0 : 1.0;
+  const int weights_at = place(back.inputs, "weights");
+  for (int i = 0; i < nu; ++i) in[at(weights_at + nx + i)] = 5.0;
+  in[at(weights_at + nx + 2 * nu)] = 0.1;
+  in[at(place(back.inputs, "carry"))] = 0.0;
+  const int ns = programs.sizes.ns, c_at = place(back.inputs, "coupling");
+  for (int i = 0; i < ns * (ns + 1) / 2; ++i) in[at(c_at + ns + i)] *= 0.02;
+  const auto part = [&](int from, int n) {
+    return std::vector<double>(in.begin() + from, in.begin() + from + n);
+  };
+  const int carry_at = place(back.inputs, "carry");
+  std::array<double, M::nx> x_here;
+  std::array<double, M::nu> u_here;
+  std::copy_n(in.begin(), nx, x_here.begin());
+  std::copy_n(in.begin() + nx, nu, u_here.begin());
+  std::vector<double> s_0(at(sight_size));
+  write_sight(sight(model, x_here, u_here), s_0);
+  const Phi<M> phi{model,
+                   seen,
+                   part(place(back.inputs, "x_ref"), nx),
+                   part(weights_at, programs.sizes.weights()),
+                   part(carry_at + 1, nx),
+                   part(c_at, ns),
+                   part(c_at + ns, ns * (ns + 1) / 2),
+                   s_0};
+
+  Eigen::MatrixXd W(nx + nu, nx + nu), F(nx, nx + nu), P(nx, nx);
+  Eigen::VectorXd g(nx + nu), e(nx);
+  CentralDifference d(phi, std::span<const double>(in).first(at(nx + nu)));
+  for (int i = 0; i < nx + nu; ++i) {
+    g(i) = d.first(at(i));
+    for (int j = 0; j <= i; ++j) W(i, j) = W(j, i) = d.second(at(i), at(j));
+  }
+  for (int row = 0; row < nx; ++row) {
+    const auto flow = [&](const std::vector<Wide>& z) {
+      std::array<Wide, M::nx> x;
+      std::array<Wide, M::nu> u;
+      std::copy_n(z.begin(), nx, x.begin());
+      std::copy_n(z.begin() + nx, nu, u.begin());
+      return x[at(row)] + h * model.f(x, u)[at(row)];
+    };
+    CentralDifference slope(flow, std::span<const double>(in).first(at(nx + nu)));
+    for (int j = 0; j < nx + nu; ++j) F(row, j) = slope.first(at(j));
+  }
+  for (int i = 0; i < nx; ++i) {
+    e(i) = in[at(carry_at + 1 + nx + i)];
+    for (int j = i; j < nx; ++j) P(i, j) = P(j, i) = in[at(P_at + upper_index(i, j, nx))];
+  }
+  // Input 1 is held: no row, no column.
+  const double rho = in[at(weights_at + nx + 2 * nu)];
+  Eigen::MatrixXd A = F.leftCols(nx), B = F.rightCols(nu), G = W.bottomLeftCorner(nu, nx);
+  Eigen::MatrixXd R = W.bottomRightCorner(nu, nu) + rho * Eigen::MatrixXd::Identity(nu, nu);
+  Eigen::VectorXd r = g.tail(nu);
+  B.col(1).setZero();
+  G.row(1).setZero();
+  R.row(1).setZero();
+  R.col(1).setZero();
+  R(1, 1) = 1.0;
+  r(1) = 0.0;
+  const Eigen::MatrixXd M_uu = R + B.transpose() * P * B, M_ux = G + B.transpose() * P * A;
+  const Eigen::VectorXd M_u = r + B.transpose() * e;
+  const Eigen::MatrixXd K = M_uu.ldlt().solve(M_ux);
+  const Eigen::VectorXd k = M_uu.ldlt().solve(M_u);
+  const Eigen::MatrixXd P_0 = W.topLeftCorner(nx, nx) + A.transpose() * P * A - M_ux.transpose() * K;
+  const Eigen::VectorXd e_0 = A.transpose() * e - M_ux.transpose() * k;
+
+  const std::vector<double> out = evaluate(back.program, in);
+  const auto expect = [&](double got, double wanted, const char* what, int i, int j) {
+    EXPECT_LE(relative_error(got, wanted), 2e-9) << what << " " << i << " " << j;
+  };
+  const int H_at = place(back.outputs, "H_u"), gain_at = place(back.outputs, "gain");
+  const int k_at = place(back.outputs, "k"), out_at = place(back.outputs, "carry_out");
+  EXPECT_LE(out[at(out_at)], 0.0);
+  for (int a = 0; a < nu; ++a) {
+    expect(out[at(H_at + a)], g(nx + a), "H_u", a, 0);
+    expect(out[at(k_at + a)], k(a), "k", a, 0);
+    for (int j = 0; j < nx; ++j)
+      expect(out[at(gain_at + nu + nu * (nu - 1) / 2 + j * nu + a)], K(a, j), "K", a, j);
+  }
+  for (int i = 0; i < nx; ++i) {
+    expect(out[at(out_at + 1 + i)], g(i), "lambda", i, 0);
+    expect(out[at(out_at + 1 + nx + i)], e_0(i), "e", i, 0);
+    for (int j = i; j < nx; ++j)
+      expect(out[at(out_at + 1 + 2 * nx + upper_index(i, j, nx))], P_0(i, j), "P", i, j);
+  }
+}
+
+TEST(Stage, TheTracedRecursionIsTheDenseOne) {
+  Random random(1);
+  for (const Seen seen : {Seen::pose, Seen::pose_and_motion}) {
+    for (int trial = 0; trial < 5; ++trial) {
+      expect_stage_is_the_dense_one(Multirotor{}, seen, random);
+      expect_stage_is_the_dense_one(AngleMultirotor{}, seen, random);
+    }
+  }
+}
+
+TEST(Stage, APivotBelowItsFloorIsDoubted) {
+  const StagePrograms programs = trace_stage(Multirotor{}, h, Seen::pose);
+  const BlockProgram& back = programs.back;
+  std::vector<double> in(at(size_of(back.inputs)), 0.0);
+  for (int a = 0; a < 4; ++a) in[at(place(back.inputs, "active") + a)] = 1.0;
+  for (const double R : {1.0, -1.0}) {
+    for (int a = 0; a < 4; ++a) in[at(place(back.inputs, "weights") + 7 + a)] = R;
+    const std::vector<double> out = evaluate(back.program, in);
+    EXPECT_EQ(out[at(place(back.outputs, "carry_out"))] > 0, R < 0);
+    for (const double v : out) EXPECT_TRUE(std::isfinite(v));
+  }
+}
+
+TEST(Stage, ParametersAreConstantsOfOneStructure) {
+  const auto of = [](double b_psi, double length) {
+    return trace_stage(
+        Multirotor{.b_z = 1.1, .b_psi = b_psi, .a_f = -0.51, .b_f = 1.43, .a_s = -0.53, .b_s = 1.47}, length,
+        Seen::pose);
+  };
+  EXPECT_EQ(structure(of(1.6, 0.05)), structure(of(1.3, 0.02)));
+  EXPECT_NE(structure(of(1.6, 0.05)), structure(trace_stage(AngleMultirotor{}, 0.05, Seen::pose)));
+  EXPECT_EQ(of(1.6, 0.05).sizes, of(1.3, 0.02).sizes);
+}
+
+}  // namespace
+}  // namespace sightline
