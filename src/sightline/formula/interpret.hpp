@@ -71,7 +71,8 @@ class PackEvaluation {
 
   /// Inputs `row` .. row + n - 1 from a block; inputs are only ever read.
   void bind_inputs(int row, const double* block, int n) noexcept {
-    for (int i = 0; i < n; ++i) rows_[static_cast<std::size_t>(row + i)] = const_cast<double*>(block) + i * W;
+    double** const rows = &rows_[static_cast<std::size_t>(row)];
+    for (int i = 0; i < n; ++i) rows[i] = const_cast<double*>(block) + i * W;
   }
   void bind_outputs(int output, double* block, int n) noexcept {
     bind_inputs(program_->first_output() + output, block, n);
