@@ -28,6 +28,10 @@ Scenario read(const RunOptions& options) {
   // The scenario's own options hold for its own solver.
   if (options.solver && *options.solver != scenario.solver.name)
     scenario.solver = solver_named(*options.solver);
+  std::erase(scenario.simulation.compare, scenario.solver.name);
+  // Simulated time waits for a solver: the log is the same on any machine.
+  if (auto* newton = std::get_if<NewtonRiccatiOptions>(&scenario.solver.options); newton && !options.realtime)
+    newton->deadline = 0.0;
   return scenario;
 }
 
@@ -40,26 +44,65 @@ void make_folder(const std::filesystem::path& folder) {
   }
 }
 
-void print_table(const std::string& summary) {
-  const auto lines = summary_lines(summary);
+void say(std::string_view sentence) { fmt::print(stderr, "sightline: {}\n", sentence); }
+
+void print_table(const std::vector<SummaryLine>& lines) {
   std::size_t width = 0;
   for (const SummaryLine& line : lines) width = std::max(width, line.what.size());
   for (const SummaryLine& line : lines) fmt::print("{:{}}  {}\n", line.what, width, line.value);
 }
 
-/// What makes a run a failure, each said once on stderr.
-bool failed(const LoopOutcome& outcome, const Log& log) {
-  bool any = false;
-  const auto say = [&](std::string_view sentence) {
-    fmt::print(stderr, "sightline: {}\n", sentence);
-    any = true;
-  };
-  if (!outcome.finite || log.summary().not_finite() > 0) say("a state or an input was not finite");
-  for (const std::string& sentence : log.summary().out_of_view()) say(sentence);
+/// What makes a run a failure, a sentence each.
+std::vector<std::string> faults_of(const LoopOutcome& outcome, const Log& log) {
+  std::vector<std::string> faults = log.summary().out_of_view();
+  if (!outcome.finite || log.summary().not_finite() > 0)
+    faults.emplace_back("a state or an input was not finite");
   if (outcome.dropped > 0)
-    say(fmt::format("{} samples were lost, the log could not keep up", outcome.dropped));
-  if (!log.error().empty()) say(log.error());
-  return any;
+    faults.push_back(fmt::format("{} samples were lost, the log could not keep up", outcome.dropped));
+  if (!log.error().empty()) faults.push_back(log.error());
+  return faults;
+}
+
+/// What a flight left, beside its files.
+struct Flight {
+  std::string summary;
+  std::vector<std::string> faults;
+  bool logged;
+};
+
+/// Flies the scenario under its solver; leaves run.mcap, timing.csv and summary.json in the folder.
+Flight fly(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock) {
+  // All memory is taken here, before the first period.
+  const Simulation& simulation = scenario.simulation;
+  const double period = scenario.horizon.dt;
+  const auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
+  const Controllers controllers = {*solver};
+  Plant plant(scenario.team, scenario.x0,
+              {.seed = simulation.seed, .disturbances = simulation.disturbances, .period = period});
+  Sensor sensor(scenario.team, {.seed = simulation.seed,
+                                .noise = simulation.disturbances.noise,
+                                .delay = simulation.disturbances.measurement_delay,
+                                .period = period});
+  const Sample prototype = sized_sample(scenario.team, controllers);
+  Ring<Sample> ring(ring_capacity(prototype), prototype);
+  Loop loop(plant, sensor, controllers, clock, ring,
+            {.duration = simulation.duration,
+             .period = period,
+             .path_interval = scenario.log.paths,
+             .allocations = allocations});
+
+  Progress progress(simulation.duration);
+  Log log(scenario, folder, controllers, ring, [&](double time) { progress.show(time); });
+  log.start();
+  const LoopOutcome outcome = loop.run();
+  log.finish();
+  progress.end();
+
+  Flight flight = {log.summary().json(), faults_of(outcome, log), log.error().empty()};
+  if (std::string lost = write_summary(folder, flight.summary); !lost.empty()) {
+    flight.faults.push_back(std::move(lost));
+  }
+  return flight;
 }
 
 }  // namespace
@@ -76,50 +119,36 @@ int run(const RunOptions& options) {
     return 2;
   }
 
-  // All memory is taken here, before the first period.
-  const Simulation& simulation = scenario.simulation;
-  const double period = scenario.horizon.dt;
-  const auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
-  const Controllers controllers = {*solver};
-  Plant plant(scenario.team, scenario.x0,
-              {.seed = simulation.seed, .disturbances = simulation.disturbances, .period = period});
-  Sensor sensor(scenario.team, {.seed = simulation.seed,
-                                .noise = simulation.disturbances.noise,
-                                .delay = simulation.disturbances.measurement_delay,
-                                .period = period});
-  const Sample prototype = sized_sample(scenario.team, controllers);
-  Ring<Sample> ring(ring_capacity(prototype), prototype);
   SimulatedClock simulated;
   SteadyClock steady;
-  Clock& clock = options.realtime ? static_cast<Clock&>(steady) : simulated;
-  Loop loop(plant, sensor, controllers, clock, ring,
-            {.duration = simulation.duration,
-             .period = period,
-             .path_interval = scenario.log.paths,
-             .allocations = allocations});
+  const Flight flight = fly(scenario, folder, options.realtime ? static_cast<Clock&>(steady) : simulated);
+  for (const std::string& fault : flight.faults) say(fault);
 
-  LoopOutcome outcome;
-  Progress progress(simulation.duration);
-  Log log(scenario, folder, controllers, ring, [&](double time) { progress.show(time); });
-  log.start();
-  outcome = loop.run();
-  log.finish();
-  progress.end();
-
-  bool bad = failed(outcome, log);
-  if (const std::string lost = write_summary(folder, log.summary().json()); !lost.empty()) {
-    fmt::print(stderr, "sightline: {}\n", lost);
-    bad = true;
+  std::vector<std::string> summaries = {flight.summary};
+  for (const std::string& name : scenario.simulation.compare) {
+    if (!flight.logged) break;
+    SimulatedClock clock;
+    scenario.solver = solver_named(name);
+    const Flight other = fly(scenario, folder / name, clock);
+    for (const std::string& fault : other.faults) say(fmt::format("compared with {}: {}", name, fault));
+    summaries.push_back(other.summary);
   }
-  if (log.error().empty()) {
+
+  bool bad = !flight.faults.empty();
+  if (flight.logged) {
     try {
       write_report(folder);
     } catch (const std::exception& error) {
-      fmt::print(stderr, "sightline: {}\n", error.what());
+      say(error.what());
       bad = true;
     }
   }
-  print_table(log.summary().json());
+  print_table(summary_lines(flight.summary));
+  if (summaries.size() > 1) {
+    fmt::print("\n");
+    print_table(comparison_lines(summaries));
+    fmt::print("\n");
+  }
   for (const char* file : {"report.html", "run.mcap", "summary.json"})
     fmt::print("{}\n", (folder / file).native());
   return bad ? 1 : 0;
@@ -137,7 +166,7 @@ int report(const std::filesystem::path& folder) {
   try {
     write_report(folder);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "sightline: {}\n", error.what());
+    say(error.what());
     return 1;
   }
   fmt::print("{}\n", (folder / "report.html").native());

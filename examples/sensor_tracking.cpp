@@ -19,7 +19,7 @@ int main() {
   team.couple(0.4 * KeepOut{.d_min = 1, .kappa_H = 4.5, .kappa_G = 0.001, .kappa_A = 3}, pair, feels);
   team.couple(0.4 * Cohesion{.d_max = 2, .kappa_H = 1.5, .kappa_G = 0.001, .kappa_A = 3}, pair, feels);
 
-  Cmscgmres mpc(team, {.T = 1.0, .N = 20, .dt = 0.01});
+  NewtonRiccati mpc(team, {.T = 1.0, .N = 20, .dt = 0.01});
   Plant plant(team, {-0.6, -0.3, 0.6, 1, 0, 0, 0, /**/ 0, 0, 0.5, 1, 0, 0, 0});
 
   for (int k = 0; k < 6000; ++k) plant.step(mpc.step(0.01 * k, plant.x()), 0.01);

@@ -53,7 +53,7 @@ Recording flown(int periods) {
   fly(solver, paper::start(), periods, [&](double t, const std::vector<double>& x, const Solution& solution) {
     r.time.push_back(t);
     r.cost.push_back(stage_cost(team, t, x, solution.u));
-    r.update_us.push_back(50.0 + static_cast<double>(r.time.size() % 7));
+    r.solve_us.push_back(50.0 + static_cast<double>(r.time.size() % 7));
     r.controllers[0].residual.push_back(solution.residual);
     r.controllers[0].iterations.push_back(solution.iterations);
     for (int i = 0; i < team.bodies(); ++i) {
@@ -80,7 +80,7 @@ Recording walked(Random& random, std::size_t bodies, std::size_t periods) {
   r.period = 0.02;
   for (std::size_t k = 0; k < periods; ++k) {
     r.time.push_back(0.02 * static_cast<double>(k));
-    r.update_us.push_back(uniform(random, 10, 1000));
+    r.solve_us.push_back(uniform(random, 10, 1000));
   }
   for (std::size_t i = 0; i < bodies; ++i) {
     Recording::Body body;

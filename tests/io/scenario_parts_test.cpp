@@ -141,7 +141,7 @@ TEST(ScenarioParts, a_solver_that_is_none_is_refused_with_those_there_are) {
     solver_named("simplex\n");
     FAIL() << "expected a refusal";
   } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(), "solver = simplex\\n, expected one of cmscgmres, newton_riccati");
+    EXPECT_STREQ(error.what(), "solver = simplex\\n, expected one of newton_riccati, cmscgmres");
   }
 }
 

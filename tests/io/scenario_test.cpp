@@ -112,9 +112,13 @@ TEST(Scenario, the_paper_s_scenario_is_the_paper_s) {
   EXPECT_EQ(std::tie(cone->alpha, cone->kappa_G, cone->kappa_A, cone->mount.pitch, cone->mount.offset),
             std::make_tuple(0.5, 0.01, 2.0, 0.5, 0.17));
   EXPECT_EQ(std::tie(s.horizon.T, s.horizon.N, s.horizon.dt), std::make_tuple(1.0, 20, 0.01));
-  const auto& options = std::get<CmscgmresOptions>(s.solver.options);
-  EXPECT_EQ(std::tie(options.zeta, options.k_max, options.alpha, options.slack_weight),
-            std::make_tuple(10.0, 30, 2.0, 0.01));
+  const auto& options = std::get<NewtonRiccatiOptions>(s.solver.options);
+  const NewtonRiccatiOptions built{};
+  EXPECT_EQ(std::tie(options.max_newton_steps, options.start_steps, options.tolerance, options.max_krylov,
+                     options.krylov_stop, options.step_cap, options.deadline),
+            std::tie(built.max_newton_steps, built.start_steps, built.tolerance, built.max_krylov,
+                     built.krylov_stop, built.step_cap, built.deadline));
+  EXPECT_EQ(s.simulation.compare, (std::vector<std::string>{"newton_riccati", "cmscgmres"}));
 }
 
 TEST(Scenario, the_joint_scenario_differs_in_felt_by_alone) {
@@ -137,7 +141,7 @@ TEST(Scenario, what_is_left_out_has_the_defaults_of_the_structs) {
   const Scenario s = parse_scenario(fmt::format("[agent.a]\n{}", robot), "folder/least.toml");
   EXPECT_EQ(s.name, "least");
   EXPECT_EQ(s.horizon.N, Horizon{}.N);
-  EXPECT_EQ(s.solver.name, "cmscgmres");
+  EXPECT_EQ(s.solver.name, "newton_riccati");
   EXPECT_EQ(s.simulation.duration, Simulation{}.duration);
   EXPECT_EQ(s.log.paths, LogOptions{}.paths);
   EXPECT_EQ(s.team.agents()[0].R, std::vector<double>(4, 1.0));
@@ -223,7 +227,7 @@ TEST(Scenario, the_summary_says_who_feels_what) {
   EXPECT_EQ(summary(read_scenario(tree / "scenarios/paper_7_1.toml")),
             "scenario    paper_7_1\n"
             "horizon     1 s, 20 stages, period 0.01 s\n"
-            "solver      cmscgmres\n"
+            "solver      newton_riccati\n"
             "simulation  60 s, 6000 updates, seed 1\n"
             "team        14 states, 8 inputs\n"
             "agent       uav0: multirotor, 7 states, 4 inputs\n"

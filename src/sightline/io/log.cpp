@@ -148,6 +148,9 @@ std::filesystem::path prepared(const std::filesystem::path& folder) {
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
   for (const char* name : {"summary.json", "report.html"}) std::filesystem::remove(folder / name, ignored);
+  for (const std::string_view solver : solver_names()) {  // of comparisons
+    std::filesystem::remove(folder / solver / "summary.json", ignored);
+  }
   return folder;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -182,13 +183,14 @@ class Rows {
   std::map<std::string, std::function<void(const McapMessage&)>, std::less<>> places_;
 };
 
-// Whole rows alone: the last may have been cut off.
-void read_timing(const std::filesystem::path& path, Recording& run) {
+// Times to solve of all controllers together. Whole rows alone: the last may have been cut off.
+std::vector<double> read_timing(const std::filesystem::path& path, std::size_t controllers) {
   std::ifstream file(path, std::ios::binary);
   if (!file) refuse("{} cannot be read, expected the measured times of a run", path.string());
   std::string line;
   std::getline(file, line);
-  const std::size_t columns = 2 + run.controllers.size() + 3;
+  const std::size_t columns = 2 + controllers + 3;
+  std::vector<double> solve_us;
   while (std::getline(file, line) && !file.eof()) {
     std::vector<double> row;
     const char* const end = line.data() + line.size();
@@ -202,11 +204,30 @@ void read_timing(const std::filesystem::path& path, Recording& run) {
     if (row.size() != columns) {
       refuse("{}: \"{}\", expected {} numbers with commas between them", path.string(), line, columns);
     }
-    run.update_us.push_back(row[1]);
-    double solve_us = 0.0;
-    for (std::size_t c = 0; c < run.controllers.size(); ++c) solve_us += row[2 + c];
-    run.solve_us.push_back(solve_us);
+    double sum = 0.0;
+    for (std::size_t c = 0; c < controllers; ++c) sum += row[2 + c];
+    solve_us.push_back(sum);
   }
+  return solve_us;
+}
+
+// Folders within the run's that hold a summary of the same scenario and seed.
+std::vector<Recording::Comparison> read_comparisons(const std::filesystem::path& folder,
+                                                    const Recording& run) {
+  std::vector<Recording::Comparison> comparisons;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::ifstream file(entry.path() / "summary.json", std::ios::binary);
+    if (!file) continue;
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const json summary = json::parse(text, nullptr, false);
+    if (summary.is_discarded() || summary.value("scenario", "") != run.name ||
+        summary.value("seed", 0ULL) != run.seed)
+      continue;
+    comparisons.push_back({text, summary.value("solver", ""), read_timing(entry.path() / "timing.csv", 1)});
+  }
+  std::sort(comparisons.begin(), comparisons.end(),
+            [](const auto& a, const auto& b) { return a.solver < b.solver; });
+  return comparisons;
 }
 
 template <class Number>
@@ -247,7 +268,8 @@ Recording read_recording(const std::filesystem::path& folder) {
   }
   if (!log.ok()) refuse("{}", log.error());
   run.complete = !log.truncated();
-  read_timing(folder / "timing.csv", run);
+  run.solve_us = read_timing(folder / "timing.csv", run.controllers.size());
+  run.comparisons = read_comparisons(folder, run);
   return run;
 }
 

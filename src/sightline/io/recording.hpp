@@ -48,6 +48,13 @@ struct Recording {
     std::vector<int> iterations;
   };
 
+  /// Another solver's flight of the same scenario, in a folder of its own within the run's.
+  struct Comparison {
+    std::string summary;  ///< text of its summary.json
+    std::string solver;
+    std::vector<double> solve_us;  ///< measured, one a period
+  };
+
   std::string name, scenario, version, compiler, solver;
   std::uint64_t seed = 0;
   double period = 0.0;       ///< [s]
@@ -57,9 +64,9 @@ struct Recording {
   std::vector<Pair> pairs;
   std::vector<Controller> controllers;
   std::vector<Event> events;
-  std::vector<double> update_us;  ///< measured, one a row of timing.csv
-  std::vector<double> solve_us;   ///< measured, all controllers together
-  bool complete = true;           ///< false: the log ends in the middle, the run was killed
+  std::vector<double> solve_us;         ///< measured, all controllers together, one a row of timing.csv
+  std::vector<Comparison> comparisons;  ///< in the order of the solvers' names
+  bool complete = true;                 ///< false: the log ends in the middle, the run was killed
 };
 
 /// Reads a run's folder; the log of a killed run as far as it is sound.

@@ -264,43 +264,64 @@ void add_solver(const Recording& r, const Curves& curves, std::vector<Drawing>& 
                       {std::move(cost), std::move(residual), std::move(iterations)}});
 }
 
-// Fig. 24 and how the times are spread.
-void add_times(const Recording& r, const Curves& curves, std::vector<Drawing>& drawings) {
-  Numbers t, ms, finite;
-  for (std::size_t k = 0; k < r.update_us.size(); ++k) {
-    t.push_back(k < r.time.size() ? r.time[k] : static_cast<double>(k) * r.period);
-    ms.push_back(r.update_us[k] / 1000);
-    if (std::isfinite(ms.back()) && ms.back() > 0) finite.push_back(ms.back());
-  }
-  if (finite.empty()) return;
-  double sum = 0.0;
-  for (const double value : finite) sum += value;
-  const double mean = sum / static_cast<double>(finite.size()), period = 1000 * r.period;
-  const std::string mean_label =
-      fmt::format("mean {:.3g} ms{}", mean,
-                  r.solver == "cmscgmres" ? fmt::format(" (the paper reports {} ms)", paper_update_ms) : "");
+Numbers in_ms(const Numbers& us) {
+  Numbers ms;
+  for (const double value : us) ms.push_back(std::isfinite(value) && value > 0 ? value / 1000 : none);
+  return ms;
+}
 
-  Panel time{.x_label = "t [s]", .y_label = "update [ms]", .height = 220, .log_y = true};
-  time.curves = {
-      curves.curve("", 0, Mark::thin, t, ms), curves.level(mean_label, 1, mean),
-      curves.level(fmt::format("control period {:.4g} ms", period), Drawing::limit_colour, period)};
+// Fig. 24 and how the times are spread, of all solvers that flew the scenario.
+void add_times(const Recording& r, const Curves& curves, std::vector<Drawing>& drawings) {
+  std::vector<std::pair<std::string_view, Numbers>> solvers = {{r.solver, in_ms(r.solve_us)}};
+  for (const Recording::Comparison& other : r.comparisons)
+    solvers.emplace_back(other.solver, in_ms(other.solve_us));
+  double least = std::numeric_limits<double>::infinity(), greatest = 0.0;
+  for (const auto& [name, ms] : solvers) {
+    for (const double value : ms) {
+      if (value > 0) least = std::min(least, value), greatest = std::max(greatest, value);
+    }
+  }
+  if (!(least <= greatest)) return;
 
   // Bins of equal length in the logarithm, each from edge i to edge i + 1.
-  constexpr std::size_t bins = 80;
-  const auto [least, greatest] = std::minmax_element(finite.begin(), finite.end());
-  const double low = 0.98 * *least, ratio = std::log(1.02 * *greatest / low) / bins;
-  Curve bars{"", 0, Mark::bars, Numbers(bins + 1), Numbers(bins + 1)};
-  for (std::size_t i = 0; i <= bins; ++i) bars.x[i] = low * std::exp(ratio * static_cast<double>(i));
-  for (const double value : finite) {
-    bars.y[std::min(bins - 1, static_cast<std::size_t>(std::log(value / low) / ratio))] += 1;
+  constexpr std::size_t bins = 120;
+  const double low = 0.98 * least, ratio = std::log(1.02 * greatest / low) / bins;
+  const double period = 1000 * r.period;
+  double most = 0.0;
+  Panel time{.x_label = "t [s]", .y_label = "time to solve [ms]", .height = 220, .log_y = true};
+  Panel spread{.x_label = "time to solve [ms]", .y_label = "updates", .height = 180, .log_x = true};
+  for (std::size_t i = 0; i < std::min(solvers.size(), Drawing::colours); ++i) {
+    const auto& [name, ms] = solvers[i];
+    Numbers t;
+    double sum = 0.0;
+    std::size_t measured = 0;
+    Curve bars{"", i, Mark::bars, Numbers(bins + 1), Numbers(bins + 1)};
+    for (std::size_t edge = 0; edge <= bins; ++edge) {
+      bars.x[edge] = low * std::exp(ratio * static_cast<double>(edge));
+    }
+    for (const double value : ms) {
+      t.push_back(static_cast<double>(t.size()) * r.period);
+      if (!(value > 0)) continue;
+      sum += value, ++measured;
+      bars.y[std::min(bins - 1, static_cast<std::size_t>(std::log(value / low) / ratio))] += 1;
+    }
+    const double mean = measured > 0 ? sum / static_cast<double>(measured) : none;
+    time.curves.push_back(curves.curve(
+        fmt::format("{}: mean {:.3g} ms{}", label(name), mean,
+                    name == "cmscgmres" ? fmt::format(" (the paper reports {} ms)", paper_update_ms) : ""),
+        i, Mark::thin, t, ms));
+    most = std::max(most, *std::max_element(bars.y.begin(), bars.y.end()));
+    spread.curves.push_back(std::move(bars));
   }
-  const double most = *std::max_element(bars.y.begin(), bars.y.end());
-  Panel spread{.x_label = "update [ms]", .y_label = "updates", .height = 180, .log_x = true};
-  spread.curves = {std::move(bars), Curve{"", 1, Mark::dashed, {mean, mean}, {0.0, most}},
-                   Curve{"", Drawing::limit_colour, Mark::dashed, {period, period}, {0.0, most}}};
-  drawings.push_back({"Computation time of an update",
-                      "Measured from the state's arrival to the command; below, how the times are spread.",
-                      {std::move(time), std::move(spread)}});
+  time.curves.push_back(
+      curves.level(fmt::format("control period {:.4g} ms", period), Drawing::limit_colour, period));
+  spread.curves.push_back({"", Drawing::limit_colour, Mark::dashed, {period, period}, {0.0, most}});
+  drawings.push_back(
+      {"Computation time of an update",
+       solvers.size() > 1
+           ? "Measured; each solver flew the scenario by itself. Below, how the times are spread."
+           : "Measured; below, how the times are spread.",
+       {std::move(time), std::move(spread)}});
 }
 
 }  // namespace
@@ -384,6 +405,15 @@ std::string summary_table(std::string_view summary) {
   return table + "</table>\n";
 }
 
+std::string comparison_table(const Recording& r, std::string_view summary) {
+  if (r.comparisons.empty() || summary.empty()) return "";
+  std::vector<std::string> summaries{std::string(summary)};
+  for (const Recording::Comparison& other : r.comparisons) summaries.push_back(other.summary);
+  std::string table = "<h2>Solvers side by side</h2>\n<table>\n";
+  for (const SummaryLine& line : comparison_lines(summaries)) table += row(line.what, line.value);
+  return table + "</table>\n";
+}
+
 std::string event_table(const Recording& r) {
   if (r.events.empty()) return "";
   std::string table = fmt::format("<details><summary>Events ({})</summary>\n<table>\n", r.events.size());
@@ -423,6 +453,7 @@ std::string report_html(const Recording& recording, std::string_view summary) {
                     end, summary.empty() ? ", and there is no summary.json" : "");
   }
   if (!summary.empty()) page += summary_table(summary);
+  page += comparison_table(r, summary);
   for (const Figure& figure : draw(drawings_of(r))) {
     page += fmt::format(
         "<h2>{0}</h2>\n<figure "

@@ -50,7 +50,8 @@ class Reader {
     at.read({{"duration", &s.duration, positive("> 0 s")},
              {"settle", &s.settle, not_negative(">= 0 s")},
              {"rms_from", &s.rms_from, not_negative(">= 0 s")}},
-            {"seed", "disturbance"});
+            {"seed", "compare", "disturbance"});
+    if (at.has("compare")) read_compare(at);
     if (at.has("seed")) {
       s.seed = static_cast<std::uint64_t>(at.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
     }
@@ -61,6 +62,19 @@ class Reader {
     if (updates < 0.5)
       at.refuse("duration", fmt::format("at least one period of {} s", scenario_.horizon.dt));
     read_disturbances(at.table_or_empty("disturbance"));
+  }
+
+  void read_compare(const TomlTable& at) {
+    const auto known = solver_names();
+    auto& compare = scenario_.simulation.compare;
+    compare = at.texts("compare", TomlTable::any_length, "solvers");
+    for (std::size_t i = 0; i < compare.size(); ++i) {
+      const auto name = compare.begin() + static_cast<std::ptrdiff_t>(i);
+      if (std::find(known.begin(), known.end(), *name) == known.end() ||
+          std::find(compare.begin(), name, *name) != name) {
+        at.refuse("compare", i, fmt::format("one of {}, each once", fmt::join(known, ", ")));
+      }
+    }
   }
 
   void read_disturbances(const TomlTable& at) {

@@ -23,16 +23,17 @@ namespace sightline {
 
 /// Which solver, and its options.
 struct SolverChoice {
-  std::string name = "cmscgmres";
-  std::variant<CmscgmresOptions, NewtonRiccatiOptions> options{};
+  std::string name = "newton_riccati";
+  std::variant<NewtonRiccatiOptions, CmscgmresOptions> options{};
 };
 
 /// The closed loop and how it is judged.
 struct Simulation {
-  double duration = 60.0;  ///< [s], > 0
-  std::uint64_t seed = 1;  ///< of all chance
-  double settle = 6.0;     ///< distances and views count from here [s], >= 0
-  double rms_from = 10.0;  ///< position errors count from here [s], >= 0
+  double duration = 60.0;              ///< [s], > 0
+  std::uint64_t seed = 1;              ///< of all chance
+  double settle = 6.0;                 ///< distances and views count from here [s], >= 0
+  double rms_from = 10.0;              ///< position errors count from here [s], >= 0
+  std::vector<std::string> compare{};  ///< these solvers fly the same afterwards, but for the run's own
   Disturbances disturbances{};
 };
 
@@ -65,6 +66,9 @@ Scenario read_scenario(const std::filesystem::path& file);
 /// The same from a text that is already read; `file` stands in the refusals.
 /// @throws ScenarioError
 Scenario parse_scenario(std::string text, const std::filesystem::path& file);
+
+/// The names of all solvers.
+std::vector<std::string_view> solver_names();
 
 /// A solver with its default options.
 /// @throws std::invalid_argument for a name that is none, with the names there are

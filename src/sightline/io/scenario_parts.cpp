@@ -187,17 +187,18 @@ SolverChoice read_newton_riccati(const TomlTable& at, const Horizon&) {
            {"krylov_stop", &o.krylov_stop, not_negative(">= 0")},
            {"step_cap", &o.step_cap, positive("> 0")},
            {"deadline", &o.deadline, not_negative(">= 0 s, 0 for none")}},
-          {"name", "max_newton_steps", "max_krylov"});
+          {"name", "max_newton_steps", "start_steps", "max_krylov"});
   if (at.has("max_newton_steps"))
     o.max_newton_steps = static_cast<int>(at.integer("max_newton_steps", 1, 1000));
+  if (at.has("start_steps")) o.start_steps = static_cast<int>(at.integer("start_steps", 1, 1000));
   if (at.has("max_krylov")) o.max_krylov = static_cast<int>(at.integer("max_krylov", 0, 1000));
   return {"newton_riccati", o};
 }
 
 using ReadSolver = SolverChoice (*)(const TomlTable& at, const Horizon& horizon);
 constexpr std::array solvers = {
-    Named<ReadSolver>{"cmscgmres", read_cmscgmres},
     Named<ReadSolver>{"newton_riccati", read_newton_riccati},
+    Named<ReadSolver>{"cmscgmres", read_cmscgmres},
 };
 
 }  // namespace
@@ -223,6 +224,11 @@ SolverChoice read_solver(const TomlTable& solver, const Horizon& horizon) {
   const std::string_view name =
       solver.has("name") ? solver.word("name", names(solvers)) : solvers.front().name;
   return find(solvers, name)(solver, horizon);
+}
+
+std::vector<std::string_view> solver_names() {
+  const auto known = names(solvers);
+  return {known.begin(), known.end()};
 }
 
 SolverChoice solver_named(std::string_view name) {

@@ -351,6 +351,23 @@ std::string percent(const Json& value) {
   return value.is_number() ? fmt::format("{:.1f} %", 100.0 * value.get<double>()) : "-";
 }
 
+std::string times_to_solve(const Json& s) {
+  const Json& us = s.at("solve_us");
+  const std::string_view beside = s.at("solver") == "cmscgmres" ? " (the paper: 2.5 ms)" : "";
+  return fmt::format("mean {}{}, median {}, 99 % within {}, longest {}", words(us.at("mean"), "µs"), beside,
+                     words(us.at("median"), "µs"), words(us.at("p99"), "µs"), words(us.at("max"), "µs"));
+}
+
+// What is not there, or of another kind, is a summary's fault.
+template <class Read>
+std::vector<SummaryLine> of_summary(Read&& read) {
+  try {
+    return read();
+  } catch (const Json::exception& e) {
+    throw std::runtime_error(fmt::format("summary.json is no summary of a run: {}", e.what()));
+  }
+}
+
 std::vector<SummaryLine> lines_of(const Json& s) {
   std::vector<SummaryLine> lines;
   const auto name = [](const Json& word) { return word.get<std::string>(); };
@@ -365,11 +382,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
   }
   add("updates", fmt::format("{} ({})", words(s.at("updates"), ""), statuses));
   add("cost", words(s.at("cost"), "s"));
-  const Json& us = s.at("solve_us");
-  const std::string_view beside = s.at("solver") == "cmscgmres" ? " (the paper: 2.5 ms)" : "";
-  add("time to solve",
-      fmt::format("mean {}{}, median {}, 99 % within {}, longest {}", words(us.at("mean"), "µs"), beside,
-                  words(us.at("median"), "µs"), words(us.at("p99"), "µs"), words(us.at("max"), "µs")));
+  add("time to solve", times_to_solve(s));
   add("allocations in an update", words(s.at("allocations_per_update"), ""));
   add("largest input", fmt::format("{} before the clamp, {} beyond a limit", words(s.at("max_abs_input"), ""),
                                    words(s.at("input_violations"), "")));
@@ -404,11 +417,19 @@ std::vector<SummaryLine> lines_of(const Json& s) {
 }  // namespace
 
 std::vector<SummaryLine> summary_lines(std::string_view json) {
-  try {
-    return lines_of(Json::parse(json));
-  } catch (const Json::exception& e) {
-    throw std::runtime_error(fmt::format("summary.json is no summary of a run: {}", e.what()));
-  }
+  return of_summary([&] { return lines_of(Json::parse(json)); });
+}
+
+std::vector<SummaryLine> comparison_lines(std::span<const std::string> summaries) {
+  return of_summary([&] {
+    std::vector<SummaryLine> lines;
+    for (const std::string& text : summaries) {
+      const Json s = Json::parse(text);
+      lines.push_back(
+          {s.at("solver"), fmt::format("{}; cost {}", times_to_solve(s), words(s.at("cost"), "s"))});
+    }
+    return lines;
+  });
 }
 
 }  // namespace sightline

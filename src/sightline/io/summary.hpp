@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -145,6 +146,10 @@ struct SummaryLine {
 /// summary.json in words and units.
 /// @throws std::runtime_error where the text is no such summary
 std::vector<SummaryLine> summary_lines(std::string_view json);
+
+/// Solvers side by side: a line for each summary.json, with its times to solve and its cost.
+/// @throws std::runtime_error where a text is no such summary
+std::vector<SummaryLine> comparison_lines(std::span<const std::string> summaries);
 
 /// Writes summary.json into the folder, whole or not at all.
 /// @return what went wrong, a sentence; empty if it stands there
