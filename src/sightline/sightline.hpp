@@ -7,5 +7,6 @@
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/sim/plant.hpp"
 #include "sightline/sim/sensor.hpp"
+#include "sightline/solver/cgmres.hpp"
 #include "sightline/solver/cmscgmres.hpp"
 #include "sightline/solver/newton_riccati.hpp"

@@ -1,5 +1,6 @@
 #include "sightline/io/scenario_parts.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "sightline/potential/bounds.hpp"
@@ -120,20 +121,33 @@ TEST(ScenarioParts, each_reference_is_the_one_of_its_struct) {
 }
 
 TEST(ScenarioParts, each_option_of_a_solver_sets_its_field) {
-  const CmscgmresOptions o = options(
-      "name = \"cmscgmres\"\nzeta = 5\nk_max = 7\nalpha = 3\ndifference_step = 1e-3\nslack_weight = 0.5\n"
-      "jacobian = \"forward_difference\"\ngmres_tolerance = 1e-5\ntolerance = 1e-2\n");
-  EXPECT_EQ(std::tie(o.zeta, o.k_max, o.alpha, o.difference_step, o.slack_weight, o.jacobian,
-                     o.gmres_tolerance, o.tolerance),
-            std::make_tuple(5.0, 7, 3.0, 1e-3, 0.5, JacobianProduct::forward_difference, 1e-5, 1e-2));
+  for (const char* name : {"cmscgmres", "cgmres"}) {
+    const CmscgmresOptions o =
+        options(fmt::format("name = \"{}\"\n", name) +
+                "zeta = 5\nk_max = 7\nalpha = 3\ndifference_step = 1e-3\nslack_weight = 0.5\n"
+                "jacobian = \"forward_difference\"\ngmres_tolerance = 1e-5\ntolerance = 1e-2\n");
+    EXPECT_EQ(std::tie(o.zeta, o.k_max, o.alpha, o.difference_step, o.slack_weight, o.jacobian,
+                       o.gmres_tolerance, o.tolerance),
+              std::make_tuple(5.0, 7, 3.0, 1e-3, 0.5, JacobianProduct::forward_difference, 1e-5, 1e-2));
+  }
 }
 
 TEST(ScenarioParts, a_solver_by_its_name_has_the_options_of_its_struct) {
-  const SolverChoice choice = solver_named("cmscgmres");
-  EXPECT_EQ(choice.name, "cmscgmres");
-  const auto o = std::get<CmscgmresOptions>(choice.options), built = CmscgmresOptions{};
-  EXPECT_EQ(std::tie(o.zeta, o.k_max, o.alpha, o.jacobian),
-            std::tie(built.zeta, built.k_max, built.alpha, built.jacobian));
+  for (const char* name : {"cmscgmres", "cgmres"}) {
+    const SolverChoice choice = solver_named(name);
+    EXPECT_EQ(choice.name, name);
+    const auto o = std::get<ContinuationOptions>(choice.options), built = ContinuationOptions{};
+    EXPECT_EQ(std::tie(o.zeta, o.k_max, o.alpha, o.jacobian),
+              std::tie(built.zeta, built.k_max, built.alpha, built.jacobian));
+  }
+}
+
+TEST(ScenarioParts, each_name_makes_the_solver_of_that_name) {
+  Team team;
+  team.add(Multirotor{}, {});
+  for (const char* name : {"cmscgmres", "cgmres", "newton_riccati"}) {
+    EXPECT_EQ(make_solver(solver_named(name), team, Horizon{})->name(), name);
+  }
 }
 
 TEST(ScenarioParts, a_solver_that_is_none_is_refused_with_those_there_are) {
@@ -141,7 +155,7 @@ TEST(ScenarioParts, a_solver_that_is_none_is_refused_with_those_there_are) {
     solver_named("simplex\n");
     FAIL() << "expected a refusal";
   } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(), "solver = simplex\\n, expected one of newton_riccati, cmscgmres");
+    EXPECT_STREQ(error.what(), "solver = simplex\\n, expected one of newton_riccati, cmscgmres, cgmres");
   }
 }
 

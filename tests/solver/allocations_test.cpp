@@ -6,6 +6,7 @@
 #include <array>
 #include <limits>
 
+#include "sightline/solver/cgmres.hpp"
 #include "sightline/solver/cmscgmres.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"
@@ -32,10 +33,16 @@ TEST(Allocations, TheCounterSeesWhatASolverIsMadeOf) {
   EXPECT_GE(counted([] { Cmscgmres(paper::target_alone(), {}); }), 10 * one);
 }
 
-TEST(Allocations, NoUpdateTakesMemoryFromTheFirstOnHoweverItEnds) {
+template <class S>
+class AllocationsOf : public testing::Test {};
+
+using Continuations = testing::Types<Cmscgmres, Cgmres>;
+TYPED_TEST_SUITE(AllocationsOf, Continuations);
+
+TYPED_TEST(AllocationsOf, NoUpdateTakesMemoryFromTheFirstOnHoweverItEnds) {
   for (const JacobianProduct product : {JacobianProduct::exact, JacobianProduct::forward_difference}) {
     for (const Variant variant : {Variant::joint, Variant::masked}) {
-      Cmscgmres mpc(paper::team(variant), {}, {.jacobian = product});
+      TypeParam mpc(paper::team(variant), {}, {.jacobian = product});
       std::vector<double> x = paper::saturating_start(), bad(14, nan), huge = x;
       huge[0] = 1e200;
       std::array<bool, status_count> seen{};

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "sightline/solver/cgmres.hpp"
 #include "sightline/solver/cmscgmres.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/ipopt_reference.hpp"
@@ -23,9 +24,10 @@ struct Figures {
   int converged = 0, iteration_limit = 0, other = 0;
 };
 
+template <class S = Cmscgmres>
 Figures fly_paper(const Team& team, std::vector<double> start, int updates,
-                  const CmscgmresOptions& options = {}) {
-  Cmscgmres mpc(team, {}, options);
+                  const ContinuationOptions& options = {}) {
+  S mpc(team, {}, options);
   Figures f;
   int settled = 0;
   fly(mpc, std::move(start), updates, [&](double t, const std::vector<double>& x, const Solution& s) {
@@ -78,6 +80,18 @@ TEST(PaperCampaign, JointItLandsOnThePapersFigures) {
   EXPECT_LE(f.u_max, 1.0);
   EXPECT_EQ(f.raw_u_max, f.u_max) << "no limit is active";
   EXPECT_EQ(f.other, 0);
+}
+
+TEST(PaperCampaign, SingleShootingLandsOnTheSameFigures) {
+  const Figures joint = fly_paper<Cgmres>(paper::team(Variant::joint), paper::start(), 6000);
+  const Figures masked = fly_paper<Cgmres>(paper::team(Variant::masked), paper::start(), 6000);
+  EXPECT_NEAR(joint.cost, 76.8, 0.3);
+  EXPECT_NEAR(masked.cost, 79.8, 0.5);
+  for (const Figures& f : {joint, masked}) {
+    EXPECT_LE(f.residual_max, 1e-4);
+    EXPECT_EQ(f.raw_u_max, f.u_max) << "no limit is active";
+    EXPECT_EQ(f.other, 0);
+  }
 }
 
 TEST(PaperCampaign, InTheSteadyStateTheOptimalityConditionsHold) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "sightline/solver/cgmres.hpp"
 #include "sightline/solver/cmscgmres.hpp"
 #include "sightline/solver/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
@@ -53,7 +54,7 @@ void expect_same_bits(const std::vector<double>& a, const std::vector<double>& b
 template <class S>
 class AnySolver : public testing::Test {};
 
-using Solvers = testing::Types<Cmscgmres, NewtonRiccati>;
+using Solvers = testing::Types<Cgmres, Cmscgmres, NewtonRiccati>;
 TYPED_TEST_SUITE(AnySolver, Solvers);
 
 TYPED_TEST(AnySolver, GivesInputsAndAPredictionFromTheMeasuredState) {

@@ -16,6 +16,7 @@
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/sim/disturbance.hpp"
+#include "sightline/solver/cgmres.hpp"
 #include "sightline/solver/cmscgmres.hpp"
 #include "sightline/solver/newton_riccati.hpp"
 
@@ -24,7 +25,7 @@ namespace sightline {
 /// Which solver, and its options.
 struct SolverChoice {
   std::string name = "newton_riccati";
-  std::variant<NewtonRiccatiOptions, CmscgmresOptions> options{};
+  std::variant<NewtonRiccatiOptions, ContinuationOptions> options{};
 };
 
 /// The closed loop and how it is judged.

@@ -159,8 +159,8 @@ constexpr std::array references = {
 
 // --- solvers ---
 
-SolverChoice read_cmscgmres(const TomlTable& at, const Horizon& horizon) {
-  CmscgmresOptions o;
+ContinuationOptions read_continuation(const TomlTable& at, const Horizon& horizon) {
+  ContinuationOptions o;
   at.read({{"zeta", &o.zeta, positive("> 0 1/s")},
            {"alpha", &o.alpha, positive("> 0 1/s")},
            {"difference_step", &o.difference_step, {1e-15, 0.1, "1e-15 to 0.1 s"}},
@@ -178,7 +178,14 @@ SolverChoice read_cmscgmres(const TomlTable& at, const Horizon& horizon) {
     o.jacobian = at.word("jacobian", products) == "exact" ? JacobianProduct::exact
                                                           : JacobianProduct::forward_difference;
   }
-  return {"cmscgmres", o};
+  return o;
+}
+
+SolverChoice read_cmscgmres(const TomlTable& at, const Horizon& horizon) {
+  return {"cmscgmres", read_continuation(at, horizon)};
+}
+SolverChoice read_cgmres(const TomlTable& at, const Horizon& horizon) {
+  return {"cgmres", read_continuation(at, horizon)};
 }
 
 SolverChoice read_newton_riccati(const TomlTable& at, const Horizon&) {
@@ -199,6 +206,7 @@ using ReadSolver = SolverChoice (*)(const TomlTable& at, const Horizon& horizon)
 constexpr std::array solvers = {
     Named<ReadSolver>{"newton_riccati", read_newton_riccati},
     Named<ReadSolver>{"cmscgmres", read_cmscgmres},
+    Named<ReadSolver>{"cgmres", read_cgmres},
 };
 
 }  // namespace
@@ -243,16 +251,18 @@ SolverChoice solver_named(std::string_view name) {
 
 std::unique_ptr<Solver> make_solver(const SolverChoice& choice, const Team& team, const Horizon& horizon) {
   struct Make {
+    std::string_view name;
     const Team& team;
     const Horizon& horizon;
-    std::unique_ptr<Solver> operator()(const CmscgmresOptions& o) const {
+    std::unique_ptr<Solver> operator()(const ContinuationOptions& o) const {
+      if (name == "cgmres") return std::make_unique<Cgmres>(team, horizon, o);
       return std::make_unique<Cmscgmres>(team, horizon, o);
     }
     std::unique_ptr<Solver> operator()(const NewtonRiccatiOptions& o) const {
       return std::make_unique<NewtonRiccati>(team, horizon, o);
     }
   };
-  return std::visit(Make{team, horizon}, choice.options);
+  return std::visit(Make{choice.name, team, horizon}, choice.options);
 }
 
 }  // namespace sightline
