@@ -24,6 +24,6 @@ int main(int, char** argv) {
   add_executable(${generator} ${folder}/${stem}_generate.cpp)
   target_link_libraries(${generator} PRIVATE sightline::sightline)
   set(kernels ${folder}/${stem}_kernels.cpp)
-  add_custom_command(OUTPUT ${kernels} COMMAND ${generator} ${kernels} VERBATIM)
+  add_custom_command(OUTPUT ${kernels} COMMAND ${generator} ${kernels} DEPENDS ${generator} VERBATIM)
   target_sources(${target} PRIVATE ${kernels})
 endfunction()

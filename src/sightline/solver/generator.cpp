@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -15,6 +16,12 @@ constexpr double h = 0.05;  // any stage length that meets no other constant giv
 /// Prints a function as a member of the struct that the lines before it have opened.
 std::string member(const BlockProgram& p, std::string_view name) {
   return emit(p.program, name, p.inputs, p.outputs);
+}
+
+/// A constant, so that it is there before any table is registered.
+std::string list(std::string_view type, std::string_view name, const std::string& rows) {
+  return fmt::format("constexpr std::array<{}, {}> {} = {{{{\n{}}}}};\n", type,
+                     std::count(rows.begin(), rows.end(), '\n'), name, rows);
 }
 
 }  // namespace
@@ -54,11 +61,11 @@ void Generator::add(const std::vector<Weighted>& terms) {
 }
 
 std::string Generator::text() const {
-  return "// Printed by the generator; not to be edited.\n#include <vector>\n\n#include "
+  return "// Printed by the generator; not to be edited.\n#include <array>\n\n#include "
          "\"sightline/solver/kernel_table.hpp\"\n\n"
          "namespace sightline {\nnamespace {\n\n" +
-         functions_ + "const std::vector<StageKernel> stage_kernels = {\n" + stage_rows_ +
-         "};\nconst std::vector<FormulaKernel> formula_kernels = {\n" + formula_rows_ + "};\n\n" +
+         functions_ + list("StageKernel", "stage_kernels", stage_rows_) +
+         list("FormulaKernel", "formula_kernels", formula_rows_) + "\n" +
          (for_library_
               ? "}  // namespace\n\nconst KernelTable& built_in_kernels() {\n"
                 "  static const KernelTable table{stage_kernels, formula_kernels};\n  return table;\n}\n\n"
