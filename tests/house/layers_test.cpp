@@ -109,6 +109,14 @@ TEST(Layers, sources_name_our_headers_from_the_root_of_the_includes) {
           << name(file) << " includes " << included << ", expected sightline/<layer>/<file>.hpp";
 }
 
+TEST(Layers, the_library_knows_none_of_its_users) {
+  for (const fs::path& file : files_of("src/sightline"))
+    for (const std::string& included : includes(file))
+      for (const std::string& folder : code_folders)
+        EXPECT_FALSE(included.starts_with(folder + "/"))
+            << name(file) << " includes " << included << ", expected nothing of " << folder;
+}
+
 TEST(Layers, a_dds_header_occurs_in_bridges_alone) {
   EXPECT_TRUE(is_of_dds("dds/dds.h") && is_of_dds("fastdds/dds/domain/DomainParticipant.hpp"));
   EXPECT_FALSE(is_of_dds("sightline/io/cdr.hpp"));

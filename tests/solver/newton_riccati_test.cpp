@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/ipopt.hpp"
 #include "cli/allocations.hpp"
 #include "sightline/solver/hamiltonian.hpp"
 #include "tests/support/closed_loop.hpp"
-#include "tests/support/ipopt_reference.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random_team.hpp"
 

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
+#include "bench/ipopt.hpp"
 #include "sightline/solver/cgmres.hpp"
 #include "sightline/solver/cmscgmres.hpp"
 #include "tests/support/closed_loop.hpp"
-#include "tests/support/ipopt_reference.hpp"
 #include "tests/support/paper_team.hpp"
 
 namespace sightline {
