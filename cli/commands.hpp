@@ -17,6 +17,12 @@ struct RunOptions {
   bool realtime = false;
 };
 
+struct BenchCommand {
+  std::optional<std::string> name;  ///< of one case; none: all
+  std::string solver = "newton_riccati";
+  bool json = false;
+};
+
 /// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.
 int run(const RunOptions& options);
 /// Reads a scenario and says what it describes, or what is wrong with it.
@@ -24,5 +30,7 @@ int check(const std::filesystem::path& scenario);
 /// Makes report.html again from what a run left.
 int report(const std::filesystem::path& folder);
 int version();
+/// Flies the benchmark's cases and prints times, errors and costs, as a table or as JSON.
+int bench(const BenchCommand& command);
 
 }  // namespace sightline::cli

@@ -30,6 +30,12 @@ int main(int argc, char** argv) {
 
   CLI::App* version_command = app.add_subcommand("version", "Version and compiler");
 
+  BenchCommand bench_options;
+  CLI::App* bench_command = app.add_subcommand("bench", "Time the solvers and compare them with the optimum");
+  bench_command->add_option("--case", bench_options.name, "One case, instead of all");
+  bench_command->add_option("--solver", bench_options.solver, "Solver [newton_riccati]");
+  bench_command->add_flag("--json", bench_options.json, "JSON instead of a table");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -40,6 +46,7 @@ int main(int argc, char** argv) {
     if (check_command->parsed()) return check(scenario);
     if (report_command->parsed()) return report(folder);
     if (version_command->parsed()) return version();
+    if (bench_command->parsed()) return bench(bench_options);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "sightline: %s\n", e.what());
     return 1;

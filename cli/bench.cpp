@@ -1,0 +1,56 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <stdexcept>
+
+#include "cli/allocations.hpp"
+#include "cli/commands.hpp"
+#ifdef SIGHTLINE_BENCH
+#include "bench/bench.hpp"
+#endif
+
+namespace sightline::cli {
+
+#ifdef SIGHTLINE_BENCH
+
+int bench(const BenchCommand& command) {
+  std::vector<BenchCase> cases;
+  SolverChoice solver;
+  try {
+    solver = solver_named(command.solver);
+    for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names())
+      cases.push_back(bench_case(name));
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "sightline bench: {}\n", error.what());
+    return 2;
+  }
+
+  pin_to_core();
+  std::vector<BenchRow> rows;
+  for (const BenchCase& what : cases) {
+    fmt::print(stderr, "{}: ", what.name);
+    rows.push_back(run_bench(what, solver, {.allocations = allocations, .progress = [](int update) {
+                                              if (update % 500 == 0) fmt::print(stderr, ".");
+                                            }}));
+    const BenchRow& row = rows.back();
+    fmt::print(stderr, " {:.2f} us\n", row.median_us);
+    if (row.unconverged > 0)
+      fmt::print(stderr, "{}: the optimum of {} updates is not known to 1e-10\n", row.name, row.unconverged);
+    if (row.ipopt_failed > 0) fmt::print(stderr, "{}: IPOPT failed {} times\n", row.name, row.ipopt_failed);
+  }
+  fmt::print("{}", command.json ? bench_json(rows) : bench_table(rows));
+  return 0;
+}
+
+#else
+
+int bench(const BenchCommand&) {
+  fmt::print(stderr,
+             "sightline bench: this build left the benchmarks out, expected one configured with "
+             "-D SIGHTLINE_BENCH=ON, as the release preset is\n");
+  return 2;
+}
+
+#endif
+
+}  // namespace sightline::cli
