@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 
 #include "sightline/formula/interpret.hpp"
@@ -53,10 +54,21 @@ TEST(Derive, GradientAndHessianAreTheCentralDifferences) {
   }
 }
 
+TEST(Derive, AThirdDerivativeOfARelaxedLogIsRefused) {
+  Graph graph;
+  const Term x = graph.input(0);
+  const std::vector<Term> inputs = {x};
+  const Derivatives d = derive(graph, graph.relaxed_log(x), inputs);
+  EXPECT_THROW((void)gradient(graph, d.second[0], inputs), std::invalid_argument);
+}
+
 TEST(Derive, TheHessianIsTheGradientOfTheGradient) {
   Random random(2);
   for (int k = 0; k < 2000; ++k) {
     Recorded f(random, 1 + static_cast<int>(random() % 24));
+    const auto nodes = f.graph.nodes();
+    const auto once = [](const Node& node) { return node.op == Op::relaxed_log; };
+    if (std::any_of(nodes.begin(), nodes.end(), once)) continue;  // its slope is not derived again
     const auto second = f.at_point(derive(f.graph, f.out, f.inputs).second);
     const auto first = gradient(f.graph, f.out, f.inputs);
     for (int i = 0; i < n; ++i) {

@@ -201,6 +201,15 @@ TEST(Graph, ConstantsAreDrawnToTheFrontUnlessToldOtherwise) {
   EXPECT_NE(graph.multiply(graph.multiply(c, b), a), graph.multiply(c, graph.multiply(a, b)));
 }
 
+TEST(Graph, TheRelaxedLogOfAConstantIsAConstantAndThatOfAnInputKnowsItsSign) {
+  Graph graph;
+  EXPECT_EQ(graph.relaxed_log(graph.constant(1.0)), graph.constant(0.0));
+  EXPECT_EQ(graph.relaxed_log(graph.constant(-1.0)), graph.constant(-4.0));
+  const Term a = graph.input(0);
+  EXPECT_EQ(graph.relaxed_log(a), graph.relaxed_log(a));
+  EXPECT_NE(graph.relaxed_log(a), graph.relaxed_log(-a));
+}
+
 TEST(Graph, TheMaximumOfConstantsIsAConstant) {
   Graph graph;
   EXPECT_EQ(graph.maximum(graph.constant(-1.0), graph.constant(-2.0)), graph.constant(-1.0));

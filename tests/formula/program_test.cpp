@@ -54,6 +54,8 @@ std::vector<S> run(const Program& program, std::span<const double> inputs) {
           return exp(row(q.a));
         case Code::logistic:
           return logistic(row(q.a));
+        case Code::relaxed_log:
+          return relaxed_log(row(q.a));
         case Code::sine:
           return sin(row(q.a));
         case Code::cosine:

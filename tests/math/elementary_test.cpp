@@ -46,6 +46,23 @@ TEST(Elementary, LogisticIsWithinThreeUlpInBothBranches) {
   EXPECT_LE(worst_ulps(logistic_of, exact_logistic, [](Random& r) { return uniform(r, -1, 1); }), 3.0);
 }
 
+TEST(Elementary, RelaxedLogIsTheLogarithmWithinTwoUlpFromOneOn) {
+  const auto log_of = [](double x) { return relaxed_log(x); };
+  const auto exact_log = [](long double x) { return std::log(x); };
+  EXPECT_LE(worst_ulps(log_of, exact_log, [](Random& r) { return uniform(r, 1, 2); }), 2.0);
+  EXPECT_LE(worst_ulps(log_of, exact_log, [](Random& r) { return std::exp(uniform(r, 0, 709)); }), 2.0);
+}
+
+TEST(Elementary, RelaxedLogIsBelowOneTheParabolaThatTouchesTheLogarithm) {
+  Random random(3);
+  EXPECT_EQ(relaxed_log(1.0), 0.0);
+  for (int k = 0; k < 200'000; ++k) {
+    const double x = uniform(random, -1e3, 1);
+    EXPECT_LE(ulps(relaxed_log(x), -(1 - x) - (1 - x) * static_cast<long double>(1 - x) / 2), 2.0) << x;
+  }
+  EXPECT_TRUE(std::isnan(relaxed_log(nan)));
+}
+
 TEST(Elementary, SinAndCosAreWithinTheirUlpUpToAMillion) {
   for (const double reach : {1.0, 10.0, 1e3, 1e6}) {
     const auto draw = [&](Random& r) { return uniform(r, -reach, reach); };
@@ -107,13 +124,17 @@ TEST(Elementary, SinIsOddCosIsEvenAndTheirSquaresAddUpToOne) {
 }
 
 TEST(Elementary, TheBitsAreTheSameOnEveryMachineAndAtEveryOptimisationLevel) {
-  std::uint64_t digest = 14695981039346656037ull;  // FNV-1a over whole words
+  constexpr std::uint64_t start = 14695981039346656037ull;  // FNV-1a over whole words
+  std::uint64_t digest = start;
   const auto take = [&](double v) { digest = (digest ^ std::bit_cast<std::uint64_t>(v)) * 1099511628211ull; };
   for (int k = -5000; k <= 5000; ++k) {
     const double x = k * 0.1373;
     take(exp(x)), take(logistic(x)), take(sin(x)), take(cos(x));
   }
   EXPECT_EQ(digest, 8735741434214516763ull);
+  digest = start;
+  for (int k = -5000; k <= 5000; ++k) take(relaxed_log(k * 0.1373));
+  EXPECT_EQ(digest, 3872154215374893434ull);
 }
 
 template <class L>
@@ -131,12 +152,13 @@ TYPED_TEST(ElementaryOnLanes, EachLaneHoldsTheBitsOfTheDouble) {
       x = k % 3 == 0 ? any_finite(random) : k % 31 == 1 ? special[random() % 4] : uniform(random, -800, 800);
     }
     const TypeParam x = TypeParam::load(row.data());
-    const TypeParam e = exp(x), l = logistic(x), s = sin(x), c = cos(x);
+    const TypeParam e = exp(x), l = logistic(x), s = sin(x), c = cos(x), r = relaxed_log(x);
     for (int i = 0; i < width; ++i) {
       ASSERT_TRUE(same_bits(e[i], exp(x[i]))) << x[i];
       ASSERT_TRUE(same_bits(l[i], logistic(x[i]))) << x[i];
       ASSERT_TRUE(same_bits(s[i], sin(x[i]))) << x[i];
       ASSERT_TRUE(same_bits(c[i], cos(x[i]))) << x[i];
+      ASSERT_TRUE(same_bits(r[i], relaxed_log(x[i]))) << x[i];
     }
   }
 }

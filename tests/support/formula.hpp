@@ -25,6 +25,8 @@ class Formula {
         return n - 1 - std::min<std::size_t>(random() % n, random() % n);
       };
       const Step step{static_cast<Kind>(random() % kinds), recent(), recent(), constant(random)};
+      // Where its branches meet, a logarithm has no third derivative to take differences by.
+      if (step.kind == Kind::logarithm && std::fabs(step.c + values[step.a] - 1.0) < 0.05) continue;
       const double value = apply(step, values);
       if (!(std::fabs(value) <= limit)) continue;
       steps_.push_back(step);
@@ -53,9 +55,10 @@ class Formula {
     exponential,
     sigmoid,
     sine,
-    cosine
+    cosine,
+    logarithm
   };
-  static constexpr int kinds = 12;
+  static constexpr int kinds = 13;
 
   struct Step {
     Kind kind;
@@ -97,6 +100,8 @@ class Formula {
         return sin(a);
       case Kind::cosine:
         return cos(a);
+      case Kind::logarithm:
+        return relaxed_log(step.c + a);
     }
     return a;
   }

@@ -27,6 +27,8 @@ class Strict {
   friend Strict sqrt(Strict a) { return sightline::sqrt(a.value_); }
   friend Strict exp(Strict a) { return sightline::exp(a.value_); }
   friend Strict logistic(Strict a) { return sightline::logistic(a.value_); }
+  friend Strict maximum(Strict a, Strict b) { return sightline::maximum(a.value_, b.value_); }
+  friend Strict relaxed_log(Strict a) { return sightline::relaxed_log(a.value_); }
   friend Strict sin(Strict a) { return sightline::sin(a.value_); }
   friend Strict cos(Strict a) { return sightline::cos(a.value_); }
 

@@ -45,6 +45,11 @@ class Wide {
     const long double s = 1 / (1 + std::exp(-a.value_));
     return {s, s * (1 - s) * a.rounding_ + 3 * unit};
   }
+  friend Wide relaxed_log(const Wide& a) {
+    const long double below = a.value_ < 1 ? 1 - a.value_ : 0, above = a.value_ < 1 ? 1 : a.value_;
+    const long double log = std::log(above) - below - below * below / 2;
+    return {log, (1 / above + below) * a.rounding_ + 3 * unit * std::fabs(log)};
+  }
   friend Wide sin(const Wide& a) {
     return {std::sin(a.value_), std::fabs(std::cos(a.value_)) * a.rounding_ + 2 * unit};
   }

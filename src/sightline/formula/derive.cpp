@@ -67,6 +67,12 @@ Local differentiate(Graph& g, int v, bool second_order) {
       if (second_order) d.second[0] = g.multiply(d.first[0], g.subtract(rest, self));
       break;
     }
+    case Op::relaxed_log: {  // m = max(a, 1): 1/m + (m - a), -1/m^2
+      const Term above = g.maximum(n.a, one), inverse = g.reciprocal(above);
+      d.first[0] = g.multiply(signed_one(g, n.a), g.add(inverse, g.subtract(above, n.a)));
+      if (second_order) d.second[0] = -g.multiply(inverse, inverse);
+      break;
+    }
     case Op::sine:
       d.first[0] = g.cosine(n.a);
       d.second[0] = -self;

@@ -104,6 +104,8 @@ class Printer {
         return "exp(" + a + ")";
       case Code::logistic:
         return "logistic(" + a + ")";
+      case Code::relaxed_log:
+        return "relaxed_log(" + a + ")";
       case Code::sine:
         return "sin(" + a + ")";
       case Code::cosine:

@@ -102,6 +102,11 @@ Term Graph::logistic(Term a) {
   return a.negative ? subtract(constant(1.0), s) : s;
 }
 
+Term Graph::relaxed_log(Term a) {
+  if (is_constant(a)) return constant(sightline::relaxed_log(constant_value(a)));
+  return unique({.op = Op::relaxed_log, .a = a});
+}
+
 Term Graph::sine(Term a) {
   if (is_constant(a)) return constant(sightline::sin(constant_value(a)));
   return with_sign(unique({.op = Op::sine, .a = positive(a)}), a.negative);

@@ -22,6 +22,7 @@ enum class Op : std::uint8_t {
   square_root,  ///< sqrt(a)
   exponential,  ///< e^a
   logistic,     ///< 1 / (1 + e^-a); a positive
+  relaxed_log,  ///< ln a for a >= 1, below it the parabola of the same curvature; has two derivatives
   sine,         ///< sin a; a positive
   cosine,       ///< cos a; a positive
   maximum,      ///< the larger of a and b; has no derivative
@@ -56,6 +57,7 @@ class Graph {
   Term square_root(Term a);
   Term exponential(Term a);
   Term logistic(Term a);
+  Term relaxed_log(Term a);
   Term sine(Term a);
   Term cosine(Term a);
   Term maximum(Term a, Term b);

@@ -100,6 +100,9 @@ void execute(std::span<const Instruction> instructions, const Row& row, int coun
       case Code::logistic:
         unary([](L x) { return logistic(x); });
         break;
+      case Code::relaxed_log:
+        unary([](L x) { return relaxed_log(x); });
+        break;
       case Code::sine:
         unary([](L x) { return sin(x); });
         break;

@@ -145,6 +145,9 @@ class Lowering {
         case Op::logistic:
           i = {.code = Code::logistic, .a = row(n.a)};
           break;
+        case Op::relaxed_log:
+          i = {.code = Code::relaxed_log, .a = operand(n.a)};
+          break;
         case Op::sine:
           i = {.code = Code::sine, .a = row(n.a)};
           break;

@@ -24,6 +24,7 @@ enum class Code : std::uint8_t {
   square_root,
   exponential,
   logistic,
+  relaxed_log,
   sine,
   cosine,
   maximum,  ///< d = a where a > b, else b

@@ -50,6 +50,9 @@ class Symbol {
   friend Symbol logistic(const Symbol& a) {
     return apply(a, &Graph::logistic, [](double x) { return sightline::logistic(x); });
   }
+  friend Symbol relaxed_log(const Symbol& a) {
+    return apply(a, &Graph::relaxed_log, [](double x) { return sightline::relaxed_log(x); });
+  }
   friend Symbol sin(const Symbol& a) {
     return apply(a, &Graph::sine, [](double x) { return sightline::sin(x); });
   }

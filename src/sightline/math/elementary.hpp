@@ -45,6 +45,30 @@ L logistic(L x) {
   return where_negative(x, e * s, s);
 }
 
+/// ln x for x >= 1; below, the parabola that goes on with its value, slope and curvature, -(1 - x) - (1 - x)^2
+/// / 2. Within 2 ulp for x >= 1. (Where the square overflows, so does the result.)
+template <Real L>
+L relaxed_log(L x) {
+  const L above = maximum(x, L(1.0)), below = above - x;
+  // above = 2^n p, ln p = 2 artanh(f / (2 + f)), f = p - 1; ln 2 in two parts.
+  L rounded;
+  const L f = detail::mantissa(above, rounded) - L(1.0);
+  const L n = rounded - L(detail::round_magic);
+  const L s = f / (L(2.0) + f);
+  const L z = s * s;
+  L r = L(1.479819860511658591e-01);
+  r = fma(r, z, L(1.531383769920937332e-01));
+  r = fma(r, z, L(1.818357216161805012e-01));
+  r = fma(r, z, L(2.222219843214978396e-01));
+  r = fma(r, z, L(2.857142874366239149e-01));
+  r = fma(r, z, L(3.999999999940941908e-01));
+  r = fma(r, z, L(6.666666666666735130e-01));
+  const L half = L(0.5) * f * f;
+  const L tail = fma(n, L(1.90821492927058770002e-10), s * fma(r, z, half));
+  const L log = n * L(6.93147180369123816490e-01) - ((half - tail) - f);
+  return log - fma(L(0.5) * below, below, below);
+}
+
 template <Real L>
 struct SinCos {
   L sin, cos;

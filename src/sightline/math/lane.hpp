@@ -250,6 +250,25 @@ Lane<W> where_bit(Lane<W> rounded, std::int64_t bit, Lane<W> a, Lane<W> b) {
   return L(set ? a.v : b.v);
 }
 
+/// x = 2^n p, x >= 1, p in [sqrt(1/2), sqrt 2): p, and n in the low bits of `exponent`, as round_magic has it.
+inline double mantissa(double x, double& exponent) {
+  constexpr std::int64_t root_half = 0x3fe6a09e667f3bcd;
+  const std::int64_t n = (std::bit_cast<std::int64_t>(x) - root_half) >> 52;
+  exponent = std::bit_cast<double>(std::bit_cast<std::int64_t>(round_magic) + n);
+  return std::bit_cast<double>(std::bit_cast<std::int64_t>(x) - (n << 52));
+}
+
+template <int W>
+Lane<W> mantissa(Lane<W> x, Lane<W>& exponent) {
+  Lane<W> p;
+  for (int i = 0; i < W; ++i) {
+    double e = 0.0;
+    p.v[i] = mantissa(x.v[i], e);
+    exponent.v[i] = e;
+  }
+  return p;
+}
+
 /// y, but x where x is not a number.
 inline double keep_nan(double x, double y) { return x != x ? x : y; }
 

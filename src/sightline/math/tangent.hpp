@@ -46,6 +46,10 @@ struct Tangent {
     const S s = logistic(a.value);
     return {s, a.rate * (s * (1.0 - s))};
   }
+  friend Tangent relaxed_log(const Tangent& a) {
+    const S above = maximum(a.value, S(1.0));
+    return {relaxed_log(a.value), a.rate * (1.0 / above + (above - a.value))};
+  }
   friend Tangent sin(const Tangent& a) { return {sin(a.value), a.rate * cos(a.value)}; }
   friend Tangent cos(const Tangent& a) { return {cos(a.value), -(a.rate * sin(a.value))}; }
 };
