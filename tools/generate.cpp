@@ -11,6 +11,7 @@
 
 #include "sightline/model/robots.hpp"
 #include "sightline/potential/distance.hpp"
+#include "sightline/potential/limits.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/solver/generator.hpp"
 
@@ -26,6 +27,10 @@ int main(int argc, char** argv) {
     generator.add(
         Multirotor{.b_z = 1.11, .b_psi = 1.62, .a_f = -0.51, .b_f = 1.43, .a_s = -0.53, .b_s = 1.47}, seen);
     generator.add(AngleMultirotor{}, seen);
+  }
+  for (const double bound : {1.0, 0.83}) {
+    generator.add(Multirotor{}, Seen::pose, {RelaxedBarrier{SpeedLimit{bound}, 0.013, 0.17}});
+    generator.add(Multirotor{}, Seen::pose, {RelaxedBarrier{InputDisc{bound}, 0.013, 0.17}});
   }
   const SensorCone cone{
       .alpha = 0.52, .kappa_G = 0.013, .kappa_A = 2.1, .form = ConeForm::sine, .mount = {0.47, 0.16}};

@@ -4,6 +4,7 @@
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
+#include "sightline/potential/limits.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/sim/plant.hpp"
 #include "sightline/sim/sensor.hpp"

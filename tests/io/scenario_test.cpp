@@ -1,6 +1,7 @@
 #include "sightline/io/scenario.hpp"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -221,6 +222,24 @@ TEST(Scenario, each_disturbance_sets_its_field) {
   EXPECT_EQ(std::tie(d.noise.position, d.noise.heading, d.noise.velocity), std::make_tuple(0.1, 0.2, 0.3));
   EXPECT_EQ(std::tie(s.simulation.settle, s.simulation.rms_from), std::make_tuple(8.0, 9.0));
   EXPECT_EQ(s.simulation.seed, 7U);
+}
+
+TEST(Scenario, a_limit_is_read_with_its_barrier) {
+  const Scenario s = parse_scenario(
+      robots(2) +
+          "[[constrain]]\nagent = \"r0\"\nlimit = { speed = { max = 0.8, mu = 0.03, delta = 0.2 } }\n"
+          "[[constrain]]\nagent = \"r1\"\nlimit = { input_disc = { radius = 0.5 } }\n",
+      "a.toml");
+  ASSERT_EQ(s.team.barriers().size(), 2u);
+  const BarrierTerm &speed = s.team.barriers()[0], &disc = s.team.barriers()[1];
+  EXPECT_EQ(std::tie(speed.barrier.mu, speed.barrier.delta), std::make_tuple(0.03, 0.2));
+  EXPECT_EQ(s.team.name(speed.agent), "r0");
+  EXPECT_EQ(s.team.name(disc.agent), "r1");
+  const Sight<double> fast{{}, {0.8, 0.0, 5.0}};
+  EXPECT_NEAR(speed.barrier.limit(fast, {}, {}), 0.0, 1e-15);
+  const std::array<double, 4> u = {0.3, 0.4, 1.0, 1.0};
+  EXPECT_NEAR(disc.barrier.limit({}, {}, u), 0.0, 1e-15);
+  EXPECT_THAT(summary(s), testing::HasSubstr("constrain   limit speed of r0, mu 0.03, delta 0.2\n"));
 }
 
 TEST(Scenario, the_summary_says_who_feels_what) {

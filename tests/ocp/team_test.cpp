@@ -4,6 +4,7 @@
 
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
+#include "sightline/potential/limits.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
@@ -202,6 +203,25 @@ TEST(Team, AnUnsoundConstraintIsRefused) {
   EXPECT_EQ(constrain(1.0 * AltitudeBand{}, AgentId{}),
             "body -1 is not in the team, expected an id that add() returned");
   EXPECT_TRUE(t.team.constraints().empty());
+}
+
+TEST(Team, ABarrierIsListedUnderItsRobotAndRefusedWhereItDoesNotFit) {
+  Trio t;
+  const RelaxedBarrier speed{SpeedLimit{0.8}, 0.02, 0.1}, disc{InputDisc{.i = 2, .j = 3}, 0.02, 0.1};
+  t.team.constrain(speed, t.uav1);
+  t.team.constrain(disc, t.uav1);
+  EXPECT_EQ(t.team.barriers(t.uav0).size(), 0u);
+  ASSERT_EQ(t.team.barriers(t.uav1).size(), 2u);
+  EXPECT_EQ(t.team.barriers(t.uav1)[0].limit.name(), "speed");
+  EXPECT_EQ(t.team.barriers(t.uav1)[1].limit.name(), "input_disc");
+  const auto constrain = [&](const RelaxedBarrier& barrier, AgentId agent) {
+    return refusal_of([&] { t.team.constrain(barrier, agent); });
+  };
+  EXPECT_EQ(constrain(speed, AgentId{t.rock}), "\"rock\" is not controlled, expected a robot");
+  EXPECT_EQ(constrain({SpeedLimit{}, -1.0, 0.1}, t.uav0), "speed.mu = -1, expected > 0");
+  EXPECT_EQ(constrain({InputDisc{.i = 1, .j = 4}}, t.uav0),
+            "input_disc reads 0 states and 5 inputs, \"uav0\" has 7 and 4, expected as many at least");
+  EXPECT_EQ(constrain(speed, AgentId{}), "body -1 is not in the team, expected an id that add() returned");
 }
 
 TEST(InputLimits, HoldFromTheirTimeToTheNextAndTheFirstBefore) {

@@ -26,7 +26,7 @@ TEST(Descent, WhatItsUnitsPayDoesNotRiseAndLimitsHold) {
     const auto cost = [&](const double* inputs) {
       groups.roll_out(inputs, s[0]);
       couplings->values(s[0], value);
-      return std::array{groups.tracking_cost(inputs, 0) + value[0], groups.tracking_cost(inputs, 1)};
+      return std::array{groups.own_cost(inputs, 0) + value[0], groups.own_cost(inputs, 1)};
     };
     for (int trial = 0; trial < 50; ++trial) {
       for (int a = 0; a < 2; ++a) {

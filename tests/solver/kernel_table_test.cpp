@@ -4,6 +4,7 @@
 
 #include "sightline/model/robots.hpp"
 #include "sightline/potential/distance.hpp"
+#include "sightline/potential/limits.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/solver/pose_potential.hpp"
 #include "tests/support/random.hpp"
@@ -43,8 +44,8 @@ std::vector<double> all_results(Group& group, int width, std::uint64_t seed) {
 }
 
 template <RobotModel M>
-void expect_same_bits(const M& model, Seen seen) {
-  const auto programs = std::make_shared<const StagePrograms>(trace_stage(model, 0.04, seen));
+void expect_same_bits(const M& model, Seen seen, const std::vector<RelaxedBarrier>& barriers = {}) {
+  const auto programs = std::make_shared<const StagePrograms>(trace_stage(model, 0.04, seen, barriers));
   for (const int width : {2, native_width}) {
     const auto compiled = make_group(programs, stages, width, KernelChoice::compiled_if_there);
     const auto interpreted = make_group(programs, stages, width, KernelChoice::interpreted);
@@ -60,6 +61,17 @@ TEST(KernelTable, CompiledAndInterpretedGroupsGiveTheSameBits) {
                      seen);
     expect_same_bits(AngleMultirotor{}, seen);
   }
+}
+
+TEST(KernelTable, ABarrierOfTheLibraryIsCompiledWhateverItsParameters) {
+  for (const double scale : {0.57, 1.0, 1.9}) {
+    const RelaxedBarrier speed{SpeedLimit{0.77 * scale}, 0.013 * scale, 0.11 * scale};
+    const RelaxedBarrier disc{InputDisc{0.77 * scale}, 0.013 * scale, 0.11 * scale};
+    expect_same_bits(Multirotor{}, Seen::pose, {speed});
+    expect_same_bits(Multirotor{}, Seen::pose, {disc});
+  }
+  expect_same_bits(Multirotor{}, Seen::pose, {RelaxedBarrier{SpeedLimit{}}});
+  expect_same_bits(Multirotor{}, Seen::pose, {RelaxedBarrier{InputDisc{}}});
 }
 
 TEST(KernelTable, ModelsThatWereNotPrintedAreInterpreted) {

@@ -257,7 +257,11 @@ class Reader {
 
   void read_constraints() {
     for (const TomlTable& at : root_.tables("constrain")) {
-      at.expect_only({"agent", "potential", "weight"});
+      if (at.has("limit")) {
+        at.expect_only({"agent", "limit"});
+      } else {
+        at.expect_only({"agent", "potential", "limit", "weight"});
+      }
       const std::string name = at.text("agent", "the name of a robot");
       const auto found = bodies_.find(name);
       if (found == bodies_.end() || !scenario_.team.is_agent(found->second)) {
@@ -266,8 +270,14 @@ class Reader {
         at.refuse("agent", fmt::format("a robot, the nearest is \"{}\"",
                                        nearest(shortened(name, name_size_max), known)));
       }
-      const Weighted term = read_potential(at, observer(found->second));
-      at.checked([&] { scenario_.team.constrain(term, AgentId{found->second}); });
+      const AgentId agent{found->second};
+      if (at.has("limit")) {
+        const RelaxedBarrier barrier = read_limit(at);
+        at.checked([&] { scenario_.team.constrain(barrier, agent); });
+        continue;
+      }
+      const Weighted term = read_potential(at, observer(agent));
+      at.checked([&] { scenario_.team.constrain(term, agent); });
     }
   }
 
@@ -323,6 +333,10 @@ std::string summary(const Scenario& scenario) {
   for (const Constraint& constraint : team.constraints()) {
     line("constrain   {} {} of {}", constraint.term.weight, constraint.term.potential.name(),
          team.name(constraint.agent));
+  }
+  for (const BarrierTerm& term : team.barriers()) {
+    line("constrain   limit {} of {}, mu {}, delta {}", term.barrier.limit.name(), team.name(term.agent),
+         term.barrier.mu, term.barrier.delta);
   }
   return text;
 }

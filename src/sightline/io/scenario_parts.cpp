@@ -8,6 +8,7 @@
 
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
+#include "sightline/potential/limits.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 
 namespace sightline {
@@ -109,6 +110,28 @@ constexpr std::array potentials = {
     Named<ReadPotential>{Cohesion::name, read_cohesion},
     Named<ReadPotential>{AltitudeBand::name, read_altitude_band},
     Named<ReadPotential>{Geofence::name, read_geofence},
+};
+
+// --- limits ---
+
+template <class C>
+RelaxedBarrier read_barrier(const TomlTable& at, double C::*bound, std::string_view bound_name) {
+  C limit;
+  double mu = RelaxedBarrier{limit}.mu, delta = RelaxedBarrier{limit}.delta;
+  at.read({{bound_name, &(limit.*bound)}, {"mu", &mu}, {"delta", &delta}});
+  return at.checked([&] {
+    const RelaxedBarrier barrier{limit, mu, delta};
+    barrier.check();
+    return barrier;
+  });
+}
+RelaxedBarrier read_speed(const TomlTable& at) { return read_barrier(at, &SpeedLimit::max, "max"); }
+RelaxedBarrier read_input_disc(const TomlTable& at) { return read_barrier(at, &InputDisc::radius, "radius"); }
+
+using ReadLimit = RelaxedBarrier (*)(const TomlTable& parameters);
+constexpr std::array limits = {
+    Named<ReadLimit>{SpeedLimit::name, read_speed},
+    Named<ReadLimit>{InputDisc::name, read_input_disc},
 };
 
 // --- references; each reads its own key of `choice` ---
@@ -220,6 +243,12 @@ Weighted read_potential(const TomlTable& at, const Observer& observer) {
   const std::string_view name = choice.choice(names(potentials));
   const double weight = at.has("weight") ? at.number("weight", not_negative(">= 0")) : 1.0;
   return {weight, find(potentials, name)(choice.table(name), observer)};
+}
+
+RelaxedBarrier read_limit(const TomlTable& at) {
+  const TomlTable choice = at.table("limit");
+  const std::string_view name = choice.choice(names(limits));
+  return find(limits, name)(choice.table(name));
 }
 
 Reference read_reference(const TomlTable& agent, const Model& model) {

@@ -22,6 +22,9 @@ Model read_robot(const TomlTable& agent);
 /// `potential = { NAME = {...} }` of [[couple]] or [[constrain]]; its `weight`.
 Weighted read_potential(const TomlTable& at, const Observer& observer);
 
+/// `limit = { NAME = {...} }` of [[constrain]].
+RelaxedBarrier read_limit(const TomlTable& at);
+
 /// `reference = { NAME = ... }` of [agent.NAME].
 Reference read_reference(const TomlTable& agent, const Model& model);
 

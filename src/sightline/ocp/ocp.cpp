@@ -103,6 +103,10 @@ AgentFormula Ocp::trace_agent(const Agent& agent, BodyId body) {
     const Sight<Symbol> robot = agent.model.sight(std::span<const Symbol>(x), std::span<const Symbol>(u));
     l += c.term.weight * c.term.potential(robot, robot, t);
   }
+  for (const RelaxedBarrier& barrier : team_.barriers(body)) {
+    const std::span<const Symbol> at_x(x), at_u(u);
+    l += barrier(agent.model.sight(at_x, at_u), at_x, at_u);
+  }
   std::vector<Symbol> rate(x.size());
   agent.model.f(std::span<const Symbol>(x), std::span<const Symbol>(u), rate);
   Symbol hamiltonian = l;
@@ -189,6 +193,12 @@ double stage_cost(const Team& team, double t, std::span<const double> x, std::sp
   }
   for (const Constraint& c : team.constraints()) {
     cost += c.term.weight * c.term.potential(sight(c.agent), sight(c.agent), t);
+  }
+  for (const BarrierTerm& b : team.barriers()) {
+    const Model& model = team.model(b.agent);
+    cost += b.barrier(sight(b.agent),
+                      std::span<const double>(state(b.agent), static_cast<std::size_t>(model.nx())),
+                      std::span<const double>(input(b.agent), static_cast<std::size_t>(model.nu())));
   }
   for (const Coupling& c : team.couplings()) {
     cost += c.term.weight * c.term.potential(sight(c.between.first), sight(c.between.second), t);

@@ -36,7 +36,7 @@ struct Entry {
 ///   first     l_z (nx + nu), then the nonzeros of f_z
 ///   second    the nonzeros of the Hessian of l + lambda' f with respect to z
 ///
-/// where l holds the tracking cost and the agent's constraints.
+/// where l holds the tracking cost, the agent's constraints and its barriers.
 struct AgentFormula {
   std::shared_ptr<const Program> first, second;
   std::vector<Entry> jacobian;  ///< of f: row in x, column in z, output of `first`

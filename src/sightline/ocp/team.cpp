@@ -159,6 +159,27 @@ void Team::constrain(const Weighted& term, AgentId agent) {
   constraints_.push_back({term, agent});
 }
 
+void Team::constrain(const RelaxedBarrier& barrier, AgentId agent) {
+  check_body(agent);
+  barrier.check();
+  const std::string_view limit = barrier.limit.name();
+  if (!is_agent(agent)) refuse("\"{}\" is not controlled, expected a robot", name(agent));
+  const Model& m = model(agent);
+  if (m.nx() < barrier.limit.states() || m.nu() < barrier.limit.inputs()) {
+    refuse("{} reads {} states and {} inputs, \"{}\" has {} and {}, expected as many at least", limit,
+           barrier.limit.states(), barrier.limit.inputs(), name(agent), m.nx(), m.nu());
+  }
+  barriers_.push_back({barrier, agent});
+}
+
+std::vector<RelaxedBarrier> Team::barriers(BodyId body) const {
+  std::vector<RelaxedBarrier> list;
+  for (const BarrierTerm& term : barriers_) {
+    if (term.agent == body) list.push_back(term.barrier);
+  }
+  return list;
+}
+
 const Agent& Team::agent(BodyId body) const {
   return agents_[static_cast<std::size_t>(bodies_[index(body)].agent)];
 }

@@ -13,6 +13,7 @@
 #include "sightline/model/robots.hpp"
 #include "sightline/potential/potential.hpp"
 #include "sightline/potential/reference.hpp"
+#include "sightline/potential/relaxed_barrier.hpp"
 
 namespace sightline {
 
@@ -80,6 +81,12 @@ struct Constraint {
   AgentId agent;
 };
 
+/// A limit c(x, u) <= 0 of one robot, kept by a barrier in its stage cost.
+struct BarrierTerm {
+  RelaxedBarrier barrier;
+  AgentId agent;
+};
+
 /// Options of an agent of a known model, as a program writes them.
 template <class M>
 struct AgentOptions {
@@ -127,6 +134,8 @@ class Team {
   void couple(const Weighted& term, Between between, std::vector<AgentId> felt_by);
   /// A potential that one robot feels by itself.
   void constrain(const Weighted& term, AgentId agent);
+  /// A limit of one robot's state and input.
+  void constrain(const RelaxedBarrier& barrier, AgentId agent);
 
   /// Bodies in the order of adding; `body` is an agent or an obstacle.
   int bodies() const { return static_cast<int>(bodies_.size()); }
@@ -140,6 +149,9 @@ class Team {
   const std::vector<Agent>& agents() const { return agents_; }
   const std::vector<Coupling>& couplings() const { return couplings_; }
   const std::vector<Constraint>& constraints() const { return constraints_; }
+  const std::vector<BarrierTerm>& barriers() const { return barriers_; }
+  /// Those of one robot, in the order of adding.
+  std::vector<RelaxedBarrier> barriers(BodyId body) const;
 
   /// Where a body's state stands in the stacked state x of all bodies, in the order of adding.
   int state_offset(BodyId body) const { return bodies_[index(body)].state_offset; }
@@ -164,6 +176,7 @@ class Team {
   std::vector<Agent> agents_;
   std::vector<Coupling> couplings_;
   std::vector<Constraint> constraints_;
+  std::vector<BarrierTerm> barriers_;
   int nx_ = 0, nu_ = 0;
 };
 

@@ -55,7 +55,7 @@ void Descent::pay(Groups& groups, Couplings& couplings, const double* u, double*
   couplings.values(s, values_);
   for (Unit& unit : units_) {
     unit.cost = 0.0;
-    for (const int a : unit.agents) unit.cost += groups.tracking_cost(u, a);
+    for (const int a : unit.agents) unit.cost += groups.own_cost(u, a);
     for (const int p : unit.potentials) unit.cost += values_[static_cast<std::size_t>(p)];
   }
 }

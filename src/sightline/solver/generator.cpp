@@ -26,8 +26,8 @@ std::string list(std::string_view type, std::string_view name, const std::string
 
 }  // namespace
 
-void Generator::add(const Model& model, Seen seen) {
-  const StagePrograms programs = trace_stage(model, h, seen);
+void Generator::add(const Model& model, Seen seen, const std::vector<RelaxedBarrier>& barriers) {
+  const StagePrograms programs = trace_stage(model, h, seen, barriers);
   const std::uint64_t key = structure(programs);
   if (!known_.insert(key).second) return;
   const StageSizes& n = programs.sizes;

@@ -20,8 +20,8 @@ class Generator {
   };
   explicit Generator(For whom) : for_library_(whom == For::library) {}
 
-  /// The stage programs of a model.
-  void add(const Model& model, Seen seen);
+  /// The stage programs of a model with these barriers, in this order.
+  void add(const Model& model, Seen seen, const std::vector<RelaxedBarrier>& barriers = {});
   /// The sum of potentials between two agents that both feel it.
   void add(const std::vector<Weighted>& terms);
 

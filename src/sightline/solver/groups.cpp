@@ -8,9 +8,10 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Agents of one model that are seen alike.
+/// Agents of one model with equal barriers that are seen alike.
 struct Kind {
   BlockProgram step;
+  Program barriers;
   std::shared_ptr<const StagePrograms> programs;
   std::vector<int> agents;
 };
@@ -24,14 +25,17 @@ std::vector<Kind> sort_into_kinds(const Ocp& ocp, std::span<const BodyPotential>
     });
     const Seen seen = moving ? Seen::pose_and_motion : Seen::pose;
     const Model& model = ocp.team().model(ocp.agent_bodies()[at(a)]);
+    const std::vector<RelaxedBarrier> limits = ocp.team().barriers(ocp.agent_bodies()[at(a)]);
     BlockProgram step = trace_step(model, h, seen);
+    Program barriers = trace_barriers(model, limits);
     const auto same = [&](const Kind& k) {
-      return k.step.program == step.program && k.step.inputs == step.inputs && k.step.outputs == step.outputs;
+      return k.step.program == step.program && k.step.inputs == step.inputs &&
+             k.step.outputs == step.outputs && k.barriers == barriers;
     };
     auto kind = std::find_if(kinds.begin(), kinds.end(), same);
     if (kind == kinds.end()) {
-      auto programs = std::make_shared<const StagePrograms>(trace_stage(model, h, seen));
-      kind = kinds.insert(kinds.end(), {std::move(step), std::move(programs), {}});
+      auto programs = std::make_shared<const StagePrograms>(trace_stage(model, h, seen, limits));
+      kind = kinds.insert(kinds.end(), {std::move(step), std::move(barriers), std::move(programs), {}});
     }
     kind->agents.push_back(a);
   }
@@ -80,6 +84,11 @@ void Groups::copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x
 
 Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice)
     : h_(ocp.horizon().h()) {
+  for (const BodyId body : ocp.agent_bodies()) {
+    const Model& model = ocp.team().model(body);
+    limited_.push_back({model, ocp.team().barriers(body), std::vector<double>(at(model.nx())),
+                        std::vector<double>(at(model.nu()))});
+  }
   const std::vector<Kind> kinds = sort_into_kinds(ocp, potentials);
   const bool few =
       std::all_of(kinds.begin(), kinds.end(), [](const Kind& k) { return k.agents.size() <= 2; });
@@ -122,8 +131,22 @@ void Groups::roll_out(const double* u, double* s) noexcept {
   }
 }
 
-double Groups::tracking_cost(const double* u, int agent) const noexcept {
-  return group_of(agent).tracking_cost(u + layout_.part(agent).u, h_, layout_.place(agent).lane);
+double Groups::own_cost(const double* u, int agent) noexcept {
+  const Group& group = group_of(agent);
+  const int lane = layout_.place(agent).lane;
+  double cost = group.tracking_cost(u + layout_.part(agent).u, h_, lane);
+  Limited& robot = limited_[at(agent)];
+  if (robot.barriers.empty()) return cost;
+  const Layout::View input = layout_.u(agent);
+  for (int k = 0; k < layout_.stages; ++k) {
+    for (int i = 0; i < group.sizes().nx; ++i) robot.x[at(i)] = group.x(k, i, lane);
+    for (int i = 0; i < group.sizes().nu; ++i) robot.u[at(i)] = u[input(k, i)];
+    const Sight<double> sight = robot.model.sight(robot.x.data(), robot.u.data());
+    for (const RelaxedBarrier& barrier : robot.barriers) {
+      cost += h_ * barrier(sight, std::span<const double>(robot.x), std::span<const double>(robot.u));
+    }
+  }
+  return cost;
 }
 
 int Groups::factor(const double* u, const double* active, const double* c, double* H_u) noexcept {

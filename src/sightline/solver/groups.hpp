@@ -28,7 +28,8 @@ class Groups {
   void roll_out(const double* u, double* s) noexcept;
   /// States of the last roll-out, agent a of stage k at x + k stage + x_at[a].
   void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept;
-  double tracking_cost(const double* u, int agent) const noexcept;
+  /// Tracking cost and barriers of one agent along the last roll-out, times h.
+  double own_cost(const double* u, int agent) noexcept;
   /// Factorises at the last roll-out; where a pivot is not sound, the lane is damped (Levenberg) until all
   /// are.
   /// @return factorisations beyond the first
@@ -39,10 +40,18 @@ class Groups {
   void precondition(const double* r, double* du, double* ds) noexcept;
 
  private:
+  /// What the barriers of an agent are evaluated with.
+  struct Limited {
+    Model model;
+    std::vector<RelaxedBarrier> barriers;
+    std::vector<double> x, u;
+  };
+
   double h_;
   Layout layout_;
   std::vector<std::unique_ptr<Group>> groups_;
   std::vector<std::vector<int>> members_;  // [group][lane]: agent
+  std::vector<Limited> limited_;           // [agent]
 };
 
 }  // namespace sightline

@@ -141,6 +141,13 @@ Flow record(const Model& model, double h, Seen seen, std::span<const Symbol> x, 
   return flow;
 }
 
+Symbol sum_of(std::span<const RelaxedBarrier> barriers, const Model& model, std::span<const Symbol> x,
+              std::span<const Symbol> u) {
+  Symbol sum = 0.0;
+  for (const RelaxedBarrier& barrier : barriers) sum += barrier(model.sight(x, u), x, u);
+  return sum;
+}
+
 /// The derivatives of F and s by x and u, each distinct entry that changes in one place of `stored`.
 struct Linearisation {
   Matrix<Symbol> A, B, J_x, J_u;
@@ -186,7 +193,8 @@ Linearisation linearise(Graph& graph, const Flow& flow, std::span<const Symbol> 
 
 class StageTracer {
  public:
-  StageTracer(const Model& model, double h, Seen seen) : model_(model), h_(h), seen_(seen) {
+  StageTracer(const Model& model, double h, Seen seen, std::span<const RelaxedBarrier> barriers)
+      : model_(model), h_(h), seen_(seen), barriers_(barriers) {
     sizes_ = {.nx = model.nx(), .nu = model.nu(), .ns = seen_size(seen), .stored = 0};
     const auto x = plain_.inputs("x", sizes_.nx), u = plain_.inputs("u", sizes_.nu);
     linear_ = linearise(plain_.graph, record(model, h, seen, x, u), x, u);
@@ -220,6 +228,7 @@ class StageTracer {
     Symbol phi = h_ * tracking_cost<Symbol>(x, x_ref, Q, u, u_ref, R);
     for (int i = 0; i < nx; ++i) phi += lambda[at(i)] * flow.F[at(i)];
     for (int i = 0; i < ns; ++i) phi += coupling[at(i)] * flow.s[at(i)];
+    phi += h_ * sum_of(barriers_, model_, x, u);
     std::vector<Symbol> z = x;
     z.insert(z.end(), u.begin(), u.end());
     const Derivatives d = derive(graph, phi.in(graph), terms(graph, z));
@@ -407,6 +416,7 @@ class StageTracer {
   const Model& model_;
   double h_;
   Seen seen_;
+  std::span<const RelaxedBarrier> barriers_;
   StageSizes sizes_;
   Tracer plain_;
   Linearisation linear_{{0, 0}, {0, 0}, {0, 0}, {0, 0}, {}};
@@ -425,8 +435,16 @@ BlockProgram trace_step(const Model& model, double h, Seen seen) {
   return t.finish();
 }
 
-StagePrograms trace_stage(const Model& model, double h, Seen seen) {
-  return StageTracer(model, h, seen).trace();
+Program trace_barriers(const Model& model, std::span<const RelaxedBarrier> barriers) {
+  Tracer t;
+  const auto x = t.inputs("x", model.nx()), u = t.inputs("u", model.nu());
+  t.block("barrier");
+  t.output(sum_of(barriers, model, x, u));
+  return t.finish().program;
+}
+
+StagePrograms trace_stage(const Model& model, double h, Seen seen, std::span<const RelaxedBarrier> barriers) {
+  return StageTracer(model, h, seen, barriers).trace();
 }
 
 std::uint64_t structure(const StagePrograms& programs) {

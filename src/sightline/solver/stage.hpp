@@ -11,6 +11,7 @@
 
 #include "sightline/formula/emit.hpp"
 #include "sightline/model/model.hpp"
+#include "sightline/potential/relaxed_barrier.hpp"
 
 namespace sightline {
 
@@ -43,7 +44,8 @@ struct StageSizes {
 };
 
 /// The programs of one model at one stage length h. Each stage's Hamiltonian, times h, is
-/// Phi = h l(x, u) + lambda' (x + h f) + c' s(x, u), with c the gradient of all potentials.
+/// Phi = h l(x, u) + lambda' (x + h f) + c' s(x, u), with c the gradient of all potentials; l holds the robot's
+/// tracking cost and its barriers.
 ///
 ///   step        x, u -> x + h f, s
 ///   back        x, u, x*, active, weights, coupling, carry -> H_u, gain, k, carry of the stage before
@@ -68,7 +70,11 @@ inline constexpr double pivot_floor = 1e-3;
 /// The first of the programs alone: equal ones belong to equal models.
 BlockProgram trace_step(const Model& model, double h, Seen seen);
 
-StagePrograms trace_stage(const Model& model, double h, Seen seen);
+/// The sum of barriers alone, over (x, u): equal ones belong to equal limits.
+Program trace_barriers(const Model& model, std::span<const RelaxedBarrier> barriers);
+
+StagePrograms trace_stage(const Model& model, double h, Seen seen,
+                          std::span<const RelaxedBarrier> barriers = {});
 
 /// The same for models that differ in the values of their parameters alone.
 std::uint64_t structure(const StagePrograms& programs);

@@ -1,0 +1,54 @@
+/// Limits that many robots have, ready for a RelaxedBarrier. Each is scaled so that c is -1 at rest.
+#pragma once
+
+#include <algorithm>
+
+#include "sightline/potential/relaxed_barrier.hpp"
+
+namespace sightline {
+
+/// Keeps the horizontal speed of a robot in G below a maximum, v_x^2 + v_y^2 <= max^2.
+///
+///   c = (v_x^2 + v_y^2) / max^2 - 1
+///
+/// Of a multirotor that is v_f^2 + v_s^2 <= max^2.
+struct SpeedLimit {
+  double max = 1.0;  ///< [m/s], > 0
+
+  static constexpr std::string_view name = "speed";
+
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const { require(max > 0, name, "max", max, "> 0 m/s"); }
+
+  template <class S>
+  S operator()(const Sight<S>& robot) const {
+    return (square(robot.v.x) + square(robot.v.y)) * (1.0 / square(max)) - 1.0;
+  }
+};
+
+/// Keeps two inputs of a robot together within a disc, as the tilt of a multirotor asks of u_f and u_s.
+///
+///   c = (u_i^2 + u_j^2) / radius^2 - 1
+struct InputDisc {
+  double radius = 1.0;  ///< in the unit of the inputs, > 0
+  int i = 0, j = 1;     ///< the inputs, different ones; of a multirotor u_f and u_s
+
+  static constexpr std::string_view name = "input_disc";
+
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const {
+    require(radius > 0, name, "radius", radius, "> 0");
+    require(i >= 0, name, "i", i, ">= 0");
+    require(j >= 0 && j != i, name, "j", j, ">= 0, another input than i");
+  }
+
+  int inputs() const { return std::max(i, j) + 1; }
+
+  template <class S>
+  S operator()(std::span<const S> /*x*/, std::span<const S> u) const {
+    const S &a = u[static_cast<std::size_t>(i)], &b = u[static_cast<std::size_t>(j)];
+    return (a * a + b * b) * (1.0 / square(radius)) - 1.0;
+  }
+};
+
+}  // namespace sightline

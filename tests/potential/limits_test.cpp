@@ -1,0 +1,60 @@
+#include "sightline/potential/limits.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "sightline/model/model.hpp"
+#include "sightline/model/robots.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(SpeedLimit, OfAMultirotorItIsABoundOnItsForwardAndSidewardSpeed) {
+  Random random(1);
+  const Model model = Multirotor{};
+  for (int k = 0; k < 10'000; ++k) {
+    const double psi = uniform(random, -3, 3), v_f = uniform(random, -2, 2), v_s = uniform(random, -2, 2);
+    const double max = uniform(random, 0.1, 2);
+    const std::array<double, 7> x = {1, 2, 3, std::cos(psi), std::sin(psi), v_f, v_s};
+    const auto u = uniform_array<4>(random, -1, 1);
+    const Limit limit = SpeedLimit{max};
+    const double c = limit(model.sight(x.data(), u.data()), x, u);
+    EXPECT_NEAR(c, (v_f * v_f + v_s * v_s) / (max * max) - 1, 1e-12 / (max * max));
+  }
+}
+
+TEST(InputDisc, ItIsABoundOnTheLengthOfTwoInputs) {
+  Random random(2);
+  for (int k = 0; k < 10'000; ++k) {
+    const auto u = uniform_array<4>(random, -1, 1);
+    const double radius = uniform(random, 0.2, 2);
+    const Limit tilt = InputDisc{.radius = radius}, others = InputDisc{.radius = radius, .i = 3, .j = 1};
+    EXPECT_EQ(tilt({}, {}, u) <= 0, std::hypot(u[0], u[1]) <= radius);
+    EXPECT_EQ(others({}, {}, u) <= 0, std::hypot(u[3], u[1]) <= radius);
+    EXPECT_EQ(tilt.inputs(), 2);
+    EXPECT_EQ(others.inputs(), 4);
+  }
+}
+
+TEST(SpeedLimit, AMaximumThatIsNotPositiveIsRefused) {
+  for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THAT(refusal_of([&] { Limit(SpeedLimit{bad}); }), HasSubstr("speed.max = "));
+  EXPECT_EQ(refusal_of([] { Limit(SpeedLimit{0.5}); }), "");
+}
+
+TEST(InputDisc, ParametersOutOfRangeAreRefused) {
+  EXPECT_THAT(refusal_of([] { Limit(InputDisc{.radius = 0}); }), HasSubstr("input_disc.radius = 0"));
+  EXPECT_THAT(refusal_of([] { Limit(InputDisc{.i = -1}); }), HasSubstr("input_disc.i = -1"));
+  EXPECT_THAT(refusal_of([] { Limit(InputDisc{.i = 1, .j = 1}); }), HasSubstr("input_disc.j = 1"));
+}
+
+}  // namespace
+}  // namespace sightline
