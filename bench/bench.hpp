@@ -30,7 +30,7 @@ struct BenchRow {
   std::int64_t allocations = 0;                        ///< in an update, at most
   double krylov_mean = 0.0;                            ///< iterations an update
 
-  double ipopt_median_us = 0.0;   ///< IPOPT's time, started at the optimum of the update before
+  double ipopt_median_us = 0.0;   ///< IPOPT's processor time, started at the optimum of the update before
   double ipopt_difference = 0.0;  ///< |u* - IPOPT's u| over whole horizons, infinity norm
   int ipopt_failed = 0;           ///< problems that IPOPT did not solve
   int unconverged = 0;            ///< updates whose u* is not known to 1e-10

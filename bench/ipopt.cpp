@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -120,7 +120,14 @@ double projected_slope(MultipleShooting& shooting, const std::vector<double>& w,
   return worst;
 }
 
-void set_options(IpoptProblem problem) {
+/// Time that the processor gave this thread [s]: a solve is long enough for others to get in between.
+double thread_seconds() {
+  std::timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void set_options(IpoptProblem problem, Guess quality) {
   const auto word = [&](std::string key, std::string value) {
     AddIpoptStrOption(problem, key.data(), value.data());
   };
@@ -134,7 +141,7 @@ void set_options(IpoptProblem problem) {
   number("acceptable_tol", 1e-10);
   integer("acceptable_iter", 4);
   number("bound_relax_factor", 0.0);
-  // The start is good: stay near it.
+  if (quality == Guess::far) return;
   number("mu_init", 1e-6);
   number("bound_push", 1e-8);
   number("bound_frac", 1e-8);
@@ -147,7 +154,7 @@ IpoptReference::IpoptReference(Ocp ocp)
       order_(solving_order(shooting_->ocp())) {}
 IpoptReference::~IpoptReference() = default;
 
-void IpoptReference::move_to_optimum(const std::vector<int>& agents, Optimum& optimum) {
+void IpoptReference::move_to_optimum(const std::vector<int>& agents, Guess quality, Optimum& optimum) {
   shooting_->choose(agents);
   std::vector<double> low, high, w = shooting_->point();
   shooting_->bounds(low, high);
@@ -156,11 +163,11 @@ void IpoptReference::move_to_optimum(const std::vector<int>& agents, Optimum& op
       shooting_->unknowns(), low.data(), high.data(), shooting_->constraints(), zero.data(), zero.data(),
       static_cast<Index>(shooting_->jacobian().size()), static_cast<Index>(shooting_->hessian().size()), 0,
       Callbacks::cost, Callbacks::defects, Callbacks::gradient, Callbacks::jacobian, Callbacks::hessian);
-  set_options(problem);
-  const auto begin = std::chrono::steady_clock::now();
+  set_options(problem, quality);
+  const double begin = thread_seconds();
   const ApplicationReturnStatus status =
       IpoptSolve(problem, w.data(), nullptr, nullptr, multipliers.data(), nullptr, nullptr, shooting_.get());
-  optimum.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  optimum.seconds += thread_seconds() - begin;
   FreeIpoptProblem(problem);
   if (status != Solve_Succeeded && status != Solved_To_Acceptable_Level) {
     throw std::runtime_error(fmt::format("IPOPT did not converge (status {})", static_cast<int>(status)));
@@ -169,10 +176,11 @@ void IpoptReference::move_to_optimum(const std::vector<int>& agents, Optimum& op
   optimum.residual = std::max(optimum.residual, projected_slope(*shooting_, w, multipliers, low, high));
 }
 
-Optimum IpoptReference::solve(double t, std::span<const double> x, std::span<const double> guess) {
+Optimum IpoptReference::solve(double t, std::span<const double> x, std::span<const double> guess,
+                              Guess quality) {
   Optimum optimum{};
   shooting_->set(t, x, guess);
-  for (const std::vector<int>& agents : order_) move_to_optimum(agents, optimum);
+  for (const std::vector<int>& agents : order_) move_to_optimum(agents, quality, optimum);
   std::vector<int> all(shooting_->ocp().agents().size());
   std::iota(all.begin(), all.end(), 0);
   shooting_->choose(all);

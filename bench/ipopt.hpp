@@ -16,7 +16,13 @@ struct Optimum {
   std::vector<double> u{};  ///< inputs (N x nu)
   double cost = 0.0;        ///< sum h l + phi, of the whole team
   double residual = 0.0;    ///< projected |h H_u|, infinity norm
-  double seconds = 0.0;     ///< wall time inside IPOPT [s]
+  double seconds = 0.0;     ///< processor time inside IPOPT [s]
+};
+
+/// How good the inputs are that IPOPT is given to begin with.
+enum class Guess {
+  near,  ///< it stays there: for following an optimum
+  far,   ///< it looks around first
 };
 
 /// IPOPT works on the sparse program of `MultipleShooting`, the form that suits it, and minimises one function.
@@ -30,11 +36,12 @@ class IpoptReference {
 
   /// The whole horizon from the states x of all bodies at time t [s], started at the inputs `guess` (N x nu).
   /// @throws std::runtime_error where IPOPT does not converge
-  Optimum solve(double t, std::span<const double> x, std::span<const double> guess);
+  Optimum solve(double t, std::span<const double> x, std::span<const double> guess,
+                Guess quality = Guess::near);
 
  private:
   /// Moves these agents to their optimum, and adds to what that took.
-  void move_to_optimum(const std::vector<int>& agents, Optimum& optimum);
+  void move_to_optimum(const std::vector<int>& agents, Guess quality, Optimum& optimum);
 
   std::unique_ptr<MultipleShooting> shooting_;
   std::vector<std::vector<int>> order_;  // agents that are solved together, one group after the other

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/ipopt.hpp"
 #include "cli/allocations.hpp"
 #include "sightline/solver/hamiltonian.hpp"
 #include "tests/support/closed_loop.hpp"
@@ -79,28 +78,6 @@ TEST(NewtonRiccati, ConvergesToAStationaryPointOfEveryTeam) {
     EXPECT_LE(projected_gradient(solver, 0.3, x), 1e-8) << trial;
   }
   EXPECT_GE(converged, trials * 95 / 100);
-}
-
-TEST(NewtonRiccati, FindsTheOptimumOfIpopt) {
-  Random random(5);
-  int same = 0, other = 0;
-  for (int trial = 0; trial < 30; ++trial) {
-    const Team team = random_team(random, 2 + static_cast<int>(random() % 4), Feeling::everyone);
-    const Ocp ocp(team, horizon);
-    const std::vector<double> x = normalised(team, random_states(random, team, 1.5));
-    NewtonRiccati solver(ocp, converging());
-    if (solver.solve(0.2, x).status != Status::converged) continue;
-    const std::size_t nu = static_cast<std::size_t>(ocp.nu());
-    std::vector<double> u(nu * static_cast<std::size_t>(horizon.N));
-    for (int k = 0; k < horizon.N; ++k)
-      solver.plan(k, std::span(u).subspan(nu * static_cast<std::size_t>(k), nu));
-    // From our plan, so that both stay at one of several local optima.
-    const Optimum optimum = IpoptReference(ocp).solve(0.2, x, u);
-    double worst = 0.0;
-    for (std::size_t i = 0; i < u.size(); ++i) worst = std::max(worst, std::fabs(u[i] - optimum.u[i]));
-    ++(worst <= 1e-6 ? same : other);
-  }
-  EXPECT_GE(same, 25) << other << " ended at another optimum";
 }
 
 TEST(NewtonRiccati, FliesThePairAtTheCostOfTheConvergedOptimum) {

@@ -9,6 +9,7 @@
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/robots.hpp"
 
 namespace sightline {
 
@@ -27,6 +28,12 @@ struct ChangingPace {
 enum class Feeling {
   everyone,  ///< all robots of each coupling: the problem is the optimum of one function
   anyone,    ///< some robots, drawn
+};
+
+/// Which robots a random team is of, and how many of its pairs are coupled.
+enum class Fleet {
+  multirotors,  ///< both models of the library; nearly all pairs
+  any_size,     ///< those and others, of 4 to 12 states; a share of the pairs that is drawn
 };
 
 inline Reference random_reference(Random& random) {
@@ -57,17 +64,28 @@ AgentId add_random_agent(Team& team, const M& model, Random& random) {
   return agent;
 }
 
-/// Robots of both models, obstacles among them, and each potential drawn for any two bodies.
-inline Team random_team(Random& random, int agents, Feeling feeling) {
+/// A robot of a model that is drawn.
+inline AgentId add_random_agent(Team& team, Fleet fleet, Random& random) {
+  switch (random() % (fleet == Fleet::multirotors ? 2 : 4)) {
+    case 0:
+      return add_random_agent(team, Multirotor{}, random);
+    case 1:
+      return add_random_agent(team, AngleMultirotor{}, random);
+    case 2:
+      return add_random_agent(team, test::Unicycle{}, random);
+    default:
+      return add_random_agent(team, test::Quadrotor{}, random);
+  }
+}
+
+/// Robots of several models, obstacles among them, and each potential drawn for any two bodies.
+inline Team random_team(Random& random, int agents, Feeling feeling, Fleet fleet = Fleet::multirotors) {
   Team team;
   for (int i = 0; i < agents; ++i) {
     if (random() % 3 == 0) team.add(Obstacle{});
-    if (random() % 2 == 0) {
-      add_random_agent(team, Multirotor{}, random);
-    } else {
-      add_random_agent(team, AngleMultirotor{}, random);
-    }
+    add_random_agent(team, fleet, random);
   }
+  const double coupled = fleet == Fleet::multirotors ? 1.0 : uniform(random, 0.2, 1.0);
   for (int a = 0; a < team.bodies(); ++a) {
     for (int b = 0; b < team.bodies(); ++b) {
       const Between between{{a}, {b}};
@@ -76,6 +94,7 @@ inline Team random_team(Random& random, int agents, Feeling feeling) {
         if (team.is_agent(body)) robots.push_back(AgentId{body});
       }
       if (a == b || robots.empty()) continue;
+      if (coupled < 1.0 && uniform(random, 0, 1) > coupled) continue;
       const std::array<Weighted, 4> terms = {
           uniform(random, 0.1, 1) * SensorCone{}, uniform(random, 0.1, 1) * KeepOut{},
           uniform(random, 0.1, 1) * Cohesion{.d_max = 1.0}, uniform(random, 0.1, 1) * ChangingPace{}};
@@ -91,14 +110,14 @@ inline Team random_team(Random& random, int agents, Feeling feeling) {
   return team;
 }
 
-/// States of all bodies: poses within `reach` [m], any heading, small velocities.
+/// States of all bodies: poses within `reach` [m], any heading, near rest.
 inline std::vector<double> random_states(Random& random, const Team& team, double reach) {
   std::vector<double> x(static_cast<std::size_t>(team.nx()));
   for (int i = 0; i < team.bodies(); ++i) {
     const Model& model = team.model(BodyId{i});
     double* const state = x.data() + team.state_offset(BodyId{i});
     model.at_rest(random_pose(random, reach), state);
-    for (int j = model.nx() - 2; j < model.nx(); ++j) state[j] = uniform(random, -0.5, 0.5);
+    for (int j = model.nx() - 2; j < model.nx(); ++j) state[j] += uniform(random, -0.5, 0.5);
   }
   return x;
 }
