@@ -246,6 +246,13 @@ double MultipleShooting::stage(int k) const {
   for (const Constraint& c : team.constraints()) {
     if (is_free(c.agent)) l += c.term.weight * c.term.potential(sight(c.agent), sight(c.agent), time(k));
   }
+  for (const BarrierTerm& b : team.barriers()) {
+    if (!is_free(b.agent)) continue;
+    const Model& model = team.model(b.agent);
+    const std::vector<double> x = column(x_, x_at(b.agent), model.nx()),
+                              u = column(u_, u_at(b.agent), model.nu());
+    l += b.barrier(sight(b.agent), std::span<const double>(x), std::span<const double>(u));
+  }
   for (const Coupling& c : team.couplings()) {
     if (!std::any_of(c.felt_by.begin(), c.felt_by.end(), is_free)) continue;
     l += c.term.weight * c.term.potential(sight(c.between.first), sight(c.between.second), time(k));

@@ -4,13 +4,15 @@
 #include <cmath>
 #include <memory>
 
+#include "bench/ipopt.hpp"
+#include "cli/allocations.hpp"
 #include "sightline/potential/limits.hpp"
 #include "sightline/solver/cgmres.hpp"
 #include "sightline/solver/cmscgmres.hpp"
+#include "sightline/solver/hamiltonian.hpp"
 #include "sightline/solver/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
-#include "tests/support/ipopt_reference.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random_team.hpp"
 
@@ -92,6 +94,21 @@ TYPED_TEST(AnySolverWithBarriers, AWideLimitChangesNextToNothing) {
     const auto u = with.solve(t, x).u;
     for (std::size_t j = 0; j < 4; ++j) EXPECT_NEAR(u[j], s.u[j], 1e-4) << t;
   });
+}
+
+TYPED_TEST(AnySolverWithBarriers, NoUpdateTakesMemory) {
+  Team team = hasty();
+  team.constrain(RelaxedBarrier{SpeedLimit{.max = 0.5}}, uav0);
+  team.constrain(RelaxedBarrier{SlowTurn{}}, uav0);
+  TypeParam solver(team, {});
+  std::vector<double> x = at_rest;
+  x[5] = 1.5, x[6] = -1.0;
+  for (int k = 0; k < 100; ++k) {
+    const std::int64_t before = cli::allocations();
+    const auto u = solver.solve(0.01 * k, x).u;
+    EXPECT_EQ(cli::allocations(), before) << k;
+    advance(team, x, u, 0.01);
+  }
 }
 
 /// Robots of one model, each with a limit of its own but the last; the same robots alone.
