@@ -1,29 +1,60 @@
 # sightline_add_formulas(TARGET file.hpp) compiles the functions of one's own models and potentials into a target, so that
-# they run as fast as the library's; without it they are interpreted. The header names them:
+# they run as fast as the library's; without it they are interpreted, and give the same bits. The header names them, with
+# any numbers: a function serves all.
+#
+#   #include <sightline/solver/generator.hpp>
 #
 #   inline void sightline_formulas(sightline::Generator& generator) {
-#     generator.add(MyRobot{}, sightline::Seen::pose);
-#     generator.add({0.4 * MyPotential{}});
+#     using namespace sightline;
+#     generator.add(MyRobot{}, Seen::pose);
+#     generator.add({0.4 * MyPotential{}});                    # alone, and beside the library's
+#     generator.add({0.4 * MyPotential{}, 0.4 * KeepOut{}});   # as one function with another: a little faster
 #   }
+#
+# Where TARGET is a static library, its functions go to the programs that link it.
 function(sightline_add_formulas target header)
+  if(NOT TARGET ${target})
+    message(FATAL_ERROR "sightline_add_formulas: TARGET = ${target}, expected a target that exists already")
+  endif()
   cmake_path(ABSOLUTE_PATH header BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} NORMALIZE)
+  if(NOT EXISTS ${header})
+    message(FATAL_ERROR "sightline_add_formulas: file = ${header}, expected a header that exists")
+  endif()
   cmake_path(GET header STEM stem)
-  set(folder ${CMAKE_CURRENT_BINARY_DIR}/${target}_formulas)
-  file(CONFIGURE OUTPUT ${folder}/${stem}_generate.cpp @ONLY CONTENT [[
+  set(name ${target}_${stem})
+  set(folder ${CMAKE_CURRENT_BINARY_DIR}/${name})
+  file(CONFIGURE OUTPUT ${folder}/generate.cpp @ONLY CONTENT [[
 #include "@header@"
+
+#include <cstdio>
 
 #include "sightline/solver/generator.hpp"
 
 int main(int, char** argv) {
   sightline::Generator generator(sightline::Generator::For::user);
   sightline_formulas(generator);
-  return generator.write(argv[1]) ? 0 : 1;
+  if (generator.write(argv[1])) return 0;
+  std::fprintf(stderr, "%s: not written, expected a file that can be\n", argv[1]);
+  return 1;
 }
 ]])
-  set(generator ${target}_${stem}_generate)
-  add_executable(${generator} ${folder}/${stem}_generate.cpp)
-  target_link_libraries(${generator} PRIVATE sightline::sightline)
-  set(kernels ${folder}/${stem}_kernels.cpp)
-  add_custom_command(OUTPUT ${kernels} COMMAND ${generator} ${kernels} DEPENDS ${generator} VERBATIM)
-  target_sources(${target} PRIVATE ${kernels})
+  add_executable(${name}_generate ${folder}/generate.cpp)
+  set_target_properties(${name}_generate PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${folder})
+  target_include_directories(${name}_generate PRIVATE $<TARGET_PROPERTY:${target},INCLUDE_DIRECTORIES>)
+  target_compile_definitions(${name}_generate PRIVATE $<TARGET_PROPERTY:${target},COMPILE_DEFINITIONS>)
+  target_link_libraries(${name}_generate PRIVATE sightline::sightline)
+
+  set(kernels ${folder}/kernels.cpp)
+  add_custom_command(OUTPUT ${kernels} COMMAND ${name}_generate ${kernels} DEPENDS ${name}_generate VERBATIM)
+  add_library(${name}_kernels OBJECT ${kernels})
+  target_link_libraries(${name}_kernels PRIVATE sightline::sightline)
+  # They are what takes the time of an update, whatever the rest is built with.
+  target_compile_options(${name}_kernels PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O3>)
+
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL "STATIC_LIBRARY")
+    target_sources(${target} INTERFACE $<TARGET_OBJECTS:${name}_kernels>)
+  else()
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:${name}_kernels>)
+  endif()
 endfunction()

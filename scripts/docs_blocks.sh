@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Runs what the documents promise:  scripts/docs_blocks.sh [FILE.md ...]
 # Blocks opened by "```sh test" run in a shell at the root of the tree, build/release/bin in the path; blocks opened
-# by "```cpp test" are whole programs, built against an installed sightline, as a user would, and run.
+# by "```cpp test" are whole programs, built against an installed sightline, as a user would, and run. So is the example
+# of one's own potential, with its formulas compiled and without: both print the same.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD
@@ -35,9 +36,19 @@ foreach(block IN LISTS blocks)
   add_executable(${name} ${block})
   target_link_libraries(${name} PRIVATE sightline::sightline)
 endforeach()
+foreach(name compiled interpreted)
+  add_executable(${name} ${examples}/own_potential.cpp)
+  target_link_libraries(${name} PRIVATE sightline::sightline)
+endforeach()
+sightline_add_formulas(compiled ${examples}/own_potential.hpp)
 CMAKE
   cmake -S "$work" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
-    -DCMAKE_PREFIX_PATH="$work/installed" >/dev/null
+    -DCMAKE_PREFIX_PATH="$work/installed" -Dexamples="$root/examples" >/dev/null
+  cat >"$work/blocks/own_potential.sh" <<SH
+cmake --build '$work/build' --target compiled interpreted
+'$work/build/compiled' | tee '$work/flight'
+'$work/build/interpreted' | diff '$work/flight' -
+SH
 fi
 
 export PATH=$root/build/release/bin:$PATH

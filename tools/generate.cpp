@@ -10,6 +10,7 @@
 #include <string>
 
 #include "sightline/model/robots.hpp"
+#include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
 #include "sightline/potential/sensor_cone.hpp"
@@ -32,20 +33,13 @@ int main(int argc, char** argv) {
     generator.add(Multirotor{}, Seen::pose, {RelaxedBarrier{SpeedLimit{bound}, 0.013, 0.17}});
     generator.add(Multirotor{}, Seen::pose, {RelaxedBarrier{InputDisc{bound}, 0.013, 0.17}});
   }
-  const SensorCone cone{
-      .alpha = 0.52, .kappa_G = 0.013, .kappa_A = 2.1, .form = ConeForm::sine, .mount = {0.47, 0.16}};
-  const KeepOut keep_out{.d_min = 1.13, .kappa_H = 4.7, .kappa_G = 0.0017, .kappa_A = 3.3};
-  const Cohesion cohesion{.d_max = 2.3, .kappa_H = 1.7, .kappa_G = 0.0011, .kappa_A = 3.7};
-  generator.add({0.4 * SensorCone{}, 0.4 * KeepOut{}, 0.4 * Cohesion{}});
-  generator.add({0.4 * SensorCone{}, 0.4 * Cohesion{}, 0.4 * KeepOut{}});
-  generator.add({0.4 * SensorCone{}});
-  generator.add({0.4 * KeepOut{}});
-  generator.add({0.4 * Cohesion{}});
-  generator.add({0.4 * KeepOut{}, 0.4 * Cohesion{}});
-  generator.add({0.41 * cone, 0.43 * keep_out, 0.47 * cohesion});
-  generator.add({0.41 * cone});
-  generator.add({0.41 * keep_out});
-  generator.add({0.41 * cohesion});
-  generator.add({0.41 * keep_out, 0.43 * cohesion});
+  const Weighted cone = 0.4 * SensorCone{}, keep_out = 0.4 * KeepOut{}, cohesion = 0.4 * Cohesion{};
+  generator.add({cone, keep_out, cohesion});
+  generator.add({cone, keep_out});
+  generator.add({cone, cohesion});
+  generator.add({keep_out, cohesion});
+  for (const Weighted& one : {cone, keep_out, cohesion, 0.4 * AltitudeBand{}, 0.4 * Geofence{}})
+    generator.add({one});
+  generator.add({0.4 * AltitudeBand{}, 0.4 * Geofence{}});
   return generator.write(argv[1]) ? 0 : 1;
 }

@@ -217,5 +217,42 @@ TEST(Graph, TheMaximumOfConstantsIsAConstant) {
   EXPECT_EQ(graph.node(graph.maximum(-a, graph.constant(2.0))).op, Op::maximum);
 }
 
+TEST(Graph, ParametersNeitherFoldNorMeetByTheirValue) {
+  Graph graph;
+  const Term x = graph.input(0), y = graph.input(1);
+  EXPECT_TRUE(graph.is_zero(graph.multiply(graph.number(0.0, x, true), x)))
+      << "a number, until told otherwise";
+  graph.keep_parameters();
+  const Term zero = graph.number(0.0, x, true), one = graph.number(1.0, x, true);
+  EXPECT_EQ(graph.node(graph.multiply(zero, x)).op, Op::multiply);
+  EXPECT_NE(graph.multiply(one, x), x);
+  EXPECT_EQ(graph.number(1.0, x, true), one) << "met twice in one way";
+  EXPECT_EQ(graph.number(1.0, -x, true), one);
+  EXPECT_NE(graph.number(1.0, x, false), one) << "as a summand";
+  EXPECT_NE(graph.number(1.0, y, true), one);
+  EXPECT_NE(graph.constant(1.0), one);
+  graph.keep_parameters();
+  EXPECT_NE(graph.number(1.0, x, true), one) << "in another formula";
+}
+
+TEST(Graph, ResultsOfParametersAreParametersOfTheirValue) {
+  Graph graph;
+  graph.keep_parameters();
+  const Term x = graph.input(0), a = graph.number(-3.0, x, true), b = graph.number(2.0, x, false);
+  const Term ab = graph.multiply(a, b), two = graph.constant(2.0);
+  EXPECT_EQ(graph.constant_value(ab), -6.0);
+  EXPECT_EQ(graph.multiply(b, a), ab);
+  EXPECT_EQ(graph.multiply(graph.multiply(two, a), b), graph.multiply(a, graph.multiply(b, two)));
+  EXPECT_EQ(graph.constant_value(graph.multiply(-a, graph.multiply(two, b))), 12.0);
+  EXPECT_EQ(graph.multiply(a, graph.multiply(b, x)), graph.multiply(ab, x));
+  EXPECT_EQ(graph.constant_value(graph.add(a, -b)), -5.0);
+  EXPECT_EQ(graph.add(a, graph.add(b, x)), graph.add(graph.add(a, b), x));
+  EXPECT_TRUE(graph.is_zero(graph.add(a, -a)));
+  EXPECT_EQ(graph.constant_value(graph.reciprocal(b)), 0.5);
+  EXPECT_EQ(graph.reciprocal(b), graph.reciprocal(b));
+  EXPECT_NE(graph.add(b, a), graph.constant(-1.0));
+  EXPECT_EQ(graph.constant_value(graph.maximum(a, b)), 2.0);
+}
+
 }  // namespace
 }  // namespace sightline

@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
+#include "examples/own_potential.hpp"
 #include "sightline/model/robots.hpp"
+#include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
 #include "sightline/potential/sensor_cone.hpp"
@@ -84,16 +89,62 @@ TEST(KernelTable, ModelsThatWereNotPrintedAreInterpreted) {
   EXPECT_EQ(typeid(chosen), typeid(expected));
 }
 
-TEST(KernelTable, TheBuiltInPotentialsAreFoundWhateverTheirParameters) {
-  const auto found = [](const std::vector<Weighted>& terms) {
+/// Numbers of few values, so that they meet each other, 0 and 1 and the formulas' own.
+double any_of(Random& random, std::initializer_list<double> values) {
+  return values.begin()[random() % values.size()];
+}
+
+Weighted random_term(Random& random, int which) {
+  const double weight = any_of(random, {0.4, 1.0, 2.0, 20.0}),
+               kappa_G = any_of(random, {0.0, 0.001, 1.0, 2.0}),
+               kappa_A = any_of(random, {0.001, 1.0, 2.0, 3.0}),
+               height = any_of(random, {0.5, 1.0, 2.0, 4.0}), distance = any_of(random, {1.0, 2.0, 3.0});
+  switch (which) {
+    case 0:
+      return weight *
+             SensorCone{.alpha = 0.5,
+                        .kappa_G = kappa_G,
+                        .kappa_A = kappa_A,
+                        .form = random() % 2 == 0 ? ConeForm::sine : ConeForm::tangent,
+                        .mount = {any_of(random, {0.0, 0.5, -0.5}), any_of(random, {0.0, 1.0, -0.2})}};
+    case 1:
+      return weight * KeepOut{.d_min = distance, .kappa_H = height, .kappa_G = kappa_G, .kappa_A = kappa_A};
+    case 2:
+      return weight * Cohesion{.d_max = distance, .kappa_H = height, .kappa_G = kappa_G, .kappa_A = kappa_A};
+    case 3:
+      return weight * AltitudeBand{.z_min = any_of(random, {-1.0, 0.0, 0.5}),
+                                   .z_max = distance,
+                                   .kappa_G = kappa_G,
+                                   .kappa_A = kappa_A};
+    default:
+      return weight * Geofence{{-distance, -1, 0}, {1, distance, 1}, kappa_G, kappa_A};
+  }
+}
+
+TEST(KernelTable, TheBuiltInPotentialsAreFoundWhateverTheirParametersAndOrder) {
+  Random random(1);
+  for (int trial = 0; trial < 300; ++trial) {
+    const bool pair = trial % 4 != 0;
+    std::vector<int> which = pair ? std::vector{0, 1, 2} : std::vector{3, 4};
+    std::shuffle(which.begin(), which.end(), random);
+    which.resize(1 + random() % which.size());
+    std::vector<Weighted> terms;
+    for (const int w : which) terms.push_back(random_term(random, w));
     std::vector<const Weighted*> pointers;
     for (const Weighted& t : terms) pointers.push_back(&t);
-    const PosePotential p = trace_potential(pointers, 0.05, {});
-    return find_formula(p.derivatives, 2) != nullptr && find_formula(p.derivatives, native_width) != nullptr;
-  };
-  EXPECT_TRUE(found({0.4 * SensorCone{}}));
-  EXPECT_TRUE(found({0.4 * SensorCone{}, 0.4 * Cohesion{}, 0.4 * KeepOut{}}));
-  EXPECT_TRUE(found({0.73 * KeepOut{.d_min = 0.83, .kappa_H = 2.9, .kappa_G = 0.0023, .kappa_A = 6.1}}));
+    const Ends ends{true, pair && random() % 3 != 0, true, random() % 2 == 0};
+    const PosePotential p = trace_potential(pointers, 0.05, ends, Numbers::parameters);
+    EXPECT_NE(find_formula(p.derivatives, native_width), nullptr) << trial;
+  }
+}
+
+TEST(KernelTable, AUsersPotentialIsFoundOnceItsFormulasWereAdded) {
+  const Weighted term = 1.7 * Downwash{.kappa_H = 1.0, .s_r = 0.5, .s_z = 0.5};
+  const std::array terms = {&term};
+  for (const Ends& ends : {Ends{}, {.b_feels = false}, {.b_is_agent = false}}) {
+    const PosePotential p = trace_potential(terms, 0.02, ends, Numbers::parameters);
+    EXPECT_NE(find_formula(p.derivatives, native_width), nullptr);
+  }
 }
 
 }  // namespace

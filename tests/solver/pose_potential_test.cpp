@@ -13,10 +13,11 @@ namespace {
 
 constexpr double h = 0.05;
 
-PosePotential trace(const std::vector<Weighted>& terms, const Ends& ends = {}) {
+PosePotential trace(const std::vector<Weighted>& terms, const Ends& ends = {},
+                    Numbers numbers = Numbers::known) {
   std::vector<const Weighted*> pointers;
   for (const Weighted& t : terms) pointers.push_back(&t);
-  return trace_potential(pointers, h, ends);
+  return trace_potential(pointers, h, ends, numbers);
 }
 
 TEST(PosePotential, WhatDependsOnTheRelativePositionIsFoundSo) {
@@ -51,6 +52,54 @@ TEST(PosePotential, OnlyVariablesThatOccurAreListed) {
   EXPECT_TRUE(pace.sees_motion(true));
   EXPECT_FALSE(band.sees_motion(false));
   EXPECT_EQ(pace.variables.back(), PosePotential::time_variable);
+}
+
+TEST(PosePotential, WithParametersItGivesTheSameNumbers) {
+  Random random(2);
+  for (const std::vector<Weighted>& terms :
+       {std::vector{0.4 * SensorCone{}, 0.3 * KeepOut{}}, {1.0 * Cohesion{.kappa_G = 0.0, .kappa_A = 1.0}}}) {
+    const PosePotential known = trace(terms), general = trace(terms, {}, Numbers::parameters);
+    EXPECT_TRUE(general.relative);
+    EXPECT_EQ(known.variables, general.variables);
+    for (int trial = 0; trial < 100; ++trial) {
+      const std::vector<double> z = random_numbers(random, 5, 2.0);
+      const auto a = evaluate(known.derivatives, z), b = evaluate(general.derivatives, z);
+      ASSERT_EQ(a.size(), b.size());
+      for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-13 * (1 + std::fabs(a[i])));
+    }
+  }
+}
+
+TEST(PosePotential, WithParametersTheProgramIsThatOfEveryNumberAndOrder) {
+  const auto instructions = [](const std::vector<Weighted>& terms) {
+    const PosePotential p = trace(terms, {}, Numbers::parameters);
+    return std::vector(p.derivatives.instructions().begin(), p.derivatives.instructions().end());
+  };
+  const auto expected = instructions({0.4 * KeepOut{}, 0.3 * Cohesion{}});
+  EXPECT_EQ(instructions({1.0 * Cohesion{.d_max = 1, .kappa_G = 1, .kappa_A = 1}, 1.0 * KeepOut{}}),
+            expected);
+  EXPECT_EQ(instructions({1.0 * KeepOut{.kappa_G = 0}, 0.0 * Cohesion{.kappa_G = 0}}), expected);
+}
+
+TEST(PosePotential, TermsFallIntoThoseThatWereCompiledAndARest) {
+  Team team;
+  const AgentId a = team.add(Multirotor{}), b = team.add(Multirotor{});
+  const std::vector<Weighted> terms = {0.4 * SensorCone{}, 0.3 * KeepOut{}, 0.2 * Cohesion{}};
+  for (const Weighted& t : terms) team.couple(t, {a, b});
+  const Ocp ocp(team, {.T = 1.0, .N = 20, .dt = 0.01});
+  const Program compiled = trace({terms[2], terms[0]}, {}, Numbers::parameters).derivatives;
+  const auto list = trace_potentials(ocp, [&](const Program& p) { return p == compiled; });
+  ASSERT_EQ(list.size(), 1u);
+  const PosePotential &p = list[0].potential, whole = trace(terms);
+  EXPECT_EQ(p.derivatives, compiled);
+  ASSERT_EQ(p.others.size(), 1u);
+  EXPECT_EQ(p.value, whole.value);
+  Random random(3);
+  const std::vector<double> z = random_numbers(random, 5, 2.0);
+  const auto first = evaluate(p.derivatives, z), other = evaluate(p.others[0], z),
+             expected = evaluate(whole.derivatives, z);
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NEAR(first[i] + other[i], expected[i], 1e-13 * (1 + std::fabs(expected[i])));
 }
 
 TEST(PosePotential, AnEndThatFeelsNothingHasNoRow) {

@@ -1,5 +1,6 @@
 #include "sightline/formula/graph.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -35,8 +36,64 @@ Term Graph::constant(double value) {
   return with_sign(unique({.op = Op::constant, .value = value == 0 ? 0.0 : std::fabs(value)}), negative);
 }
 
+Graph::Factors Graph::factors(Term t) const {
+  if (!is_parameter(t)) return {constant_value(t), {}};
+  Factors f = factors_.at(t.node);
+  if (t.negative) f.first = -f.first;
+  return f;
+}
+
+Term Graph::parameter(const Factors& factors, double value) {
+  const bool negative = factors.first < 0;
+  const auto [entry, added] = names_.try_emplace({std::fabs(factors.first), factors.second}, size());
+  if (added) {
+    factors_[size()] = entry->first;
+    nodes_.push_back({.op = Op::constant, .a = {size(), false}, .value = negative ? -value : value});
+  }
+  return {entry->second, negative};
+}
+
+Term Graph::number(double value, Term other, bool factor) {
+  if (formula_ == 0) return constant(value);
+  const auto [entry, added] = numbers_.try_emplace({formula_, other.node, factor, value});
+  if (added) entry->second = parameter({1.0, {leaves_++}}, value);
+  return entry->second;
+}
+
+Term Graph::of_constant(Op op, Term a, double value) {
+  return is_parameter(a) ? result({.op = op, .a = a}, value) : constant(value);
+}
+
+/// A constant that comes out of an operation on parameters.
+Term Graph::result(const Node& operation, double value) {
+  const auto [entry, added] = results_.try_emplace(operation);
+  if (added) entry->second = parameter({1.0, {leaves_++}}, value);
+  return entry->second;
+}
+
+Term Graph::sum_of_constants(Term a, Term b) {
+  const double sum = constant_value(a) + constant_value(b);
+  if (!is_parameter(a) && !is_parameter(b)) return constant(sum);
+  if (is_zero(a)) return b;
+  if (is_zero(b)) return a;
+  if (a == -b) return constant(0.0);
+  return result({.op = Op::add, .a = a, .b = b}, sum);
+}
+
+Term Graph::product_of_constants(Term a, Term b) {
+  const double product = constant_value(a) * constant_value(b);
+  if (!is_parameter(a) && !is_parameter(b)) return constant(product);
+  if (is_zero(a) || is_zero(b)) return constant(0.0);
+  Factors all = factors(a);
+  const Factors more = factors(b);
+  all.first *= more.first;
+  all.second.insert(all.second.end(), more.second.begin(), more.second.end());
+  std::sort(all.second.begin(), all.second.end());
+  return parameter(all, product);
+}
+
 Term Graph::add(Term a, Term b) {
-  if (is_constant(a) && is_constant(b)) return constant(constant_value(a) + constant_value(b));
+  if (is_constant(a) && is_constant(b)) return sum_of_constants(a, b);
   if (is_zero(a)) return b;
   if (is_zero(b)) return a;
   if (a == -b) return constant(0.0);
@@ -45,8 +102,7 @@ Term Graph::add(Term a, Term b) {
   // c + (c' + x): 1 - (1 - s) is s again.
   if (is_constant(a) && node(b).op == Op::add && is_constant(node(b).a)) {
     const Node inner = node(b);
-    const double sum = constant_value(a) + (b.negative ? -1.0 : 1.0) * constant_value(inner.a);
-    return add(constant(sum), with_sign(inner.b, b.negative));
+    return add(sum_of_constants(a, with_sign(inner.a, b.negative)), with_sign(inner.b, b.negative));
   }
   // The sum with a positive first operand stands for its negative too.
   if (!is_constant(a) && a.node > b.node) std::swap(a, b);
@@ -60,12 +116,12 @@ Term Graph::multiply(Term a, Term b) {
   b = positive(b);
   if (is_constant(b)) std::swap(a, b);
   if (is_constant(a)) {
-    if (is_constant(b)) return with_sign(constant(node(a).value * node(b).value), negative);
-    if (node(a).value == 0.0) return constant(0.0);
-    if (node(a).value == 1.0) return with_sign(b, negative);
+    if (is_constant(b)) return with_sign(product_of_constants(a, b), negative);
+    if (is_zero(a)) return constant(0.0);
+    if (is_number(a, 1.0)) return with_sign(b, negative);
     if (draw_constants_ && node(b).op == Op::multiply && is_constant(node(b).a)) {  // c (c' x)
       const Node inner = node(b);
-      return with_sign(multiply(constant(node(a).value * node(inner.a).value), inner.b), negative);
+      return with_sign(multiply(product_of_constants(a, inner.a), inner.b), negative);
     }
   } else {
     // A constant factor stands in front of the whole product: c (a b) is found again from a (c b).
@@ -81,45 +137,47 @@ Term Graph::multiply(Term a, Term b) {
 }
 
 Term Graph::reciprocal(Term a) {
-  if (is_constant(a)) return constant(1.0 / constant_value(a));
+  if (is_constant(a)) return of_constant(Op::reciprocal, a, 1.0 / constant_value(a));
   return with_sign(unique({.op = Op::reciprocal, .a = positive(a)}), a.negative);
 }
 
 Term Graph::square_root(Term a) {
-  if (is_constant(a)) return constant(sightline::sqrt(constant_value(a)));
+  if (is_constant(a)) return of_constant(Op::square_root, a, sightline::sqrt(constant_value(a)));
   return unique({.op = Op::square_root, .a = a});
 }
 
 Term Graph::exponential(Term a) {
-  if (is_constant(a)) return constant(sightline::exp(constant_value(a)));
+  if (is_constant(a)) return of_constant(Op::exponential, a, sightline::exp(constant_value(a)));
   return unique({.op = Op::exponential, .a = a});
 }
 
 Term Graph::logistic(Term a) {
-  if (is_constant(a)) return constant(sightline::logistic(constant_value(a)));
+  if (is_constant(a)) return of_constant(Op::logistic, a, sightline::logistic(constant_value(a)));
   // sig(-c) = 1 - sig(c): one exponential serves both sides of a limit.
   const Term s = unique({.op = Op::logistic, .a = positive(a)});
   return a.negative ? subtract(constant(1.0), s) : s;
 }
 
 Term Graph::relaxed_log(Term a) {
-  if (is_constant(a)) return constant(sightline::relaxed_log(constant_value(a)));
+  if (is_constant(a)) return of_constant(Op::relaxed_log, a, sightline::relaxed_log(constant_value(a)));
   return unique({.op = Op::relaxed_log, .a = a});
 }
 
 Term Graph::sine(Term a) {
-  if (is_constant(a)) return constant(sightline::sin(constant_value(a)));
+  if (is_constant(a)) return of_constant(Op::sine, a, sightline::sin(constant_value(a)));
   return with_sign(unique({.op = Op::sine, .a = positive(a)}), a.negative);
 }
 
 Term Graph::cosine(Term a) {
-  if (is_constant(a)) return constant(sightline::cos(constant_value(a)));
+  if (is_constant(a)) return of_constant(Op::cosine, a, sightline::cos(constant_value(a)));
   return unique({.op = Op::cosine, .a = positive(a)});
 }
 
 Term Graph::maximum(Term a, Term b) {
   if (is_constant(a) && is_constant(b)) {
-    return constant(sightline::maximum(constant_value(a), constant_value(b)));
+    const double larger = sightline::maximum(constant_value(a), constant_value(b));
+    const bool plain = !is_parameter(a) && !is_parameter(b);
+    return plain ? constant(larger) : result({.op = Op::maximum, .a = a, .b = b}, larger);
   }
   return unique({.op = Op::maximum, .a = a, .b = b});
 }

@@ -6,8 +6,11 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
+#include <tuple>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace sightline {
@@ -15,7 +18,7 @@ namespace sightline {
 /// What a node computes from its operands a, b.
 enum class Op : std::uint8_t {
   input,        ///< a variable of the formula
-  constant,     ///< a number >= 0
+  constant,     ///< a number, >= 0 unless it is a parameter's
   add,          ///< a + b; a is positive, b has a sign
   multiply,     ///< a b; both positive
   reciprocal,   ///< 1 / a; a positive
@@ -39,7 +42,7 @@ struct Term {
 
 struct Node {
   Op op{};
-  Term a{}, b{};       ///< operands; b of sums, products and maxima alone
+  Term a{}, b{};       ///< operands; b of sums, products and maxima alone; a of a parameter: itself
   double value = 0.0;  ///< of a constant; the index of an input
 
   bool operator==(const Node&) const = default;
@@ -64,6 +67,13 @@ class Graph {
 
   Term subtract(Term a, Term b) { return add(a, -b); }
 
+  /// Opens a formula whose numbers are parameters: none folds away by its value, none is another by its value,
+  /// so formulas of one shape are one graph whatever their numbers. Only a number that meets one term twice in
+  /// one way, and in one formula, is the same parameter.
+  void keep_parameters() { ++formula_; }
+  /// A number of the formula that meets `other`, as a factor or as a summand.
+  Term number(double value, Term other, bool factor);
+
   /// Whether a constant factor is drawn to the front of a product, c (a b) for a (c b). That finds common
   /// parts while differentiating; in products of matrices it multiplies the same factor again in each column.
   void draw_constants(bool on) { draw_constants_ = on; }
@@ -71,7 +81,7 @@ class Graph {
   bool is_constant(Term t) const { return node(t).op == Op::constant; }
   /// Value of a constant term, its sign included.
   double constant_value(Term t) const { return t.negative ? -node(t).value : node(t).value; }
-  bool is_zero(Term t) const { return is_constant(t) && node(t).value == 0.0; }
+  bool is_zero(Term t) const { return is_number(t, 0.0); }
 
   const Node& node(Term t) const { return nodes_[static_cast<std::size_t>(t.node)]; }
   std::span<const Node> nodes() const { return nodes_; }
@@ -82,9 +92,28 @@ class Graph {
     std::size_t operator()(const Node& n) const;
   };
 
+  /// Products of parameters are known by their factors, in any order; other results by how they came about.
+  using Factors = std::pair<double, std::vector<int>>;
+
   Term unique(const Node& node);
+  bool is_parameter(Term t) const { return is_constant(t) && node(t).a.node >= 0; }
+  bool is_number(Term t, double value) const {
+    return is_constant(t) && !is_parameter(t) && node(t).value == value;
+  }
+  Factors factors(Term t) const;
+  Term parameter(const Factors& factors, double value);
+  Term result(const Node& operation, double value);
+  Term of_constant(Op op, Term a, double value);
+  Term sum_of_constants(Term a, Term b);
+  Term product_of_constants(Term a, Term b);
 
   bool draw_constants_ = true;
+  int formula_ = 0;                                             // 0: numbers are known by their value
+  std::map<std::tuple<int, int, bool, double>, Term> numbers_;  // [formula, other, factor, value]
+  std::map<Factors, int> names_;                                // node of a parameter
+  std::map<int, Factors> factors_;                              // and back
+  std::unordered_map<Node, Term, Hash> results_;
+  int leaves_ = 0;
   std::vector<Node> nodes_;
   std::unordered_map<Node, int, Hash> index_;
 };

@@ -70,7 +70,10 @@ class Symbol {
                         OnNumbers numbers) {
     Graph* graph = a.graph_ != nullptr ? a.graph_ : b.graph_;
     if (graph == nullptr) return numbers(a.constant_, b.constant_);
-    return {*graph, (graph->*on_terms)(a.in(*graph), b.in(*graph))};
+    const bool factor = on_terms == &Graph::multiply;
+    const Term left = a.graph_ != nullptr ? a.term_ : graph->number(a.constant_, b.term_, factor);
+    const Term right = b.graph_ != nullptr ? b.term_ : graph->number(b.constant_, a.term_, factor);
+    return {*graph, (graph->*on_terms)(left, right)};
   }
   template <class OnNumber>
   static Symbol apply(const Symbol& a, Term (Graph::*on_term)(Term), OnNumber number) {

@@ -46,7 +46,8 @@ struct Slot {
   bool in_place = false;                      // evaluated over lanes of agents
   bool assigns_c = false, assigns_y = false;  // the first to write there
   const FormulaKernel* kernel = nullptr;
-  Rows H;  // [stage][15][lane], zero in lanes not in use
+  std::vector<const FormulaKernel*> others;  // of the potential's other derivatives
+  Rows H;                                    // [stage][15][lane], zero in lanes not in use
 };
 
 template <int W>
@@ -142,8 +143,9 @@ class LaneCouplings final : public Couplings {
   Batch& batch_of(std::vector<Batch>& batches, const BodyPotential& pair, KernelChoice choice) {
     for (Batch& b : batches) {
       const PosePotential& p = b.pairs[0]->potential;
-      if (p.derivatives == pair.potential.derivatives && p.variables == pair.potential.variables &&
-          b.pairs[0]->ends.a_feels == pair.ends.a_feels && b.pairs[0]->ends.b_feels == pair.ends.b_feels &&
+      if (p.derivatives == pair.potential.derivatives && p.others == pair.potential.others &&
+          p.variables == pair.potential.variables && b.pairs[0]->ends.a_feels == pair.ends.a_feels &&
+          b.pairs[0]->ends.b_feels == pair.ends.b_feels &&
           b.pairs[0]->ends.a_is_agent == pair.ends.a_is_agent &&
           b.pairs[0]->ends.b_is_agent == pair.ends.b_is_agent) {
         return b;
@@ -239,13 +241,19 @@ class LaneCouplings final : public Couplings {
   /// Lanes of agents pay where half of them are in use; pairs of one formula are evaluated one way.
   void settle(Slot<W>& slot, KernelChoice choice) {
     slot.H = Rows(1, layout_.stages * 15 * W);
-    if (choice == KernelChoice::compiled_if_there) slot.kernel = find_formula(slot.potential->derivatives, W);
+    const auto compiled = [&](const Program& p) {
+      return choice == KernelChoice::compiled_if_there ? find_formula(p, W) : nullptr;
+    };
+    slot.kernel = compiled(slot.potential->derivatives);
+    for (const Program& p : slot.potential->others) slot.others.push_back(compiled(p));
     for (std::size_t b = 0; b < relative_.size(); ++b) {
       if (&relative_[b].pairs[0]->potential != slot.potential) continue;
       int slots = 0;
       for (const Slot<W>& s : slots_) slots += s.potential == slot.potential;
       const int pairs = static_cast<int>(relative_[b].pairs.size());
-      slot.in_place = W >= 4 && slot.kernel != nullptr && 2 * pairs >= W * slots;
+      const bool all_compiled = slot.kernel != nullptr && std::find(slot.others.begin(), slot.others.end(),
+                                                                    nullptr) == slot.others.end();
+      slot.in_place = W >= 4 && all_compiled && 2 * pairs >= W * slots;
       in_place_[b] = slot.in_place;
     }
   }
@@ -311,8 +319,9 @@ class LaneCouplings final : public Couplings {
   void evaluate_in_place(Slot<W>& slot, const double* s, double* c) noexcept {
     const Layout::Part &part_a = layout_.groups[at(slot.group_a)], &part_b = layout_.groups[at(slot.group_b)];
     alignas(row_alignment) std::array<double, relative * W> in;
-    alignas(row_alignment) std::array<double, relative_outputs * W> out;
+    alignas(row_alignment) std::array<double, relative_outputs * W> out, more;
     const double* const constants = slot.potential->derivatives.constants().data();
+    const auto add = [](double* to, L value) { (L::load(to) + value).store(to); };
     for (int k = 1; k < layout_.stages; ++k) {
       const double* const a = s + part_a.s + k * part_a.ns * W;
       const double* const b = s + part_b.s + k * part_b.ns * W;
@@ -321,10 +330,13 @@ class LaneCouplings final : public Couplings {
       }
       for (int i = 3; i < relative; ++i) L::load(a + i * W).store(&in[at(i * W)]);
       slot.kernel->run(constants, in.data(), out.data(), 1);
+      for (std::size_t o = 0; o < slot.others.size(); ++o) {
+        slot.others[o]->run(slot.potential->others[o].constants().data(), in.data(), more.data(), 1);
+        for (int i = 0; i < relative_outputs; ++i) add(&out[at(i * W)], L::load(&more[at(i * W)]));
+      }
       double* const c_a = c + part_a.c + k * part_a.nc() * W;
       double* const c_b = c + part_b.c + k * part_b.nc() * W;
       double* const H = slot.H[0] + k * 15 * W;
-      const auto add = [](double* to, L value) { (L::load(to) + value).store(to); };
       const auto to_a = [&](double* to, L value) { slot.assigns_c ? value.store(to) : add(to, value); };
       for (int i = 0; i < relative; ++i) {
         const L g = L::load(&out[at(i * W)]) * slot.a_mask;

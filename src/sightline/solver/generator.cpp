@@ -6,8 +6,6 @@
 #include <array>
 #include <cstdio>
 
-#include "sightline/solver/pose_potential.hpp"
-
 namespace sightline {
 namespace {
 
@@ -46,18 +44,24 @@ void Generator::add(const Model& model, Seen seen, const std::vector<RelaxedBarr
 void Generator::add(const std::vector<Weighted>& terms) {
   std::vector<const Weighted*> pointers;
   for (const Weighted& t : terms) pointers.push_back(&t);
-  const PosePotential potential = trace_potential(pointers, h, {});
+  std::vector<Ends> kinds = {{true, false, true, false}};
+  if (terms.at(0).potential.is_pair())
+    kinds.insert(kinds.end(), {{}, {.b_feels = false}, {.a_feels = false}});
+  for (const Ends& ends : kinds)
+    add(trace_potential(pointers, h, ends, Numbers::parameters), terms[0].potential.name());
+}
+
+void Generator::add(const PosePotential& potential, std::string_view potential_name) {
   const Program& program = potential.derivatives;
   const std::uint64_t key = structure(program);
   if (!known_.insert(key).second) return;
   const std::string name = fmt::format("Formula_{:016x}", key);
   functions_ += fmt::format("/// {}\nstruct {} {{\nstatic constexpr int inputs = {}, outputs = {};\n",
-                            terms[0].potential.name(), name, program.inputs(), program.outputs());
+                            potential_name, name, program.inputs(), program.outputs());
   const std::array<Block, 1> in = {Block{"in", program.inputs()}}, out = {Block{"out", program.outputs()}};
   functions_ += emit(program, "evaluate", in, out) + "};\n\n";
-  for (const std::string_view width : {"2", "native_width"}) {
-    formula_rows_ += fmt::format("    {{0x{:016x}, {}, run_compiled<{}, {}>}},\n", key, width, width, name);
-  }
+  formula_rows_ +=
+      fmt::format("    {{0x{:016x}, native_width, run_compiled<native_width, {}>}},\n", key, name);
 }
 
 std::string Generator::text() const {

@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "sightline/potential/potential.hpp"
+#include "sightline/solver/pose_potential.hpp"
 #include "sightline/solver/stage.hpp"
 
 namespace sightline {
@@ -22,7 +23,8 @@ class Generator {
 
   /// The stage programs of a model with these barriers, in this order.
   void add(const Model& model, Seen seen, const std::vector<RelaxedBarrier>& barriers = {});
-  /// The sum of potentials between two agents that both feel it.
+  /// The sum of potentials between two bodies, or of one robot, whatever their numbers and their order; felt by
+  /// both ends, by either, and where the second is not controlled.
   void add(const std::vector<Weighted>& terms);
 
   /// The file.
@@ -31,6 +33,8 @@ class Generator {
   [[nodiscard]] bool write(const char* path) const;
 
  private:
+  void add(const PosePotential& potential, std::string_view name);
+
   bool for_library_;
   std::set<std::uint64_t> known_;
   std::string functions_, stage_rows_, formula_rows_;

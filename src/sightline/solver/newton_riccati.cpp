@@ -49,7 +49,8 @@ L within(L x, L low, L high) { return minimum(maximum(x, low), high); }
 NewtonRiccati::NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options)
     : ocp_(std::move(ocp)),
       options_(checked(options)),
-      potentials_(trace_potentials(ocp_)),
+      potentials_(
+          trace_potentials(ocp_, [](const Program& p) { return find_formula(p, native_width) != nullptr; })),
       groups_(ocp_, potentials_, options_.kernels),
       influence_(influence_graph(potentials_, static_cast<int>(ocp_.agents().size()))),
       couplings_(make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels)),

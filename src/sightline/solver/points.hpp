@@ -13,7 +13,11 @@ class Points {
 
   Points(const PosePotential& potential, KernelChoice choice)
       : potential_(potential), value_(potential.value), derivatives_(potential.derivatives) {
-    if (choice == KernelChoice::compiled_if_there) compiled_ = find_formula(potential.derivatives, W);
+    const auto compiled = [&](const Program& p) {
+      return choice == KernelChoice::compiled_if_there ? find_formula(p, W) : nullptr;
+    };
+    compiled_ = compiled(potential.derivatives);
+    for (const Program& p : potential.others) others_.push_back({p, PackEvaluation<W>(p), compiled(p)});
   }
 
   void resize(int points) {
@@ -21,6 +25,7 @@ class Points {
     in_ = Rows(1, packs_ * W * inputs());
     out_ = Rows(1, packs_ * W * potential_.derivatives.outputs());
     values_ = Rows(1, packs_ * W);
+    if (!others_.empty()) more_ = Rows(1, packs_ * W * potential_.derivatives.outputs());
   }
 
   double& in(int point, int variable) { return *(in_[0] + place(point, variable, inputs())); }
@@ -29,15 +34,11 @@ class Points {
   }
 
   void derive() noexcept {
-    const int outputs = potential_.derivatives.outputs();
-    if (compiled_ != nullptr) {
-      compiled_->run(potential_.derivatives.constants().data(), in_[0], out_[0], packs_);
-      return;
-    }
-    for (int p = 0; p < packs_; ++p) {
-      derivatives_.bind_inputs(0, in_[0] + p * W * inputs(), inputs());
-      derivatives_.bind_outputs(0, out_[0] + p * W * outputs, outputs);
-      derivatives_.run();
+    run(potential_.derivatives, derivatives_, compiled_, out_[0]);
+    for (Other& other : others_) {
+      run(other.program, other.evaluation, other.compiled, more_[0]);
+      for (std::size_t i = 0; i < out_.all().size(); i += W)
+        (Lane<W>::load(&out_.all()[i]) + Lane<W>::load(&more_.all()[i])).store(&out_.all()[i]);
     }
   }
 
@@ -51,6 +52,25 @@ class Points {
   double value(int point) const { return values_[0][point]; }
 
  private:
+  struct Other {
+    const Program& program;
+    PackEvaluation<W> evaluation;
+    const FormulaKernel* compiled;
+  };
+
+  void run(const Program& program, PackEvaluation<W>& evaluation, const FormulaKernel* compiled,
+           double* out) noexcept {
+    if (compiled != nullptr) {
+      compiled->run(program.constants().data(), in_[0], out, packs_);
+      return;
+    }
+    for (int p = 0; p < packs_; ++p) {
+      evaluation.bind_inputs(0, in_[0] + p * W * program.inputs(), program.inputs());
+      evaluation.bind_outputs(0, out + p * W * program.outputs(), program.outputs());
+      evaluation.run();
+    }
+  }
+
   int inputs() const { return potential_.derivatives.inputs(); }
   static std::ptrdiff_t place(int point, int row, int rows) {
     return (static_cast<std::ptrdiff_t>(point / W) * rows + row) * W + point % W;
@@ -59,7 +79,8 @@ class Points {
   const PosePotential& potential_;
   PackEvaluation<W> value_, derivatives_;
   const FormulaKernel* compiled_ = nullptr;
-  Rows in_, out_, values_;
+  std::vector<Other> others_;
+  Rows in_, out_, more_, values_;
   int packs_ = 0;
 };
 

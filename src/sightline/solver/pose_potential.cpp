@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 #include "sightline/formula/derive.hpp"
 
@@ -11,15 +12,28 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The weighted sum over given variables, those not given being zero.
-Term record(Graph& graph, std::span<const Weighted* const> terms, double h, std::span<const int> variables) {
-  std::vector<Symbol> z(at(PosePotential::time_variable + 1), Symbol(0.0));
+Term record(Graph& graph, std::span<const Weighted* const> terms, double h, std::span<const int> variables,
+            Numbers numbers) {
+  std::vector<Symbol> z(at(PosePotential::time_variable + 1), Symbol(graph, graph.constant(0.0)));
   int input = 0;
   for (const int v : variables) z[at(v)] = Symbol(graph, graph.input(input++));
   const auto part = [&](int from) { return std::span<const Symbol>(z).subspan(at(from), at(sight_size)); };
   const Sight<Symbol> a = sight_from<Symbol>(part(0)), b = sight_from<Symbol>(part(sight_size));
-  Symbol l = 0.0;
-  for (const Weighted* term : terms) l += term->weight * term->potential(a, b, z.back());
-  return (h * l).in(graph);
+  Term l = graph.constant(0.0);
+  for (const Weighted* term : terms) {
+    if (numbers == Numbers::parameters) graph.keep_parameters();
+    l = graph.add(l, (h * term->weight * term->potential(a, b, z.back())).in(graph));
+  }
+  return l;
+}
+
+/// One order for all teams, so that one program serves them.
+std::vector<const Weighted*> sorted(std::span<const Weighted* const> terms) {
+  std::vector<const Weighted*> list(terms.begin(), terms.end());
+  std::stable_sort(list.begin(), list.end(), [](const Weighted* a, const Weighted* b) {
+    return a->potential.name() > b->potential.name();
+  });
+  return list;
 }
 
 std::vector<Term> inputs(Graph& graph, int n) {
@@ -77,18 +91,20 @@ bool PosePotential::sees_motion(bool of_b) const {
   return std::any_of(variables.begin(), variables.end(), [&](int v) { return v >= from && v < from + 3; });
 }
 
-PosePotential trace_potential(std::span<const Weighted* const> terms, double h, const Ends& ends) {
+PosePotential trace_potential(std::span<const Weighted* const> given, double h, const Ends& ends,
+                              Numbers numbers) {
+  const std::vector<const Weighted*> terms = sorted(given);
   PosePotential p;
   {
     Graph graph;
-    const Term l = record(graph, terms, h, range(PosePotential::time_variable + 1));
+    const Term l = record(graph, terms, h, range(PosePotential::time_variable + 1), numbers);
     p.variables = occurring(graph, l, PosePotential::time_variable + 1);
     p.relative = ends.a_is_agent && ends.b_is_agent && is_relative(graph, l, p.variables);
   }
   if (p.relative) p.variables = range(PosePotential::relative_size);
   Graph graph;
   const int n = static_cast<int>(p.variables.size());
-  const Term l = record(graph, terms, h, p.variables);
+  const Term l = record(graph, terms, h, p.variables, numbers);
   p.value = Program(graph, std::vector{l}, n);
   const Derivatives d = derive(graph, l, inputs(graph, n));
   std::vector<Term> outputs;
@@ -129,7 +145,53 @@ PosePotential trace_potential(std::span<const Weighted* const> terms, double h, 
   return p;
 }
 
-std::vector<BodyPotential> trace_potentials(const Ocp& ocp) {
+namespace {
+
+using Terms = std::vector<const Weighted*>;
+
+/// The program of the most terms that was compiled, if any; takes them away.
+std::optional<PosePotential> take_compiled(Terms& terms, double h, const Ends& ends,
+                                           const IsCompiled& is_compiled) {
+  constexpr std::size_t few = 6;  // beyond it: all of them, or one
+  const std::size_t n = terms.size();
+  for (std::size_t size = n; size > 0; --size) {
+    if (n > few && size > 1 && size < n) continue;
+    std::vector<bool> chosen(n, false);
+    std::fill_n(chosen.begin(), size, true);
+    do {
+      Terms some, rest;
+      for (std::size_t i = 0; i < n; ++i) (chosen[i] ? some : rest).push_back(terms[i]);
+      PosePotential p = trace_potential(some, h, ends, Numbers::parameters);
+      if (!is_compiled(p.derivatives)) continue;
+      terms = rest;
+      return p;
+    } while (std::prev_permutation(chosen.begin(), chosen.end()));
+  }
+  return std::nullopt;
+}
+
+/// The terms of one pair, or one robot, as one potential if they are relative, else as several.
+std::vector<PosePotential> trace_terms(const Terms& terms, double h, const Ends& ends,
+                                       const IsCompiled& is_compiled) {
+  Terms left = terms;
+  std::vector<PosePotential> parts;
+  while (is_compiled && !left.empty()) {
+    std::optional<PosePotential> compiled = take_compiled(left, h, ends, is_compiled);
+    if (!compiled) break;
+    parts.push_back(std::move(*compiled));
+  }
+  if (!left.empty()) parts.push_back(trace_potential(left, h, ends));
+  if (parts.size() == 1 || !std::all_of(parts.begin(), parts.end(), [](const auto& p) { return p.relative; }))
+    return parts;
+  PosePotential whole = std::move(parts[0]);
+  for (std::size_t i = 1; i < parts.size(); ++i) whole.others.push_back(std::move(parts[i].derivatives));
+  whole.value = trace_potential(terms, h, ends).value;
+  return {std::move(whole)};
+}
+
+}  // namespace
+
+std::vector<BodyPotential> trace_potentials(const Ocp& ocp, const IsCompiled& is_compiled) {
   const Team& team = ocp.team();
   const double h = ocp.horizon().h();
   std::vector<int> agent_of(at(team.bodies()), -1);
@@ -156,8 +218,8 @@ std::vector<BodyPotential> trace_potentials(const Ocp& ocp) {
     };
     const BodyId a = first.between.first, b = first.between.second;
     const Ends ends{team.is_agent(a), team.is_agent(b), feels(a), feels(b)};
-    list.push_back({agent_of[at(a.index)], agent_of[at(b.index)], a.index, b.index, ends,
-                    trace_potential(terms, h, ends)});
+    for (PosePotential& p : trace_terms(terms, h, ends, is_compiled))
+      list.push_back({agent_of[at(a.index)], agent_of[at(b.index)], a.index, b.index, ends, std::move(p)});
   }
   for (std::size_t a = 0; a < ocp.agent_bodies().size(); ++a) {
     std::vector<const Weighted*> terms;
@@ -166,8 +228,8 @@ std::vector<BodyPotential> trace_potentials(const Ocp& ocp) {
     }
     if (terms.empty()) continue;
     const Ends ends{true, false, true, false};
-    list.push_back(
-        {static_cast<int>(a), -1, ocp.agent_bodies()[a].index, -1, ends, trace_potential(terms, h, ends)});
+    for (PosePotential& p : trace_terms(terms, h, ends, is_compiled))
+      list.push_back({static_cast<int>(a), -1, ocp.agent_bodies()[a].index, -1, ends, std::move(p)});
   }
   return list;
 }

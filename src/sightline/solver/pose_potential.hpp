@@ -2,6 +2,7 @@
 /// two.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -38,6 +39,7 @@ struct PosePotential {
   std::vector<int> variables;   ///< of (s_a, s_b, t), inputs of both programs in this order
   Program value;                ///< one output
   Program derivatives;          ///< every entry of the lists below, once up to sign
+  std::vector<Program> others;  ///< of a relative one: derivatives to be added, compiled apart
   std::vector<First> gradient;  ///< of the ends that feel it
   std::vector<Second> own;      ///< Hessian within an end that feels it, row <= column
   std::vector<Second> cross;    ///< Hessian between a (row) and b (column), where both are agents
@@ -46,8 +48,19 @@ struct PosePotential {
   bool sees_motion(bool of_b) const;
 };
 
-/// @param terms  potentials between the same bodies, felt by the same agents; or of one robot alone, a
-PosePotential trace_potential(std::span<const Weighted* const> terms, double h, const Ends& ends);
+/// What the numbers of a formula are while it is traced.
+enum class Numbers {
+  known,       ///< they fold: the shortest program, good for these numbers alone
+  parameters,  ///< the program of every such formula, whatever its numbers
+};
+
+/// @param terms  potentials between the same bodies, felt by the same agents; or of one robot alone, a. Their
+///               order does not matter.
+PosePotential trace_potential(std::span<const Weighted* const> terms, double h, const Ends& ends,
+                              Numbers numbers = Numbers::known);
+
+/// Whether a program was printed and compiled.
+using IsCompiled = std::function<bool(const Program&)>;
 
 /// Potentials between two bodies that are felt alike, by index in the team.
 struct BodyPotential {
@@ -57,7 +70,8 @@ struct BodyPotential {
   PosePotential potential;
 };
 
-/// The potentials of a team, pair by pair and robot by robot.
-std::vector<BodyPotential> trace_potentials(const Ocp& ocp);
+/// The potentials of a team, pair by pair and robot by robot. The terms of a pair are one program if that was
+/// compiled; else they fall into those that were, and a rest with its numbers known.
+std::vector<BodyPotential> trace_potentials(const Ocp& ocp, const IsCompiled& is_compiled = {});
 
 }  // namespace sightline
