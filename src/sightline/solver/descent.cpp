@@ -1,13 +1,15 @@
 #include "sightline/solver/descent.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace sightline {
 namespace {
 
 constexpr int halvings = 12, doublings = 6;
-constexpr int deepest = 4;  // beyond it a cascade is searched along at once
+constexpr double rounding = 1e-12;  // of costs, relative
+constexpr int deepest = 4;          // beyond it a cascade is searched along at once
 
 }  // namespace
 
@@ -24,6 +26,7 @@ Descent::Descent(std::span<const BodyPotential> potentials, const Layout& layout
   }
   const bool in_order = graph.kind == Influence::cascade && graph.depth <= deepest;
   if (in_order) levels_ = graph.depth + 1;
+  sure_ = in_order || graph.kind == Influence::none;
   for (int a = 0; a < agents; ++a) {
     Unit& unit = units_.emplace_back();
     unit.agents = {a};
@@ -64,6 +67,7 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
                        const double* low, const double* high, double* u, double* s) noexcept {
   std::copy_n(start, layout_.u_length, u);
   double smallest = 1.0;
+  fell_ = false;
   for (int level = 0; level < levels_; ++level) {
     const auto each = [&](auto&& f) {
       for (Unit& unit : units_) {
@@ -89,7 +93,7 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
       pending = false;
       each([&](Unit& unit) {
         if (unit.settled) return;
-        unit.settled = unit.cost < unit.before;
+        unit.settled = unit.cost < unit.before + rounding * std::fabs(unit.before);
         pending |= !unit.settled;
         if (unit.settled) unit.alpha = alpha, unit.best = unit.cost;
       });
@@ -111,6 +115,7 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
     each([&](Unit& unit) {
       move(unit, unit.alpha, start, d, low, high, u);
       smallest = std::min(smallest, unit.alpha);
+      fell_ |= unit.best < unit.before - rounding * std::fabs(unit.before);
     });
   }
   return smallest;

@@ -19,6 +19,10 @@ class Descent {
   /// @return the smallest alpha; 0 where a cost rises along d from the start
   double search(Groups& groups, Couplings& couplings, const double* start, const double* d, const double* low,
                 const double* high, double* u, double* s) noexcept;
+  /// Whether costs are sure to lead on: one cost for all, or agents in order. Not where all search at once.
+  bool sure() const { return sure_; }
+  /// Whether a cost fell in the last search, beyond what rounding does to it.
+  bool fell() const { return fell_; }
 
  private:
   /// Agents that move by one alpha, and what they pay together.
@@ -37,6 +41,7 @@ class Descent {
   std::vector<Unit> units_;
   std::vector<double> values_;
   int levels_ = 1;
+  bool sure_ = true, fell_ = false;
 };
 
 }  // namespace sightline

@@ -150,7 +150,8 @@ double Groups::own_cost(const double* u, int agent) noexcept {
 }
 
 int Groups::factor(const double* u, const double* active, const double* c, double* H_u) noexcept {
-  constexpr int attempts = 8;  // the damping has grown ten million times by then
+  constexpr int attempts = 10;    // the damping has grown a thousand million times by then
+  constexpr double first = 0.02;  // of the inputs' own curvature, 2 R h at R = 1: no more than it takes
   int repeated = 0;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Layout::Part& part = layout_.groups[g];
@@ -160,7 +161,7 @@ int Groups::factor(const double* u, const double* active, const double* c, doubl
       if (group.backward(u + part.u, active + part.u, c + part.c, H_u + part.u)) break;
       ++repeated;
       for (int lane = 0; lane < layout_.width; ++lane) {
-        if (group.doubtful(lane)) group.rho(lane) = group.rho(lane) > 0 ? 10.0 * group.rho(lane) : 2.0 * h_;
+        if (group.doubtful(lane)) group.rho(lane) = group.rho(lane) > 0 ? 10.0 * group.rho(lane) : first * h_;
       }
     }
   }

@@ -152,7 +152,7 @@ void NewtonRiccati::start() noexcept {
     active_[i] = 1.0;
   }
   all_free_ = true;
-  has_plan_ = false;
+  has_plan_ = wary_ = false;
 }
 
 NewtonRiccati::Proposal NewtonRiccati::examine() const noexcept {
@@ -210,32 +210,31 @@ void NewtonRiccati::take() noexcept {
 /// Goes from u_start towards the step only as far as costs fall. Where that is not far, on by projected
 /// Newton (Bertsekas 1982): inputs that are pushed against a limit nearby are held there, which makes the
 /// step one of descent. Where even that fails, down the gradient.
-void NewtonRiccati::descend() noexcept {
+/// @return whether the step could be taken as it was
+bool NewtonRiccati::descend(bool settled) noexcept {
   constexpr double far_enough = 0.25, nearby = 0.05;
   const int n = groups_.layout().u_length;
   const auto search = [&] {
     return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_);
   };
   for (int i = 0; i < n; ++i) du_[i] = u_[i] + du_[i] - u_start_[i];
-  if (search() < far_enough && !late()) {
-    const auto linearise = [&] {
-      std::copy_n(u_, n, u_start_);
-      groups_.roll_out(u_, s_);
-      couplings_->evaluate(s_, c_[0]);
-      groups_.differentiate(u_, active_, c_[0], H_u_);
-    };
-    linearise();
-    for (int i = 0; i < n; ++i) {
-      const bool at_low = u_[i] < low_[i] + nearby && H_u_[i] > 0,
-                 at_high = u_[i] > high_[i] - nearby && H_u_[i] < 0;
-      active_[i] = at_low || at_high ? 0.0 : 1.0;
-      if (at_low) u_[i] = low_[i];
-      if (at_high) u_[i] = high_[i];
-    }
-    linearise();
+  const double alpha = search();
+  if ((alpha < far_enough || !settled || (descent_.sure() && !descent_.fell())) && !late()) {
+    // Inputs that the gradient holds near a limit go there, the others by a step of their own.
+    std::copy_n(u_, n, u_start_);
+    groups_.roll_out(u_, s_);
+    couplings_->evaluate(s_, c_[0]);
+    groups_.differentiate(u_, active_, c_[0], H_u_);
+    const auto at_low = [&](int i) { return u_[i] < low_[i] + nearby && H_u_[i] > 0; };
+    const auto at_high = [&](int i) { return u_[i] > high_[i] - nearby && H_u_[i] < 0; };
+    for (int i = 0; i < n; ++i) active_[i] = at_low(i) || at_high(i) ? 0.0 : 1.0;
     groups_.factor(u_, active_, c_[0], H_u_);
     groups_.forward(du_, ds_);
     krylov_.complete(groups_, *couplings_, du_, ds_);
+    for (int i = 0; i < n; ++i) {
+      if (at_low(i)) du_[i] = low_[i] - u_[i];
+      if (at_high(i)) du_[i] = high_[i] - u_[i];
+    }
     if (search() == 0.0) {
       for (int i = 0; i < n; ++i) du_[i] = -0.5 / ocp_.horizon().h() * H_u_[i];
       search();
@@ -248,13 +247,14 @@ void NewtonRiccati::descend() noexcept {
     du_[i] = 0.0;
   }
   std::copy_n(u_, n, u_before_);
+  return alpha >= 1.0 && settled;
 }
 
 NewtonRiccati::Step NewtonRiccati::newton_step() noexcept {
   constexpr int attempts = 3;
   Step result;
   Proposal proposal;
-  bool damped = false;
+  bool damped = false, settled = false;
   std::copy_n(u_, groups_.layout().u_length, u_start_);
   for (int attempt = 0; attempt < attempts; ++attempt) {
     groups_.roll_out(u_, s_);
@@ -271,12 +271,21 @@ NewtonRiccati::Step NewtonRiccati::newton_step() noexcept {
     proposal = examine();
     result.residual = proposal.residual;
     result.finite = proposal.finite;
-    if (!proposal.finite || (proposal.within_limits && all_free_) || !update_active() || late()) break;
+    if (!proposal.finite) break;
+    settled = (proposal.within_limits && all_free_) || !update_active();
+    if (settled || late()) break;
   }
   std::copy_n(u_, groups_.layout().u_length, u_before_);
-  if (!proposal.finite) return result;
-  if (proposal.largest > options_.step_cap || proposal.residual > options_.step_cap || damped) {
-    descend();
+  if (!proposal.finite) {
+    if (!std::isfinite(proposal.residual)) return result;
+    std::fill_n(du_, groups_.layout().u_length, 0.0);  // the gradient is left
+    result.finite = true;
+  }
+  constexpr double near = 0.02;  // residual from which on steps are trusted again
+  wary_ |= !proposal.finite || damped || std::max(proposal.largest, proposal.residual) > options_.step_cap;
+  if (wary_) {
+    const bool whole = descend(settled);
+    wary_ = descent_.sure() && proposal.residual > near && !whole;
   } else {
     take();
   }

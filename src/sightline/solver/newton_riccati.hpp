@@ -20,8 +20,9 @@ struct NewtonRiccatiOptions {
   double tolerance = 1e-6;   ///< status is `converged` up to this residual [1/s], > 0
   int max_krylov = 4;        ///< Krylov iterations or sweeps a step, >= 0
   double krylov_stop =
-      1e-3;               ///< they stop once the correction is this small in the norm of the Hessian, >= 0
-  double step_cap = 0.5;  ///< beyond this step of an input, or this residual, costs are watched, > 0
+      1e-3;  ///< they stop once the correction is this small in the norm of the Hessian, >= 0
+  double step_cap =
+      0.5;  ///< beyond this step of an input, or this residual, costs are watched until steps fit, > 0
   double deadline = 0.0;  ///< an update ends about this time [s] after it began; 0: none
   int start_steps = 10;   ///< Newton steps of the first update at most, >= 1
   KernelChoice kernels = KernelChoice::compiled_if_there;
@@ -70,7 +71,7 @@ class NewtonRiccati final : public Solver {
   Proposal examine() const noexcept;
   bool update_active() noexcept;
   void take() noexcept;
-  void descend() noexcept;
+  bool descend(bool settled) noexcept;
   bool late() const noexcept;
   void write_inputs() noexcept;
   void write_states() noexcept;
@@ -88,6 +89,7 @@ class NewtonRiccati final : public Solver {
   bool started_ = false, has_plan_ = false;
   bool all_free_ = true;  // no input is held at a limit
   bool limits_move_ = false;
+  bool wary_ = false;  // steps are watched until one could be taken whole, or the optimum is near
   double time_ = 0.0;
   Clock::time_point begin_{};
   Rows u_vectors_, s_vectors_, c_;
