@@ -8,6 +8,7 @@
 
 #include "sightline/solver/cgmres.hpp"
 #include "sightline/solver/cmscgmres.hpp"
+#include "sightline/solver/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"
 
@@ -65,6 +66,34 @@ TYPED_TEST(AllocationsOf, NoUpdateTakesMemoryFromTheFirstOnHoweverItEnds) {
       EXPECT_EQ(counted([&] { (void)mpc.kkt(t, x); }), 0);
       EXPECT_TRUE(seen[0] && seen[1] && seen[3] && seen[4]) << "an outcome was not met";
     }
+  }
+}
+
+TEST(Allocations, NoNewtonUpdateTakesMemoryHoweverItEnds) {
+  for (const Variant variant : {Variant::joint, Variant::masked}) {
+    NewtonRiccati mpc(paper::team(variant), {}), hurried(paper::team(variant), {}, {.deadline = 1e-9});
+    std::vector<double> x = paper::saturating_start(), bad(14, nan), huge = x, far = x;
+    huge[0] = 1e200;
+    far[0] = 40.0, far[7] = -40.0;
+    std::array<bool, status_count> seen{};
+    const auto update = [&](NewtonRiccati& solver, double t, std::span<const double> states) {
+      Status status{};
+      EXPECT_EQ(counted([&] { status = solver.solve(t, states).status; }), 0);
+      seen[static_cast<std::size_t>(status)] = true;
+    };
+    for (int k = 0; k < 100; ++k) {
+      const double t = 0.01 * k;
+      update(mpc, t, x);
+      advance(mpc.ocp().team(), x, mpc.step(t, x), 0.01);
+      if (k % 20 == 5) update(mpc, t, bad);
+      if (k % 20 == 10) update(mpc, t, huge);
+      if (k % 20 == 15) update(mpc, t, far);
+      if (k % 20 == 18) update(hurried, t, x);
+    }
+    EXPECT_EQ(counted([&] { hurried.take_over(mpc); }), 0);
+    EXPECT_EQ(counted([&] { (void)mpc.kkt(1.0, x); }), 0);
+    for (int k = 0; k < status_count; ++k)
+      EXPECT_TRUE(seen[static_cast<std::size_t>(k)]) << to_string(Status(k));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -394,6 +395,7 @@ void NewtonRiccati::plan(int k, std::span<double> u) const noexcept {
 
 void NewtonRiccati::set_plan(int k, std::span<const double> u) noexcept {
   has_plan_ = true;
+  started_ = false;
   for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
     const Layout::View to = groups_.layout().u(a);
     const std::size_t from = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
@@ -401,11 +403,34 @@ void NewtonRiccati::set_plan(int k, std::span<const double> u) noexcept {
   }
 }
 
+void NewtonRiccati::take_over(const NewtonRiccati& before) noexcept {
+  assert(ocp_.horizon().N == before.ocp_.horizon().N && "a plan fits a horizon of as many stages");
+  if (!before.started_ && !before.has_plan_) return;
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const BodyId same = before.ocp_.team().find(ocp_.team().agents()[at(a)].name);
+    if (same.index < 0 || !before.ocp_.team().is_agent(same)) continue;
+    const auto& bodies = before.ocp_.agent_bodies();
+    const auto b = static_cast<int>(std::find(bodies.begin(), bodies.end(), same) - bodies.begin());
+    const int nu = groups_.layout().part(a).nu;
+    if (before.groups_.layout().part(b).nu != nu) continue;
+    const Layout::View to = groups_.layout().u(a), from = before.groups_.layout().u(b);
+    for (int k = 0; k < ocp_.horizon().N; ++k) {
+      for (int i = 0; i < nu; ++i) u_[to(k, i)] = before.u_[from(k, i)];
+    }
+  }
+  has_plan_ = true;
+  started_ = false;
+}
+
 double NewtonRiccati::kkt(double time, std::span<const double> states) noexcept {
   const FlushSubnormals guard;
   if (!std::isfinite(time) || !accept(states)) return std::numeric_limits<double>::infinity();
   set_time(time);
-  if (!started_) start();
+  if (!started_) {
+    const bool planned = has_plan_;  // for the next update too
+    start();
+    has_plan_ = planned;
+  }
   groups_.roll_out(u_, s_);
   couplings_->evaluate(s_, c_[0]);
   groups_.differentiate(u_, active_, c_[0], H_u_);

@@ -47,6 +47,9 @@ class NewtonRiccati final : public Solver {
   void plan(int k, std::span<double> u) const noexcept;
   /// Puts another plan in its place, limits permitting; for a team that changed. All stages must be set.
   void set_plan(int k, std::span<const double> u) noexcept;
+  /// Goes on from the plan of another team's solver: agents that both have, by name, get their inputs of it, the
+  /// others keep what is planned for them here. Neither allocates nor blocks; the stages must be as many.
+  void take_over(const NewtonRiccati& before) noexcept;
 
  private:
   using Clock = std::chrono::steady_clock;
