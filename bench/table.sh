@@ -1,0 +1,126 @@
+#!/usr/bin/env bash
+# Runs all of `sightline bench` and writes bench/README.md and bench/scaling.svg:  bench/table.sh [PROTOTYPE]
+# PROTOTYPE is the folder of the hand-made prototype's sources; where it is there, it is built and timed in the same
+# run, before and after, and the lower of its medians is what ours is compared with. All on one core (CORE, else 1).
+set -euo pipefail
+cd "$(dirname "$0")/.." || exit 1
+prototype=$(realpath -m "${1:-../shared/reference/solver_generic}")
+core=${CORE:-1}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+[[ -x build/release/bin/sightline ]] || {
+  echo "table.sh: build/release/bin/sightline is not there, expected the release preset built" >&2
+  exit 2
+}
+time_prototype() {
+  [[ -x $work/prototype/b_team_bt ]] || return 0
+  echo "prototype" >&2
+  taskset -c "$core" "$work/prototype/b_team_bt" | grep '^team ' >>"$work/prototype.txt"
+}
+if [[ -d $prototype ]]; then
+  cp -rp "$prototype" "$work/prototype"
+  chmod -R u+w "$work/prototype"
+  make -s -C "$work/prototype" b_team_bt >&2
+fi
+
+load=$(cut -d' ' -f1 /proc/loadavg)
+time_prototype
+taskset -c "$core" build/release/bin/sightline bench >"$work/table.md"
+time_prototype
+
+# A case's median [us], ours and IPOPT's; a line's lower median, the prototype's.
+median() { awk -F'|' -v name=" $1 " '$2 == name { print $5 + 0 }' "$work/table.md"; }
+p99() { awk -F'|' -v name=" $1 " '$2 == name { print $6 + 0 }' "$work/table.md"; }
+ipopt() { awk -F'|' -v name=" $1 " '$2 == name { print $13 + 0 }' "$work/table.md"; }
+prototype_median() { sed -nE "s/^$1: med +([0-9.]+) .*/\1/p" "$work/prototype.txt" | sort -g | head -n 1; }
+
+for robots in 2 4 8 16 32 64; do
+  echo "$robots $(median chain_$robots) $(median chain_${robots}_masked) $(ipopt chain_$robots)"
+done >"$work/scaling.txt"
+# Slope and intercept of log time over log robots, from this many robots on; column 2: all feel, 3: masked, 4: IPOPT.
+fit() {
+  awk -v column="$1" -v from="$2" '$1 >= from { x = log($1); y = log($column); n++; sx += x; sy += y; sxx += x * x; sxy += x * y }
+    END { b = (n * sxy - sx * sy) / (n * sxx - sx * sx); printf "%.2f %.6f\n", b, exp((sy - b * sx) / n) }' "$work/scaling.txt"
+}
+read -r joint joint_at_1 <<<"$(fit 2 2)"
+read -r joint_from_8 _ <<<"$(fit 2 8)"
+read -r masked masked_at_1 <<<"$(fit 3 2)"
+read -r masked_from_8 _ <<<"$(fit 3 8)"
+read -r peer peer_at_1 <<<"$(fit 4 2)"
+
+gnuplot <<PLOT
+set terminal svg size 760,520 font "Helvetica,14" background "white"
+set output "bench/scaling.svg"
+set title "Time of one update over the number of robots in a chain"
+set xlabel "robots"
+set ylabel "median time of one update [us]"
+set logscale xy
+set xrange [1.7:75]
+set yrange [1:*]
+set xtics (2, 4, 8, 16, 32, 64)
+set format y "10^{%L}"
+set grid
+set key at graph 0.97, 0.62
+plot $peer_at_1 * x ** $peer with lines lc rgb "#bbbbbb" lw 2 title "IPOPT, to the optimum: robots^{$peer}", \
+  "$work/scaling.txt" using 1:4 with points pt 7 ps 0.8 lc rgb "#777777" notitle, \
+  $joint_at_1 * x ** $joint with lines lc rgb "#d95f02" lw 2 title "newton\\\\_riccati, all feel the couplings: robots^{$joint}", \
+  "$work/scaling.txt" using 1:2 with points pt 7 ps 0.8 lc rgb "#d95f02" notitle, \
+  $masked_at_1 * x ** $masked with lines dt 2 lc rgb "#1b6ca8" lw 2 title "newton\\\\_riccati, the watching robot alone: robots^{$masked}", \
+  "$work/scaling.txt" using 1:3 with points pt 6 ps 0.8 lc rgb "#1b6ca8" notitle
+PLOT
+
+ratio() { awk -v a="$1" -v b="$2" 'BEGIN { printf "%.2f", a / b }'; }
+{
+  cat <<'TEXT'
+# Benchmarks
+
+Made by `bench/table.sh`, in one run on one core. Not to be edited.
+
+Every case is 60 s of closed loop, 6000 updates at 100 Hz, horizon 1 s in 20 stages; between two updates only the plant
+moves. Times are by the wall clock and include the cold start at the first update, and at p99 and the maximum what
+other programs took of the core. *Error* is the infinity norm of
+u - u*, where u* is the optimum at the same state, converged to 1e-10; *before* are all updates up to 2 s but the
+first. IPOPT (3.11, MUMPS) gets every 50th problem as sparse multiple shooting with exact derivatives, started at the
+optimum of the update before; where the team is masked, robot by robot. Its time is the processor's, its error that of
+whole horizons against u*.
+
+TEXT
+  printf 'Load of the machine at the start: %s (0 is a quiet one).\n\n' "$load"
+  cat "$work/table.md"
+  printf '\nWith the same programs, interpreted instead of compiled, a chain of 8 takes %s times as long.\n' \
+    "$(ratio "$(median chain_8_interpreted)" "$(median chain_8)")"
+  if [[ -s $work/prototype.txt ]]; then
+    cat <<'TEXT'
+
+## Beside the prototype
+
+The prototype is written for these teams by hand: one kind of coupling with hand-derived derivatives. It was timed
+before and after the table, by the processor's clock of its thread (about 0.2 us of each of its medians); the lower
+median counts.
+
+| case | median us | prototype us | ratio | p99 / median |
+|---|---|---|---|---|
+TEXT
+    while IFS=';' read -r name line; do
+      theirs=$(prototype_median "$line")
+      printf '| %s | %s | %s | %s | %s |\n' "$name" "$(median "$name")" "$theirs" "$(ratio "$(median "$name")" "$theirs")" \
+        "$(ratio "$(p99 "$name")" "$(median "$name")")"
+    done <<'CASES'
+pair;team W2 M  2 JOINT k4 stop 1e-03
+pair_masked;team W2 M  2 MASK k1 stop [^:]*
+chain_64;team W8 M 64 JOINT k2 stop [^:]*
+chain_64_masked;team W8 M 64 MASK k2 stop [^:]*
+CASES
+  fi
+  cat <<TEXT
+
+## Over the number of robots
+
+![Median time of an update over the number of robots, both axes logarithmic](scaling.svg)
+
+Time grows with the power $joint of the number of robots from 2 to 64, where all feel the couplings ($joint_from_8 from 8 to
+64); with the power $masked where the watching robot alone does ($masked_from_8 from 8 to 64).
+TEXT
+} >bench/README.md
+echo "table.sh: wrote bench/README.md and bench/scaling.svg" >&2
