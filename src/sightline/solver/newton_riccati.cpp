@@ -278,7 +278,8 @@ NewtonRiccati::Step NewtonRiccati::newton_step() noexcept {
   }
   std::copy_n(u_, groups_.layout().u_length, u_before_);
   if (!proposal.finite) {
-    if (!std::isfinite(proposal.residual)) return result;
+    const auto finite = [](double g) { return std::isfinite(g); };
+    if (!std::all_of(H_u_, H_u_ + groups_.layout().u_length, finite)) return result;
     std::fill_n(du_, groups_.layout().u_length, 0.0);  // the gradient is left
     result.finite = true;
   }
