@@ -13,6 +13,7 @@ class Lowering {
   Lowering(const Graph& graph, std::span<const Term> outputs) : graph_(graph), outputs_(outputs) {
     count_uses();
     choose_fusions();
+    choose_negated();
     last_use_.assign(uses_.size(), -1);
     order_and_lifetimes();
   }
@@ -34,7 +35,8 @@ class Lowering {
     scratch = scratch_;
     const int first_output = first_scratch_ + scratch_;
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
-      out.push_back({.code = outputs_[i].negative ? Code::negate : Code::copy,
+      const bool negate = outputs_[i].negative && !negated_[index(outputs_[i])];
+      out.push_back({.code = negate ? Code::negate : Code::copy,
                      .d = first_output + static_cast<int>(i),
                      .a = row_.at(outputs_[i].node)});
     }
@@ -75,6 +77,15 @@ class Lowering {
     }
   }
 
+  /// A difference that nothing but one output needs, and that with a minus, is taken the other way round.
+  void choose_negated() {
+    negated_.assign(uses_.size(), false);
+    for (const Term t : outputs_) {
+      const bool difference = node(t).op == Op::add && node(t).b.negative;
+      if (t.negative && difference && uses_[index(t)] == 1) negated_[index(t)] = true;
+    }
+  }
+
   template <class Visit>
   void for_each_operand(std::size_t v, Visit&& visit) const {
     const Node& n = node(v);
@@ -106,12 +117,13 @@ class Lowering {
 
   void lower(int v, std::vector<Instruction>& out) {
     const Node& n = node(static_cast<std::size_t>(v));
+    const bool negated = negated_[static_cast<std::size_t>(v)];
     Instruction i{};
     const auto row = [&](Term t) { return row_.at(t.node); };
-    std::array<int, 2> negated = {-1, -1};  // scratch for operands that stand with a minus where none is free
+    std::array<int, 2> minus = {-1, -1};  // scratch for operands that stand with a minus where none is free
     const auto operand = [&](Term t) {
       if (!t.negative) return row(t);
-      int& place = negated[negated[0] < 0 ? 0 : 1];
+      int& place = minus[minus[0] < 0 ? 0 : 1];
       place = take_row();
       out.push_back({.code = Code::negate, .d = place, .a = row(t)});
       return place;
@@ -120,8 +132,7 @@ class Lowering {
       const bool second = product.node == n.b.node;
       const Term rest = second ? n.a : n.b;
       i = {.code = Code::multiply_add, .a = row(node(product).a), .b = row(node(product).b), .c = row(rest)};
-      if (second && n.b.negative) i.code = Code::subtract_product;
-      if (!second && n.b.negative) i.code = Code::multiply_subtract;
+      if (n.b.negative) i.code = second != negated ? Code::subtract_product : Code::multiply_subtract;
     } else {
       switch (n.op) {
         case Op::input:
@@ -129,6 +140,7 @@ class Lowering {
           return;
         case Op::add:
           i = {.code = n.b.negative ? Code::subtract : Code::add, .a = row(n.a), .b = row(n.b)};
+          if (negated) std::swap(i.a, i.b);
           break;
         case Op::multiply:
           i = {.code = Code::multiply, .a = row(n.a), .b = row(n.b)};
@@ -162,7 +174,7 @@ class Lowering {
       }
     }
     // Operands that end here give their rows to the result.
-    for (const int place : negated) {
+    for (const int place : minus) {
       if (place >= 0) free_.push_back(place);
     }
     for_each_operand(static_cast<std::size_t>(v), [&](Term t) {
@@ -178,7 +190,7 @@ class Lowering {
   const Graph& graph_;
   std::span<const Term> outputs_;
   std::vector<int> uses_;
-  std::vector<bool> fused_;
+  std::vector<bool> fused_, negated_;
   std::vector<Term> product_of_;  // the fused product of a sum
   std::vector<int> last_use_;
   std::map<int, int> row_;
