@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "examples/own_potential.hpp"
 #include "sightline/model/robots.hpp"
@@ -31,7 +32,7 @@ std::vector<double> all_results(Group& group, int width, std::uint64_t seed) {
   for (double& v : c.all()) v = uniform(random, -0.01, 0.01);
   for (int i = 0; i < stages * n.nu * width; ++i) {
     u[0][i] = uniform(random, -1, 1);
-    u[1][i] = random() % 5 == 0 ? 0.0 : 1.0;
+    u[1][i] = random() % 5 == 0 ? std::numeric_limits<double>::infinity() : 0.0;  // held, or free
   }
   std::vector<double> results;
   const auto keep = [&](const Rows& rows) {

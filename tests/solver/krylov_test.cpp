@@ -49,7 +49,6 @@ double defect(const Team& team, Random& random) {
   const Layout& layout = groups.layout();
   const auto couplings = make_couplings(potentials, layout, team.bodies(), KernelChoice::compiled_if_there);
   Rows u(6, layout.u_length), s(5, layout.s_length), c(1, layout.c_length);
-  std::fill_n(u[1], layout.u_length, 1.0);
   for (int a = 0; a < agents; ++a) {
     const Pose<double> pose = random_pose(random, 1.5);
     const auto x = Multirotor{}.at_rest(pose);
@@ -58,8 +57,7 @@ double defect(const Team& team, Random& random) {
   }
   groups.roll_out(u[0], s[0]);
   couplings->evaluate(s[0], c[0]);
-  groups.factor(u[0], u[1], c[0], u[2]);
-  groups.forward(u[3], s[1]);
+  groups.solve(u[0], u[1], c[0], u[2], u[3], s[1]);
   Krylov krylov(layout, influence_graph(potentials, agents), 60, 1e-13);
   std::copy_n(s[1], layout.s_length, s[2]);
   krylov.complete(groups, *couplings, u[3], s[2]);

@@ -1,10 +1,12 @@
 #include "sightline/solver/newton_riccati.hpp"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 
 #include "cli/allocations.hpp"
 #include "examples/own_potential.hpp"
@@ -13,6 +15,10 @@
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random_team.hpp"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#include <sanitizer/allocator_interface.h>
+#endif
 
 namespace sightline {
 namespace {
@@ -52,6 +58,23 @@ std::vector<double> normalised(const Team& team, std::vector<double> x) {
   for (int i = 0; i < team.bodies(); ++i)
     (void)team.model(BodyId{i}).normalise(&x[static_cast<std::size_t>(team.state_offset(BodyId{i}))]);
   return x;
+}
+
+/// Bytes on the heap.
+std::size_t allocated() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return __sanitizer_get_current_allocated_bytes();
+#else
+  const auto info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+#endif
+}
+
+TEST(NewtonRiccati, TakesLessThan64KiBOfMemoryForEachOf64Robots) {
+  const Team team = chain(64, paper::Variant::joint);
+  const std::size_t before = allocated();
+  const auto solver = std::make_unique<NewtonRiccati>(team, horizon);
+  EXPECT_LE(allocated() - before, 64u * 64u * 1024u);
 }
 
 TEST(NewtonRiccati, ItsKktIsThatOfTheHamiltonianForEveryTeam) {

@@ -140,31 +140,6 @@ void Evaluation::run() const noexcept {
   }
 }
 
-template <int W>
-PackEvaluation<W>::PackEvaluation(const Program& program)
-    : program_(&program),
-      own_(1, W * (program.first_output() - program.first_constant())),
-      rows_(static_cast<std::size_t>(program.rows()), nullptr) {
-  for (int r = program.first_constant(); r < program.first_output(); ++r) {
-    double* const row = own_[0] + W * (r - program.first_constant());
-    rows_[static_cast<std::size_t>(r)] = row;
-    if (r < program.first_scratch()) {
-      std::fill_n(row, W, program.constants()[static_cast<std::size_t>(r - program.first_constant())]);
-    }
-  }
-}
-
-template <int W>
-void PackEvaluation<W>::run() noexcept {
-  execute<Lane<W>, 1>(
-      program_->instructions(), [rows = rows_.data()](int r) { return rows[r]; }, 1);
-}
-
-template class PackEvaluation<1>;
-template class PackEvaluation<2>;
-template class PackEvaluation<4>;
-template class PackEvaluation<8>;
-
 std::vector<double> evaluate(const Program& program, std::span<const double> inputs) {
   assert(static_cast<int>(inputs.size()) == program.inputs() && "one number for each input of the program");
   Rows in(program.inputs(), 1), out(program.outputs(), 1);

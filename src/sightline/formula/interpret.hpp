@@ -63,28 +63,6 @@ class Evaluation {
   std::vector<double*> rows_;
 };
 
-/// A program over one pack of W points, its inputs and outputs in blocks of packs. Running does not allocate.
-template <int W>
-class PackEvaluation {
- public:
-  explicit PackEvaluation(const Program& program);
-
-  /// Inputs `row` .. row + n - 1 from a block; inputs are only ever read.
-  void bind_inputs(int row, const double* block, int n) noexcept {
-    double** const rows = &rows_[static_cast<std::size_t>(row)];
-    for (int i = 0; i < n; ++i) rows[i] = const_cast<double*>(block) + i * W;
-  }
-  void bind_outputs(int output, double* block, int n) noexcept {
-    bind_inputs(program_->first_output() + output, block, n);
-  }
-  void run() noexcept;
-
- private:
-  const Program* program_;
-  Rows own_;  // constants and scratch
-  std::vector<double*> rows_;
-};
-
 /// The outputs of a program at one point, for tests and set-up; allocates.
 std::vector<double> evaluate(const Program& program, std::span<const double> inputs);
 

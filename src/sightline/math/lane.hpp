@@ -9,6 +9,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <utility>
 
 #if defined(__AVX512F__) || defined(__AVX__) || defined(__FMA__)
 #include <immintrin.h>
@@ -79,6 +80,12 @@ struct Lane {
     Lane lane;
     __builtin_memcpy(&lane.v, row, sizeof(Vector));
     return lane;
+  }
+  /// The numbers at from + each of the offsets.
+  template <class Offsets>
+  static Lane gather(const double* from, const Offsets& offsets) {
+    return [&]<std::size_t... i>(std::index_sequence<i...>) { return Lane(Vector{from[offsets[i]]...}); }
+    (std::make_index_sequence<W>());
   }
   void store(double* row) const { __builtin_memcpy(row, &v, sizeof(Vector)); }
   double operator[](int i) const { return v[i]; }

@@ -33,6 +33,30 @@ struct Batch {
   Points points;
 };
 
+/// A formula over one pack of lanes, compiled or interpreted.
+template <int W>
+class SlotFormula {
+ public:
+  SlotFormula(const Program& program, KernelChoice choice) : constants_(program.constants().data()) {
+    if (choice == KernelChoice::compiled_if_there) compiled_ = find_formula(program, W);
+    if (compiled_ != nullptr) return;
+    interpreted_ =
+        std::make_unique<Threaded<W>>(program, std::array{program.inputs()}, std::array{program.outputs()});
+  }
+  void run(const double* in, double* out) noexcept {
+    if (compiled_ != nullptr) {
+      compiled_->run(constants_, in, out, 1);
+    } else {
+      interpreted_->run({in}, {out});
+    }
+  }
+
+ private:
+  const double* constants_;
+  const FormulaKernel* compiled_ = nullptr;
+  std::unique_ptr<Threaded<W>> interpreted_;
+};
+
 /// Pairs of relative potentials whose agents stand in two groups, each lane used once: one product for all of
 /// them.
 template <int W>
@@ -45,9 +69,8 @@ struct Slot {
   const PosePotential* potential = nullptr;   // of all pairs, if one
   bool in_place = false;                      // evaluated over lanes of agents
   bool assigns_c = false, assigns_y = false;  // the first to write there
-  const FormulaKernel* kernel = nullptr;
-  std::vector<const FormulaKernel*> others;  // of the potential's other derivatives
-  Rows H;                                    // [stage][15][lane], zero in lanes not in use
+  std::vector<SlotFormula<W>> formulas;       // the potential's derivatives, to be added up
+  Rows H;                                     // [stage][15][lane], zero in lanes not in use
 };
 
 template <int W>
@@ -240,20 +263,16 @@ class LaneCouplings final : public Couplings {
 
   /// Lanes of agents pay where half of them are in use; pairs of one formula are evaluated one way.
   void settle(Slot<W>& slot, KernelChoice choice) {
+    const Program& derivatives = slot.potential->derivatives;
     slot.H = Rows(1, layout_.stages * 15 * W);
-    const auto compiled = [&](const Program& p) {
-      return choice == KernelChoice::compiled_if_there ? find_formula(p, W) : nullptr;
-    };
-    slot.kernel = compiled(slot.potential->derivatives);
-    for (const Program& p : slot.potential->others) slot.others.push_back(compiled(p));
+    slot.formulas.emplace_back(derivatives, choice);
+    for (const Program& p : slot.potential->others) slot.formulas.emplace_back(p, choice);
     for (std::size_t b = 0; b < relative_.size(); ++b) {
       if (&relative_[b].pairs[0]->potential != slot.potential) continue;
       int slots = 0;
       for (const Slot<W>& s : slots_) slots += s.potential == slot.potential;
       const int pairs = static_cast<int>(relative_[b].pairs.size());
-      const bool all_compiled = slot.kernel != nullptr && std::find(slot.others.begin(), slot.others.end(),
-                                                                    nullptr) == slot.others.end();
-      slot.in_place = W >= 4 && all_compiled && 2 * pairs >= W * slots;
+      slot.in_place = W >= 4 && 2 * pairs >= W * slots;
       in_place_[b] = slot.in_place;
     }
   }
@@ -320,7 +339,6 @@ class LaneCouplings final : public Couplings {
     const Layout::Part &part_a = layout_.groups[at(slot.group_a)], &part_b = layout_.groups[at(slot.group_b)];
     alignas(row_alignment) std::array<double, relative * W> in;
     alignas(row_alignment) std::array<double, relative_outputs * W> out, more;
-    const double* const constants = slot.potential->derivatives.constants().data();
     const auto add = [](double* to, L value) { (L::load(to) + value).store(to); };
     for (int k = 1; k < layout_.stages; ++k) {
       const double* const a = s + part_a.s + k * part_a.ns * W;
@@ -329,9 +347,9 @@ class LaneCouplings final : public Couplings {
         (L::load(a + i * W) - permuted(L::load(b + i * W), slot.b_of_a)).store(&in[at(i * W)]);
       }
       for (int i = 3; i < relative; ++i) L::load(a + i * W).store(&in[at(i * W)]);
-      slot.kernel->run(constants, in.data(), out.data(), 1);
-      for (std::size_t o = 0; o < slot.others.size(); ++o) {
-        slot.others[o]->run(slot.potential->others[o].constants().data(), in.data(), more.data(), 1);
+      slot.formulas[0].run(in.data(), out.data());
+      for (std::size_t o = 1; o < slot.formulas.size(); ++o) {
+        slot.formulas[o].run(in.data(), more.data());
         for (int i = 0; i < relative_outputs; ++i) add(&out[at(i * W)], L::load(&more[at(i * W)]));
       }
       double* const c_a = c + part_a.c + k * part_a.nc() * W;
@@ -382,50 +400,56 @@ class LaneCouplings final : public Couplings {
 
   // One pair alone in one group of two lanes: nothing to add up, both directions in one product.
   void evaluate_lone_pair(const double* s, double* c) noexcept {
-    Batch& batch = relative_[0];
-    const BodyPotential& pair = *batch.pairs[0];
-    Slot<W>& slot = slots_[0];
-    const Layout::Part& part = layout_.groups[0];
-    const int lane_a = layout_.place(pair.a).lane, lane_b = layout_.place(pair.b).lane;
-    for (int k = 1; k < layout_.stages; ++k) {
-      const double* const s_k = s + k * part.ns * W;
-      double* const in = &batch.points.in(k, 0);
-      for (int i = 0; i < 3; ++i) in[i * native_width] = s_k[i * W + lane_a] - s_k[i * W + lane_b];
-      for (int i = 3; i < relative; ++i) in[i * native_width] = s_k[i * W + lane_a];
+    constexpr int M = native_width;
+    const BodyPotential& pair = *relative_[0].pairs[0];
+    Points& points = relative_[0].points;
+    const Slot<W>& slot = slots_[0];
+    const Layout::View a = layout_.s(pair.a), b = layout_.s(pair.b);
+    for (int k = 0; k < layout_.stages; k += M) {
+      std::array<std::ptrdiff_t, M> stage;  // the last pack repeats the last stage
+      for (int i = 0; i < M; ++i) stage[at(i)] = a.stage * std::min(k + i, layout_.stages - 1);
+      double* const in = &points.in(k, 0);
+      for (int i = 0; i < relative; ++i) {
+        const Lane<M> of_a = Lane<M>::gather(s + a(0, i), stage);
+        (i < 3 ? of_a - Lane<M>::gather(s + b(0, i), stage) : of_a).store(in + i * M);
+      }
     }
-    batch.points.derive();
+    points.derive();
     const L none = 0.0;
-    const L a = pair.ends.a_feels ? slot.a_mask : none, b = pair.ends.b_feels ? slot.b_mask : none;
-    const L both = a + b, difference = a - b;
-    double* const H = slot.H[0];
+    const L a_row = pair.ends.a_feels ? slot.a_mask : none, b_row = pair.ends.b_feels ? slot.b_mask : none;
+    const L both = a_row + b_row, difference = a_row - b_row;
+    const double* const out = points.out(0, 0);
     for (int k = 1; k < layout_.stages; ++k) {
-      double *const c_k = c + k * relative_outputs * W, *const H_k = H + k * 15 * W;
-      const double* const out = batch.points.out(k, 0);
-      for (int i = 0; i < relative; ++i)
-        (L(out[i * native_width]) * (i < 3 ? difference : a)).store(c_k + i * W);
+      double* const c_k = c + k * relative_outputs * W;
+      const double* const of_k = out + k / M * relative_outputs * M + k % M;
+      for (int i = 0; i < relative; ++i) (L(of_k[i * M]) * (i < 3 ? difference : a_row)).store(c_k + i * W);
       for (int i = 0; i < relative; ++i) {
         for (int j = i; j < relative; ++j) {
-          const L h(out[(relative + upper(i, j)) * native_width]);
-          h.store(H_k + upper(i, j) * W);
-          (h * (j < 3 ? both : a)).store(c_k + (relative + upper(i, j)) * W);
+          const int at_ij = relative + upper(i, j);
+          (L(of_k[at_ij * M]) * (j < 3 ? both : a_row)).store(c_k + at_ij * W);
         }
       }
     }
   }
 
   void product_of_lone_pair(const double* z, double* y) const noexcept {
+    constexpr int M = native_width;
     const Slot<W>& slot = slots_[0];
+    const BodyPotential& pair = *relative_[0].pairs[0];
     const Layout::Part& part = layout_.groups[0];
     const L none = 0.0;
-    const L a_row = -(slot.a_feels ? slot.a_mask : none), b_row = -(slot.b_feels ? slot.b_mask : none);
+    const L a_row = -(pair.ends.a_feels ? slot.a_mask : none),
+            b_row = -(pair.ends.b_feels ? slot.b_mask : none);
     const L both = a_row + b_row;
     typename L::Bits other{};
     for (int i = 0; i < W; ++i) other[i] = (i + 1) % W;
+    const double* const out = relative_[0].points.out(0, relative);
     for (int k = 1; k < layout_.stages; ++k) {
       const double* const z_k = z + k * part.ns * W;
       double* const y_k = y + k * part.ns * W;
+      const double* const of_k = out + k / M * relative_outputs * M + k % M;
       std::array<L, 15> H;
-      for (int i = 0; i < 15; ++i) H[at(i)] = L::load(slot.H[0] + (k * 15 + i) * W);
+      for (int i = 0; i < 15; ++i) H[at(i)] = L(of_k[i * M]);
       std::array<L, relative> v;  // the partner's; b's heading is not seen
       for (int i = 0; i < relative; ++i) v[at(i)] = permuted(L::load(z_k + i * W), other);
       for (int i = 3; i < relative; ++i) v[at(i)] *= slot.b_mask;

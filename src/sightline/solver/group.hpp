@@ -22,7 +22,7 @@ class Group {
 
   const StageSizes& sizes() const { return sizes_; }
 
-  /// One number of one agent: state of stage k; reference of stage k; Q, R, u*, rho; Q_f.
+  /// One number of one agent: state of stage k; reference of stage k; 2 h Q, 2 h R, u*, rho; Q_f.
   double x(int k, int i, int lane) const { return *(x_[0] + at(k, sizes_.nx, i, lane)); }
   double& x(int k, int i, int lane) { return *(x_[0] + at(k, sizes_.nx, i, lane)); }
   double& x_ref(int k, int i, int lane) { return *(x_ref_[0] + at(k, sizes_.nx, i, lane)); }
@@ -34,14 +34,14 @@ class Group {
   void copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept;
 
   /// One agent's own cost along the trajectory, times h; the part of x_0 is constant.
-  double tracking_cost(const double* u, double h, int lane) const noexcept;
+  double tracking_cost(const double* u, int lane) const noexcept;
 
   /// x of all stages from x of stage 0 under u; s of all stages but the last.
   virtual void roll_out(const double* u, double* s) noexcept = 0;
   /// The backward sweep at the trajectory of the last roll-out, with the couplings' gradients and Hessians c.
   /// @param H_u  h times the gradient of the Hamiltonian of all stages
   /// @return whether all pivots were sound; `doubtful` names the lanes where one was not
-  virtual bool backward(const double* u, const double* active, const double* c, double* H_u) noexcept = 0;
+  virtual bool backward(const double* u, const double* held, const double* c, double* H_u) noexcept = 0;
   bool doubtful(int lane) const { return !(doubt_[0][lane] <= 0.0); }
   /// du and the change of s along the horizon, for the right side of the backward sweep.
   virtual void forward(double* du, double* ds) noexcept = 0;
@@ -83,22 +83,28 @@ class StageGroup final : public Group {
   void roll_out(const double* u, double* s) noexcept override {
     const StageSizes n = kernel_.sizes();
     double* x = x_[0];
-    for (int k = 0; k < stages_; ++k, x += n.nx * W, u += n.nu * W, s += n.ns * W) {
-      kernel_.step(x, u, x + n.nx * W, s);
+    std::copy_n(x, n.nx * W, carry_[0]);
+    typename Kernel::State now(carry_[0]), next(carry_[1]);
+    for (int k = 0; k < stages_; ++k, u += n.nu * W, s += n.ns * W) {
+      x += n.nx * W;
+      kernel_.step(now.numbers(), u, next.numbers(), s);
+      next.store(x, n.nx * W);
+      now.take(next);
     }
   }
 
-  bool backward(const double* u, const double* active, const double* c, double* H_u) noexcept override {
+  bool backward(const double* u, const double* held, const double* c, double* H_u) noexcept override {
     const StageSizes n = kernel_.sizes();
-    double *carry = carry_[0], *next = carry_[1];
-    start_carry(carry);
+    start_carry(carry_[0]);
+    typename Kernel::Carry carry(carry_[0]), next(carry_[1]);
     for (int k = stages_ - 1; k > 0; --k) {
-      kernel_.back(x_[0] + k * n.nx * W, u + k * n.nu * W, x_ref_[0] + k * n.nx * W, active + k * n.nu * W,
-                   weights_[0], c + k * n.coupling() * W, carry, H_u + k * n.nu * W,
-                   gain_[0] + k * n.gain() * W, k_[0] + k * n.nu * W, next);
-      std::swap(carry, next);
+      kernel_.back(x_[0] + k * n.nx * W, u + k * n.nu * W, x_ref_[0] + k * n.nx * W, held + k * n.nu * W,
+                   weights_[0], c + k * n.coupling() * W, carry.numbers(), H_u + k * n.nu * W,
+                   gain_[0] + k * n.gain() * W, k_[0] + k * n.nu * W, next.numbers());
+      carry.take(next);
     }
-    kernel_.back_first(x_[0], u, x_ref_[0], active, weights_[0], c, carry, H_u, gain_[0], k_[0], doubt_[0]);
+    kernel_.back_first(x_[0], u, x_ref_[0], held, weights_[0], c, carry.numbers(), H_u, gain_[0], k_[0],
+                       doubt_[0]);
     bool sound = true;
     for (int l = 0; l < W; ++l) sound &= doubt_[0][l] <= 0.0;
     return sound;
@@ -108,12 +114,12 @@ class StageGroup final : public Group {
 
   void precondition(const double* r, double* du, double* ds) noexcept override {
     const StageSizes n = kernel_.sizes();
-    double *p = carry_[0], *next = carry_[1];
-    std::fill_n(p, n.nx * W, 0.0);
+    std::fill_n(carry_[0], n.nx * W, 0.0);
+    typename Kernel::State p(carry_[0]), next(carry_[1]);
     for (int k = stages_ - 1; k >= 0; --k) {
-      kernel_.precondition_back(p, r + k * n.ns * W, gain_[0] + k * n.gain() * W, next,
+      kernel_.precondition_back(p.numbers(), r + k * n.ns * W, gain_[0] + k * n.gain() * W, next.numbers(),
                                 trial_k_[0] + k * n.nu * W);
-      std::swap(p, next);
+      p.take(next);
     }
     sweep_forward(trial_k_[0], du, ds);
   }
@@ -121,12 +127,12 @@ class StageGroup final : public Group {
  private:
   void sweep_forward(const double* k_rows, double* du, double* ds) noexcept {
     const StageSizes n = kernel_.sizes();
-    double *y = carry_[0], *next = carry_[1];
-    std::fill_n(y, n.nx * W, 0.0);
+    std::fill_n(carry_[0], n.nx * W, 0.0);
+    typename Kernel::State y(carry_[0]), next(carry_[1]);
     for (int k = 0; k < stages_; ++k) {
-      kernel_.precondition_forward(y, gain_[0] + k * n.gain() * W, k_rows + k * n.nu * W, du + k * n.nu * W,
-                                   next, ds + k * n.ns * W);
-      std::swap(y, next);
+      kernel_.precondition_forward(y.numbers(), gain_[0] + k * n.gain() * W, k_rows + k * n.nu * W,
+                                   du + k * n.nu * W, next.numbers(), ds + k * n.ns * W);
+      y.take(next);
     }
   }
 

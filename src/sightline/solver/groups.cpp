@@ -44,7 +44,7 @@ std::vector<Kind> sort_into_kinds(const Ocp& ocp, std::span<const BodyPotential>
 
 }  // namespace
 
-double Group::tracking_cost(const double* u, double h, int lane) const noexcept {
+double Group::tracking_cost(const double* u, int lane) const noexcept {
   const int nx = sizes_.nx, nu = sizes_.nu;
   double running = 0.0, end = 0.0;
   const auto weight = [&](int i) { return *(weights_[0] + at(0, 0, i, lane)); };
@@ -60,15 +60,15 @@ double Group::tracking_cost(const double* u, double h, int lane) const noexcept 
       running += weight(nx + i) * e * e;
     }
   }
-  return h * running + end;
+  return 0.5 * running + end;
 }
 
 void Group::copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept {
-  const int nx = sizes_.nx;
   const double* from = x_[0];
-  for (int k = 0; k <= stages_; ++k) {
-    for (int i = 0; i < nx; ++i, from += width_) {
-      for (int lane = 0; lane < n; ++lane) to[lane][k * stage + i] = from[lane];
+  for (int k = 0; k <= stages_; ++k, from += sizes_.nx * width_) {
+    for (int lane = 0; lane < n; ++lane) {
+      double* const of_stage = to[lane] + k * stage;
+      for (int i = 0; i < sizes_.nx; ++i) of_stage[i] = from[i * width_ + lane];
     }
   }
 }
@@ -108,7 +108,7 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
       members_[at(first + i % groups)].push_back(kind.agents[at(i)]);
     }
   }
-  // A lane without an agent rests: no weights but R = 1, so its inputs stay zero.
+  // A lane without an agent rests: no weights but those of its inputs, which so stay zero.
   for (const auto& group : groups_) {
     for (int lane = 0; lane < layout_.width; ++lane) {
       for (int i = 0; i < group->sizes().nu; ++i) group->weight(group->sizes().nx + i, lane) = 1.0;
@@ -118,8 +118,8 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
     const Agent& agent = ocp.team().agents()[at(a)];
     Group& group = group_of(a);
     const int lane = layout_.place(a).lane, nx = group.sizes().nx, nu = group.sizes().nu;
-    for (int i = 0; i < nx; ++i) group.weight(i, lane) = agent.Q[at(i)];
-    for (int i = 0; i < nu; ++i) group.weight(nx + i, lane) = agent.R[at(i)];
+    for (int i = 0; i < nx; ++i) group.weight(i, lane) = 2.0 * h_ * agent.Q[at(i)];
+    for (int i = 0; i < nu; ++i) group.weight(nx + i, lane) = 2.0 * h_ * agent.R[at(i)];
     for (int i = 0; i < nu; ++i) group.weight(nx + nu + i, lane) = agent.u_ref[at(i)];
     for (int i = 0; i < nx; ++i) group.Q_f(i, lane) = agent.Q_f[at(i)];
   }
@@ -134,7 +134,7 @@ void Groups::roll_out(const double* u, double* s) noexcept {
 double Groups::own_cost(const double* u, int agent) noexcept {
   const Group& group = group_of(agent);
   const int lane = layout_.place(agent).lane;
-  double cost = group.tracking_cost(u + layout_.part(agent).u, h_, lane);
+  double cost = group.tracking_cost(u + layout_.part(agent).u, lane);
   Limited& robot = limited_[at(agent)];
   if (robot.barriers.empty()) return cost;
   const Layout::View input = layout_.u(agent);
@@ -149,7 +149,8 @@ double Groups::own_cost(const double* u, int agent) noexcept {
   return cost;
 }
 
-int Groups::factor(const double* u, const double* active, const double* c, double* H_u) noexcept {
+int Groups::solve(const double* u, const double* held, const double* c, double* H_u, double* du,
+                  double* ds) noexcept {
   constexpr int attempts = 10;    // the damping has grown a thousand million times by then
   constexpr double first = 0.02;  // of the inputs' own curvature, 2 R h at R = 1: no more than it takes
   int repeated = 0;
@@ -158,26 +159,21 @@ int Groups::factor(const double* u, const double* active, const double* c, doubl
     Group& group = *groups_[g];
     for (int lane = 0; lane < layout_.width; ++lane) group.rho(lane) = 0.0;
     for (int attempt = 0; attempt < attempts; ++attempt) {
-      if (group.backward(u + part.u, active + part.u, c + part.c, H_u + part.u)) break;
+      if (group.backward(u + part.u, held + part.u, c + part.c, H_u + part.u)) break;
       ++repeated;
       for (int lane = 0; lane < layout_.width; ++lane) {
         if (group.doubtful(lane)) group.rho(lane) = group.rho(lane) > 0 ? 10.0 * group.rho(lane) : first * h_;
       }
     }
+    group.forward(du + part.u, ds + part.s);
   }
   return repeated;
 }
 
-void Groups::differentiate(const double* u, const double* active, const double* c, double* H_u) noexcept {
+void Groups::differentiate(const double* u, const double* held, const double* c, double* H_u) noexcept {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Layout::Part& part = layout_.groups[g];
-    groups_[g]->backward(u + part.u, active + part.u, c + part.c, H_u + part.u);
-  }
-}
-
-void Groups::forward(double* du, double* ds) noexcept {
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    groups_[g]->forward(du + layout_.groups[g].u, ds + layout_.groups[g].s);
+    groups_[g]->backward(u + part.u, held + part.u, c + part.c, H_u + part.u);
   }
 }
 

@@ -30,13 +30,13 @@ class Groups {
   void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept;
   /// Tracking cost and barriers of one agent along the last roll-out, times h.
   double own_cost(const double* u, int agent) noexcept;
-  /// Factorises at the last roll-out; where a pivot is not sound, the lane is damped (Levenberg) until all
-  /// are.
+  /// The step of each agent by itself: factorises at the last roll-out, and goes forward while the gains are near.
+  /// Where a pivot is not sound, the lane is damped (Levenberg) until all are.
   /// @return factorisations beyond the first
-  int factor(const double* u, const double* active, const double* c, double* H_u) noexcept;
+  int solve(const double* u, const double* held, const double* c, double* H_u, double* du,
+            double* ds) noexcept;
   /// One backward sweep, for H_u alone.
-  void differentiate(const double* u, const double* active, const double* c, double* H_u) noexcept;
-  void forward(double* du, double* ds) noexcept;
+  void differentiate(const double* u, const double* held, const double* c, double* H_u) noexcept;
   void precondition(const double* r, double* du, double* ds) noexcept;
 
  private:

@@ -4,12 +4,50 @@
 /// Blocks are arrays of packs, [entry][lane]; what they hold is said at StagePrograms.
 #pragma once
 
+#include <algorithm>
 #include <memory>
+#include <utility>
 
-#include "sightline/formula/interpret.hpp"
+#include "sightline/formula/threaded.hpp"
 #include "sightline/solver/stage.hpp"
 
 namespace sightline {
+
+/// What a sweep carries from stage to stage. Each pack is set by itself, so that the compiler may keep it in a
+/// register.
+template <int W, int n>
+class PacksInRegisters {
+ public:
+  explicit PacksInRegisters(double* from) {
+    each([&](std::size_t i) { packs_[i] = Lane<W>::load(from + i * W); });
+  }
+  double* numbers() { return reinterpret_cast<double*>(packs_); }
+  void store(double* to, int) {
+    each([&](std::size_t i) { packs_[i].store(to + i * W); });
+  }
+  void take(PacksInRegisters& next) {
+    each([&](std::size_t i) { packs_[i] = next.packs_[i]; });
+  }
+
+ private:
+  template <class Set>
+  [[gnu::always_inline]] static void each(Set&& set) {
+    [&]<std::size_t... i>(std::index_sequence<i...>) { (set(i), ...); }
+    (std::make_index_sequence<n>());
+  }
+  Lane<W> packs_[n];
+};
+
+class PacksInMemory {
+ public:
+  explicit PacksInMemory(double* memory) : numbers_(memory) {}
+  double* numbers() { return numbers_; }
+  void store(double* to, int numbers) { std::copy_n(numbers_, numbers, to); }
+  void take(PacksInMemory& next) { std::swap(numbers_, next.numbers_); }
+
+ private:
+  double* numbers_;
+};
 
 /// Functions printed by `emit`, as static members of F, with the constants of one model.
 template <int W, class F>
@@ -17,21 +55,24 @@ class CompiledStage {
  public:
   static constexpr StageSizes sizes() { return F::sizes; }
 
+  using State = PacksInRegisters<W, F::sizes.nx>;
+  using Carry = PacksInRegisters<W, F::sizes.carry()>;
+
   explicit CompiledStage(const StagePrograms& programs) : programs_(programs) {}
 
   void step(const double* x, const double* u, double* x_next, double* s) {
     F::template step<Lane<W>>(constants(programs_.step), x, u, x_next, s);
   }
-  void back(const double* x, const double* u, const double* x_ref, const double* active,
-            const double* weights, const double* coupling, const double* carry, double* H_u, double* gain,
-            double* k, double* carry_out) {
-    F::template back<Lane<W>>(constants(programs_.back), x, u, x_ref, active, weights, coupling, carry, H_u,
+  [[gnu::always_inline]] void back(const double* x, const double* u, const double* x_ref, const double* held,
+                                   const double* weights, const double* coupling, const double* carry,
+                                   double* H_u, double* gain, double* k, double* carry_out) {
+    F::template back<Lane<W>>(constants(programs_.back), x, u, x_ref, held, weights, coupling, carry, H_u,
                               gain, k, carry_out);
   }
-  void back_first(const double* x, const double* u, const double* x_ref, const double* active,
+  void back_first(const double* x, const double* u, const double* x_ref, const double* held,
                   const double* weights, const double* coupling, const double* carry, double* H_u,
                   double* gain, double* k, double* carry_out) {
-    F::template back_first<Lane<W>>(constants(programs_.back_first), x, u, x_ref, active, weights, coupling,
+    F::template back_first<Lane<W>>(constants(programs_.back_first), x, u, x_ref, held, weights, coupling,
                                     carry, H_u, gain, k, carry_out);
   }
   void precondition_back(const double* p, const double* r, const double* gain, double* p_out, double* k) {
@@ -51,35 +92,26 @@ class CompiledStage {
 
 /// A block program, interpreted.
 template <int W>
-class InterpretedBlocks {
+class InterpretedBlocks : public Threaded<W> {
  public:
-  explicit InterpretedBlocks(const BlockProgram& program) : program_(program), evaluation_(program.program) {}
-
-  /// @param in, out  one pointer for each block
-  void operator()(std::initializer_list<const double*> in, std::initializer_list<double*> out) {
-    int row = 0, output = 0;
-    auto block = program_.inputs.begin();
-    for (const double* b : in) {
-      evaluation_.bind_inputs(row, b, block->size);
-      row += block++->size;
-    }
-    block = program_.outputs.begin();
-    for (double* b : out) {
-      evaluation_.bind_outputs(output, b, block->size);
-      output += block++->size;
-    }
-    evaluation_.run();
-  }
+  explicit InterpretedBlocks(const BlockProgram& p)
+      : Threaded<W>(p.program, sizes(p.inputs), sizes(p.outputs)) {}
 
  private:
-  const BlockProgram& program_;
-  PackEvaluation<W> evaluation_;
+  static std::vector<int> sizes(const std::vector<Block>& blocks) {
+    std::vector<int> list;
+    for (const Block& b : blocks) list.push_back(b.size);
+    return list;
+  }
 };
 
 template <int W>
 class InterpretedStage {
  public:
   StageSizes sizes() const { return sizes_; }
+
+  using State = PacksInMemory;
+  using Carry = PacksInMemory;
 
   explicit InterpretedStage(const StagePrograms& p)
       : sizes_(p.sizes),
@@ -89,23 +121,23 @@ class InterpretedStage {
         precondition_back_(p.precondition_back),
         precondition_forward_(p.precondition_forward) {}
 
-  void step(const double* x, const double* u, double* x_next, double* s) { step_({x, u}, {x_next, s}); }
-  void back(const double* x, const double* u, const double* x_ref, const double* active,
-            const double* weights, const double* coupling, const double* carry, double* H_u, double* gain,
-            double* k, double* carry_out) {
-    back_({x, u, x_ref, active, weights, coupling, carry}, {H_u, gain, k, carry_out});
+  void step(const double* x, const double* u, double* x_next, double* s) { step_.run({x, u}, {x_next, s}); }
+  void back(const double* x, const double* u, const double* x_ref, const double* held, const double* weights,
+            const double* coupling, const double* carry, double* H_u, double* gain, double* k,
+            double* carry_out) {
+    back_.run({x, u, x_ref, held, weights, coupling, carry}, {H_u, gain, k, carry_out});
   }
-  void back_first(const double* x, const double* u, const double* x_ref, const double* active,
+  void back_first(const double* x, const double* u, const double* x_ref, const double* held,
                   const double* weights, const double* coupling, const double* carry, double* H_u,
                   double* gain, double* k, double* carry_out) {
-    back_first_({x, u, x_ref, active, weights, coupling, carry}, {H_u, gain, k, carry_out});
+    back_first_.run({x, u, x_ref, held, weights, coupling, carry}, {H_u, gain, k, carry_out});
   }
   void precondition_back(const double* p, const double* r, const double* gain, double* p_out, double* k) {
-    precondition_back_({p, r, gain}, {p_out, k});
+    precondition_back_.run({p, r, gain}, {p_out, k});
   }
   void precondition_forward(const double* y, const double* gain, const double* k, double* du, double* y_out,
                             double* ds) {
-    precondition_forward_({y, gain, k}, {du, y_out, ds});
+    precondition_forward_.run({y, gain, k}, {du, y_out, ds});
   }
 
  private:

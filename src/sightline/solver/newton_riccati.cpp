@@ -15,6 +15,8 @@ namespace {
 
 using L = NativeLane;
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void check(bool holds, std::string_view option, double value, std::string_view expected) {
@@ -62,7 +64,7 @@ NewtonRiccati::NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options)
       c_(1, groups_.layout().c_length),
       u_(u_vectors_[0]),
       du_(u_vectors_[1]),
-      active_(u_vectors_[2]),
+      held_(u_vectors_[2]),
       H_u_(u_vectors_[3]),
       low_(u_vectors_[4]),
       high_(u_vectors_[5]),
@@ -78,7 +80,6 @@ NewtonRiccati::NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options)
       x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)) {
   for (const BodyId body : ocp_.agent_bodies()) x_at_.push_back(ocp_.team().state_offset(body));
   for (const Agent& agent : ocp_.team().agents()) limits_move_ |= agent.limits.times().size() > 1;
-  std::fill_n(active_, groups_.layout().u_length, 1.0);
 }
 
 bool NewtonRiccati::late() const noexcept {
@@ -143,14 +144,14 @@ void NewtonRiccati::set_time(double time) noexcept {
   // A limit that moved takes its inputs along, or lets them go.
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     u_[i] = clamp(u_[i], low_[i], high_[i]);
-    if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 1.0;
+    if (u_[i] != low_[i] && u_[i] != high_[i]) held_[i] = 0.0;
   }
 }
 
 void NewtonRiccati::start() noexcept {
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     u_[i] = clamp(has_plan_ ? u_[i] : 0.0, low_[i], high_[i]);
-    active_[i] = 1.0;
+    held_[i] = 0.0;
   }
   all_free_ = true;
   has_plan_ = wary_ = false;
@@ -175,24 +176,24 @@ NewtonRiccati::Proposal NewtonRiccati::examine() const noexcept {
 
 /// Inputs that want to leave their limits are put on them and held; held ones that want back are freed.
 /// @return whether the set changed
-bool NewtonRiccati::update_active() noexcept {
+bool NewtonRiccati::update_held() noexcept {
   bool changed = false;
   all_free_ = true;
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     const double next = u_[i] + du_[i];
-    double active = 1.0;
-    if (active_[i] != 0.0) {
+    double held = 0.0;
+    if (held_[i] == 0.0) {
       if (next > high_[i] || next < low_[i]) {
-        active = 0.0;
+        held = infinity;
         u_[i] = next > high_[i] ? high_[i] : low_[i];
       }
     } else {
       const bool at_high = u_[i] - low_[i] > high_[i] - u_[i];
-      active = (at_high ? H_u_[i] < 0 : H_u_[i] > 0) ? 0.0 : 1.0;
+      held = (at_high ? H_u_[i] < 0 : H_u_[i] > 0) ? infinity : 0.0;
     }
-    changed |= active != active_[i];
-    active_[i] = active;
-    if (active == 0.0) {
+    changed |= held != held_[i];
+    held_[i] = held;
+    if (held != 0.0) {
       all_free_ = false;
       du_[i] = 0.0;
     }
@@ -202,6 +203,7 @@ bool NewtonRiccati::update_active() noexcept {
 
 /// u <- u + du, within the limits.
 void NewtonRiccati::take() noexcept {
+  std::swap(u_, u_before_);
   for (int i = 0; i < groups_.layout().u_length; i += L::width) {
     const L u = L::load(u_before_ + i) + L::load(du_ + i);
     within(u, L::load(low_ + i), L::load(high_ + i)).store(u_ + i);
@@ -225,12 +227,11 @@ bool NewtonRiccati::descend(bool settled) noexcept {
     std::copy_n(u_, n, u_start_);
     groups_.roll_out(u_, s_);
     couplings_->evaluate(s_, c_[0]);
-    groups_.differentiate(u_, active_, c_[0], H_u_);
+    groups_.differentiate(u_, held_, c_[0], H_u_);
     const auto at_low = [&](int i) { return u_[i] < low_[i] + nearby && H_u_[i] > 0; };
     const auto at_high = [&](int i) { return u_[i] > high_[i] - nearby && H_u_[i] < 0; };
-    for (int i = 0; i < n; ++i) active_[i] = at_low(i) || at_high(i) ? 0.0 : 1.0;
-    groups_.factor(u_, active_, c_[0], H_u_);
-    groups_.forward(du_, ds_);
+    for (int i = 0; i < n; ++i) held_[i] = at_low(i) || at_high(i) ? infinity : 0.0;
+    groups_.solve(u_, held_, c_[0], H_u_, du_, ds_);
     krylov_.complete(groups_, *couplings_, du_, ds_);
     for (int i = 0; i < n; ++i) {
       if (at_low(i)) du_[i] = low_[i] - u_[i];
@@ -243,8 +244,8 @@ bool NewtonRiccati::descend(bool settled) noexcept {
   }
   all_free_ = true;
   for (int i = 0; i < n; ++i) {
-    if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 1.0;
-    all_free_ &= active_[i] != 0.0;
+    if (u_[i] != low_[i] && u_[i] != high_[i]) held_[i] = 0.0;
+    all_free_ &= held_[i] == 0.0;
     du_[i] = 0.0;
   }
   std::copy_n(u_, n, u_before_);
@@ -256,7 +257,11 @@ NewtonRiccati::Step NewtonRiccati::newton_step() noexcept {
   Step result;
   Proposal proposal;
   bool damped = false, settled = false;
-  std::copy_n(u_, groups_.layout().u_length, u_start_);
+  bool started_from = false;  // u_start is known
+  const auto keep_start = [&] {
+    if (!started_from) std::copy_n(u_, groups_.layout().u_length, u_start_);
+    started_from = true;
+  };
   for (int attempt = 0; attempt < attempts; ++attempt) {
     groups_.roll_out(u_, s_);
     couplings_->evaluate(s_, c_[0]);
@@ -266,17 +271,18 @@ NewtonRiccati::Step NewtonRiccati::newton_step() noexcept {
       result.in_time = false;
       return result;
     }
-    damped = groups_.factor(u_, active_, c_[0], H_u_) > 0;
-    groups_.forward(du_, ds_);
+    damped = groups_.solve(u_, held_, c_[0], H_u_, du_, ds_) > 0;
     if (!late()) result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_);
     proposal = examine();
     result.residual = proposal.residual;
     result.finite = proposal.finite;
     if (!proposal.finite) break;
-    settled = (proposal.within_limits && all_free_) || !update_active();
+    settled = proposal.within_limits && all_free_;
+    if (settled) break;
+    keep_start();
+    settled = !update_held();
     if (settled || late()) break;
   }
-  std::copy_n(u_, groups_.layout().u_length, u_before_);
   if (!proposal.finite) {
     const auto finite = [](double g) { return std::isfinite(g); };
     if (!std::all_of(H_u_, H_u_ + groups_.layout().u_length, finite)) return result;
@@ -286,6 +292,7 @@ NewtonRiccati::Step NewtonRiccati::newton_step() noexcept {
   constexpr double near = 0.02;  // residual from which on steps are trusted again
   wary_ |= !proposal.finite || damped || std::max(proposal.largest, proposal.residual) > options_.step_cap;
   if (wary_) {
+    keep_start();
     const bool whole = descend(settled);
     wary_ = descent_.sure() && proposal.residual > near && !whole;
   } else {
@@ -434,7 +441,7 @@ double NewtonRiccati::kkt(double time, std::span<const double> states) noexcept 
   }
   groups_.roll_out(u_, s_);
   couplings_->evaluate(s_, c_[0]);
-  groups_.differentiate(u_, active_, c_[0], H_u_);
+  groups_.differentiate(u_, held_, c_[0], H_u_);
   const Proposal at_u = examine();
   return at_u.residual;
 }

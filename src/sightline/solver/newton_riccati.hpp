@@ -72,7 +72,7 @@ class NewtonRiccati final : public Solver {
   void start() noexcept;
   Step newton_step() noexcept;
   Proposal examine() const noexcept;
-  bool update_active() noexcept;
+  bool update_held() noexcept;
   void take() noexcept;
   bool descend(bool settled) noexcept;
   bool late() const noexcept;
@@ -96,7 +96,7 @@ class NewtonRiccati final : public Solver {
   double time_ = 0.0;
   Clock::time_point begin_{};
   Rows u_vectors_, s_vectors_, c_;
-  double *u_, *du_, *active_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
+  double *u_, *du_, *held_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
   double *s_, *ds_;
   double plan_time_ = 0.0;
   std::vector<int> x_at_;  // of each agent in the stacked state

@@ -1,7 +1,9 @@
 /// One potential at many points, one for each stage of each coupling, in packs: [pack][variable][lane].
 #pragma once
 
-#include "sightline/formula/interpret.hpp"
+#include <array>
+
+#include "sightline/formula/threaded.hpp"
 #include "sightline/solver/kernel_table.hpp"
 #include "sightline/solver/pose_potential.hpp"
 
@@ -12,12 +14,12 @@ class Points {
   static constexpr int W = native_width;
 
   Points(const PosePotential& potential, KernelChoice choice)
-      : potential_(potential), value_(potential.value), derivatives_(potential.derivatives) {
+      : potential_(potential), value_(blocks(potential.value)), derivatives_(blocks(potential.derivatives)) {
     const auto compiled = [&](const Program& p) {
       return choice == KernelChoice::compiled_if_there ? find_formula(p, W) : nullptr;
     };
     compiled_ = compiled(potential.derivatives);
-    for (const Program& p : potential.others) others_.push_back({p, PackEvaluation<W>(p), compiled(p)});
+    for (const Program& p : potential.others) others_.push_back({p, blocks(p), compiled(p)});
   }
 
   void resize(int points) {
@@ -44,9 +46,7 @@ class Points {
 
   void evaluate() noexcept {
     for (int p = 0; p < packs_; ++p) {
-      value_.bind_inputs(0, in_[0] + p * W * inputs(), inputs());
-      value_.bind_outputs(0, values_[0] + p * W, 1);
-      value_.run();
+      value_.run({in_[0] + p * W * inputs()}, {values_[0] + p * W});
     }
   }
   double value(int point) const { return values_[0][point]; }
@@ -54,30 +54,31 @@ class Points {
  private:
   struct Other {
     const Program& program;
-    PackEvaluation<W> evaluation;
+    Threaded<W> evaluation;
     const FormulaKernel* compiled;
   };
 
-  void run(const Program& program, PackEvaluation<W>& evaluation, const FormulaKernel* compiled,
+  void run(const Program& program, Threaded<W>& evaluation, const FormulaKernel* compiled,
            double* out) noexcept {
     if (compiled != nullptr) {
       compiled->run(program.constants().data(), in_[0], out, packs_);
       return;
     }
     for (int p = 0; p < packs_; ++p) {
-      evaluation.bind_inputs(0, in_[0] + p * W * program.inputs(), program.inputs());
-      evaluation.bind_outputs(0, out + p * W * program.outputs(), program.outputs());
-      evaluation.run();
+      evaluation.run({in_[0] + p * W * program.inputs()}, {out + p * W * program.outputs()});
     }
   }
 
+  static Threaded<W> blocks(const Program& p) {
+    return Threaded<W>(p, std::array{p.inputs()}, std::array{p.outputs()});
+  }
   int inputs() const { return potential_.derivatives.inputs(); }
   static std::ptrdiff_t place(int point, int row, int rows) {
     return (static_cast<std::ptrdiff_t>(point / W) * rows + row) * W + point % W;
   }
 
   const PosePotential& potential_;
-  PackEvaluation<W> value_, derivatives_;
+  Threaded<W> value_, derivatives_;
   const FormulaKernel* compiled_ = nullptr;
   std::vector<Other> others_;
   Rows in_, out_, more_, values_;

@@ -35,8 +35,9 @@ struct RiccatiStage {
   Matrix<S> PA{nx, nx};
 
   /// Eliminates du for the cost-to-go P and the costate increment e of the next stage:
-  /// R + B'PB = L D L', K = L^-T D^-1 L^-1 (G + B'PA), k likewise; pivots are at least `floor`.
-  void eliminate(const Matrix<S>& P, const std::vector<S>& e, double floor, S& doubt) {
+  /// R + B'PB = L D L', K = L^-T D^-1 L^-1 (G + B'PA), k likewise; pivots are at least `floor`. An input with
+  /// an infinite R does not move: the inverse of its pivot is zero, and with it all of its row.
+  void eliminate(const Matrix<S>& P, const std::vector<S>& e, const std::vector<double>& floor, S& doubt) {
     Matrix<S> PB(nx, nu);
     for (int i = 0; i < nx; ++i) {
       for (int j = 0; j < nx; ++j)
@@ -54,8 +55,8 @@ struct RiccatiStage {
       for (int q = 0; q < nx; ++q) r[at(a)] += B(q, a) * e[at(q)];
     }
     for (int a = 0; a < nu; ++a) {
-      doubt = maximum(floor - R(a, a), doubt);
-      inverse_D[at(a)] = 1.0 / maximum(R(a, a), S(floor));
+      doubt = maximum(floor[at(a)] - R(a, a), doubt);
+      inverse_D[at(a)] = 1.0 / maximum(R(a, a), S(floor[at(a)]));
       for (int b = a + 1; b < nu; ++b) L(b, a) = R(b, a) * inverse_D[at(a)];
       for (int b = a + 1; b < nu; ++b)
         for (int c = a + 1; c <= b; ++c) R(b, c) -= L(b, a) * R(c, a);
@@ -152,10 +153,31 @@ Symbol sum_of(std::span<const RelaxedBarrier> barriers, const Model& model, std:
 struct Linearisation {
   Matrix<Symbol> A, B, J_x, J_u;
   std::vector<Term> stored;
-
-  /// The same matrices over other symbols, one for each stored entry.
-  Linearisation over(const Graph& graph, std::span<const Symbol> symbols, const StageSizes& sizes) const;
 };
+
+/// What each step of an input is measured in, du = unit dv: where an input moves one state alone, by a
+/// constant, in what it moves, so that its column of B is a column of the identity; elsewhere in itself.
+std::vector<double> units(Graph& graph, const Linearisation& l, const StageSizes& n) {
+  std::vector<double> list(at(n.nu), 1.0);
+  for (int a = 0; a < n.nu; ++a) {
+    bool constants = true;
+    std::vector<double> moved;
+    for (int i = 0; i < n.nx; ++i) {
+      const Term entry = l.B(i, a).in(graph);
+      constants &= graph.is_constant(entry);
+      if (!graph.is_zero(entry)) moved.push_back(graph.constant_value(entry));
+    }
+    for (int i = 0; i < n.ns; ++i) constants &= graph.is_constant(l.J_u(i, a).in(graph));
+    if (constants && moved.size() == 1) list[at(a)] = 1.0 / moved[0];
+  }
+  return list;
+}
+
+void scale_columns(Matrix<Symbol>& m, int rows, std::span<const double> factors) {
+  for (int i = 0; i < rows; ++i) {
+    for (std::size_t a = 0; a < factors.size(); ++a) m(i, static_cast<int>(a)) *= factors[a];
+  }
+}
 
 std::vector<Term> terms(Graph& graph, std::span<const Symbol> symbols) {
   std::vector<Term> t;
@@ -199,6 +221,7 @@ class StageTracer {
     const auto x = plain_.inputs("x", sizes_.nx), u = plain_.inputs("u", sizes_.nu);
     linear_ = linearise(plain_.graph, record(model, h, seen, x, u), x, u);
     sizes_.stored = static_cast<int>(linear_.stored.size());
+    units_ = units(plain_.graph, linear_, sizes_);
   }
 
   StagePrograms trace() {
@@ -212,7 +235,7 @@ class StageTracer {
     Tracer t;
     Graph& graph = t.graph;
     const auto x = t.inputs("x", nx), u = t.inputs("u", nu), x_ref = t.inputs("x_ref", nx);
-    const auto active = t.inputs("active", nu), weights = t.inputs("weights", sizes_.weights());
+    const auto held = t.inputs("held", nu), weights = t.inputs("weights", sizes_.weights());
     const auto coupling = t.inputs("coupling", sizes_.coupling()), carry = t.inputs("carry", sizes_.carry());
     const auto part = [](const std::vector<Symbol>& block, int from, int n) {
       return std::span<const Symbol>(block).subspan(at(from), at(n));
@@ -222,54 +245,58 @@ class StageTracer {
     const auto lambda = part(carry, 1, nx), P_upper = part(carry, 1 + 2 * nx, nx * (nx + 1) / 2);
     const std::vector<Symbol> e(carry.begin() + 1 + nx, carry.begin() + 1 + 2 * nx);
 
-    // Phi and its derivatives.
+    // Phi and its derivatives: those of the cost, and along the flow A, B, J once more.
     const Flow flow = record(model_, h_, seen_, x, u);
-    const Linearisation l = linearise(graph, flow, x, u);
-    Symbol phi = h_ * tracking_cost<Symbol>(x, x_ref, Q, u, u_ref, R);
-    for (int i = 0; i < nx; ++i) phi += lambda[at(i)] * flow.F[at(i)];
-    for (int i = 0; i < ns; ++i) phi += coupling[at(i)] * flow.s[at(i)];
-    phi += h_ * sum_of(barriers_, model_, x, u);
+    Linearisation l = linearise(graph, flow, x, u);
+    const Symbol cost =
+        0.5 * tracking_cost<Symbol>(x, x_ref, Q, u, u_ref, R) + h_ * sum_of(barriers_, model_, x, u);
+    Symbol along = 0.0;
+    for (int i = 0; i < nx; ++i) along += lambda[at(i)] * flow.F[at(i)];
+    for (int i = 0; i < ns; ++i) along += coupling[at(i)] * flow.s[at(i)];
     std::vector<Symbol> z = x;
     z.insert(z.end(), u.begin(), u.end());
-    const Derivatives d = derive(graph, phi.in(graph), terms(graph, z));
-    const auto first = [&](int i) { return symbol(graph, d.first[at(i)]); };
+    const Derivatives of_cost = derive(graph, cost.in(graph), terms(graph, z));
+    const Derivatives of_flow = derive(graph, along.in(graph), terms(graph, z));
     const auto second = [&](int i, int j) {
-      return symbol(graph, d.second[at(upper_index(std::min(i, j), std::max(i, j), nx + nu))]);
+      const int entry = upper_index(std::min(i, j), std::max(i, j), nx + nu);
+      return symbol(graph, of_cost.second[at(entry)]) + symbol(graph, of_flow.second[at(entry)]);
     };
 
     graph.draw_constants(false);
+    std::vector<Symbol> first;
+    for (int i = 0; i < nx + nu; ++i) {
+      Symbol slope = symbol(graph, of_cost.first[at(i)]);
+      for (int q = 0; q < ns; ++q) slope += coupling[at(q)] * (i < nx ? l.J_x(q, i) : l.J_u(q, i - nx));
+      for (int q = 0; q < nx; ++q) slope += lambda[at(q)] * (i < nx ? l.A(q, i) : l.B(q, i - nx));
+      first.push_back(slope);
+    }
+    scale_columns(l.B, nx, units_);
+    scale_columns(l.J_u, ns, units_);
     RiccatiStage<Symbol> stage{.nx = nx, .nu = nu};
     stage.A = l.A;
     stage.B = l.B;
     for (int i = 0; i < nx; ++i)
       for (int j = 0; j < nx; ++j) stage.Q(i, j) = second(i, j);
+    std::vector<double> floor;
     for (int a = 0; a < nu; ++a) {
-      for (int j = 0; j < nx; ++j) stage.G(a, j) = second(nx + a, j);
-      for (int b = 0; b < nu; ++b) stage.R(a, b) = second(nx + a, nx + b);
-      stage.r[at(a)] = first(nx + a);
+      const double unit = units_[at(a)];
+      for (int j = 0; j < nx; ++j) stage.G(a, j) = unit * second(nx + a, j);
+      for (int b = 0; b < nu; ++b) stage.R(a, b) = unit * units_[at(b)] * second(nx + a, nx + b);
+      stage.R(a, a) = unit * unit * (second(nx + a, nx + a) + rho) + held[at(a)];
+      stage.r[at(a)] = unit * first[at(nx + a)];
+      floor.push_back(unit * unit * pivot_floor * h_);
     }
     add_couplings(stage, l, part(coupling, ns, ns * (ns + 1) / 2));
-    // An input at a limit has no column and no row; rho is the Levenberg term.
-    for (int a = 0; a < nu; ++a) {
-      const Symbol& on = active[at(a)];
-      for (int i = 0; i < nx; ++i) stage.B(i, a) *= on;
-      for (int i = 0; i < nx; ++i) stage.G(a, i) *= on;
-      stage.r[at(a)] *= on;
-      for (int b = 0; b < nu; ++b) {
-        if (b != a) stage.R(a, b) *= on * active[at(b)];
-      }
-      stage.R(a, a) = (stage.R(a, a) + rho) * on + (1.0 - on);
-    }
     Matrix<Symbol> P(nx, nx);
     for (int i = 0; i < nx; ++i)
       for (int j = 0; j < nx; ++j) P(i, j) = P_upper[at(upper_index(std::min(i, j), std::max(i, j), nx))];
     Symbol doubt = carry[0];
-    stage.eliminate(P, e, pivot_floor * h_, doubt);
+    stage.eliminate(P, e, floor, doubt);
 
     t.block("H_u");
-    for (int a = 0; a < nu; ++a) t.output(first(nx + a));
+    for (int a = 0; a < nu; ++a) t.output(first[at(nx + a)]);
     t.block("gain");
-    for (int a = 0; a < nu; ++a) t.output(stage.inverse_D[at(a)] * active[at(a)]);
+    t.output(stage.inverse_D);
     for (int a = 0; a < nu; ++a)
       for (int b = 0; b < a; ++b) t.output(stage.L(a, b));
     for (int j = 0; j < nx; ++j)
@@ -280,7 +307,7 @@ class StageTracer {
     t.block("carry_out");
     t.output(doubt);
     if (carries_on) {
-      for (int i = 0; i < nx; ++i) t.output(first(i));
+      for (int i = 0; i < nx; ++i) t.output(first[at(i)]);
       for (int i = 0; i < nx; ++i) t.output(stage.costate_increment(i, e));
       for (int i = 0; i < nx; ++i)
         for (int j = i; j < nx; ++j) t.output(stage.cost_to_go(i, j));
@@ -338,6 +365,8 @@ class StageTracer {
     fill(g.B, linear_.B, nx, nu);
     fill(g.J_x, linear_.J_x, ns, nx);
     fill(g.J_u, linear_.J_u, ns, nu);
+    scale_columns(g.B, nx, units_);
+    scale_columns(g.J_u, ns, units_);
     return g;
   }
   /// An entry of the linearisation in another graph, out of the stored ones.
@@ -390,19 +419,19 @@ class StageTracer {
     const auto y = t.inputs("y", nx);
     const Gain g = gain(t);
     const auto k = t.inputs("k", nu);
-    std::vector<Symbol> du;
+    std::vector<Symbol> dv;
     t.block("du");
     for (int a = 0; a < nu; ++a) {
       std::array<Symbol, 3> s = {k[at(a)], 0.0, 0.0};  // three sums side by side
       for (int j = 0; j < nx; ++j) s[at(j % 3)] += g.K(a, j) * y[at(j)];
-      du.push_back(-((s[0] + s[1]) + s[2]));
+      dv.push_back(-((s[0] + s[1]) + s[2]));
+      t.output(units_[at(a)] * dv.back());
     }
-    t.output(du);
     const auto product = [&](const Matrix<Symbol>& M_x, const Matrix<Symbol>& M_u, int rows) {
       for (int i = 0; i < rows; ++i) {
         Symbol s = 0.0;
         for (int q = 0; q < nx; ++q) s += M_x(i, q) * y[at(q)];
-        for (int a = 0; a < nu; ++a) s += M_u(i, a) * du[at(a)];
+        for (int a = 0; a < nu; ++a) s += M_u(i, a) * dv[at(a)];
         t.output(s);
       }
     };
@@ -420,6 +449,7 @@ class StageTracer {
   StageSizes sizes_;
   Tracer plain_;
   Linearisation linear_{{0, 0}, {0, 0}, {0, 0}, {0, 0}, {}};
+  std::vector<double> units_;
 };
 
 }  // namespace

@@ -35,10 +35,12 @@ struct StageSizes {
   int nx = 0, nu = 0, ns = 0;
   int stored = 0;  ///< distinct entries of A, B, J that change
 
-  int weights() const { return nx + 2 * nu + 1; }          ///< Q, R, u*, rho
-  int coupling() const { return ns + ns * (ns + 1) / 2; }  ///< gradient and Hessian with respect to s
-  int gain() const { return nu + nu * (nu - 1) / 2 + nu * nx + stored; }  ///< D^-1, L, K, stored
-  int carry() const { return 1 + 2 * nx + nx * (nx + 1) / 2; }            ///< doubt, lambda, e, P
+  constexpr int weights() const { return nx + 2 * nu + 1; }  ///< 2 h Q, 2 h R, u*, rho
+  constexpr int coupling() const {
+    return ns + ns * (ns + 1) / 2;
+  }  ///< gradient and Hessian with respect to s
+  constexpr int gain() const { return nu + nu * (nu - 1) / 2 + nu * nx + stored; }  ///< D^-1, L, K, stored
+  constexpr int carry() const { return 1 + 2 * nx + nx * (nx + 1) / 2; }            ///< doubt, lambda, e, P
 
   bool operator==(const StageSizes&) const = default;
 };
@@ -48,13 +50,14 @@ struct StageSizes {
 /// tracking cost and its barriers.
 ///
 ///   step        x, u -> x + h f, s
-///   back        x, u, x*, active, weights, coupling, carry -> H_u, gain, k, carry of the stage before
+///   back        x, u, x*, held, weights, coupling, carry -> H_u, gain, k, carry of the stage before
 ///   back_first  the same at stage 0: the carry is `doubt` alone
 ///   precondition_back      p, r, gain -> p of the stage before, k       right side r in s
 ///   precondition_forward   y, gain, k -> du, y of the next stage, change of s
 ///
-/// H_u is Phi_u (times h, that is). `active` is 1 where an input is free and 0 where it is held at a limit;
-/// `doubt` > 0 says that a pivot was below its floor at some stage so far. du = -(k + K y).
+/// H_u is Phi_u (times h, that is). `held` is an input's extra weight: infinity where it is held at a limit, 0
+/// where it is free; `doubt` > 0 says that a pivot was below its floor at some stage so far. du = -(k + K y), each
+/// entry in a unit of its own.
 struct StagePrograms {
   StageSizes sizes;
   BlockProgram step, back, back_first, precondition_back, precondition_forward;
