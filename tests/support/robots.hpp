@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "sightline/model/frames.hpp"
-#include "sightline/solver/generator.hpp"
 
 namespace sightline::test {
 
@@ -75,9 +74,3 @@ struct Quadrotor {
 };
 
 }  // namespace sightline::test
-
-/// What sightline_add_formulas compiles of this file.
-inline void sightline_formulas(sightline::Generator& generator) {
-  generator.add(sightline::test::Unicycle{}, sightline::Seen::pose);
-  generator.add(sightline::test::Quadrotor{}, sightline::Seen::pose);
-}
