@@ -126,6 +126,16 @@ TEST(Derive, ConstantsAndVariablesHaveTheObviousDerivatives) {
   for (const Term t : d.second) EXPECT_TRUE(graph.is_zero(t));
 }
 
+TEST(Derive, TheDerivativesOfAnAngleAreFiniteAtTheOriginAndOfEqualOperandsZero) {
+  Graph graph;
+  const std::vector<Term> x = {graph.input(0), graph.input(1)};
+  const Derivatives d = derive(graph, graph.angle(x[0], -x[1]), x);
+  for (const auto& list : {d.first, d.second}) {
+    for (const double v : evaluate({graph, list, 2}, std::array{0.0, 0.0})) EXPECT_EQ(v, 0.0);
+  }
+  for (const Term t : derive(graph, graph.angle(-x[0], x[0]), x).first) EXPECT_TRUE(graph.is_zero(t));
+}
+
 TEST(Derive, UpperIndexCountsTheUpperTriangleRowByRow) {
   for (int size = 1; size < 20; ++size) {
     int next = 0;

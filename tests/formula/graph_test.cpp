@@ -173,10 +173,10 @@ TEST_F(GraphLaws, NodesHoldTheSignsThatOpPromises) {
     if (n.op == Op::constant) {
       EXPECT_FALSE(std::signbit(n.value));
     }
-    if (n.op != Op::square_root && n.op != Op::exponential) {
+    if (n.op != Op::square_root && n.op != Op::exponential && n.op != Op::logarithm && n.op != Op::softplus) {
       EXPECT_FALSE(n.a.negative);
     }
-    if (n.op != Op::add) {
+    if (n.op != Op::add && n.op != Op::angle) {
       EXPECT_FALSE(n.b.negative);
     }
   }

@@ -62,6 +62,12 @@ std::vector<S> run(const Program& program, std::span<const double> inputs) {
           return cos(row(q.a));
         case Code::maximum:
           return row(q.a) > row(q.b) ? row(q.a) : row(q.b);
+        case Code::logarithm:
+          return log(row(q.a));
+        case Code::softplus:
+          return softplus(row(q.a));
+        case Code::angle:
+          return atan2(row(q.a), row(q.b));
       }
       return S();
     };

@@ -80,6 +80,44 @@ TEST(Elementary, SinAndCosKeepTheirDigitsWhereTheyVanish) {
   EXPECT_LE(worst_ulps(cos_of, exact_cos, near_quarter), 1.0);
 }
 
+TEST(Elementary, LogIsWithinTwoUlp) {
+  const auto log_of = [](double x) { return log(x); };
+  const auto exact = [](long double x) { return std::log(x); };
+  EXPECT_LE(worst_ulps(log_of, exact, [](Random& r) { return uniform(r, 0.5, 2); }), 2.0);
+  EXPECT_LE(worst_ulps(log_of, exact, [](Random& r) { return uniform(r, 0, 1e6); }), 2.0);
+  EXPECT_LE(worst_ulps(log_of, exact, [](Random& r) { return std::exp(uniform(r, -708, 709)); }), 2.0);
+}
+
+TEST(Elementary, LogOfANegativeIsNotANumberAndOfZeroIsFinite) {
+  EXPECT_TRUE(std::isnan(log(-1e-300)));
+  EXPECT_TRUE(std::isnan(log(nan)));
+  EXPECT_EQ(log(0.0), log(2.2250738585072014e-308));
+  EXPECT_EQ(log(1.0), 0.0);
+}
+
+TEST(Elementary, SoftplusIsWithinFourUlpInBothBranches) {
+  const auto softplus_of = [](double x) { return softplus(x); };
+  const auto exact = [](long double x) { return std::fmax(x, 0.0L) + std::log1p(std::exp(-std::fabs(x))); };
+  EXPECT_LE(worst_ulps(softplus_of, exact, [](Random& r) { return uniform(r, -700, 700); }), 4.0);
+  EXPECT_LE(worst_ulps(softplus_of, exact, [](Random& r) { return uniform(r, -40, 40); }), 4.0);
+  EXPECT_LE(worst_ulps(softplus_of, exact, [](Random& r) { return uniform(r, -1, 1); }), 4.0);
+}
+
+TEST(Elementary, Atan2IsWithinThreeUlpInEveryQuarter) {
+  Random random(6);
+  double worst = 0;
+  for (int k = 0; k < 400'000; ++k) {
+    const double reach = std::pow(10.0, uniform(random, -6, 6));
+    const double y = uniform(random, -1, 1) * reach, x = uniform(random, -1, 1);
+    worst = std::max(worst, ulps(atan2(y, x), std::atan2(static_cast<long double>(y), x)));
+  }
+  EXPECT_LE(worst, 3.0);
+  EXPECT_EQ(atan2(0.0, 0.0), 0.0);
+  EXPECT_EQ(atan2(0.0, 1.0), 0.0);
+  EXPECT_EQ(atan2(0.0, -1.0), std::numbers::pi);
+  EXPECT_EQ(atan2(-1.0, 0.0), -std::numbers::pi / 2);
+}
+
 TEST(Elementary, AnyFiniteArgumentGivesAFiniteResultInItsRange) {
   Random random(2);
   for (int k = 0; k < 200'000; ++k) {
@@ -88,6 +126,10 @@ TEST(Elementary, AnyFiniteArgumentGivesAFiniteResultInItsRange) {
     EXPECT_TRUE(logistic(x) > 0 && logistic(x) <= 1) << x;
     EXPECT_LE(std::fabs(sin(x)), 1.0) << x;
     EXPECT_LE(std::fabs(cos(x)), 1.0) << x;
+    EXPECT_TRUE(std::isfinite(softplus(x)) && softplus(x) > 0) << x;
+    EXPECT_TRUE(std::isfinite(log(std::fabs(x)))) << x;
+    const double y = any_finite(random);
+    EXPECT_LE(std::fabs(atan2(y, x)), std::numbers::pi) << y << ' ' << x;
   }
 }
 
@@ -97,6 +139,8 @@ TEST(Elementary, NotANumberStaysNotANumber) {
   EXPECT_TRUE(std::isnan(sin(nan)));
   EXPECT_TRUE(std::isnan(cos(nan)));
   EXPECT_TRUE(std::isnan(square(nan)));
+  EXPECT_TRUE(std::isnan(softplus(nan)));
+  EXPECT_TRUE(std::isnan(atan2(nan, 1.0)) && std::isnan(atan2(1.0, nan)));
 }
 
 TEST(Elementary, ExpIsHeldBeyondItsBounds) {
@@ -152,13 +196,17 @@ TYPED_TEST(ElementaryOnLanes, EachLaneHoldsTheBitsOfTheDouble) {
       x = k % 3 == 0 ? any_finite(random) : k % 31 == 1 ? special[random() % 4] : uniform(random, -800, 800);
     }
     const TypeParam x = TypeParam::load(row.data());
-    const TypeParam e = exp(x), l = logistic(x), s = sin(x), c = cos(x), r = relaxed_log(x);
+    const TypeParam e = exp(x), l = logistic(x), s = sin(x), c = cos(x), r = relaxed_log(x), p = softplus(x),
+                    n = log(x), a = atan2(c, x);
     for (int i = 0; i < width; ++i) {
       ASSERT_TRUE(same_bits(e[i], exp(x[i]))) << x[i];
       ASSERT_TRUE(same_bits(l[i], logistic(x[i]))) << x[i];
       ASSERT_TRUE(same_bits(s[i], sin(x[i]))) << x[i];
       ASSERT_TRUE(same_bits(c[i], cos(x[i]))) << x[i];
       ASSERT_TRUE(same_bits(r[i], relaxed_log(x[i]))) << x[i];
+      ASSERT_TRUE(same_bits(p[i], softplus(x[i]))) << x[i];
+      ASSERT_TRUE(same_bits(n[i], log(x[i]))) << x[i];
+      ASSERT_TRUE(same_bits(a[i], atan2(c[i], x[i]))) << x[i];
     }
   }
 }

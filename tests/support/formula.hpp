@@ -56,9 +56,12 @@ class Formula {
     sigmoid,
     sine,
     cosine,
-    logarithm
+    logarithm,
+    logarithm_of_square,
+    softplus_of,
+    angle
   };
-  static constexpr int kinds = 13;
+  static constexpr int kinds = 16;
 
   struct Step {
     Kind kind;
@@ -102,6 +105,12 @@ class Formula {
         return cos(a);
       case Kind::logarithm:
         return relaxed_log(step.c + a);
+      case Kind::logarithm_of_square:
+        return log(1.0 + a * a);
+      case Kind::softplus_of:
+        return softplus(a);
+      case Kind::angle:
+        return atan2(a, 1.0 + b * b);
     }
     return a;
   }

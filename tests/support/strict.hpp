@@ -29,6 +29,9 @@ class Strict {
   friend Strict logistic(Strict a) { return sightline::logistic(a.value_); }
   friend Strict maximum(Strict a, Strict b) { return sightline::maximum(a.value_, b.value_); }
   friend Strict relaxed_log(Strict a) { return sightline::relaxed_log(a.value_); }
+  friend Strict log(Strict a) { return sightline::log(a.value_); }
+  friend Strict softplus(Strict a) { return sightline::softplus(a.value_); }
+  friend Strict atan2(Strict a, Strict b) { return sightline::atan2(a.value_, b.value_); }
   friend Strict sin(Strict a) { return sightline::sin(a.value_); }
   friend Strict cos(Strict a) { return sightline::cos(a.value_); }
 

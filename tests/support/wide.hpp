@@ -50,6 +50,19 @@ class Wide {
     const long double log = std::log(above) - below - below * below / 2;
     return {log, (1 / above + below) * a.rounding_ + 3 * unit * std::fabs(log)};
   }
+  friend Wide log(const Wide& a) {
+    const long double l = std::log(a.value_);
+    return {l, a.rounding_ / std::fabs(a.value_) + 2 * unit * std::fabs(l)};
+  }
+  friend Wide softplus(const Wide& a) {
+    const long double e = std::exp(-std::fabs(a.value_)), l = std::fmax(a.value_, 0.0L) + std::log1p(e);
+    return {l, a.rounding_ + 4 * unit * l};
+  }
+  friend Wide atan2(const Wide& a, const Wide& b) {
+    const long double angle = std::atan2(a.value_, b.value_);
+    return {angle,
+            (a.rounding_ + b.rounding_) / std::hypot(a.value_, b.value_) + 3 * unit * std::fabs(angle)};
+  }
   friend Wide sin(const Wide& a) {
     return {std::sin(a.value_), std::fabs(std::cos(a.value_)) * a.rounding_ + 2 * unit};
   }

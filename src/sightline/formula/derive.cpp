@@ -16,6 +16,9 @@ struct Local {
   std::array<Term, 3> second{};  // aa, ab, bb; node -1 where zero
 };
 
+/// Added to x^2 + y^2 in the derivatives of an angle, which are zero and not 0/0 at the origin.
+constexpr double square_of_nothing = 1e-24;
+
 Term signed_one(Graph& g, Term operand) { return operand.negative ? -g.constant(1.0) : g.constant(1.0); }
 
 Local differentiate(Graph& g, int v, bool second_order) {
@@ -81,6 +84,37 @@ Local differentiate(Graph& g, int v, bool second_order) {
       d.first[0] = -g.sine(n.a);
       d.second[0] = -self;
       break;
+    case Op::logarithm: {  // of -v as of v: 1 / v
+      const Term inverse = g.reciprocal({n.a.node, false});
+      d.first[0] = inverse;
+      if (second_order) d.second[0] = -g.multiply(inverse, inverse);
+      break;
+    }
+    case Op::softplus: {
+      const Term s = g.logistic(n.a);
+      d.first[0] = g.multiply(signed_one(g, n.a), s);
+      if (second_order) d.second[0] = g.multiply(s, g.subtract(one, s));
+      break;
+    }
+    case Op::angle: {
+      if (n.a.node == n.b.node) {  // of the direction (v, v) or (-v, v): constant on either side of 0
+        d.count = 0;
+        break;
+      }
+      d.count = 2;
+      const Term y = n.a, x = n.b, sign = signed_one(g, n.b);
+      const Term squares = g.add(g.multiply(x, x), g.multiply(y, y));
+      const Term inverse = g.reciprocal(g.add(squares, g.constant(square_of_nothing)));
+      d.first = {g.multiply(x, inverse), g.multiply(sign, g.multiply(-y, inverse))};
+      if (second_order) {
+        const Term inverse2 = g.multiply(inverse, inverse);
+        const Term twist = g.multiply(two, g.multiply(g.multiply(x, y), inverse2));
+        d.second = {-twist,
+                    g.multiply(sign, g.multiply(g.subtract(g.multiply(y, y), g.multiply(x, x)), inverse2)),
+                    twist};
+      }
+      break;
+    }
     case Op::maximum:
       throw std::invalid_argument(
           "a formula takes the maximum of what it is derived by, expected a smooth formula");
@@ -187,6 +221,9 @@ class Sweep {
     }
     if (count == 2 && d.second[1].node >= 0 && active[0] && active[1]) {
       accumulate_second(d.operand[0], d.operand[1], graph_.multiply(adjoint, d.second[1]));
+    }
+    if (count == 2 && d.second[2].node >= 0 && active[1]) {
+      accumulate_second(d.operand[1], d.operand[1], graph_.multiply(adjoint, d.second[2]));
     }
   }
 

@@ -112,6 +112,12 @@ class Printer {
         return "cos(" + a + ")";
       case Code::maximum:
         return fmt::format("maximum({}, {})", a, b);
+      case Code::logarithm:
+        return "log(" + a + ")";
+      case Code::softplus:
+        return "softplus(" + a + ")";
+      case Code::angle:
+        return fmt::format("atan2({}, {})", a, b);
     }
     return {};
   }

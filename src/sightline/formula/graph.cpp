@@ -182,4 +182,22 @@ Term Graph::maximum(Term a, Term b) {
   return unique({.op = Op::maximum, .a = a, .b = b});
 }
 
+Term Graph::logarithm(Term a) {
+  if (is_constant(a)) return constant(sightline::log(constant_value(a)));
+  return unique({.op = Op::logarithm, .a = a});
+}
+
+Term Graph::softplus(Term a) {
+  if (is_constant(a)) return constant(sightline::softplus(constant_value(a)));
+  return unique({.op = Op::softplus, .a = a});
+}
+
+Term Graph::angle(Term a, Term b) {
+  if (is_constant(a) && is_constant(b)) {
+    return constant(sightline::atan2(constant_value(a), constant_value(b)));
+  }
+  // Seen from the other side of the axis the angle turns round; -0 and 0 are one side, as in a constant.
+  return with_sign(unique({.op = Op::angle, .a = positive(a), .b = b}), a.negative);
+}
+
 }  // namespace sightline

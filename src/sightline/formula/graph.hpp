@@ -29,6 +29,9 @@ enum class Op : std::uint8_t {
   sine,         ///< sin a; a positive
   cosine,       ///< cos a; a positive
   maximum,      ///< the larger of a and b; has no derivative
+  logarithm,    ///< ln a
+  softplus,     ///< ln(1 + e^a)
+  angle,        ///< of the direction (b, a) from the axis of b, in [-pi, pi]; a positive, b has a sign
 };
 
 /// A node of a graph, or its negative.
@@ -42,7 +45,7 @@ struct Term {
 
 struct Node {
   Op op{};
-  Term a{}, b{};       ///< operands; b of sums, products and maxima alone; a of a parameter: itself
+  Term a{}, b{};       ///< operands; b of sums, products, maxima and angles alone; a of a parameter: itself
   double value = 0.0;  ///< of a constant; the index of an input
 
   bool operator==(const Node&) const = default;
@@ -64,6 +67,9 @@ class Graph {
   Term sine(Term a);
   Term cosine(Term a);
   Term maximum(Term a, Term b);
+  Term logarithm(Term a);
+  Term softplus(Term a);
+  Term angle(Term a, Term b);
 
   Term subtract(Term a, Term b) { return add(a, -b); }
 

@@ -112,6 +112,15 @@ void execute(std::span<const Instruction> instructions, const Row& row, int coun
       case Code::maximum:
         binary([](L x, L y) { return maximum(x, y); });
         break;
+      case Code::logarithm:
+        unary([](L x) { return log(x); });
+        break;
+      case Code::softplus:
+        unary([](L x) { return softplus(x); });
+        break;
+      case Code::angle:
+        binary([](L y, L x) { return atan2(y, x); });
+        break;
     }
   }
 }

@@ -166,11 +166,18 @@ class Lowering {
         case Op::cosine:
           i = {.code = Code::cosine, .a = row(n.a)};
           break;
-        case Op::maximum: {
+        case Op::maximum:
+        case Op::angle: {
           const int a = operand(n.a);
-          i = {.code = Code::maximum, .a = a, .b = operand(n.b)};
+          i = {.code = n.op == Op::angle ? Code::angle : Code::maximum, .a = a, .b = operand(n.b)};
           break;
         }
+        case Op::logarithm:
+          i = {.code = Code::logarithm, .a = operand(n.a)};
+          break;
+        case Op::softplus:
+          i = {.code = Code::softplus, .a = operand(n.a)};
+          break;
       }
     }
     // Operands that end here give their rows to the result.

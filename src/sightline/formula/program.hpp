@@ -28,6 +28,9 @@ enum class Code : std::uint8_t {
   sine,
   cosine,
   maximum,  ///< d = a where a > b, else b
+  logarithm,
+  softplus,
+  angle,  ///< d = atan2(a, b)
 };
 
 struct Instruction {

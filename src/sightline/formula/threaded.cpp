@@ -31,6 +31,7 @@ constexpr int operand_count(Code code) {
     case Code::subtract:
     case Code::multiply:
     case Code::maximum:
+    case Code::angle:
       return 2;
     case Code::multiply_add:
     case Code::multiply_subtract:
@@ -59,8 +60,11 @@ L operation(L a, [[maybe_unused]] L b, [[maybe_unused]] L c) {
   if constexpr (code == Code::sine) return sin(a);
   if constexpr (code == Code::cosine) return cos(a);
   if constexpr (code == Code::maximum) return maximum(a, b);
+  if constexpr (code == Code::logarithm) return log(a);
+  if constexpr (code == Code::softplus) return softplus(a);
+  if constexpr (code == Code::angle) return atan2(a, b);
 }
-constexpr int codes = static_cast<int>(Code::maximum) + 1;
+constexpr int codes = static_cast<int>(Code::angle) + 1;
 
 /// A value is an input or a constant, by its row, or the result of instruction i: first_scratch + i.
 struct Single {

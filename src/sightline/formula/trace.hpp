@@ -53,6 +53,15 @@ class Symbol {
   friend Symbol relaxed_log(const Symbol& a) {
     return apply(a, &Graph::relaxed_log, [](double x) { return sightline::relaxed_log(x); });
   }
+  friend Symbol log(const Symbol& a) {
+    return apply(a, &Graph::logarithm, [](double x) { return sightline::log(x); });
+  }
+  friend Symbol softplus(const Symbol& a) {
+    return apply(a, &Graph::softplus, [](double x) { return sightline::softplus(x); });
+  }
+  friend Symbol atan2(const Symbol& a, const Symbol& b) {
+    return combine(a, b, &Graph::angle, [](double y, double x) { return sightline::atan2(y, x); });
+  }
   friend Symbol sin(const Symbol& a) {
     return apply(a, &Graph::sine, [](double x) { return sightline::sin(x); });
   }

@@ -2,6 +2,8 @@
 /// as on eight, and a finite result for every finite argument. Not a number stays not a number.
 #pragma once
 
+#include <limits>
+
 #include "sightline/math/lane.hpp"
 
 namespace sightline {
@@ -45,15 +47,15 @@ L logistic(L x) {
   return where_negative(x, e * s, s);
 }
 
-/// ln x for x >= 1; below, the parabola that goes on with its value, slope and curvature, -(1 - x) - (1 - x)^2
-/// / 2. Within 2 ulp for x >= 1. (Where the square overflows, so does the result.)
+namespace detail {
+
+/// ln x for a normal x > 0.
 template <Real L>
-L relaxed_log(L x) {
-  const L above = maximum(x, L(1.0)), below = above - x;
-  // above = 2^n p, ln p = 2 artanh(f / (2 + f)), f = p - 1; ln 2 in two parts.
+L log_of_normal(L x) {
+  // x = 2^n p, ln p = 2 artanh(f / (2 + f)), f = p - 1; ln 2 in two parts.
   L rounded;
-  const L f = detail::mantissa(above, rounded) - L(1.0);
-  const L n = rounded - L(detail::round_magic);
+  const L f = mantissa(x, rounded) - L(1.0);
+  const L n = rounded - L(round_magic);
   const L s = f / (L(2.0) + f);
   const L z = s * s;
   L r = L(1.479819860511658591e-01);
@@ -65,8 +67,63 @@ L relaxed_log(L x) {
   r = fma(r, z, L(6.666666666666735130e-01));
   const L half = L(0.5) * f * f;
   const L tail = fma(n, L(1.90821492927058770002e-10), s * fma(r, z, half));
-  const L log = n * L(6.93147180369123816490e-01) - ((half - tail) - f);
-  return log - fma(L(0.5) * below, below, below);
+  return n * L(6.93147180369123816490e-01) - ((half - tail) - f);
+}
+
+}  // namespace detail
+
+/// ln x for x >= 1; below, the parabola that goes on with its value, slope and curvature, -(1 - x) - (1 - x)^2
+/// / 2. Within 2 ulp for x >= 1. (Where the square overflows, so does the result.)
+template <Real L>
+L relaxed_log(L x) {
+  const L above = maximum(x, L(1.0)), below = above - x;
+  return detail::log_of_normal(above) - fma(L(0.5) * below, below, below);
+}
+
+/// ln x, within 2 ulp; of 0 and of subnormals that of the least normal number, -708.4; not a number where
+/// x < 0.
+template <Real L>
+L log(L x) {
+  const L y = detail::log_of_normal(clamp(x, 2.2250738585072014e-308, 1.7976931348623157e308));
+  return detail::keep_nan(x, where_negative(x, L(std::numeric_limits<double>::quiet_NaN()), y));
+}
+
+/// ln(1 + e^x), the integral of `logistic`, within 4 ulp; neither branch overflows.
+template <Real L>
+L softplus(L x) {
+  const L e = exp(where_negative(x, x, -x));
+  const L u = L(1.0) + e;
+  const L tail = log(u) + (e - (u - L(1.0))) / u;  // what rounding u lost comes back
+  return where_negative(x, tail, x + tail);
+}
+
+/// The angle of (x, y) from the x axis, in [-pi, pi], within 3 ulp; 0 at the origin.
+template <Real L>
+L atan2(L y, L x) {
+  const L ax = where_negative(x, -x, x), ay = where_negative(y, -y, y);
+  const L steep = ax - ay;  // < 0: nearer to the y axis
+  const L large = clamp(where_negative(steep, ay, ax), 2.2250738585072014e-308, 1.7976931348623157e308);
+  const L small = where_negative(steep, ax, ay);
+  // atan t, t = small / large in [0, 1]; above 0.66 as pi/4 + atan((t - 1) / (t + 1)).
+  const L t = small / large;
+  const L beyond = L(0.66) - t;
+  const L r = where_negative(beyond, (small - large) / (small + large), t);
+  const L z = r * r;
+  L p = fma(z, L(-8.750608600031904122785e-01), L(-1.615753718733365076637e+01));
+  p = fma(z, p, L(-7.500855792314704667340e+01));
+  p = fma(z, p, L(-1.228866684490136173410e+02));
+  p = fma(z, p, L(-6.485021904942025371773e+01));
+  L q = z + L(2.485846490142306297962e+01);
+  q = fma(z, q, L(1.650270098316988542046e+02));
+  q = fma(z, q, L(4.328810604912902668951e+02));
+  q = fma(z, q, L(4.853903996359136964868e+02));
+  q = fma(z, q, L(1.945506571482613964425e+02));
+  const L atan = fma(r, z * p / q, r);
+  L a = where_negative(beyond, (atan + L(3.061616997868383e-17)) + L(7.85398163397448309616e-01), atan);
+  a = where_negative(steep, (L(6.123233995736766e-17) - a) + L(1.57079632679489661923), a);
+  a = where_negative(x, (L(1.2246467991473532e-16) - a) + L(3.14159265358979323846), a);
+  a = where_negative(y, -a, a);
+  return detail::keep_nan(x, detail::keep_nan(y, a));
 }
 
 template <Real L>

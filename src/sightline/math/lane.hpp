@@ -257,7 +257,7 @@ Lane<W> where_bit(Lane<W> rounded, std::int64_t bit, Lane<W> a, Lane<W> b) {
   return L(set ? a.v : b.v);
 }
 
-/// x = 2^n p, x >= 1, p in [sqrt(1/2), sqrt 2): p, and n in the low bits of `exponent`, as round_magic has it.
+/// x = 2^n p, x > 0 and normal, p in [sqrt(1/2), sqrt 2): p, and n in the low bits of `exponent`, as round_magic has it.
 inline double mantissa(double x, double& exponent) {
   constexpr std::int64_t root_half = 0x3fe6a09e667f3bcd;
   const std::int64_t n = (std::bit_cast<std::int64_t>(x) - root_half) >> 52;

@@ -50,6 +50,12 @@ struct Tangent {
     const S above = maximum(a.value, S(1.0));
     return {relaxed_log(a.value), a.rate * (1.0 / above + (above - a.value))};
   }
+  friend Tangent log(const Tangent& a) { return {log(a.value), a.rate / a.value}; }
+  friend Tangent softplus(const Tangent& a) { return {softplus(a.value), a.rate * logistic(a.value)}; }
+  friend Tangent atan2(const Tangent& a, const Tangent& b) {
+    const S squares = a.value * a.value + b.value * b.value;
+    return {atan2(a.value, b.value), (a.rate * b.value - a.value * b.rate) / squares};
+  }
   friend Tangent sin(const Tangent& a) { return {sin(a.value), a.rate * cos(a.value)}; }
   friend Tangent cos(const Tangent& a) { return {cos(a.value), -(a.rate * sin(a.value))}; }
 };
