@@ -117,6 +117,10 @@ std::string_view kind_of(mode_t mode) {
 ScenarioError::ScenarioError(std::string_view file, std::size_t line, std::string_view sentence)
     : std::runtime_error(fmt::format("{}:{}: {}", one_line(file), line, one_line(sentence))) {}
 
+ScenarioError::ScenarioError(std::string_view file, std::size_t line, std::size_t column,
+                             std::string_view sentence)
+    : std::runtime_error(fmt::format("{}:{}:{}: {}", one_line(file), line, column, one_line(sentence))) {}
+
 std::string one_line(std::string_view text) {
   std::string line;
   while (!text.empty()) {

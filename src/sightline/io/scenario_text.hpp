@@ -8,11 +8,13 @@
 
 namespace sightline {
 
-/// A scenario that was refused; what() is one line, `file:line: key = value, expected ...`.
+/// A scenario that was refused; what() is one line, `file:line: key = value, expected ...`; within a formula
+/// `file:line:column: ...`, columns in characters.
 class ScenarioError : public std::runtime_error {
  public:
   /// Control characters and bytes that are not UTF-8 are escaped, so that it stays one line.
   ScenarioError(std::string_view file, std::size_t line, std::string_view sentence);
+  ScenarioError(std::string_view file, std::size_t line, std::size_t column, std::string_view sentence);
 };
 
 /// Largest scenario that is read [bytes].

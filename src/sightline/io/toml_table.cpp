@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "sightline/io/string_place.hpp"
 
 namespace sightline {
 namespace {
@@ -39,44 +40,23 @@ std::string shown(const toml::node& node) {
   return fmt::format("[{}]", list);
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0U);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
 }  // namespace
 
 TomlDocument parse_toml(std::string_view text, std::string file) {
   check_text(text, file);
   try {
     toml::table root = toml::parse(text);
-    return {std::move(file), std::move(root)};
+    return {std::move(file), std::move(root), std::string(text)};
   } catch (const toml::parse_error& error) {
     throw ScenarioError(file, std::max<std::size_t>(error.source().begin.line, 1),
                         fmt::format("{}, expected TOML", shortened(error.description(), 4 * shown_size)));
   }
 }
 
-std::string_view nearest(std::string_view name, std::span<const std::string_view> known) {
-  return *std::min_element(known.begin(), known.end(), [&](std::string_view a, std::string_view b) {
-    return edit_distance(a, name) < edit_distance(b, name);
-  });
-}
+TomlTable::TomlTable(const TomlDocument& document) : document_(&document), table_(&document.root), line_(1) {}
 
-TomlTable::TomlTable(const TomlDocument& document)
-    : file_(&document.file), table_(&document.root), line_(1) {}
-
-TomlTable::TomlTable(const TomlTable& parent, const toml::table& table, std::string path)
-    : file_(parent.file_), table_(&table), path_(std::move(path)), line_(line_of(table)) {}
+TomlTable::TomlTable(const TomlDocument& document, const toml::table& table, std::string path)
+    : document_(&document), table_(&table), path_(std::move(path)), line_(line_of(table)) {}
 
 const toml::node* TomlTable::find(std::string_view key) const { return table_->get(key); }
 
@@ -93,9 +73,12 @@ std::string TomlTable::place(std::string_view key) const {
 void TomlTable::expect_only(std::span<const std::string_view> known) const {
   for (const auto& [key, node] : *table_) {
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
-    throw ScenarioError(*file_, key.source().begin.line,
-                        fmt::format("{} = {}, expected a known key, the nearest is \"{}\"", place(key.str()),
-                                    shown(node), nearest(shortened(key.str(), shown_size), known)));
+    const std::string expected = known.empty()
+                                     ? std::string("no key here")
+                                     : fmt::format("a known key, the nearest is \"{}\"",
+                                                   nearest(shortened(key.str(), shown_size), known));
+    throw ScenarioError(file(), key.source().begin.line,
+                        fmt::format("{} = {}, expected {}", place(key.str()), shown(node), expected));
   }
 }
 
@@ -220,13 +203,13 @@ TomlTable TomlTable::table(std::string_view key, std::string_view expected) cons
   const toml::node& node = need(key, expected);
   const toml::table* inner = node.as_table();
   if (inner == nullptr) refuse_node(node, place(key), expected);
-  return TomlTable(*this, *inner, place(key));
+  return TomlTable(*document_, *inner, place(key));
 }
 
 TomlTable TomlTable::table_or_empty(std::string_view key) const {
   if (has(key)) return table(key);
   static const toml::table empty;
-  TomlTable inner(*this, empty, place(key));
+  TomlTable inner(*document_, empty, place(key));
   inner.line_ = line_;
   return inner;
 }
@@ -234,13 +217,8 @@ TomlTable TomlTable::table_or_empty(std::string_view key) const {
 std::vector<std::pair<std::string, TomlTable>> TomlTable::named_tables(std::string_view key) const {
   if (!has(key)) return {};
   const TomlTable inner = table(key);
-  std::vector<const toml::key*> keys;
-  for (const auto& entry : *inner.table_) keys.push_back(&entry.first);
-  const auto begin = [](const toml::key* k) { return k->source().begin; };
-  std::sort(keys.begin(), keys.end(),
-            [&](const toml::key* a, const toml::key* b) { return begin(a) < begin(b); });
   std::vector<std::pair<std::string, TomlTable>> list;
-  for (const toml::key* k : keys) list.emplace_back(k->str(), inner.table(k->str()));
+  for (const std::string& name : inner.keys()) list.emplace_back(name, inner.table(name));
   return list;
 }
 
@@ -254,18 +232,59 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   for (std::size_t i = 0; i < entries->size(); ++i) {
     const toml::table* inner = (*entries)[i].as_table();
     if (inner == nullptr) refuse(key, i, expected);
-    list.push_back(TomlTable(*this, *inner, fmt::format("{}[{}]", place(key), i)));
+    list.push_back(TomlTable(*document_, *inner, fmt::format("{}[{}]", place(key), i)));
   }
   return list;
 }
 
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<const toml::key*> keys;
+  for (const auto& entry : *table_) keys.push_back(&entry.first);
+  std::sort(keys.begin(), keys.end(),
+            [](const toml::key* a, const toml::key* b) { return a->source().begin < b->source().begin; });
+  std::vector<std::string> list;
+  for (const toml::key* k : keys) list.emplace_back(k->str());
+  return list;
+}
+
+TomlValue TomlTable::value(std::string_view key, std::string_view expected) const {
+  return {*document_, need(key, expected), place(key)};
+}
+
+std::vector<TomlValue> TomlValue::items() const {
+  std::vector<TomlValue> list;
+  for (const toml::node& node : *node_->as_array()) {
+    list.push_back(TomlValue(*document_, node, fmt::format("{}[{}]", path_, list.size())));
+  }
+  return list;
+}
+
+double TomlValue::number(const Range& range) const {
+  const double value = *node_->value<double>();
+  if (!(value >= range.low && value <= range.high)) refuse(range.expected);
+  return value;
+}
+
+void TomlValue::refuse(std::string_view expected) const {
+  throw ScenarioError(document_->file, line_of(*node_),
+                      fmt::format("{} = {}, expected {}", path_, shown(*node_), expected));
+}
+
+void TomlValue::refuse_at(std::size_t offset, std::string_view sentence) const {
+  const auto begin = node_->source().begin;
+  const TextPlace place = place_in_string(document_->text, {begin.line, begin.column},
+                                          is_text() ? text() : std::string_view(), offset);
+  throw ScenarioError(document_->file, place.line, place.column,
+                      fmt::format("{} = {}, {}", path_, shown(*node_), sentence));
+}
+
 void TomlTable::refuse_node(const toml::node& node, std::string_view at, std::string_view expected) const {
-  throw ScenarioError(*file_, line_of(node), fmt::format("{} = {}, expected {}", at, shown(node), expected));
+  throw ScenarioError(file(), line_of(node), fmt::format("{} = {}, expected {}", at, shown(node), expected));
 }
 
 void TomlTable::refuse(std::string_view key, std::string_view expected) const {
   if (const toml::node* node = find(key)) refuse_node(*node, place(key), expected);
-  throw ScenarioError(*file_, line_, fmt::format("{} is missing, expected {}", place(key), expected));
+  throw ScenarioError(file(), line_, fmt::format("{} is missing, expected {}", place(key), expected));
 }
 
 void TomlTable::refuse(std::string_view key, std::size_t i, std::string_view expected) const {
@@ -273,7 +292,7 @@ void TomlTable::refuse(std::string_view key, std::size_t i, std::string_view exp
 }
 
 void TomlTable::refuse(std::string_view expected) const {
-  throw ScenarioError(*file_, line_, fmt::format("{} = {}, expected {}", path_, shown(*table_), expected));
+  throw ScenarioError(file(), line_, fmt::format("{} = {}, expected {}", path_, shown(*table_), expected));
 }
 
 void TomlTable::refuse_as_said(std::string_view sentence) const {
@@ -282,10 +301,10 @@ void TomlTable::refuse_as_said(std::string_view sentence) const {
   if (dot < equals && equals != std::string_view::npos) {
     const std::string_view key = sentence.substr(dot + 1, equals - dot - 1);
     if (const toml::node* node = find(key)) {
-      throw ScenarioError(*file_, line_of(*node), fmt::format("{}{}", place(key), sentence.substr(equals)));
+      throw ScenarioError(file(), line_of(*node), fmt::format("{}{}", place(key), sentence.substr(equals)));
     }
   }
-  throw ScenarioError(*file_, line_, fmt::format("{}: {}", path_, sentence));
+  throw ScenarioError(file(), line_, fmt::format("{}: {}", path_, sentence));
 }
 
 }  // namespace sightline

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/formula/nearest.hpp"
 #include "sightline/io/scenario_text.hpp"
 #include "sightline/math/fixed.hpp"
 
@@ -46,13 +47,13 @@ struct Field {
 struct TomlDocument {
   std::string file;
   toml::table root;
+  std::string text{};
 };
 
 /// @throws ScenarioError where the text is refused by check_text() or is not TOML
 TomlDocument parse_toml(std::string_view text, std::string file);
 
-/// The name of `known` with the least edit distance.
-std::string_view nearest(std::string_view name, std::span<const std::string_view> known);
+class TomlValue;
 
 /// One table of a document. A view: the document outlives it. Every reading function throws ScenarioError.
 class TomlTable {
@@ -87,6 +88,11 @@ class TomlTable {
   std::vector<std::vector<double>> rows(std::string_view key, std::size_t count, std::size_t length) const;
   std::vector<std::string> texts(std::string_view key, std::size_t length, std::string_view expected) const;
 
+  /// The keys, in the order of the file.
+  std::vector<std::string> keys() const;
+  /// Whatever stands under the key.
+  TomlValue value(std::string_view key, std::string_view expected) const;
+
   TomlTable table(std::string_view key, std::string_view expected = "a table") const;
   /// The table, or an empty one where the key is missing.
   TomlTable table_or_empty(std::string_view key) const;
@@ -114,8 +120,12 @@ class TomlTable {
 
   static constexpr std::size_t any_length = static_cast<std::size_t>(-1);
 
+  /// The file, as its refusals name it.
+  const std::string& file() const { return document_->file; }
+
  private:
-  TomlTable(const TomlTable& parent, const toml::table& table, std::string path);
+  friend class TomlValue;
+  TomlTable(const TomlDocument& document, const toml::table& table, std::string path);
 
   const toml::node* find(std::string_view key) const;
   const toml::node& need(std::string_view key, std::string_view expected) const;
@@ -126,10 +136,39 @@ class TomlTable {
                                 std::string_view expected) const;
   [[noreturn]] void refuse_as_said(std::string_view sentence) const;
 
-  const std::string* file_;
+  const TomlDocument* document_;
   const toml::table* table_;
   std::string path_;
   std::size_t line_;
+};
+
+/// A value of any kind. A view, as a table is.
+class TomlValue {
+ public:
+  bool is_text() const { return node_->is_string(); }
+  bool is_number() const { return node_->is_number(); }
+  bool is_table() const { return node_->is_table(); }
+  bool is_array() const { return node_->is_array(); }
+
+  /// Each for a value of that kind; the text as it is meant, not as it is written.
+  const std::string& text() const { return node_->as_string()->get(); }
+  TomlTable table() const { return {*document_, *node_->as_table(), path_}; }
+  std::vector<TomlValue> items() const;
+  double number(const Range& range = any_number()) const;
+
+  /// `path = value, expected ...`.
+  [[noreturn]] void refuse(std::string_view expected) const;
+  /// At the byte `offset` of a text, at the beginning of any other value: `file:line:column: path = value, sentence`.
+  [[noreturn]] void refuse_at(std::size_t offset, std::string_view sentence) const;
+
+ private:
+  friend class TomlTable;
+  TomlValue(const TomlDocument& document, const toml::node& node, std::string path)
+      : document_(&document), node_(&node), path_(std::move(path)) {}
+
+  const TomlDocument* document_;
+  const toml::node* node_;
+  std::string path_;
 };
 
 }  // namespace sightline

@@ -1,0 +1,40 @@
+/// Units of measurement, as far as places and motions have them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace sightline {
+
+/// Powers of metre and second, in halves, so that the root of a unit is one. Angles and plain numbers have
+/// none.
+struct Unit {
+  int metre = 0, second = 0;
+
+  bool operator==(const Unit&) const = default;
+  friend Unit operator*(Unit a, Unit b) { return {a.metre + b.metre, a.second + b.second}; }
+  friend Unit operator/(Unit a, Unit b) { return {a.metre - b.metre, a.second - b.second}; }
+};
+
+namespace units {
+inline constexpr Unit none{}, length{2, 0}, time{0, 2}, velocity{2, -2};
+}
+
+/// A unit by its name, and how many SI units it is.
+struct NamedUnit {
+  std::string_view name;
+  Unit unit;
+  double factor;
+};
+
+/// m, cm, mm, km, rad, deg, s, ms, Hz; or none.
+std::optional<NamedUnit> unit_named(std::string_view name);
+
+/// `unit` to a power of at most 64; none where that has no whole halves.
+std::optional<Unit> to_power(Unit unit, double power);
+
+/// "m^2", "m/s", "1/s"; "a plain number or an angle".
+std::string to_string(Unit unit);
+
+}  // namespace sightline

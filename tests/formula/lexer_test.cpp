@@ -1,0 +1,77 @@
+#include "sightline/formula/lexer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+namespace sightline {
+namespace {
+
+std::string tokens(std::string_view text) {
+  std::string all;
+  for (Lexer lexer(text); lexer.token().kind != TokenKind::end;) all += std::string(lexer.take().text) + "|";
+  return all;
+}
+
+std::string refusal(std::string_view text) {
+  try {
+    tokens(text);
+  } catch (const FormulaError& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+TEST(Lexer, TokensAreTakenWholeAndBlanksAreNone) {
+  EXPECT_EQ(tokens(" a1 <=2.5e-3*target.p_x\n^ -.5"), "a1|<=|2.5e-3|*|target.p_x|^|-|.5|");
+  EXPECT_EQ(tokens("<<= >=>"), "<|<=|>=|>|");
+  EXPECT_EQ(tokens(""), "");
+}
+
+TEST(Lexer, NumbersAreTheNearestDoubles) {
+  Lexer lexer("0.1 1e300 007");
+  EXPECT_EQ(lexer.take().value, 0.1);
+  EXPECT_EQ(lexer.take().value, 1e300);
+  EXPECT_EQ(lexer.take().value, 7.0);
+}
+
+TEST(Lexer, ATokenKnowsWhereItBegins) {
+  Lexer lexer("  range\t< 4");
+  EXPECT_EQ(lexer.take().begin, 2U);
+  EXPECT_EQ(lexer.take().begin, 8U);
+  EXPECT_EQ(lexer.take().begin, 10U);
+  EXPECT_EQ(lexer.take().kind, TokenKind::end);
+  EXPECT_EQ(lexer.take().begin, 11U) << "the end comes again";
+}
+
+TEST(Lexer, WhatIsNoTokenIsRefusedAtItsLineAndColumn) {
+  EXPECT_EQ(refusal("x +\n  é"),
+            "2:3: \"é\" has no meaning here, expected numbers, names and the signs + - * / ^ "
+            "( ) , < <= > >=");
+  EXPECT_EQ(refusal("x == 1"), "1:3: \"=\" has no meaning here, expected a comparison, one of < <= > >=");
+  EXPECT_EQ(refusal("x < 1e999"),
+            "1:5: \"1e999\" is beyond what a number can be, expected a finite constant");
+  EXPECT_EQ(refusal(std::string(1'000'000, 'x')),
+            "1:1: the formula has 1000000 bytes, expected at most 100000");
+}
+
+TEST(Lexer, ColumnsCountCharactersAndNotBytes) {
+  const FormulaError error("éé\nöx", 7, "bad");
+  EXPECT_STREQ(error.what(), "2:2: bad");
+  EXPECT_EQ(error.offset(), 7U);
+  EXPECT_EQ(error.sentence(), "bad");
+}
+
+TEST(Lexer, AWordIsALetterThenLettersAndDigits) {
+  for (const char* word : {"a", "kappa_A", "_1", "B2"}) EXPECT_TRUE(is_word(word)) << word;
+  for (const char* word : {"", "1a", "a.b", "a b", "é"}) EXPECT_FALSE(is_word(word)) << word;
+}
+
+TEST(Lexer, WhatIsShownOfATokenIsShort) {
+  const std::string text(1000, 'x');
+  EXPECT_EQ(shown(Lexer(text).token()), "\"" + std::string(40, 'x') + "\"");
+  EXPECT_EQ(shown(Lexer("").token()), "the end");
+}
+
+}  // namespace
+}  // namespace sightline
