@@ -5,6 +5,7 @@
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
+#include "sightline/potential/region.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/sim/plant.hpp"
 #include "sightline/sim/sensor.hpp"

@@ -6,8 +6,8 @@
 ///   S operator()(const Sight<S>& observer, const Sight<S>& target) const;
 ///   S operator()(const Sight<S>& robot, const S& time) const;
 ///
-/// and, where it states a limit, `double violation(same Sights) const`: > 0 where the limit is broken, in its
-/// unit.
+/// and, where it states a limit, `double violation(same Sights) const`, with the time as above: > 0 where the
+/// limit is broken, in its unit. Its name is `name`, a constant of the type or a function.
 #pragma once
 
 #include <concepts>
@@ -73,8 +73,8 @@ class Potential {
     return block_->trace(a, b, t);
   }
   /// > 0 where the limit is broken, in the limit's unit; -infinity for a potential that states no limit.
-  double violation(const Sight<double>& a, const Sight<double>& b) const noexcept {
-    return block_->violation(a, b);
+  double violation(const Sight<double>& a, const Sight<double>& b, double t = 0.0) const noexcept {
+    return block_->violation(a, b, t);
   }
 
   /// The potential as the type it was made from, or none.
@@ -92,7 +92,7 @@ class Potential {
     virtual ~Interface() = default;
     virtual double value(const Sight<double>& a, const Sight<double>& b, double t) const noexcept = 0;
     virtual Symbol trace(const Sight<Symbol>& a, const Sight<Symbol>& b, const Symbol& t) const = 0;
-    virtual double violation(const Sight<double>& a, const Sight<double>& b) const noexcept = 0;
+    virtual double violation(const Sight<double>& a, const Sight<double>& b, double t) const noexcept = 0;
   };
 
   template <class P>
@@ -100,7 +100,11 @@ class Potential {
     P potential;
 
     explicit Block(const P& p) : potential(p) {
-      if constexpr (requires { P::name; }) this->name = P::name;
+      if constexpr (requires { potential.name(); }) {
+        this->name = potential.name();
+      } else if constexpr (requires { P::name; }) {
+        this->name = P::name;
+      }
       this->is_pair = PairPotential<P>;
     }
     template <class S>
@@ -125,9 +129,11 @@ class Potential {
     Symbol trace(const Sight<Symbol>& a, const Sight<Symbol>& b, const Symbol& t) const override {
       return at<Symbol>(a, b, t);
     }
-    double violation([[maybe_unused]] const Sight<double>& a,
-                     [[maybe_unused]] const Sight<double>& b) const noexcept override {
-      if constexpr (requires { potential.violation(a, b); }) {
+    double violation([[maybe_unused]] const Sight<double>& a, [[maybe_unused]] const Sight<double>& b,
+                     [[maybe_unused]] double t) const noexcept override {
+      if constexpr (requires { potential.violation(a, b, t); }) {
+        return potential.violation(a, b, t);
+      } else if constexpr (requires { potential.violation(a, b); }) {
         return potential.violation(a, b);
       } else if constexpr (requires { potential.violation(a); }) {
         return potential.violation(a);

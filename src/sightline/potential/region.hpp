@@ -1,0 +1,158 @@
+/// A potential of one's own, from limits as text: inequalities, unit step, slope, sigmoid (section 5).
+///
+///   const Region sonar = Region(all_of({"bearing < half_angle", "0.3 m < range < 6 m"}),
+///                               {{"half_angle", "20 deg"}}).slope(Softplus{}).sigmoid(5.0);
+///
+/// A formula may use (docs/potentials.md has the language and the mathematics)
+///
+///   x, y, z                       the target in the sensor frame S, x along the axis, y left, z up [m]
+///   range, bearing                its distance from the sensor [m] and its angle from the axis [rad]
+///   azimuth, elevation            its angles in S, to the left and up [rad]
+///   r_x, r_y, r_z, distance       from observer to target in G, and how far [m]
+///   observer.p_x .. target.v_z    p_x, p_y, p_z [m], d_x, d_y, v_x, v_y, v_z [m/s] of both in G
+///   t                             the time [s]
+#pragma once
+
+#include <initializer_list>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "sightline/formula/parse.hpp"
+#include "sightline/potential/potential.hpp"
+
+namespace sightline {
+
+/// A comparison as text, or a nesting of them.
+struct Limits {
+  enum class Kind { limit, all_of, any_of, opposite };
+
+  Kind kind = Kind::limit;
+  std::string text;           ///< of a limit: "range < 4 m"
+  std::string grows_with{};   ///< of a limit: what its quadratic slope grows with; empty: as the slope says
+  std::vector<Limits> parts;  ///< of the others; of `opposite` one
+
+  Limits(std::string limit, std::string grows = {}) : text(std::move(limit)), grows_with(std::move(grows)) {}
+  Limits(const char* limit) : Limits(std::string(limit)) {}
+  Limits(Kind of, std::vector<Limits> these) : kind(of), parts(std::move(these)) {}
+};
+
+/// All of these hold; any of them does; it does not: `not all_of({"x > 0 m", "range < 4 m"})`.
+Limits all_of(std::vector<Limits> parts);
+Limits any_of(std::vector<Limits> parts);
+Limits operator!(Limits limits);
+
+/// A name for a number or a formula; of a number, the values it may take.
+struct Parameter {
+  std::string name, text;
+  std::string low{}, high{};  ///< formulas of the bounds; empty: none
+
+  Parameter(std::string called, std::string formula, std::string least = {}, std::string most = {})
+      : name(std::move(called)), text(std::move(formula)), low(std::move(least)), high(std::move(most)) {}
+  Parameter(std::string called, double value);
+};
+
+/// Height 1 beyond a limit and no gradient but at its edge, (30), (33).
+struct NoSlope {};
+/// The paper's: kappa_H + kappa_G grows_with beyond a limit, (34).
+struct Quadratic {
+  double kappa_G = 0.01;               ///< >= 0 [1 / unit of `grows_with`]
+  std::string grows_with = "range^2";  ///< formula; a limit may have its own
+  double kappa_H = 1.0;                ///< height of the step, > 0
+};
+/// kappa_H + kappa_G c beyond a limit c <= 0; smooth, it is the integral of the sigmoid and never vanishes.
+struct Softplus {
+  double kappa_G = 1.0;  ///< > 0 [1 / unit of the limit]
+  double kappa_H = 1.0;  ///< height of the step, >= 0
+};
+using Slope = std::variant<NoSlope, Quadratic, Softplus>;
+
+/// Deepest nesting of all_of, any_of and not, and most limits.
+inline constexpr int region_depth_max = 16;
+inline constexpr std::size_t region_limits_max = 64;
+/// Most operations of all its limits together.
+inline constexpr std::size_t region_steps_max = 2000;
+
+class Region {
+ public:
+  /// @throws FormulaError where a text is no formula, std::invalid_argument where a parameter is out of range
+  Region(const Limits& inside, const std::vector<Parameter>& parameters = {});
+
+  /// The same region with another slope, NoSlope at first.
+  Region slope(Slope slope) const;
+  /// With this sharpness [1 / unit of the limits], 1 at first.
+  Region sigmoid(double kappa_A) const;
+  /// Seen by a sensor that sits so on the observer.
+  Region seen_from(const SensorMount& mount) const;
+  /// Roots, and with them abs, min, max, norm, are rounded off over this width (in their unit), 1e-3 at first.
+  Region smoothed_over(double width) const;
+  Region named(std::string name) const;
+
+  /// l [-], what the solver sees: with the sigmoid for the step.
+  double operator()(const Sight<double>& observer, const Sight<double>& target, double t) const;
+  Symbol operator()(const Sight<Symbol>& observer, const Sight<Symbol>& target, const Symbol& t) const;
+
+  /// 0 within the region and 1 outside, (29), as the inequalities say it, with nothing smoothed.
+  double unit_step(const Sight<double>& observer, const Sight<double>& target, double t) const;
+  /// The unit step with its slope, (34).
+  double sloped(const Sight<double>& observer, const Sight<double>& target, double t) const;
+  /// > 0 outside: the largest c of all_of, the smallest of any_of, each in its own unit.
+  double violation(const Sight<double>& observer, const Sight<double>& target, double t) const;
+
+  const std::string& name() const { return name_; }
+  double kappa_A() const { return kappa_A_; }
+  const SensorMount& mount() const { return mount_; }
+  double width() const { return width_; }
+  /// Whether it says where the sensor sees its target: x, y, z or what is made of them occurs.
+  bool is_view() const;
+  /// Functions with corners that are rounded off.
+  std::set<std::string> smoothed() const;
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const;
+
+  /// The names that a formula with these parameters may use.
+  /// @throws as the constructor
+  static Vocabulary vocabulary(const std::vector<Parameter>& parameters);
+
+ private:
+  struct Leaf {
+    Expression c;
+    Expression grows;
+    bool grows_by_itself;
+  };
+  /// all_of or any_of of parts, or a leaf.
+  struct Part {
+    Limits::Kind kind;
+    std::size_t leaf = 0;
+    std::vector<Part> parts{};
+  };
+  struct Parsed {
+    Vocabulary names;
+    std::vector<Leaf> leaves;
+    Part root;
+    std::size_t steps = 0;
+  };
+  template <class S>
+  struct Beyond;
+
+  static Part read(Parsed& parsed, const Limits& limits, bool opposite, int depth);
+  template <class Step, class S>
+  Beyond<S> evaluate(const Part& part, const Step& eps, std::span<const S> variables) const;
+  template <class Step, class S>
+  S over(const Step& eps, const Sight<S>& observer, const Sight<S>& target, const S& t) const;
+  double excess(const Part& part, std::span<const double> variables) const;
+  template <class S>
+  std::vector<S> variables(const Sight<S>& observer, const Sight<S>& target, const S& t) const;
+
+  std::shared_ptr<const Parsed> parsed_;
+  Slope slope_{};
+  Expression grows_{};  // of the slope
+  double kappa_A_ = 1.0, width_ = 1e-3;
+  SensorMount mount_{};
+  std::string name_ = "region";
+};
+
+}  // namespace sightline
