@@ -1,16 +1,50 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <string>
+#include <vector>
 
 #include "cli/commands.hpp"
 #include "sightline/io/scenario.hpp"
 #include "sightline/io/version.hpp"
+#include "sightline/potential/finite.hpp"
+#include "sightline/potential/region.hpp"
 
 namespace sightline::cli {
+namespace {
+
+/// What is to be known of the regions that were written as text.
+/// @return a sentence for each that is no finite number somewhere
+std::vector<std::string> look_at_regions(const Scenario& scenario, std::string& remarks) {
+  std::vector<std::string> faults;
+  const auto& couplings = scenario.team.couplings();
+  for (std::size_t i = 0; i < couplings.size(); ++i) {
+    const auto* region = couplings[i].term.potential.as<Region>();
+    if (region == nullptr) continue;
+    const std::string who = fmt::format("couple[{}] {}", i, region->name());
+    if (const auto smoothed = region->smoothed(); !smoothed.empty()) {
+      remarks += fmt::format("smooth      {}: corners of {} are rounded off over {} (m, rad)\n", who,
+                             fmt::join(smoothed, ", "), region->width());
+    }
+    if (const auto spot = not_finite_at(couplings[i].term.potential)) {
+      faults.push_back(fmt::format("{}: {} is no finite number with {}, expected one everywhere",
+                                   scenario.file.native(), who, to_string(*spot)));
+    }
+  }
+  return faults;
+}
+
+}  // namespace
 
 int check(const std::filesystem::path& scenario) {
   try {
     const Scenario read = read_scenario(scenario);
     make_solver(read.solver, read.team, read.horizon);
-    fmt::print("ok\n{}", summary(read));
+    std::string remarks;
+    const std::vector<std::string> faults = look_at_regions(read, remarks);
+    for (const std::string& fault : faults) fmt::print(stderr, "{}\n", fault);
+    if (!faults.empty()) return 2;
+    fmt::print("ok\n{}{}", summary(read), remarks);
     return 0;
   } catch (const ScenarioError& error) {
     fmt::print(stderr, "{}\n", error.what());

@@ -1,5 +1,6 @@
 #include "cli/commands.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -99,6 +100,48 @@ TEST(Run, TheExampleFliesTheSameTrajectoryAsTheScenario) {
   }
 }
 
+TEST(Run, ThePaperSPotentialsAsTextFlyTheSameTrajectory) {
+  const fs::path folder = fresh_folder();
+  for (const std::string solver : {"cmscgmres", "newton_riccati"}) {
+    std::vector<Recording> recordings;
+    for (const char* name : {"paper_7_1", "paper_7_1_text"}) {
+      const fs::path out = folder / (name + solver);
+      const auto run = sightline(
+          fmt::format("run scenarios/{}.toml --solver {} -o {}", name, solver, out.string()), folder);
+      ASSERT_EQ(run.code, 0) << run.err;
+      recordings.push_back(read_recording(out));
+    }
+    for (std::size_t body = 0; body < 2; ++body) {
+      const auto &a = recordings[0].bodies.at(body).p, &b = recordings[1].bodies.at(body).p;
+      ASSERT_EQ(a.size(), b.size());
+      double apart = 0.0;
+      for (std::size_t k = 0; k < a.size(); ++k) apart = std::max(apart, norm(a[k] - b[k]));
+      EXPECT_LE(apart, 1e-7) << solver;
+    }
+  }
+}
+
+TEST(Run, ACameraThatIsTextKeepsTheTargetInItsImage) {
+  const fs::path folder = fresh_folder();
+  for (const std::string solver : {"cmscgmres", "newton_riccati"}) {
+    const fs::path out = folder / solver;
+    const auto run =
+        sightline("run scenarios/pyramid_camera.toml --solver " + solver + " -o " + out.string(), folder);
+    EXPECT_EQ(run.code, 0) << run.err;
+    const json s = json::parse(read_file(out / "summary.json"));
+    EXPECT_EQ(s.at("allocations_per_update"), 0);
+    EXPECT_EQ(s.at("input_violations"), 0);
+    EXPECT_EQ(s.at("limits").at(0).at("name"), "camera uav0-uav1");
+    EXPECT_LE(s.at("pairs").at(0).at("in_view_from").get<double>(), 15.0) << solver;
+  }
+}
+
+TEST(Run, TheExampleOfASensorOfOneSOwnKeepsItsTargetInView) {
+  const auto example = shell("'" SIGHTLINE_EXAMPLES "/own_sensor'", fresh_folder());
+  EXPECT_EQ(example.code, 0);
+  EXPECT_EQ(example.out, "after 30 s: in view\n");
+}
+
 TEST(Run, SameSeedSameLogByteForByte) {
   const fs::path folder = fresh_folder();
   const std::string scenario = "scenarios/paper_7_2.toml --seed 7 -o ";
@@ -183,7 +226,7 @@ TEST(Report, RefusesWhatIsNoRun) {
 
 TEST(Check, SaysOkAndDescribesEachShippedScenario) {
   const fs::path folder = fresh_folder();
-  for (const auto& entry : fs::recursive_directory_iterator(SIGHTLINE_SOURCE_DIR "/scenarios")) {
+  for (const auto& entry : fs::directory_iterator(SIGHTLINE_SOURCE_DIR "/scenarios")) {
     if (entry.path().extension() != ".toml") continue;
     const auto check = sightline("check " + entry.path().string(), folder);
     EXPECT_EQ(check.code, 0) << check.err;
@@ -197,17 +240,46 @@ TEST(Check, SaysOkAndDescribesEachShippedScenario) {
 TEST(Check, EachBrokenScenarioEndsWithTwoAndOneLine) {
   const fs::path folder = fresh_folder();
   int files = 0;
-  for (const auto& entry : fs::directory_iterator(SIGHTLINE_SOURCE_DIR "/tests/scenarios/broken")) {
-    for (const char* command : {"check ", "run "}) {
-      const auto result = sightline(command + entry.path().string() + " ", folder);
-      EXPECT_EQ(result.code, 2) << entry.path();
-      EXPECT_EQ(lines(result.err), 1) << result.err;
-      EXPECT_TRUE(std::regex_search(result.err, std::regex(":[0-9]+: .*expected"))) << result.err;
-      EXPECT_EQ(result.out, "");
+  for (const auto& [kind, place] :
+       {std::pair{"broken", ":[0-9]+: "}, {"broken_formulas", ":[0-9]+:[0-9]+: "}}) {
+    const fs::path scenarios = fs::path(SIGHTLINE_SOURCE_DIR "/tests/scenarios") / kind;
+    for (const auto& entry : fs::directory_iterator(scenarios)) {
+      for (const char* command : {"check ", "run "}) {
+        const auto result = sightline(command + entry.path().string() + " ", folder);
+        EXPECT_EQ(result.code, 2) << entry.path();
+        EXPECT_EQ(lines(result.err), 1) << result.err;
+        EXPECT_TRUE(std::regex_search(result.err, std::regex(std::string(place) + ".*expected")))
+            << result.err;
+        EXPECT_EQ(result.out, "");
+      }
+      ++files;
     }
-    ++files;
   }
-  EXPECT_GE(files, 30);
+  EXPECT_GE(files, 90 + 60);
+}
+
+TEST(Check, AFormulaThatIsNoNumberSomewhereIsFoundWithThePlace) {
+  const fs::path folder = fresh_folder();
+  std::string text = read_file(SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml");
+  text = std::regex_replace(text, std::regex("potential = \\{ cohesion = .*"),
+                            "potential = { region = { inside = \"sqrt(x * 1 m) < 2 m\" } }");
+  std::ofstream(folder / "root.toml") << text;
+  const auto check = sightline("check " + (folder / "root.toml").string(), folder);
+  EXPECT_EQ(check.code, 2);
+  EXPECT_EQ(check.out, "");
+  EXPECT_EQ(lines(check.err), 1) << check.err;
+  EXPECT_TRUE(std::regex_search(
+      check.err, std::regex("root.toml: couple\\[2\\] region is no finite number with observer at \\(.*\\) m "
+                            "heading .*, target at .*, expected one everywhere")))
+      << check.err;
+}
+
+TEST(Check, SaysWhichCornersOfARegionAreRoundedOff) {
+  const fs::path folder = fresh_folder();
+  const auto check = sightline("check scenarios/pyramid_camera.toml", folder);
+  EXPECT_NE(check.out.find("couple[0] camera: corners of abs, norm are rounded off over 0.001 (m, rad)\n"),
+            std::string::npos)
+      << check.out;
 }
 
 TEST(Check, NeitherPipeNorFolderNorHugeFileHoldsItUp) {

@@ -14,6 +14,7 @@
 
 #include "sightline/io/cdr.hpp"
 #include "sightline/io/mcap.hpp"
+#include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {

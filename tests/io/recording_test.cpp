@@ -10,6 +10,7 @@
 
 #include "sightline/io/log.hpp"
 #include "sightline/io/version.hpp"
+#include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/paper_team.hpp"

@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "sightline/potential/distance.hpp"
+#include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/random_team.hpp"
 
 namespace sightline {

@@ -183,18 +183,20 @@ Term Graph::maximum(Term a, Term b) {
 }
 
 Term Graph::logarithm(Term a) {
-  if (is_constant(a)) return constant(sightline::log(constant_value(a)));
+  if (is_constant(a)) return of_constant(Op::logarithm, a, sightline::log(constant_value(a)));
   return unique({.op = Op::logarithm, .a = a});
 }
 
 Term Graph::softplus(Term a) {
-  if (is_constant(a)) return constant(sightline::softplus(constant_value(a)));
+  if (is_constant(a)) return of_constant(Op::softplus, a, sightline::softplus(constant_value(a)));
   return unique({.op = Op::softplus, .a = a});
 }
 
 Term Graph::angle(Term a, Term b) {
   if (is_constant(a) && is_constant(b)) {
-    return constant(sightline::atan2(constant_value(a), constant_value(b)));
+    const double angle = sightline::atan2(constant_value(a), constant_value(b));
+    const bool plain = !is_parameter(a) && !is_parameter(b);
+    return plain ? constant(angle) : result({.op = Op::angle, .a = a, .b = b}, angle);
   }
   // Seen from the other side of the axis the angle turns round; -0 and 0 are one side, as in a constant.
   return with_sign(unique({.op = Op::angle, .a = positive(a), .b = b}), a.negative);

@@ -98,9 +98,9 @@ std::string team_json(const Team& team) {
   for (const Observation& pair : observations(team)) {
     json["pairs"].push_back({{"observer", pair.observer.index},
                              {"target", pair.target.index},
-                             {"pitch", pair.cone.mount.pitch},
-                             {"offset", pair.cone.mount.offset},
-                             {"alpha", pair.cone.alpha},
+                             {"pitch", pair.mount.pitch},
+                             {"offset", pair.mount.offset},
+                             {"alpha", pair.alpha},
                              {"d_min", pair.d_min},
                              {"d_max", pair.d_max}});
   }

@@ -51,8 +51,8 @@ void read_team(const json& team, Recording& run) {
   }
   for (const json& entry : team.at("pairs")) {
     const Recording::Pair pair{
-        entry.at("observer"), entry.at("target"),        {entry.at("pitch"), entry.at("offset")},
-        entry.at("alpha"),    number(entry.at("d_min")), number(entry.at("d_max"))};
+        entry.at("observer"),      entry.at("target"),        {entry.at("pitch"), entry.at("offset")},
+        number(entry.at("alpha")), number(entry.at("d_min")), number(entry.at("d_max"))};
     if (pair.observer >= run.bodies.size() || pair.target >= run.bodies.size()) {
       refuse("a pair names body {}, expected one of {}", std::max(pair.observer, pair.target),
              run.bodies.size());

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "sightline/io/region_parts.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
@@ -103,6 +104,15 @@ Potential read_geofence(const TomlTable& at, const Observer&) {
   return at.checked([&] { return Potential(fence); });
 }
 
+Potential read_own(const TomlTable& at, const Observer& observer) {
+  Region region = read_region(at);
+  if (region.is_view() && !observer.mount) {
+    at.refuse(fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", observer.name));
+  }
+  if (observer.mount) region = region.seen_from(*observer.mount);
+  return at.checked([&] { return Potential(region); });
+}
+
 using ReadPotential = Potential (*)(const TomlTable& parameters, const Observer& observer);
 constexpr std::array potentials = {
     Named<ReadPotential>{SensorCone::name, read_sensor_cone},
@@ -110,6 +120,8 @@ constexpr std::array potentials = {
     Named<ReadPotential>{Cohesion::name, read_cohesion},
     Named<ReadPotential>{AltitudeBand::name, read_altitude_band},
     Named<ReadPotential>{Geofence::name, read_geofence},
+    Named<ReadPotential>{"region", read_own},
+    Named<ReadPotential>{"sensor", read_own},
 };
 
 // --- limits ---

@@ -15,6 +15,8 @@
 
 #include "sightline/io/version.hpp"
 #include "sightline/potential/distance.hpp"
+#include "sightline/potential/region.hpp"
+#include "sightline/potential/sensor_cone.hpp"
 
 namespace sightline {
 namespace {
@@ -63,10 +65,15 @@ std::vector<Observation> observations(const Team& team) {
   const auto same = [](const Observation& o, BodyId a, BodyId b) { return o.observer == a && o.target == b; };
   for (const Coupling& c : team.couplings()) {
     const BodyId a = c.between.first, b = c.between.second;
-    const auto* cone = c.term.potential.as<SensorCone>();
+    const Potential& potential = c.term.potential;
+    const auto* cone = potential.as<SensorCone>();
+    const auto* region = potential.as<Region>();
     const bool known =
         std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); });
-    if (cone != nullptr && !known) found.push_back({a, b, *cone, none, none});
+    if (known) continue;
+    if (cone != nullptr) found.push_back({a, b, potential, cone->mount, cone->alpha, none, none});
+    if (region != nullptr && region->is_view())
+      found.push_back({a, b, potential, region->mount(), none, none, none});
   }
   // A distance has no direction. fmax and fmin pass over what is not a number.
   for (const Coupling& c : team.couplings()) {
@@ -170,8 +177,8 @@ void Summary::add_places() {
 void Summary::add_views(double time) {
   for (View& view : views_) {
     const Sight<double>&observer = sight(view.pair.observer), &target = sight(view.pair.target);
-    const double angle = view_angle(view.pair.cone.mount, observer, target.p);
-    const bool seen = angle <= view.pair.cone.alpha;
+    const double angle = view_angle(view.pair.mount, observer, target.p);
+    const bool seen = view.pair.potential.violation(observer, target, time) <= 0;
     double &begun = seen ? view.in_since : view.out_since, &over = seen ? view.out_since : view.in_since;
     if (std::isnan(begun)) begun = time;
     over = none;
@@ -187,7 +194,7 @@ void Summary::add_views(double time) {
 
 void Summary::add_limits(double time) {
   for (Limit& limit : limits_) {
-    const double excess = limit.potential.violation(sight(limit.a), sight(limit.b));
+    const double excess = limit.potential.violation(sight(limit.a), sight(limit.b), time);
     if (excess <= 0) {
       limit.broken_since = none;
       continue;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sightline/io/scenario.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/potential.hpp"
 #include "sightline/run/sample.hpp"
 
 namespace sightline {
@@ -19,10 +19,13 @@ namespace sightline {
 bool tracks_position(const Agent& agent);
 bool tracks_heading(const Agent& agent);
 
-/// An observer and what its sensor is to see, by the first coupling with a sensor cone.
+/// An observer and what its sensor is to see, by the first coupling with a sensor cone or a region that is a
+/// view.
 struct Observation {
   BodyId observer, target;
-  SensorCone cone;
+  Potential potential;
+  SensorMount mount;
+  double alpha;         ///< limit of the view angle [rad]; not a number for a region
   double d_min, d_max;  ///< tightest of the couplings between the two [m]; not a number where none states it
 };
 
