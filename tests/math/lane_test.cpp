@@ -101,6 +101,19 @@ TYPED_TEST(LaneLaws, WhatIsLoadedIsStored) {
   }
 }
 
+TYPED_TEST(LaneLaws, PermutedLanesComeFromWhereTheyAreSaidTo) {
+  Random random(4);
+  for (int k = 0; k < 1000; ++k) {
+    const auto a = TestFixture::row(random);
+    typename TypeParam::Bits from{};
+    for (int i = 0; i < TestFixture::width; ++i) from[i] = static_cast<std::int64_t>(random() % a.size());
+    const TypeParam result = permuted(TypeParam::load(a.data()), from);
+    for (int i = 0; i < TestFixture::width; ++i) {
+      ASSERT_TRUE(same_bits(result[i], a[static_cast<std::size_t>(from[i])]));
+    }
+  }
+}
+
 TEST(Lane, AFusedProductIsRoundedOnce) {
   const double a = 1.0 + 0x1p-30, tail = 0x1p-60;  // a^2 = 1 + 2^-29 + 2^-60, the last beyond a double
   EXPECT_EQ(fma(a, a, -(1.0 + 0x1p-29)), tail);

@@ -227,6 +227,18 @@ Lane<W> clamp(Lane<W> x, double low, double high) {
   return Lane<W>(y.v > h.v ? h.v : y.v);
 }
 
+/// Lane i of the result is lane from[i] of a, 0 <= from[i] < W.
+template <int W>
+Lane<W> permuted(Lane<W> a, typename Lane<W>::Bits from) {
+#if defined(__clang__)
+  Lane<W> r;
+  for (int i = 0; i < W; ++i) r.v[i] = a.v[from[i]];
+  return r;
+#else
+  return Lane<W>(__builtin_shuffle(a.v, from));
+#endif
+}
+
 namespace detail {
 
 /// Adding it rounds a double to the nearest integer and leaves that integer in its low bits.

@@ -33,30 +33,6 @@ struct Batch {
   Points points;
 };
 
-/// A formula over one pack of lanes, compiled or interpreted.
-template <int W>
-class SlotFormula {
- public:
-  SlotFormula(const Program& program, KernelChoice choice) : constants_(program.constants().data()) {
-    if (choice == KernelChoice::compiled_if_there) compiled_ = find_formula(program, W);
-    if (compiled_ != nullptr) return;
-    interpreted_ =
-        std::make_unique<Threaded<W>>(program, std::array{program.inputs()}, std::array{program.outputs()});
-  }
-  void run(const double* in, double* out) noexcept {
-    if (compiled_ != nullptr) {
-      compiled_->run(constants_, in, out, 1);
-    } else {
-      interpreted_->run({in}, {out});
-    }
-  }
-
- private:
-  const double* constants_;
-  const FormulaKernel* compiled_ = nullptr;
-  std::unique_ptr<Threaded<W>> interpreted_;
-};
-
 /// Pairs of relative potentials whose agents stand in two groups, each lane used once: one product for all of
 /// them.
 template <int W>
@@ -69,20 +45,9 @@ struct Slot {
   const PosePotential* potential = nullptr;   // of all pairs, if one
   bool in_place = false;                      // evaluated over lanes of agents
   bool assigns_c = false, assigns_y = false;  // the first to write there
-  std::vector<SlotFormula<W>> formulas;       // the potential's derivatives, to be added up
+  std::vector<PackFormula<W>> formulas;       // the potential's derivatives, to be added up
   Rows H;                                     // [stage][15][lane], zero in lanes not in use
 };
-
-template <int W>
-Lane<W> permuted(Lane<W> a, typename Lane<W>::Bits from) {
-#if defined(__clang__)
-  Lane<W> r;
-  for (int i = 0; i < W; ++i) r.v[i] = a.v[from[i]];
-  return r;
-#else
-  return Lane<W>(__builtin_shuffle(a.v, from));
-#endif
-}
 
 template <int W>
 class LaneCouplings final : public Couplings {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <vector>
 
 #include "sightline/formula/threaded.hpp"
 #include "sightline/solver/kernel_table.hpp"
@@ -9,78 +11,78 @@
 
 namespace sightline {
 
+/// A formula over packs of W points, compiled where the table of kernels has it, else interpreted.
+template <int W>
+class PackFormula {
+ public:
+  /// @param program  outlives it
+  PackFormula(const Program& program, KernelChoice choice)
+      : program_(&program),
+        compiled_(choice == KernelChoice::compiled_if_there ? find_formula(program, W) : nullptr) {
+    if (compiled_ == nullptr) {
+      interpreted_ =
+          std::make_unique<Threaded<W>>(program, std::array{program.inputs()}, std::array{program.outputs()});
+    }
+  }
+
+  /// in [pack][input][lane], out [pack][output][lane]; they do not overlap.
+  void run(const double* in, double* out, int packs = 1) noexcept {
+    if (compiled_ != nullptr) return compiled_->run(program_->constants().data(), in, out, packs);
+    for (int p = 0; p < packs; ++p) {
+      interpreted_->run({in + p * W * program_->inputs()}, {out + p * W * program_->outputs()});
+    }
+  }
+
+ private:
+  const Program* program_;
+  const FormulaKernel* compiled_;
+  std::unique_ptr<Threaded<W>> interpreted_;
+};
+
 class Points {
  public:
   static constexpr int W = native_width;
 
   Points(const PosePotential& potential, KernelChoice choice)
-      : potential_(potential), value_(blocks(potential.value)), derivatives_(blocks(potential.derivatives)) {
-    const auto compiled = [&](const Program& p) {
-      return choice == KernelChoice::compiled_if_there ? find_formula(p, W) : nullptr;
-    };
-    compiled_ = compiled(potential.derivatives);
-    for (const Program& p : potential.others) others_.push_back({p, blocks(p), compiled(p)});
+      : potential_(potential),
+        value_(potential.value, KernelChoice::interpreted),
+        derivatives_(potential.derivatives, choice) {
+    for (const Program& p : potential.others) others_.emplace_back(p, choice);
   }
 
   void resize(int points) {
     packs_ = (points + W - 1) / W;
     in_ = Rows(1, packs_ * W * inputs());
-    out_ = Rows(1, packs_ * W * potential_.derivatives.outputs());
+    out_ = Rows(1, packs_ * W * outputs());
     values_ = Rows(1, packs_ * W);
-    if (!others_.empty()) more_ = Rows(1, packs_ * W * potential_.derivatives.outputs());
+    if (!others_.empty()) more_ = Rows(1, packs_ * W * outputs());
   }
 
   double& in(int point, int variable) { return *(in_[0] + place(point, variable, inputs())); }
-  const double* out(int point, int output) const {
-    return out_[0] + place(point, output, potential_.derivatives.outputs());
-  }
+  const double* out(int point, int output) const { return out_[0] + place(point, output, outputs()); }
 
   void derive() noexcept {
-    run(potential_.derivatives, derivatives_, compiled_, out_[0]);
-    for (Other& other : others_) {
-      run(other.program, other.evaluation, other.compiled, more_[0]);
+    derivatives_.run(in_[0], out_[0], packs_);
+    for (PackFormula<W>& other : others_) {
+      other.run(in_[0], more_[0], packs_);
       for (std::size_t i = 0; i < out_.all().size(); i += W)
         (Lane<W>::load(&out_.all()[i]) + Lane<W>::load(&more_.all()[i])).store(&out_.all()[i]);
     }
   }
 
-  void evaluate() noexcept {
-    for (int p = 0; p < packs_; ++p) {
-      value_.run({in_[0] + p * W * inputs()}, {values_[0] + p * W});
-    }
-  }
+  void evaluate() noexcept { value_.run(in_[0], values_[0], packs_); }
   double value(int point) const { return values_[0][point]; }
 
  private:
-  struct Other {
-    const Program& program;
-    Threaded<W> evaluation;
-    const FormulaKernel* compiled;
-  };
-
-  void run(const Program& program, Threaded<W>& evaluation, const FormulaKernel* compiled,
-           double* out) noexcept {
-    if (compiled != nullptr) {
-      compiled->run(program.constants().data(), in_[0], out, packs_);
-      return;
-    }
-    for (int p = 0; p < packs_; ++p) {
-      evaluation.run({in_[0] + p * W * program.inputs()}, {out + p * W * program.outputs()});
-    }
-  }
-
-  static Threaded<W> blocks(const Program& p) {
-    return Threaded<W>(p, std::array{p.inputs()}, std::array{p.outputs()});
-  }
   int inputs() const { return potential_.derivatives.inputs(); }
+  int outputs() const { return potential_.derivatives.outputs(); }
   static std::ptrdiff_t place(int point, int row, int rows) {
     return (static_cast<std::ptrdiff_t>(point / W) * rows + row) * W + point % W;
   }
 
   const PosePotential& potential_;
-  Threaded<W> value_, derivatives_;
-  const FormulaKernel* compiled_ = nullptr;
-  std::vector<Other> others_;
+  PackFormula<W> value_, derivatives_;
+  std::vector<PackFormula<W>> others_;  // whose derivatives are added
   Rows in_, out_, more_, values_;
   int packs_ = 0;
 };
