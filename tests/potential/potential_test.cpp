@@ -200,6 +200,29 @@ TYPED_TEST(PotentialLaws, BehindTheInterfaceItIsItself) {
   }
 }
 
+TYPED_TEST(PotentialLaws, BehindTheInterfaceItsStepAndItsSharpnessAreItsOwn) {
+  const Potential potential(this->potential_), sharper = potential.sharpened(17.0);
+  TypeParam other = this->potential_;
+  other.kappa_A = 17.0;
+  EXPECT_EQ(potential.kappa_A(), this->potential_.kappa_A);
+  EXPECT_EQ(sharper.kappa_A(), 17.0);
+  for (int k = 0; k < 100; ++k) {
+    const auto a = random_sight(this->random_, 3), b = random_sight(this->random_, 3);
+    EXPECT_EQ(potential.sloped(a, b), over(this->potential_, UnitStep{}, a, b));
+    EXPECT_EQ(sharper(a, b, 0.0), Potential(other)(a, b, 0.0));
+  }
+}
+
+TEST(Potential, WithASensorItsSensorCanBeMoved) {
+  const SensorMount level = {0.0, 0.3};
+  const Potential cone(SensorCone{.mount = {0.4, 0.1}}), moved = cone.seen_from(level);
+  ASSERT_NE(cone.mount(), nullptr);
+  EXPECT_EQ(cone.mount()->pitch, 0.4);
+  EXPECT_EQ(moved.mount()->offset, 0.3);
+  EXPECT_EQ(Potential(KeepOut{}).mount(), nullptr);
+  EXPECT_NE(Potential(KeepOut{}).seen_from(level).as<KeepOut>(), nullptr) << "one without stays as it is";
+}
+
 TYPED_TEST(PotentialLaws, OneOutOfRangeNeverGetsBehindTheInterface) {
   TypeParam bad = this->potential_;
   bad.kappa_A = -1;
@@ -244,6 +267,13 @@ TEST(Potential, OneThatAsksForTheTimeGetsIt) {
     EXPECT_LE(relative_error(recorded[0], turning(p, q, t)), 1e-14);
     EXPECT_LE(relative_error(recorded[1], tide(p, q, t)), 1e-14);
   }
+}
+
+TEST(Potential, OneThatIsNotWrittenOverAStepHasNone) {
+  const Potential potential(Turning{});
+  EXPECT_FALSE(potential.kappa_A());
+  EXPECT_TRUE(std::isnan(potential.sloped({}, {})));
+  EXPECT_NE(potential.sharpened(3.0).as<Turning>(), nullptr);
 }
 
 TEST(Potential, OneWithoutALimitIsNeverViolated) {

@@ -14,11 +14,13 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "sightline/formula/trace.hpp"
 #include "sightline/model/frames.hpp"
+#include "sightline/potential/step.hpp"
 
 namespace sightline {
 
@@ -77,6 +79,18 @@ class Potential {
     return block_->violation(a, b, t);
   }
 
+  /// l over the unit step, with its slope, (34): 0 where the limit holds; NaN if it was not written over a step.
+  double sloped(const Sight<double>& a, const Sight<double>& b, double t = 0.0) const {
+    return block_->sloped(a, b, t);
+  }
+  /// The sharpness of its sigmoid, or none.
+  std::optional<double> kappa_A() const { return block_->kappa_A(); }
+  /// The same with another sharpness; itself if it has none.
+  Potential sharpened(double kappa_A) const { return block_->sharpened(kappa_A).value_or(*this); }
+  /// Where its sensor sits on the observer, if it has one, and the same with the sensor elsewhere.
+  const SensorMount* mount() const { return block_->mount(); }
+  Potential seen_from(const SensorMount& mount) const { return block_->seen_from(mount).value_or(*this); }
+
   /// The potential as the type it was made from, or none.
   template <class P>
   const P* as() const {
@@ -93,6 +107,11 @@ class Potential {
     virtual double value(const Sight<double>& a, const Sight<double>& b, double t) const noexcept = 0;
     virtual Symbol trace(const Sight<Symbol>& a, const Sight<Symbol>& b, const Symbol& t) const = 0;
     virtual double violation(const Sight<double>& a, const Sight<double>& b, double t) const noexcept = 0;
+    virtual double sloped(const Sight<double>& a, const Sight<double>& b, double t) const = 0;
+    virtual std::optional<double> kappa_A() const = 0;
+    virtual std::optional<Potential> sharpened(double kappa_A) const = 0;
+    virtual const SensorMount* mount() const = 0;
+    virtual std::optional<Potential> seen_from(const SensorMount& mount) const = 0;
   };
 
   template <class P>
@@ -139,6 +158,58 @@ class Potential {
         return potential.violation(a);
       } else {
         return -std::numeric_limits<double>::infinity();
+      }
+    }
+    double sloped([[maybe_unused]] const Sight<double>& a, [[maybe_unused]] const Sight<double>& b,
+                  [[maybe_unused]] double t) const override {
+      if constexpr (requires { potential.sloped(a, b, t); }) {
+        return potential.sloped(a, b, t);
+      } else if constexpr (requires { potential.over(UnitStep{}, a, b); }) {
+        return potential.over(UnitStep{}, a, b);
+      } else if constexpr (requires { potential.over(UnitStep{}, a); }) {
+        return potential.over(UnitStep{}, a);
+      } else {
+        return std::numeric_limits<double>::quiet_NaN();
+      }
+    }
+    std::optional<double> kappa_A() const override {
+      if constexpr (requires { potential.kappa_A(); }) {
+        return potential.kappa_A();
+      } else if constexpr (requires { std::optional<double>(potential.kappa_A); }) {
+        return potential.kappa_A;
+      } else {
+        return {};
+      }
+    }
+    std::optional<Potential> sharpened([[maybe_unused]] double kappa_A) const override {
+      if constexpr (requires { Potential(potential.sigmoid(kappa_A)); }) {
+        return Potential(potential.sigmoid(kappa_A));
+      } else if constexpr (requires(P p) { p.kappa_A = kappa_A; }) {
+        P other = potential;
+        other.kappa_A = kappa_A;
+        return Potential(other);
+      } else {
+        return {};
+      }
+    }
+    const SensorMount* mount() const override {
+      if constexpr (requires { potential.is_view(); }) {
+        return potential.is_view() ? &potential.mount() : nullptr;
+      } else if constexpr (requires(const SensorMount* m) { m = &potential.mount; }) {
+        return &potential.mount;
+      } else {
+        return nullptr;
+      }
+    }
+    std::optional<Potential> seen_from([[maybe_unused]] const SensorMount& mount) const override {
+      if constexpr (requires { Potential(potential.seen_from(mount)); }) {
+        return Potential(potential.seen_from(mount));
+      } else if constexpr (requires(P p) { p.mount = mount; }) {
+        P other = potential;
+        other.mount = mount;
+        return Potential(other);
+      } else {
+        return {};
       }
     }
   };
