@@ -148,6 +148,39 @@ TEST(Draw, ShowsAnyTextAsItIs) {
   EXPECT_THAT(figures[0].svg, HasSubstr("it's `date` @x $y {a_b} \\n \"q\" &lt;b> &amp; ψ"));
 }
 
+Drawing field(Drawing::Grid::View view, double height) {
+  Drawing::Panel panel{.x_label = "x [m]", .y_label = "y [m]"};
+  panel.height = 200;
+  panel.title = "panel's title";
+  panel.grid = {.view = view, .across = 4, .label = "z [m]"};
+  for (int i = 0; i < 16; ++i) {
+    panel.grid.x.push_back(i % 4), panel.grid.y.push_back(i / 4), panel.grid.z.push_back(height * i);
+  }
+  return {.title = "Field", .caption = "", .panels = {panel, panel}, .columns = 2};
+}
+
+TEST(Draw, ShowsAFieldAsColoursASurfaceOrPointsWithItsLabels) {
+  using View = Drawing::Grid::View;
+  for (const View view : {View::map, View::surface, View::cloud}) {
+    for (const double height : {1.0, 0.0, -0.5}) {
+      const auto figures = draw({field(view, height)});
+      ASSERT_EQ(figures.size(), 1u);
+      for (const char* words : {"x [m]", "y [m]", "z [m]", "panel's title"}) {
+        EXPECT_THAT(figures[0].svg, HasSubstr(words)) << static_cast<int>(view);
+      }
+    }
+  }
+  EXPECT_THAT(draw({field(View::map, 1.0)})[0].svg, HasSubstr("<image"));
+}
+
+TEST(Draw, LeavesOutAFieldWithoutANumber) {
+  EXPECT_TRUE(draw({field(Drawing::Grid::View::map, nan)}).empty());
+}
+
+TEST(Draw, NumbersThePicturesOfAPageOn) {
+  EXPECT_NE(draw({drawing({0, 1}, {1, 2})}, 0)[0].svg, draw({drawing({0, 1}, {1, 2})}, 1)[0].svg);
+}
+
 TEST(Draw, SaysThatGnuplotIsMissing) {
   const std::string path = getenv("PATH");
   setenv("PATH", "/nowhere", 1);

@@ -22,6 +22,7 @@ namespace {
 using Mark = Drawing::Mark;
 using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
+using View = Drawing::Grid::View;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<std::string_view, Drawing::colours + 2> colours = {
@@ -73,6 +74,10 @@ std::string shell_quoted(std::string_view text) {
   return result + "'";
 }
 
+bool any_finite(const std::vector<double>& values) {
+  return std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
 // What an axis cannot show becomes a gap; curves, panels and drawings without a point go.
 void prune(std::vector<Drawing>& drawings) {
   for (Drawing& drawing : drawings) {
@@ -84,13 +89,13 @@ void prune(std::vector<Drawing>& drawings) {
           if (!shown) curve.y[i] = none;
         }
       }
-      std::erase_if(panel.curves, [](const Curve& curve) {
-        return std::none_of(curve.y.begin(), curve.y.end(), [](double y) { return std::isfinite(y); });
-      });
+      std::erase_if(panel.curves, [](const Curve& curve) { return !any_finite(curve.y); });
+      if (!any_finite(panel.grid.z)) panel.grid = {};
     }
     const bool shared = !drawing.panels.empty() && drawing.panels.front().x_label.empty();
     const std::string x_label = shared ? drawing.panels.back().x_label : "";
-    std::erase_if(drawing.panels, [](const Panel& panel) { return panel.curves.empty(); });
+    std::erase_if(drawing.panels,
+                  [](const Panel& panel) { return panel.curves.empty() && panel.grid.z.empty(); });
     if (shared && !drawing.panels.empty()) drawing.panels.back().x_label = x_label;
   }
   std::erase_if(drawings, [](const Drawing& drawing) { return drawing.panels.empty(); });
@@ -123,14 +128,15 @@ std::size_t characters(std::string_view utf8) {
 struct Legend {
   std::size_t columns = 1, rows = 0;
 
-  explicit Legend(const Panel& panel) {
+  Legend(const Panel& panel, int axes) {
     std::size_t entries = 0, longest = 0;
     for (const Curve& curve : panel.curves) {
       if (curve.title.empty()) continue;
       ++entries;
       longest = std::max(longest, characters(curve.title));
     }
-    columns = std::clamp<std::size_t>(axes_width / (70 + 9 * longest), 1, std::max<std::size_t>(1, entries));
+    columns = std::clamp<std::size_t>(static_cast<std::size_t>(axes) / (70 + 9 * longest), 1,
+                                      std::max<std::size_t>(1, entries));
     rows = (entries + columns - 1) / columns;
   }
 };
@@ -144,6 +150,12 @@ struct Range {
 
 Range range_of(const Panel& panel, std::vector<double> Curve::*axis) {
   Range range;
+  const std::vector<double>& grid = axis == &Curve::x ? panel.grid.x : panel.grid.y;
+  if (!grid.empty()) {
+    const auto [low, high] = std::minmax_element(grid.begin(), grid.end());
+    range = {*low, *high};
+    if (panel.grid.view != View::cloud) return range;
+  }
   for (const Curve& curve : panel.curves) {
     for (std::size_t i = 0; i < curve.y.size(); ++i) {
       if (!std::isfinite(curve.y[i])) continue;
@@ -153,16 +165,43 @@ Range range_of(const Panel& panel, std::vector<double> Curve::*axis) {
   return range;
 }
 
+Range height_of(const Drawing::Grid& grid) {
+  if (grid.z.empty()) return {0.0, 0.0};
+  const auto [low, high] = std::minmax_element(grid.z.begin(), grid.z.end());
+  return {*low, *high};
+}
+
+struct Space {
+  Range x, y, z;
+};
+
+// The box of a cloud: no side is so short beside another that its tics find no room.
+Space space_of(const Panel& panel) {
+  Space space{range_of(panel, &Curve::x), range_of(panel, &Curve::y), height_of(panel.grid)};
+  if (!panel.curves.empty()) space.z = {std::min(space.z.low, 0.0), std::max(space.z.high, 0.0)};
+  const double least =
+      std::max({1e-3, 0.5 * space.x.length(), 0.5 * space.y.length(), 0.5 * space.z.length()});
+  for (Range* side : {&space.x, &space.y, &space.z}) {
+    const double middle = side->middle(), half = 0.5 * std::max(side->length(), least);
+    *side = {middle - half, middle + half};
+  }
+  return space;
+}
+
 // The data with some air; of a logarithmic y at most the upper six decades.
-std::string ranges(const Panel& panel) {
+std::string ranges(const Panel& panel, int axes) {
   const Range x = range_of(panel, &Curve::x), y = range_of(panel, &Curve::y);
   const auto text = [](double x_low, double x_high, double y_low, double y_high) {
     return fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
   };
+  if (!panel.grid.z.empty()) {
+    const Space space = panel.grid.view == View::cloud ? space_of(panel) : Space{x, y, {}};
+    return text(space.x.low, space.x.high, space.y.low, space.y.high);
+  }
   if (panel.equal_scales) {
-    const double metres = 0.54 * std::max({x.length() / axes_width, y.length() / panel.height,
+    const double metres = 0.54 * std::max({x.length() / axes, y.length() / panel.height,
                                            1e-6 * (1 + std::abs(x.middle()) + std::abs(y.middle()))});
-    const double across = metres * axes_width, up = metres * panel.height;
+    const double across = metres * axes, up = metres * panel.height;
     return text(x.middle() - across, x.middle() + across, y.middle() - up, y.middle() + up);
   }
   const double size = std::max(std::abs(y.low), std::abs(y.high));
@@ -192,47 +231,120 @@ void write_curve(std::ofstream& script, const Curve& curve, std::string_view nam
   script << "EOD\n";
 }
 
-void write_panel(std::ofstream& script, const Panel& panel) {
+bool in_space(const Panel& panel) { return !panel.grid.z.empty() && panel.grid.view != View::map; }
+
+// The panel's field below its curves, as the first thing that is plotted.
+std::string write_grid(std::ofstream& script, const Drawing::Grid& grid, const Space& space) {
+  if (grid.z.empty()) return "plot ";
+  script << "$grid << EOD\n";
+  for (std::size_t i = 0; i < grid.z.size(); ++i) {
+    if (i > 0 && grid.across > 0 && i % grid.across == 0) script << '\n';
+    script << fmt::format("{:.6g} {:.6g} {:.5g}\n", grid.x[i], grid.y[i], grid.z[i]);
+  }
+  script << "EOD\n";
+  const std::string label = literal(grid.label);
+  switch (grid.view) {
+    case View::map:
+      return "set cblabel " + label + " offset 1,0\nplot $grid using 1:2:3 with image notitle";
+    case View::surface:
+      return "unset colorbox\nset ztics autofreq\nset zlabel " + label +
+             " rotate by 90 offset 1,0\nset view 58,35,1,1\nsplot $grid using 1:2:3 with pm3d notitle";
+    case View::cloud:
+      break;
+  }
+  const Range z = height_of(grid);
+  // As large as there is room for: the height of the box is to the scale of its sides.
+  const double scale = 1.25 * std::min(1.0, std::max(space.x.length(), space.y.length()) / space.z.length());
+  // The colours in the middle read on light and on dark.
+  return fmt::format("set cbrange [{}:{}]\nset zrange [{}:{}]\n", z.low - 0.9 * z.length() - 1e-9,
+                     z.high + 0.5 * z.length() + 1e-9, space.z.low, space.z.high) +
+         "unset colorbox\nset zlabel " + label + " rotate by 90 offset 1,0\n" +
+         fmt::format("set view 58,35,{},1\nset view equal xyz\n", scale) +
+         "splot $grid using 1:2:3:3 with points pt 7 ps 0.25 lc palette notitle";
+}
+
+void write_panel(std::ofstream& script, const Panel& panel, int axes) {
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     write_curve(script, panel.curves[i], fmt::format("$c{}", i));
   }
-  script << "unset logscale\n"
+  script << "unset logscale\nset colorbox\nset cbrange [*:*]\nset zrange [*:*]\nset view noequal\n"
          << (panel.log_x ? "set logscale x\n" : "") << (panel.log_y ? "set logscale y\n" : "")
-         << ranges(panel) << "set xlabel " << literal(panel.x_label) << " offset 0,0.4\nset ylabel "
-         << literal(panel.y_label) << " offset 0.5,0\nset format x "
-         << (panel.x_label.empty() ? "''" : "'%g'") << "\nplot ";
+         << ranges(panel, axes) << "set xlabel " << literal(panel.x_label) << " offset 0,0.4\nset ylabel "
+         << literal(panel.y_label) << (in_space(panel) ? " offset -0.5,0" : " offset 0.5,0")
+         << "\nset format x " << (panel.x_label.empty() ? "''" : "'%g'") << "\nset format y '%g'\n"
+         << write_grid(script, panel.grid, space_of(panel));
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     const Curve& curve = panel.curves[i];
-    script << (i > 0 ? ", " : "")
-           << fmt::format("$c{} {} lc rgb '{}' {}", i, style(curve.mark), colours.at(curve.colour),
+    const std::string_view columns = !in_space(panel)             ? ""
+                                     : curve.mark == Mark::arrows ? "using 1:2:(0):3:4:(0)"
+                                                                  : "using 1:2:(0)";
+    script << (i > 0 || !panel.grid.z.empty() ? ", " : "")
+           << fmt::format("$c{} {} {} lc rgb '{}' {}", i, columns, style(curve.mark),
+                          colours.at(curve.colour),
                           curve.title.empty() ? "notitle" : "title " + literal(curve.title));
   }
   script << '\n';
 }
 
+// Where the axes of a panel are, from the picture's upper left corner [px].
+struct Place {
+  int x, width, title_y, legend_y, y;
+};
+
 void write_drawing(std::ofstream& script, const Drawing& drawing, const std::string& picture) {
-  constexpr int row = 20, gap = 10, axis = 46;
-  const auto head = [](const Panel& panel) { return static_cast<int>(Legend(panel).rows) * row; };
+  constexpr int row = 20, gap = 10, axis = 46, colour_box = 92;
+  const int columns = std::max(1, drawing.columns), share = width / columns;
+  std::vector<Place> places;
   int height = gap;
-  for (const Panel& panel : drawing.panels) {
-    height += head(panel) + panel.height + gap + (panel.x_label.empty() ? 0 : axis);
+  for (std::size_t first = 0; first < drawing.panels.size(); first += static_cast<std::size_t>(columns)) {
+    const std::size_t end = std::min(first + static_cast<std::size_t>(columns), drawing.panels.size());
+    int head = 0, tallest = 0;
+    for (std::size_t i = first; i < end; ++i) {
+      const Panel& panel = drawing.panels[i];
+      const int column = static_cast<int>(i - first);
+      const int from = columns == 1 ? left : column * share + 72;
+      const bool map = !panel.grid.z.empty() && panel.grid.view == View::map;
+      const int axes = (columns == 1 ? axes_width : share - 90) - (map ? colour_box : 0);
+      const int title = panel.title.empty() ? 0 : row;
+      head = std::max(head, title + static_cast<int>(Legend(panel, axes).rows) * row);
+      places.push_back({from, axes, height, height + title, 0});
+    }
+    for (std::size_t i = first; i < end; ++i) {
+      places[i].y = height + head;
+      const Panel& panel = drawing.panels[i];
+      tallest = std::max(tallest, panel.height + gap + (panel.x_label.empty() ? 0 : axis));
+    }
+    height += head + tallest;
   }
-  const auto screen = [&](int y) { return 1 - y / static_cast<double>(height); };
+  const auto across = [](int x) { return x / static_cast<double>(width); };
+  const auto up = [&](int y) { return 1 - y / static_cast<double>(height); };
   script << fmt::format(
-      "set terminal svg size {},{} font 'sans-serif,13' noenhanced\nset output {}\nset multiplot\n"
-      "set lmargin at screen {}\nset rmargin at screen {}\n",
-      width, height, literal(picture), left / double{width}, (left + axes_width) / double{width});
-  int y = gap;
-  for (const Panel& panel : drawing.panels) {
-    const Legend legend(panel);
-    script << fmt::format("set key at screen {},{} left top maxcols {} maxrows {}\n", left / double{width},
-                          screen(y - gap / 2), legend.columns, std::max<std::size_t>(1, legend.rows));
-    y += head(panel);
-    script << fmt::format("set tmargin at screen {}\n", screen(y));
-    y += panel.height;
-    script << fmt::format("set bmargin at screen {}\n", screen(y));
-    y += gap + (panel.x_label.empty() ? 0 : axis);
-    write_panel(script, panel);
+      "set terminal svg size {},{} font 'sans-serif,13' noenhanced\nset output {}\nset multiplot\n", width,
+      height, literal(picture));
+  for (std::size_t i = 0; i < drawing.panels.size(); ++i) {
+    const Panel& panel = drawing.panels[i];
+    const Place& at = places[i];
+    const Legend legend(panel, at.width);
+    script << fmt::format(
+        "set lmargin at screen {}\nset rmargin at screen {}\nset key at screen {},{} left top maxcols {} "
+        "maxrows {}\n"
+        "unset label\n",
+        across(at.x), across(at.x + at.width), across(at.x), up(at.legend_y - gap / 2), legend.columns,
+        std::max<std::size_t>(1, legend.rows));
+    if (!panel.title.empty()) {
+      script << fmt::format("set label {} at screen {},{} left\n", literal(panel.title), across(at.x),
+                            up(at.title_y + row / 2 - 2));
+    }
+    if (in_space(panel)) {  // a box seen askew needs more room than its axes
+      script << fmt::format("set margins -1,-1,-1,-1\nset origin {},{}\nset size {},{}\n", across(at.x - 60),
+                            up(at.y + panel.height + axis), across(at.width + 75),
+                            (panel.height + axis) / static_cast<double>(height));
+    } else {
+      script << fmt::format(
+          "set origin 0,0\nset size 1,1\nset tmargin at screen {}\nset bmargin at screen {}\n", up(at.y),
+          up(at.y + panel.height));
+    }
+    write_panel(script, panel, at.width);
   }
   script << "unset multiplot\nset output\n";
 }
@@ -288,7 +400,7 @@ class TemporaryFolder {
 
 }  // namespace
 
-std::vector<Figure> draw(std::vector<Drawing> drawings) {
+std::vector<Figure> draw(std::vector<Drawing> drawings, std::size_t first) {
   prune(drawings);
   if (drawings.empty()) return {};
   const TemporaryFolder folder;
@@ -297,7 +409,9 @@ std::vector<Figure> draw(std::vector<Drawing> drawings) {
     std::ofstream script(folder.path() / "figures.gp");
     script << "set encoding utf8\nset border lw 0.8\nset tics nomirror scale 0.6\n"
               "set grid lw 0.5 lc rgb '#8a8f98'\n"
-              "set key horizontal Left reverse samplen 2\n";
+              "set key horizontal Left reverse samplen 2\n"
+              "set palette defined (0 '#f3f7fc', 1 '#c6dcef', 2 '#84b8da', 3 '#3787c0', 4 '#0b3c7d')\n"
+              "set pm3d border lc rgb '#8a8f98' lw 0.3\nset xyplane relative 0\n";
     for (std::size_t i = 0; i < drawings.size(); ++i) write_drawing(script, drawings[i], picture(i).string());
     script.close();
     if (!script) throw std::runtime_error("the figures' data cannot be written to " + folder.path().string());
@@ -305,16 +419,15 @@ std::vector<Figure> draw(std::vector<Drawing> drawings) {
   const auto at = [&](std::string_view file) { return shell_quoted((folder.path() / file).string()); };
   const int code = std::system(fmt::format("gnuplot -d {} 2> {}", at("figures.gp"), at(messages)).c_str());
   if (WIFEXITED(code) && WEXITSTATUS(code) == 127) {
-    throw std::runtime_error(
-        "gnuplot is missing, which draws the report's figures; scripts/deps.sh installs it");
+    throw std::runtime_error("gnuplot is missing, which draws the figures; scripts/deps.sh installs it");
   }
   if (code != 0) {
     throw std::runtime_error(
-        fmt::format("gnuplot failed to draw the report's figures: {}", read_text(folder.path() / messages)));
+        fmt::format("gnuplot failed to draw the figures: {}", read_text(folder.path() / messages)));
   }
   std::vector<Figure> figures;
   for (std::size_t i = 0; i < drawings.size(); ++i) {
-    figures.push_back({drawings[i].title, drawings[i].caption, inlined(read_text(picture(i)), i)});
+    figures.push_back({drawings[i].title, drawings[i].caption, inlined(read_text(picture(i)), first + i)});
   }
   return figures;
 }

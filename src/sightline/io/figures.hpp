@@ -1,4 +1,4 @@
-/// Curves as pictures for a page, drawn by gnuplot.
+/// Curves, maps and surfaces as pictures for a page, drawn by gnuplot.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace sightline {
 
-/// What a picture shows, in its own words: panels one above the other.
+/// What a picture shows, in its own words: panels in rows, one above the other.
 struct Drawing {
   enum class Mark {
     line,
@@ -24,6 +24,19 @@ struct Drawing {
     Mark mark{};
     std::vector<double> x{}, y{};  ///< of one length; what is not finite is a gap
   };
+  /// z over places in the plane.
+  struct Grid {
+    enum class View {
+      map,      ///< z as a colour; curves lie on top
+      surface,  ///< z as a height, in perspective
+      cloud,    ///< points in space, in perspective; curves lie in the plane z = 0
+    };
+
+    View view{};
+    std::size_t across{};               ///< points of a row, all of one y; of a cloud any
+    std::vector<double> x{}, y{}, z{};  ///< of one length, row by row; none: no grid
+    std::string label{};                ///< of z
+  };
   struct Panel {
     std::string x_label;  ///< empty: the x axis is that of a panel below
     std::string y_label;
@@ -31,6 +44,8 @@ struct Drawing {
     int height = 140;  ///< of the axes [px]
     bool log_x = false, log_y = false;
     bool equal_scales = false;  ///< a metre along x is as long as along y
+    std::string title{};        ///< above the panel
+    Grid grid{};
   };
 
   static constexpr std::size_t colours = 6;  ///< that tell curves apart
@@ -38,6 +53,7 @@ struct Drawing {
 
   std::string title, caption;  ///< plain text
   std::vector<Panel> panels{};
+  int columns = 1;  ///< panels side by side
 };
 
 /// A drawing to stand in a page; text and axes take the page's colour, so that it reads on light and on dark.
@@ -53,7 +69,8 @@ struct Figure {
 std::vector<std::size_t> rows_to_draw(std::span<const std::span<const double>> columns, std::size_t most);
 
 /// The pictures of all drawings that have something to show; curves and panels without a point are left out.
+/// @param first  number of the first picture of its page, for the pictures of which ids differ
 /// @throws std::runtime_error with a sentence where gnuplot is missing or fails
-std::vector<Figure> draw(std::vector<Drawing> drawings);
+std::vector<Figure> draw(std::vector<Drawing> drawings, std::size_t first = 0);
 
 }  // namespace sightline

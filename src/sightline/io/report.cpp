@@ -16,6 +16,7 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/io/page.hpp"
 #include "sightline/io/summary.hpp"
 
 namespace sightline {
@@ -353,48 +354,6 @@ std::vector<Drawing> drawings_of(const Recording& recording) {
 
 namespace {
 
-// Text as it stands in a page; what XML knows no character for is a space.
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '"')
-      result += "&quot;";
-    else if (static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t')
-      result += ' ';
-    else
-      result += c;
-  }
-  return result;
-}
-
-constexpr std::string_view page_style = R"(
-:root { color-scheme: light dark; --line: #8a8f9855; --paper: #fff; --ink: #1b1f24; --soft: #5c6570; --warn: #c2410c; }
-@media (prefers-color-scheme: dark) {
-  :root { --paper: #15181c; --ink: #e6e8eb; --soft: #9aa3ad; --warn: #fb923c; }
-}
-body { background: var(--paper); color: var(--ink); font: 16px/1.5 system-ui, sans-serif; max-width: 940px;
-  margin: 0 auto; padding: 2rem 1.25rem 4rem; }
-h1 { font-size: 1.7rem; margin: 0; }
-h2 { font-size: 1.15rem; margin: 2.5rem 0 0.75rem; }
-p { margin: 0.25rem 0; }
-.soft, figcaption { color: var(--soft); font-size: 0.9rem; }
-.warning { color: var(--warn); font-weight: 600; margin: 1rem 0; }
-table { border-collapse: collapse; width: 100%; }
-th, td { border-bottom: 1px solid var(--line); padding: 0.35rem 0.75rem 0.35rem 0; text-align: left;
-  vertical-align: top; overflow-wrap: anywhere; }
-th { font-weight: 500; color: var(--soft); width: 32%; }
-figure { margin: 0; }
-svg { display: block; width: 100%; height: auto; }
-details { margin-top: 2.5rem; }
-pre { overflow-x: auto; font-size: 0.85rem; border: 1px solid var(--line); padding: 1rem; border-radius: 6px; }
-)";
-
 std::string row(std::string_view what, std::string_view value) {
   return fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escaped(what), escaped(value));
 }
@@ -441,11 +400,8 @@ std::string report_html(const Recording& recording, std::string_view summary) {
   const Recording& r = recording;
   const double end = r.time.empty() ? 0.0 : r.time.back() + r.period;
   std::string page = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0}</title>\n"
-      "<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n"
-      "<p class=\"soft\">{2:.6g} s in periods of {3:.4g} ms, solver {4}, seed {5}. sightline {6}, {7}.</p>\n",
-      escaped(r.name), page_style, end, 1000 * r.period, escaped(r.solver), r.seed, escaped(r.version),
+      "{}<p class=\"soft\">{:.6g} s in periods of {:.4g} ms, solver {}, seed {}. sightline {}, {}.</p>\n",
+      page_head(r.name), end, 1000 * r.period, escaped(r.solver), r.seed, escaped(r.version),
       escaped(r.compiler));
   if (!r.complete || summary.empty()) {
     page +=
@@ -454,12 +410,7 @@ std::string report_html(const Recording& recording, std::string_view summary) {
   }
   if (!summary.empty()) page += summary_table(summary);
   page += comparison_table(r, summary);
-  for (const Figure& figure : draw(drawings_of(r))) {
-    page += fmt::format(
-        "<h2>{0}</h2>\n<figure "
-        "aria-label=\"{0}\">\n{1}\n<figcaption>{2}</figcaption>\n</figure>\n",
-        escaped(figure.title), figure.svg, escaped(figure.caption));
-  }
+  for (const Figure& figure : draw(drawings_of(r))) page += page_figure(figure);
   page += event_table(r);
   page += fmt::format("<details><summary>Scenario</summary>\n<pre>{}</pre>\n</details>\n</body>\n</html>\n",
                       escaped(r.scenario));
