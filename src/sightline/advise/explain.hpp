@@ -1,0 +1,74 @@
+/// What a team's limits mean before it flies: which can hold together, where a pair comes to rest, and what each limit
+/// is worth against the others.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/ocp/team.hpp"
+
+namespace sightline {
+
+/// What a limit asks of the distance of its two bodies.
+enum class LimitKind {
+  apart,     ///< broken by who is near, whatever the direction
+  together,  ///< broken by who is far
+  view,      ///< depends on the direction
+  none,      ///< states no limit
+};
+
+/// Distances at which a limit, or several at once, can hold [m].
+struct DistanceBand {
+  double low, high;
+};
+
+/// A coupling's limit, with its weight.
+struct LimitWorth {
+  std::size_t coupling;  ///< in the order of the team
+  LimitKind kind{};
+  std::optional<DistanceBand> holds;  ///< none: it can hold at no distance
+  double worst = 0.0;                 ///< weight times the greatest l within `explain_reach`
+};
+
+/// Where two bodies come to rest if their couplings alone move them.
+struct PairRest {
+  double distance, across, height;  ///< of the first above the second [m]
+  double cost;                      ///< weighted
+  DistanceBand within;              ///< where it costs `explain_margin` more at most
+  std::vector<std::size_t> broken;  ///< couplings whose limits do not hold there
+};
+
+/// All couplings of two bodies.
+struct PairAdvice {
+  BodyId first, second;                ///< as the first of its couplings has them
+  std::optional<std::size_t> same_as;  ///< an earlier pair whose couplings and weights are the same
+  std::vector<LimitWorth> limits;
+  std::optional<DistanceBand> holds;  ///< all limits at once; none: they contradict each other
+  std::vector<std::pair<std::size_t, std::size_t>> contradictions;  ///< of two couplings
+  std::optional<PairRest> rest;
+};
+
+/// What being hit costs a robot against all else that it would lose by evading.
+struct HitCost {
+  std::size_t coupling;  ///< that keeps it apart from another
+  AgentId agent;         ///< that feels it
+  double hit, others;    ///< at worst: this limit, and the robot's other limits that keep nobody apart
+  std::optional<double> weight;  ///< to raise it to where it costs less than the others
+};
+
+inline constexpr double explain_reach = 6.0;    ///< [m]
+inline constexpr double explain_margin = 0.01;  ///< of cost
+
+struct Explanation {
+  std::vector<PairAdvice> pairs;
+  std::vector<HitCost> hits;
+};
+
+/// Samples relative poses of each pair; the observer stands at the origin. Set-up: allocates.
+Explanation explain(const Team& team);
+
+/// The same in sentences, one a line.
+std::string to_string(const Explanation& explanation, const Team& team);
+
+}  // namespace sightline
