@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cli/commands.hpp"
+#include "sightline/advise/potential_page.hpp"
 #include "sightline/io/scenario.hpp"
 #include "sightline/io/version.hpp"
 #include "sightline/potential/finite.hpp"
@@ -34,6 +35,18 @@ std::vector<std::string> look_at_regions(const Scenario& scenario, std::string& 
   return faults;
 }
 
+/// What the verdicts warn of, a line each.
+std::string warnings_of(const Team& team) {
+  std::string lines;
+  for (const JudgedCoupling& one : judge_couplings(team)) {
+    const std::string_view name = team.couplings()[one.coupling].term.potential.name();
+    for (const std::string& sentence : one.verdict.warnings) {
+      lines += fmt::format("warning     couple[{}] {}: {}\n", one.coupling, name, sentence);
+    }
+  }
+  return lines;
+}
+
 }  // namespace
 
 int check(const std::filesystem::path& scenario) {
@@ -44,7 +57,7 @@ int check(const std::filesystem::path& scenario) {
     const std::vector<std::string> faults = look_at_regions(read, remarks);
     for (const std::string& fault : faults) fmt::print(stderr, "{}\n", fault);
     if (!faults.empty()) return 2;
-    fmt::print("ok\n{}{}", summary(read), remarks);
+    fmt::print("ok\n{}{}{}", summary(read), remarks, warnings_of(read.team));
     return 0;
   } catch (const ScenarioError& error) {
     fmt::print(stderr, "{}\n", error.what());

@@ -23,12 +23,22 @@ struct BenchCommand {
   bool json = false;
 };
 
+struct PotentialOptions {
+  std::filesystem::path scenario;
+  std::filesystem::path output;     ///< empty: out/NAME/potential
+  std::optional<long long> couple;  ///< none: all
+};
+
 /// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.
 int run(const RunOptions& options);
 /// Reads a scenario and says what it describes, or what is wrong with it.
 int check(const std::filesystem::path& scenario);
 /// Makes report.html again from what a run left.
 int report(const std::filesystem::path& folder);
+/// Draws and judges the potentials of a scenario: index.html and verdict.json.
+int potential(const PotentialOptions& options);
+/// Says which limits of a scenario can hold together and what each is worth.
+int explain(const std::filesystem::path& scenario);
 int version();
 /// Flies the benchmark's cases and prints times, errors and costs, as a table or as JSON.
 int bench(const BenchCommand& command);

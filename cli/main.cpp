@@ -28,6 +28,19 @@ int main(int argc, char** argv) {
   CLI::App* report_command = app.add_subcommand("report", "Make report.html again from a run's files");
   report_command->add_option("DIR", folder, "Folder of a run")->required();
 
+  PotentialOptions potential_options;
+  CLI::App* potential_command =
+      app.add_subcommand("potential", "Draw and judge the potentials of a scenario's couplings");
+  potential_command->add_option("SCENARIO", potential_options.scenario, "Scenario file (TOML)")->required();
+  potential_command->add_option("--couple", potential_options.couple,
+                                "One coupling, from 0 in the file's order");
+  potential_command->add_option("-o,--output", potential_options.output,
+                                "Folder for the results [out/NAME/potential]");
+
+  CLI::App* explain_command =
+      app.add_subcommand("explain", "Say before a flight which limits can hold and what they are worth");
+  explain_command->add_option("SCENARIO", scenario, "Scenario file (TOML)")->required();
+
   CLI::App* version_command = app.add_subcommand("version", "Version and compiler");
 
   BenchCommand bench_options;
@@ -45,6 +58,8 @@ int main(int argc, char** argv) {
     if (run_command->parsed()) return run(run_options);
     if (check_command->parsed()) return check(scenario);
     if (report_command->parsed()) return report(folder);
+    if (potential_command->parsed()) return potential(potential_options);
+    if (explain_command->parsed()) return explain(scenario);
     if (version_command->parsed()) return version();
     if (bench_command->parsed()) return bench(bench_options);
   } catch (const std::exception& e) {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <system_error>
 
 #include "cli/allocations.hpp"
 #include "cli/commands.hpp"
+#include "cli/output.hpp"
 #include "cli/progress.hpp"
 #include "sightline/io/log.hpp"
 #include "sightline/io/report.hpp"
@@ -33,15 +33,6 @@ Scenario read(const RunOptions& options) {
   if (auto* newton = std::get_if<NewtonRiccatiOptions>(&scenario.solver.options); newton && !options.realtime)
     newton->deadline = 0.0;
   return scenario;
-}
-
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw std::invalid_argument(fmt::format("-o {}: {}, expected a folder that can be made", folder.native(),
-                                            error ? error.message() : "not a folder"));
-  }
 }
 
 void say(std::string_view sentence) { fmt::print(stderr, "sightline: {}\n", sentence); }

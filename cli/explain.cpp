@@ -1,0 +1,21 @@
+#include "sightline/advise/explain.hpp"
+
+#include <fmt/format.h>
+
+#include "cli/commands.hpp"
+#include "sightline/io/scenario.hpp"
+
+namespace sightline::cli {
+
+int explain(const std::filesystem::path& scenario) {
+  try {
+    const Scenario read = read_scenario(scenario);
+    fmt::print("{}", to_string(sightline::explain(read.team), read.team));
+    return 0;
+  } catch (const ScenarioError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
+}
+
+}  // namespace sightline::cli

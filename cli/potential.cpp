@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+
+#include "cli/commands.hpp"
+#include "cli/output.hpp"
+#include "sightline/advise/potential_page.hpp"
+#include "sightline/io/scenario.hpp"
+
+namespace sightline::cli {
+namespace {
+
+/// The coupling that was asked for, or all.
+std::optional<std::size_t> chosen(const PotentialOptions& options, const Scenario& scenario) {
+  const std::size_t couplings = scenario.team.couplings().size();
+  if (couplings == 0) {
+    throw std::invalid_argument(
+        fmt::format("{}: couple is missing, expected a coupling to look at", scenario.file.native()));
+  }
+  if (!options.couple) return {};
+  if (*options.couple < 0 || static_cast<std::size_t>(*options.couple) >= couplings) {
+    throw std::invalid_argument(fmt::format("--couple {}: {} has {} coupling{}, expected 0 to {}",
+                                            *options.couple, scenario.file.native(), couplings,
+                                            couplings == 1 ? "" : "s", couplings - 1));
+  }
+  return static_cast<std::size_t>(*options.couple);
+}
+
+void write(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) {
+    throw std::runtime_error(
+        fmt::format("{} cannot be written: {}", file.native(), std::generic_category().message(errno)));
+  }
+}
+
+}  // namespace
+
+int potential(const PotentialOptions& options) {
+  Scenario scenario;
+  std::filesystem::path folder;
+  std::optional<std::size_t> only;
+  try {
+    scenario = read_scenario(options.scenario);
+    only = chosen(options, scenario);
+    folder =
+        options.output.empty() ? std::filesystem::path("out") / scenario.name / "potential" : options.output;
+    make_folder(folder);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
+
+  const auto judged = judge_couplings(scenario.team, only);
+  for (const JudgedCoupling& one : judged) {
+    fmt::print("{}\n", title_of(scenario.team, one.coupling));
+    if (one.same_as) fmt::print("  the same potential as couple[{}]\n", *one.same_as);
+    for (const std::string& sentence : one.verdict.words) fmt::print("  {}\n", sentence);
+  }
+  write(folder / "verdict.json", verdict_json(scenario, judged));
+  write(folder / "index.html", potential_html(scenario, judged));
+  for (const char* file : {"index.html", "verdict.json"}) fmt::print("{}\n", (folder / file).native());
+  return 0;
+}
+
+}  // namespace sightline::cli
