@@ -139,6 +139,12 @@ TEST(Explain, ALimitOnTheRangeOfASensorKeepsTogether) {
   EXPECT_EQ(explain(two.team).pairs[0].limits[0].kind, LimitKind::together);
 }
 
+TEST(Explain, AFormulaThatIsNoNumberSomewhereHoldsNothingUp) {
+  TwoRobots two;
+  two.team.couple(1.0 * Region("sqrt(x * 1 m) < 1 m").slope(Softplus{}), Between{two.a, two.b});
+  EXPECT_TRUE(explain(two.team).pairs[0].holds);
+}
+
 TEST(Explain, PairsThatAreAlikeAreExplainedOnce) {
   Team team;
   std::vector<AgentId> robots;

@@ -161,6 +161,12 @@ TEST(Verdict, OfASensorThatSeesAllAboutNothingIsTurnedAway) {
   EXPECT_EQ(judge(ring.seen_from({0.3, 0.0}), quick).turns_away, 0.0);
 }
 
+TEST(Verdict, OfAFormulaThatIsNoNumberSomewhereIsStillGiven) {
+  const Verdict v = judge(Region("sqrt(x * 1 m) < 1 m").slope(Softplus{}), quick);
+  EXPECT_TRUE(std::isfinite(v.level));
+  EXPECT_GT(v.outside, 0.0);
+}
+
 TEST(Verdict, IsTheSameEachTime) {
   EXPECT_EQ(to_json(judge(SensorCone{}, quick)), to_json(judge(SensorCone{}, quick)));
 }

@@ -178,8 +178,10 @@ class Pair {
       places.insert(places.end(), at.begin(), at.end());
     }
     const auto values = field_(places);
-    std::vector<std::size_t> order(places.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (std::isfinite(values[i].l)) order.push_back(i);
+    }
     const std::size_t few = std::min(tries, order.size());
     std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(few), order.end(),
                       [&](std::size_t i, std::size_t j) { return values[i].l < values[j].l; });

@@ -33,6 +33,7 @@ Vec3<double> direction(double u, double v) {
 }
 
 double median(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
