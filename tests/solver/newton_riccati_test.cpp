@@ -17,7 +17,7 @@
 #include "tests/support/random_team.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#include <sanitizer/allocator_interface.h>
+extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // GCC's headers leave it out
 #endif
 
 namespace sightline {
