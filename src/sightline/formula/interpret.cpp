@@ -4,7 +4,7 @@
 #include <cassert>
 #include <new>
 
-#include "sightline/math/elementary.hpp"
+#include "sightline/formula/operation.hpp"
 
 namespace sightline {
 
@@ -53,73 +53,69 @@ void execute(std::span<const Instruction> instructions, const Row& row, int coun
     const auto each = [&](auto&& f) {
       for (int p = 0; p < packs; ++p) f(p * L::width).store(d + p * L::width);
     };
-    const auto unary = [&](auto&& f) { each([&](int i) { return f(L::load(a + i)); }); };
-    const auto binary = [&](auto&& f) {
-      const double* const b = row(q.b);
-      each([&](int i) { return f(L::load(a + i), L::load(b + i)); });
-    };
-    const auto ternary = [&](auto&& f) {
-      const double* const b = row(q.b);
-      const double* const c = row(q.c);
-      each([&](int i) { return f(L::load(a + i), L::load(b + i), L::load(c + i)); });
+    const auto run = [&]<Code code>() {
+      constexpr int operands = operand_count(code);
+      const double* const b = operands > 1 ? row(q.b) : a;
+      const double* const c = operands > 2 ? row(q.c) : a;
+      each([&](int i) { return operation<code>(L::load(a + i), L::load(b + i), L::load(c + i)); });
     };
     switch (q.code) {
       case Code::copy:
-        unary([](L x) { return x; });
+        run.template operator()<Code::copy>();
         break;
       case Code::negate:
-        unary([](L x) { return -x; });
+        run.template operator()<Code::negate>();
         break;
       case Code::add:
-        binary([](L x, L y) { return x + y; });
+        run.template operator()<Code::add>();
         break;
       case Code::subtract:
-        binary([](L x, L y) { return x - y; });
+        run.template operator()<Code::subtract>();
         break;
       case Code::multiply:
-        binary([](L x, L y) { return x * y; });
+        run.template operator()<Code::multiply>();
         break;
       case Code::multiply_add:
-        ternary([](L x, L y, L z) { return fma(x, y, z); });
+        run.template operator()<Code::multiply_add>();
         break;
       case Code::multiply_subtract:
-        ternary([](L x, L y, L z) { return multiply_subtract(x, y, z); });
+        run.template operator()<Code::multiply_subtract>();
         break;
       case Code::subtract_product:
-        ternary([](L x, L y, L z) { return subtract_product(x, y, z); });
+        run.template operator()<Code::subtract_product>();
         break;
       case Code::reciprocal:
-        unary([](L x) { return L(1.0) / x; });
+        run.template operator()<Code::reciprocal>();
         break;
       case Code::square_root:
-        unary([](L x) { return sqrt(x); });
+        run.template operator()<Code::square_root>();
         break;
       case Code::exponential:
-        unary([](L x) { return exp(x); });
+        run.template operator()<Code::exponential>();
         break;
       case Code::logistic:
-        unary([](L x) { return logistic(x); });
+        run.template operator()<Code::logistic>();
         break;
       case Code::relaxed_log:
-        unary([](L x) { return relaxed_log(x); });
+        run.template operator()<Code::relaxed_log>();
         break;
       case Code::sine:
-        unary([](L x) { return sin(x); });
+        run.template operator()<Code::sine>();
         break;
       case Code::cosine:
-        unary([](L x) { return cos(x); });
+        run.template operator()<Code::cosine>();
         break;
       case Code::maximum:
-        binary([](L x, L y) { return maximum(x, y); });
+        run.template operator()<Code::maximum>();
         break;
       case Code::logarithm:
-        unary([](L x) { return log(x); });
+        run.template operator()<Code::logarithm>();
         break;
       case Code::softplus:
-        unary([](L x) { return softplus(x); });
+        run.template operator()<Code::softplus>();
         break;
       case Code::angle:
-        binary([](L y, L x) { return atan2(y, x); });
+        run.template operator()<Code::angle>();
         break;
     }
   }
