@@ -1,13 +1,11 @@
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <fstream>
 #include <stdexcept>
-#include <system_error>
 
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "sightline/advise/potential_page.hpp"
+#include "sightline/io/page.hpp"
 #include "sightline/io/scenario.hpp"
 
 namespace sightline::cli {
@@ -27,16 +25,6 @@ std::optional<std::size_t> chosen(const PotentialOptions& options, const Scenari
                                             couplings == 1 ? "" : "s", couplings - 1));
   }
   return static_cast<std::size_t>(*options.couple);
-}
-
-void write(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) {
-    throw std::runtime_error(
-        fmt::format("{} cannot be written: {}", file.native(), std::generic_category().message(errno)));
-  }
 }
 
 }  // namespace
@@ -62,8 +50,8 @@ int potential(const PotentialOptions& options) {
     if (one.same_as) fmt::print("  the same potential as couple[{}]\n", *one.same_as);
     for (const std::string& sentence : one.verdict.words) fmt::print("  {}\n", sentence);
   }
-  write(folder / "verdict.json", verdict_json(scenario, judged));
-  write(folder / "index.html", potential_html(scenario, judged));
+  write_text(folder / "verdict.json", verdict_json(scenario, judged));
+  write_text(folder / "index.html", potential_html(scenario, judged));
   for (const char* file : {"index.html", "verdict.json"}) fmt::print("{}\n", (folder / file).native());
   return 0;
 }

@@ -1,6 +1,7 @@
 /// The parts of a self-contained HTML page that reads on light and on dark.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -16,5 +17,9 @@ std::string page_head(std::string_view title);
 
 /// A figure below its title.
 std::string page_figure(const Figure& figure);
+
+/// Writes a page, or what lies beside it.
+/// @throws std::runtime_error naming the file, and why it cannot be written
+void write_text(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace sightline

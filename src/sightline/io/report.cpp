@@ -420,16 +420,8 @@ std::string report_html(const Recording& recording, std::string_view summary) {
 void write_report(const std::filesystem::path& folder) {
   const Recording recording = read_recording(folder);
   const auto summary = folder / "summary.json";
-  const std::string page =
-      report_html(recording, std::filesystem::exists(summary) ? read_file(summary) : std::string());
-  const auto file = folder / "report.html";
-  std::ofstream out(file, std::ios::binary);
-  out << page;
-  out.close();
-  if (!out) {
-    throw std::runtime_error(
-        fmt::format("{} cannot be written: {}", file.string(), std::generic_category().message(errno)));
-  }
+  write_text(folder / "report.html",
+             report_html(recording, std::filesystem::exists(summary) ? read_file(summary) : std::string()));
 }
 
 }  // namespace sightline
