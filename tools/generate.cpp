@@ -10,10 +10,12 @@
 #include <string>
 
 #include "sightline/model/robots.hpp"
+#include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
 #include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/slope.hpp"
 #include "sightline/solver/generator.hpp"
 
 int main(int argc, char** argv) {
@@ -41,5 +43,10 @@ int main(int argc, char** argv) {
   for (const Weighted& one : {cone, keep_out, cohesion, 0.4 * AltitudeBand{}, 0.4 * Geofence{}})
     generator.add({one});
   generator.add({0.4 * AltitudeBand{}, 0.4 * Geofence{}});
+  const Weighted bearing = 0.4 * Bearing{}, near = 0.4 * TooNear{}, far = 0.4 * TooFar{},
+                 with = 0.4 * RelativeVelocity{};
+  generator.add({bearing, near, far, with});
+  generator.add({bearing, near, far});
+  for (const Weighted& one : {bearing, near, far, with}) generator.add({one});
   return generator.write(argv[1]) ? 0 : 1;
 }

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/slope.hpp"
 
 namespace sightline {
 namespace {
@@ -93,6 +95,30 @@ TEST(ScenarioParts, each_parameter_of_a_potential_sets_its_field) {
   EXPECT_EQ(std::tie(g->kappa_G, g->kappa_A), std::make_tuple(7.0, 8.0));
   EXPECT_EQ(g->low, (std::array<double, 3>{1, 2, 3}));
   EXPECT_EQ(g->high, (std::array<double, 3>{4, 5, 6}));
+}
+
+TEST(ScenarioParts, each_parameter_of_a_slope_sets_its_field) {
+  const Weighted bearing =
+      potential("potential = { bearing = { alpha = 0.25, width = 0.5, tilt = 0.125 } }\n");
+  const auto* b = bearing.potential.as<Bearing>();
+  ASSERT_NE(b, nullptr);
+  EXPECT_EQ(std::tie(b->alpha, b->width, b->tilt), std::make_tuple(0.25, 0.5, 0.125));
+  EXPECT_EQ(std::tie(b->mount.pitch, b->mount.offset), std::make_tuple(0.25, 0.125));
+
+  const Weighted near = potential("potential = { too_near = { d_min = 2, kappa = 5 } }\n");
+  const auto* n = near.potential.as<TooNear>();
+  ASSERT_NE(n, nullptr);
+  EXPECT_EQ(std::tie(n->d_min, n->kappa), std::make_tuple(2.0, 5.0));
+
+  const Weighted far = potential("potential = { too_far = { d_max = 3, kappa = 6 } }\n");
+  const auto* f = far.potential.as<TooFar>();
+  ASSERT_NE(f, nullptr);
+  EXPECT_EQ(std::tie(f->d_max, f->kappa), std::make_tuple(3.0, 6.0));
+
+  const Weighted relative = potential("potential = { relative_velocity = { v_0 = 0.5 } }\n");
+  const auto* r = relative.potential.as<RelativeVelocity>();
+  ASSERT_NE(r, nullptr);
+  EXPECT_EQ(r->v_0, 0.5);
 }
 
 TEST(ScenarioParts, each_reference_is_the_one_of_its_struct) {

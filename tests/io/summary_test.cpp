@@ -10,8 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "sightline/potential/bearing.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/slope.hpp"
 #include "tests/support/random_team.hpp"
 
 namespace sightline {
@@ -59,6 +61,20 @@ void add_watch(Summary& summary, const Scenario& scenario, double time, bool ahe
   Sample sample = sample_of(scenario, time);
   sample.x[7] = ahead ? distance : -distance;
   summary.add(sample);
+}
+
+TEST(Summary, ABearingObservesAndSlopesOnDistanceAreLimits) {
+  Team team;
+  const AgentId observer = team.add(Multirotor{}, {.name = "observer"});
+  const BodyId target = team.add(Obstacle{"target"});
+  team.couple(1.0 * TooNear{.d_min = 0.7}, Between{observer, target});
+  team.couple(1.0 * Bearing{.alpha = 0.3, .mount = {.pitch = 0.25}}, Between{observer, target});
+  team.couple(1.0 * TooFar{.d_max = 1.9}, Between{observer, target});
+  const std::vector<Observation> found = observations(team);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].observer, observer);
+  EXPECT_EQ(std::tie(found[0].alpha, found[0].d_min, found[0].d_max, found[0].mount.pitch),
+            std::make_tuple(0.3, 0.7, 1.9, 0.25));
 }
 
 TEST(Summary, CostAndEnergyAreTheSumsOfTheirRatesOverAllSamples) {

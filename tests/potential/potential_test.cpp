@@ -9,9 +9,11 @@
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
 #include "sightline/math/tangent.hpp"
+#include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/slope.hpp"
 #include "tests/support/difference.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
@@ -74,8 +76,15 @@ class PotentialLaws : public testing::Test {
   P potential_ = example<P>();
   Random random_{1};
 };
-using Potentials = testing::Types<SensorCone, KeepOut, Cohesion, AltitudeBand, Geofence>;
+using Potentials = testing::Types<SensorCone, KeepOut, Cohesion, AltitudeBand, Geofence, Bearing, TooNear,
+                                  TooFar, RelativeVelocity>;
 TYPED_TEST_SUITE(PotentialLaws, Potentials);
+
+/// The laws of those made from inequalities by a step.
+template <class P>
+class StepLaws : public PotentialLaws<P> {};
+using Steps = testing::Types<SensorCone, KeepOut, Cohesion, AltitudeBand, Geofence>;
+TYPED_TEST_SUITE(StepLaws, Steps);
 
 /// l, its gradient and its Hessian over all that a potential sees, as the solver has them.
 struct Recorded {
@@ -148,7 +157,7 @@ TYPED_TEST(PotentialLaws, ValueGradientAndHessianAreFiniteWhereBothStandInOnePla
   for (const double v : recorded.at(std::array<double, pair_size>{})) EXPECT_TRUE(std::isfinite(v));
 }
 
-TYPED_TEST(PotentialLaws, TheUnitStepWithoutSlopeIsZeroExactlyWhereTheLimitHolds) {
+TYPED_TEST(StepLaws, TheUnitStepWithoutSlopeIsZeroExactlyWhereTheLimitHolds) {
   TypeParam potential = this->potential_;
   potential.kappa_G = 0;
   double height = 1;
@@ -171,7 +180,7 @@ TYPED_TEST(PotentialLaws, TheUnitStepWithoutSlopeIsZeroExactlyWhereTheLimitHolds
   EXPECT_LT(met, poses * 99 / 100);
 }
 
-TYPED_TEST(PotentialLaws, TheSigmoidTendsToTheUnitStepAsKappaAGrows) {
+TYPED_TEST(StepLaws, TheSigmoidTendsToTheUnitStepAsKappaAGrows) {
   std::array<double, 6> mean{};  // distance from the unit step at kappa_A = 1, 10, ...
   for (int k = 0; k < 20'000; ++k) {
     const Sight<double> a = random_sight(this->random_, 2), b = random_sight(this->random_, 2);
@@ -190,17 +199,19 @@ TYPED_TEST(PotentialLaws, BehindTheInterfaceItIsItself) {
   EXPECT_EQ(potential.name(), TypeParam::name);
   EXPECT_EQ(potential.is_pair(), PairPotential<TypeParam>);
   ASSERT_NE(potential.as<TypeParam>(), nullptr);
-  EXPECT_EQ(potential.as<TypeParam>()->kappa_A, this->potential_.kappa_A);
   const auto a = random_sight(this->random_, 3), b = random_sight(this->random_, 3);
-  if constexpr (PairPotential<TypeParam>) {
+  if constexpr (!requires { &TypeParam::violation; }) {
+    EXPECT_EQ(potential.violation(a, b), -infinite);
+  } else if constexpr (PairPotential<TypeParam>) {
     EXPECT_EQ(potential.violation(a, b), this->potential_.violation(a, b));
+    EXPECT_EQ((*potential.as<TypeParam>())(a, b), this->potential_(a, b));
   } else {
     EXPECT_EQ(potential.violation(a, b), this->potential_.violation(a));
     EXPECT_EQ(potential(a, b, 0.0), potential(a, a, 0.0));
   }
 }
 
-TYPED_TEST(PotentialLaws, BehindTheInterfaceItsStepAndItsSharpnessAreItsOwn) {
+TYPED_TEST(StepLaws, BehindTheInterfaceItsStepAndItsSharpnessAreItsOwn) {
   const Potential potential(this->potential_), sharper = potential.sharpened(17.0);
   TypeParam other = this->potential_;
   other.kappa_A = 17.0;
@@ -223,7 +234,7 @@ TEST(Potential, WithASensorItsSensorCanBeMoved) {
   EXPECT_NE(Potential(KeepOut{}).seen_from(level).as<KeepOut>(), nullptr) << "one without stays as it is";
 }
 
-TYPED_TEST(PotentialLaws, OneOutOfRangeNeverGetsBehindTheInterface) {
+TYPED_TEST(StepLaws, OneOutOfRangeNeverGetsBehindTheInterface) {
   TypeParam bad = this->potential_;
   bad.kappa_A = -1;
   const std::string sentence = refusal_of([&] { Potential p(bad); });

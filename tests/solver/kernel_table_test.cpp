@@ -8,10 +8,12 @@
 
 #include "examples/own_potential.hpp"
 #include "sightline/model/robots.hpp"
+#include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
 #include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/slope.hpp"
 #include "sightline/solver/pose_potential.hpp"
 #include "tests/support/random.hpp"
 
@@ -117,8 +119,33 @@ Weighted random_term(Random& random, int which) {
                                    .z_max = distance,
                                    .kappa_G = kappa_G,
                                    .kappa_A = kappa_A};
+    case 5:
+      return weight * Bearing{.width = distance,
+                              .tilt = any_of(random, {0.0, 0.1, 0.2}),
+                              .mount = {any_of(random, {0.0, 0.5, -0.5}), any_of(random, {0.0, 1.0, -0.2})}};
+    case 6:
+      return weight * TooNear{distance, height};
+    case 7:
+      return weight * TooFar{distance, height};
+    case 8:
+      return weight * RelativeVelocity{height};
     default:
       return weight * Geofence{{-distance, -1, 0}, {1, distance, 1}, kappa_G, kappa_A};
+  }
+}
+
+TEST(KernelTable, ThePotentialsWithSlopesAreFoundWhateverTheirParameters) {
+  Random random(2);
+  const std::vector<std::vector<int>> together = {{5, 6, 7, 8}, {5, 6, 7}, {5}, {6}, {7}, {8}};
+  for (int trial = 0; trial < 300; ++trial) {
+    std::vector<Weighted> terms;
+    for (const int w : together[static_cast<std::size_t>(trial) % together.size()])
+      terms.push_back(random_term(random, w));
+    std::vector<const Weighted*> pointers;
+    for (const Weighted& t : terms) pointers.push_back(&t);
+    const Ends ends{true, random() % 3 != 0, true, random() % 2 == 0};
+    const PosePotential p = trace_potential(pointers, 0.05, ends, Numbers::parameters);
+    EXPECT_NE(find_formula(p.derivatives, native_width), nullptr) << trial;
   }
 }
 

@@ -7,10 +7,12 @@
 #include <array>
 
 #include "sightline/io/region_parts.hpp"
+#include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
 #include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/slope.hpp"
 
 namespace sightline {
 namespace {
@@ -56,16 +58,28 @@ constexpr std::array robots = {
 
 // --- potentials ---
 
+/// The mount of the observer's sensor, which it must have.
+SensorMount mount_of(const TomlTable& at, const Observer& observer) {
+  if (!observer.mount) {
+    at.refuse(fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", observer.name));
+  }
+  return *observer.mount;
+}
+
 Potential read_sensor_cone(const TomlTable& at, const Observer& observer) {
   SensorCone cone;
   at.read({{"alpha", &cone.alpha}, {"kappa_G", &cone.kappa_G}, {"kappa_A", &cone.kappa_A}}, {"form"});
   constexpr std::array<std::string_view, 2> forms = {"sine", "tangent"};
   if (at.has("form")) cone.form = at.word("form", forms) == "sine" ? ConeForm::sine : ConeForm::tangent;
-  if (!observer.mount) {
-    at.refuse(fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", observer.name));
-  }
-  cone.mount = *observer.mount;
+  cone.mount = mount_of(at, observer);
   return at.checked([&] { return Potential(cone); });
+}
+
+Potential read_bearing(const TomlTable& at, const Observer& observer) {
+  Bearing bearing;
+  at.read({{"alpha", &bearing.alpha}, {"width", &bearing.width}, {"tilt", &bearing.tilt}});
+  bearing.mount = mount_of(at, observer);
+  return at.checked([&] { return Potential(bearing); });
 }
 
 template <class Distance>
@@ -80,6 +94,22 @@ Potential read_keep_out(const TomlTable& at, const Observer&) {
 }
 Potential read_cohesion(const TomlTable& at, const Observer&) {
   return read_distance(at, &Cohesion::d_max, "d_max");
+}
+
+Potential read_too_near(const TomlTable& at, const Observer&) {
+  TooNear near;
+  at.read({{"d_min", &near.d_min}, {"kappa", &near.kappa}});
+  return at.checked([&] { return Potential(near); });
+}
+Potential read_too_far(const TomlTable& at, const Observer&) {
+  TooFar far;
+  at.read({{"d_max", &far.d_max}, {"kappa", &far.kappa}});
+  return at.checked([&] { return Potential(far); });
+}
+Potential read_relative_velocity(const TomlTable& at, const Observer&) {
+  RelativeVelocity relative;
+  at.read({{"v_0", &relative.v_0}});
+  return at.checked([&] { return Potential(relative); });
 }
 
 Potential read_altitude_band(const TomlTable& at, const Observer&) {
@@ -106,9 +136,7 @@ Potential read_geofence(const TomlTable& at, const Observer&) {
 
 Potential read_own(const TomlTable& at, const Observer& observer) {
   Region region = read_region(at);
-  if (region.is_view() && !observer.mount) {
-    at.refuse(fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", observer.name));
-  }
+  if (region.is_view()) (void)mount_of(at, observer);
   if (observer.mount) region = region.seen_from(*observer.mount);
   return at.checked([&] { return Potential(region); });
 }
@@ -118,6 +146,10 @@ constexpr std::array potentials = {
     Named<ReadPotential>{SensorCone::name, read_sensor_cone},
     Named<ReadPotential>{KeepOut::name, read_keep_out},
     Named<ReadPotential>{Cohesion::name, read_cohesion},
+    Named<ReadPotential>{Bearing::name, read_bearing},
+    Named<ReadPotential>{TooNear::name, read_too_near},
+    Named<ReadPotential>{TooFar::name, read_too_far},
+    Named<ReadPotential>{RelativeVelocity::name, read_relative_velocity},
     Named<ReadPotential>{AltitudeBand::name, read_altitude_band},
     Named<ReadPotential>{Geofence::name, read_geofence},
     Named<ReadPotential>{"region", read_own},

@@ -14,9 +14,11 @@
 #include <system_error>
 
 #include "sightline/io/version.hpp"
+#include "sightline/potential/bearing.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/region.hpp"
 #include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/slope.hpp"
 
 namespace sightline {
 namespace {
@@ -67,11 +69,13 @@ std::vector<Observation> observations(const Team& team) {
     const BodyId a = c.between.first, b = c.between.second;
     const Potential& potential = c.term.potential;
     const auto* cone = potential.as<SensorCone>();
+    const auto* bearing = potential.as<Bearing>();
     const auto* region = potential.as<Region>();
     const bool known =
         std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); });
     if (known) continue;
     if (cone != nullptr) found.push_back({a, b, potential, cone->mount, cone->alpha, none, none});
+    if (bearing != nullptr) found.push_back({a, b, potential, bearing->mount, bearing->alpha, none, none});
     if (region != nullptr && region->is_view())
       found.push_back({a, b, potential, region->mount(), none, none, none});
   }
@@ -82,6 +86,8 @@ std::vector<Observation> observations(const Team& team) {
       if (!same(o, a, b) && !same(o, b, a)) continue;
       if (const auto* near = c.term.potential.as<KeepOut>()) o.d_min = std::fmax(o.d_min, near->d_min);
       if (const auto* far = c.term.potential.as<Cohesion>()) o.d_max = std::fmin(o.d_max, far->d_max);
+      if (const auto* near = c.term.potential.as<TooNear>()) o.d_min = std::fmax(o.d_min, near->d_min);
+      if (const auto* far = c.term.potential.as<TooFar>()) o.d_max = std::fmin(o.d_max, far->d_max);
     }
   }
   return found;

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cmath>
+
+#include "sightline/model/frames.hpp"
+#include "sightline/potential/potential.hpp"
+
+namespace sightline {
+
+/// Turns the sensor towards the target, from wherever it looks: 1 less the cosine of the angle gamma between
+/// the sensor axis and the target. docs/equations.md, 13.
+///
+///   l = 1 - (cos beta (x cos omega + y sin omega) - sin beta z) / sqrt(x^2 + y^2 + z^2 + width^2)
+///
+/// with (x, y, z) the target seen from the sensor in the vehicle frame (x ahead, y left, z up) and beta the
+/// pitch of the mount; l is in [0, 2], and 1 - cos gamma for omega = 0 and a target farther than `width`.
+///
+/// Straight behind, left and right are alike and nothing would turn the robot. So with phi the horizontal
+/// angle of the target off the nose the axis is turned to the left by
+///
+///   omega = tilt sig(-0.906 - cos phi, 40),   cos phi = x / sqrt(x^2 + y^2 + width^2)
+///
+/// which is 0.96 to 0.98 of `tilt` where |phi| exceeds 170 degrees (with the default from there to 189 degrees
+/// the robot turns left), and less than 1e-6 rad where |phi| is below 123 degrees.
+struct Bearing {
+  double alpha = 0.5;   ///< angle up to which the target counts as in view [rad], in (0, pi/2)
+  double width = 0.1;   ///< nearer than this to the sensor l is smoothed [m], > 0
+  double tilt = 0.2;    ///< to the left, of the axis with the target behind [rad], in [0, 0.2]
+  SensorMount mount{};  ///< of the camera on the observer, (45)
+
+  static constexpr std::string_view name = "bearing";
+
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const {
+    require(alpha > 0 && alpha < half_pi, name, "alpha", alpha, "in (0, pi/2) rad");
+    require(width > 0, name, "width", width, "> 0 m");
+    require(tilt >= 0 && tilt <= 0.2, name, "tilt", tilt, "in [0, 0.2] rad");
+    require(std::fabs(mount.pitch) < half_pi, name, "mount.pitch", mount.pitch, "in (-pi/2, pi/2) rad");
+    require(std::isfinite(mount.offset), name, "mount.offset", mount.offset, "a finite length, m");
+  }
+
+  template <class S>
+  S operator()(const Sight<S>& observer, const Sight<S>& target) const {
+    const Vec3<S> p_V = SensorMount{.pitch = 0.0, .offset = mount.offset}(observer, target.p);
+    const S level = square(p_V.x) + square(p_V.y) + square(width);
+    const S omega = tilt * logistic(-40.0 * (0.906 + p_V.x * (1.0 / sqrt(level))));
+    const S ahead = p_V.x * cos(omega) + p_V.y * sin(omega);
+    return 1.0 - (cos(mount.pitch) * ahead - sin(mount.pitch) * p_V.z) * (1.0 / sqrt(level + square(p_V.z)));
+  }
+
+  /// How far the target is out of view: alpha_t - alpha [rad], (71).
+  double violation(const Sight<double>& observer, const Sight<double>& target) const {
+    return view_angle(mount, observer, target.p) - alpha;
+  }
+};
+
+}  // namespace sightline

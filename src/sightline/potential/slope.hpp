@@ -1,0 +1,94 @@
+/// What draws two robots to a distance, or to one velocity, from however far off: the slope never vanishes.
+/// docs/equations.md, 13.
+#pragma once
+
+#include "sightline/math/elementary.hpp"
+#include "sightline/model/frames.hpp"
+#include "sightline/potential/potential.hpp"
+
+namespace sightline {
+
+namespace detail {
+
+/// Distance of two places [m], with a slope of 0.7 where they are one: there a is moved along +x of G, and b along
+/// -x. It differs from the true distance by less than 0.02 m.
+template <class S>
+S distance_with_slope(const Vec3<S>& a, const Vec3<S>& b) {
+  constexpr double width = 0.01;
+  const Vec3<S> r = a - b;
+  return sqrt(square(r.x + width) + square(r.y) + square(r.z) + square(width));
+}
+
+}  // namespace detail
+
+/// Pushes two robots apart that are nearer than a distance.
+///
+///   l = softplus(kappa (d_min - D)) / kappa,   softplus(c) = ln(1 + e^c)
+///
+/// in metres: d_min - D well inside, 0 well outside. KeepOut pushes where its step is, and inside lets go.
+struct TooNear {
+  double d_min = 1.0;   ///< [m], > 0
+  double kappa = 10.0;  ///< sharpness of the bend at d_min [1/m], > 0
+
+  static constexpr std::string_view name = "too_near";
+
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const {
+    require(d_min > 0, name, "d_min", d_min, "> 0 m");
+    require(kappa > 0, name, "kappa", kappa, "> 0 1/m");
+  }
+
+  template <class S>
+  S operator()(const Sight<S>& a, const Sight<S>& b) const {
+    return (1.0 / kappa) * softplus(kappa * (d_min - detail::distance_with_slope(a.p, b.p)));
+  }
+
+  /// How much too near: d_min - D [m].
+  double violation(const Sight<double>& a, const Sight<double>& b) const { return d_min - norm(a.p - b.p); }
+};
+
+/// Pulls two robots together that are farther than a distance.
+///
+///   l = softplus(kappa (D - d_max)) / kappa
+///
+/// in metres: D - d_max well outside, 0 well inside. Cohesion pulls where its step is, and outside lets go.
+struct TooFar {
+  double d_max = 2.0;   ///< [m], > 0
+  double kappa = 10.0;  ///< sharpness of the bend at d_max [1/m], > 0
+
+  static constexpr std::string_view name = "too_far";
+
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const {
+    require(d_max > 0, name, "d_max", d_max, "> 0 m");
+    require(kappa > 0, name, "kappa", kappa, "> 0 1/m");
+  }
+
+  template <class S>
+  S operator()(const Sight<S>& a, const Sight<S>& b) const {
+    return (1.0 / kappa) * softplus(kappa * (detail::distance_with_slope(a.p, b.p) - d_max));
+  }
+
+  /// How much too far: D - d_max [m].
+  double violation(const Sight<double>& a, const Sight<double>& b) const { return norm(a.p - b.p) - d_max; }
+};
+
+/// Damps the motion of two robots against each other, not against the ground: whoever follows pays nothing.
+///
+///   l = |v_a - v_b|^2 / v_0^2
+struct RelativeVelocity {
+  double v_0 = 1.0;  ///< velocity that costs 1 [m/s], > 0
+
+  static constexpr std::string_view name = "relative_velocity";
+
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const { require(v_0 > 0, name, "v_0", v_0, "> 0 m/s"); }
+
+  template <class S>
+  S operator()(const Sight<S>& a, const Sight<S>& b) const {
+    const Vec3<S> v = a.v - b.v;
+    return (1.0 / square(v_0)) * dot(v, v);
+  }
+};
+
+}  // namespace sightline

@@ -1,0 +1,113 @@
+#include "sightline/potential/bearing.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+Bearing random_bearing(Random& random) {
+  return {.alpha = uniform(random, 0.1, 1.4),
+          .width = uniform(random, 0.02, 0.2),
+          .tilt = uniform(random, 0.05, 0.2),
+          .mount = {uniform(random, -0.8, 0.8), uniform(random, -0.3, 0.3)}};
+}
+
+/// l with the target `far` [m] from the sensor, phi off the nose (> 0: to the left) and `up` above it.
+double at(const Bearing& bearing, double far, double phi, double up) {
+  const Sight<double> observer{{{-bearing.mount.offset, 0.0, 0.0}, {1.0, 0.0}}, {}};
+  return bearing(observer, Sight<double>{{{far * std::cos(phi), far * std::sin(phi), up}, {1.0, 0.0}}, {}});
+}
+
+/// Slope over the bearing [1/rad].
+double slope(const Bearing& bearing, double far, double phi, double up) {
+  constexpr double step = 1e-6;
+  return (at(bearing, far, phi + step, up) - at(bearing, far, phi - step, up)) / (2 * step);
+}
+
+TEST(Bearing, IsOneLessTheCosineOfTheViewAngleInTheHalfSpaceAhead) {
+  Random random(1);
+  for (int k = 0; k < 5000; ++k) {
+    Bearing bearing = random_bearing(random);
+    bearing.width = 1e-6;
+    const Sight<double> a = random_sight(random, 3), b = random_sight(random, 3);
+    const Vec3<double> p_V = SensorMount{0.0, bearing.mount.offset}(a, b.p);
+    if (p_V.x < 0) bearing.tilt = 0;
+    EXPECT_NEAR(bearing(a, b), 1 - std::cos(view_angle(bearing.mount, a, b.p)), 1e-9);
+  }
+}
+
+TEST(Bearing, IsAtMostTwoAndNeverNegative) {
+  Random random(2);
+  for (int k = 0; k < 20'000; ++k) {
+    const double l = random_bearing(random)(random_sight(random, 3), random_sight(random, 3));
+    EXPECT_GE(l, 0);
+    EXPECT_LE(l, 2);
+  }
+}
+
+// The only bearings at which nothing turns the robot are straight ahead and one between 189 and 192 degrees.
+TEST(Bearing, BetweenTheNoseAndTheRidgeBehindTheRobotAlwaysTurnsTowardsTheTarget) {
+  Random random(3);
+  for (int k = 0; k < 5000; ++k) {
+    Bearing bearing = random_bearing(random);
+    bearing.tilt = 0.2, bearing.width = 0.01;
+    const double far = uniform(random, 0.3, 100), up = uniform(random, -1, 1);
+    const double share = std::cos(bearing.mount.pitch) * far / std::hypot(far, up);
+    EXPECT_GT(slope(bearing, far, uniform(random, 0.01, pi * 189 / 180), up), 0.005 * share);
+    EXPECT_LT(slope(bearing, far, uniform(random, -pi * 168 / 180, -0.01), up), -0.005 * share);
+  }
+}
+
+TEST(Bearing, StraightBehindTheTurnIsToTheLeftAndWithoutTiltThereIsNone) {
+  Random random(4);
+  for (int k = 0; k < 1000; ++k) {
+    Bearing bearing = random_bearing(random);
+    bearing.mount.pitch = 0;
+    EXPECT_GT(slope(bearing, 3.0, pi, 0.0), 0.9 * std::sin(0.95 * bearing.tilt));
+    bearing.tilt = 0;
+    EXPECT_NEAR(slope(bearing, 3.0, pi, 0.0), 0.0, 1e-9);
+  }
+}
+
+TEST(Bearing, OnlyTheTargetsPlaceCountsAndNoVelocity) {
+  Random random(5);
+  for (int k = 0; k < 1000; ++k) {
+    const Bearing bearing = random_bearing(random);
+    Sight<double> a = random_sight(random, 3), b = random_sight(random, 3);
+    const double l = bearing(a, b);
+    a.v = random_point(random, 3), b.v = random_point(random, 3), b.d = random_pose(random, 1).d;
+    EXPECT_EQ(bearing(a, b), l);
+  }
+}
+
+TEST(Bearing, TheViolationIsTheViewAngleBeyondAlpha) {
+  Random random(6);
+  for (int k = 0; k < 1000; ++k) {
+    const Bearing bearing = random_bearing(random);
+    const Sight<double> a = random_sight(random, 3), b = random_sight(random, 3);
+    EXPECT_EQ(bearing.violation(a, b), view_angle(bearing.mount, a, b.p) - bearing.alpha);
+  }
+}
+
+TEST(Bearing, ParametersOutOfRangeAreRefusedByName) {
+  const auto refusal = [](Bearing bearing) { return refusal_of([&] { bearing.check(); }); };
+  for (const double alpha : {0.0, -0.1, 1.6})
+    EXPECT_EQ(refusal({.alpha = alpha}), fmt::format("bearing.alpha = {}, expected in (0, pi/2) rad", alpha));
+  for (const double width : {0.0, -0.1, infinite})
+    EXPECT_EQ(refusal({.width = width}), fmt::format("bearing.width = {}, expected > 0 m", width));
+  for (const double tilt : {-0.01, 0.21, not_a_number})
+    EXPECT_EQ(refusal({.tilt = tilt}), fmt::format("bearing.tilt = {}, expected in [0, 0.2] rad", tilt));
+  EXPECT_EQ(refusal({.mount = {.pitch = 1.6}}), "bearing.mount.pitch = 1.6, expected in (-pi/2, pi/2) rad");
+  EXPECT_EQ(refusal({.mount = {.offset = not_a_number}}),
+            "bearing.mount.offset = nan, expected a finite length, m");
+  EXPECT_EQ(refusal({.tilt = 0}), "");
+  EXPECT_EQ(refusal({}), "");
+}
+
+}  // namespace
+}  // namespace sightline
