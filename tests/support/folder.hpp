@@ -35,7 +35,7 @@ class Folder {
 inline std::filesystem::path fresh_folder() {
   static const Folder folder("sightline_test");
   const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-  const auto path = folder.path() / info->test_suite_name() / info->name();
+  auto path = folder.path() / info->test_suite_name() / info->name();
   std::filesystem::remove_all(path);
   std::filesystem::create_directories(path);
   return path;
