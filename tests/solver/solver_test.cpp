@@ -119,6 +119,20 @@ TYPED_TEST(AnySolver, AfterARestartItFliesItsFirstFlightAgainBitForBit) {
   expect_same_bits(inputs_of(solver, paper::saturating_start(), 200), first);
 }
 
+TYPED_TEST(AnySolver, AfterARestartNothingIsLeftOfTheOldPlan) {
+  const Team team = paper::team(Variant::masked);
+  TypeParam solver(team, {}), fresh(team, {});
+  const std::vector<double> bad(14, nan), x = paper::saturating_start();
+  fly(solver, x, 100);
+  (void)solver.solve(1.0, bad);  // refused: the old plan would go on
+  solver.restart();
+  for (const auto& state : {bad, x, bad}) {
+    const Solution again = solver.solve(0.0, state), first = fresh.solve(0.0, state);
+    expect_same_bits({again.u.begin(), again.u.end()}, {first.u.begin(), first.u.end()});
+    expect_same_bits({again.x.begin(), again.x.end()}, {first.x.begin(), first.x.end()});
+  }
+}
+
 TYPED_TEST(AnySolver, HeadingsOfAnyLengthMeanTheSame) {
   TypeParam unit(paper::team(Variant::joint), {}), scaled(paper::team(Variant::joint), {});
   std::vector<double> x = paper::start(), y = x;

@@ -121,6 +121,13 @@ void Continuation::start(double time) noexcept {
   started_ = true;
 }
 
+void Continuation::restart() noexcept {
+  started_ = false;
+  std::fill(plan_.begin(), plan_.end(), 0.0);
+  std::fill(X_.begin(), X_.end(), 0.0);
+  plan_time_ = plan_h_ = 0.0;
+}
+
 void Continuation::limit_rows(const Hamiltonian &hamiltonian, const double *U, double *F) const noexcept {
   for (int i = 0; i < N_; ++i) {
     const double *const u = U + at(i, stride()), *const mu = u + nu_, *const s = mu + nu_;

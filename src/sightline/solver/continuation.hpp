@@ -36,7 +36,7 @@ class Continuation : public Solver {
   const Ocp& ocp() const override { return ocp_; }
   Solution solve(double time, std::span<const double> states) noexcept override;
   double kkt(double time, std::span<const double> states) noexcept override;
-  void restart() noexcept override { started_ = false; }
+  void restart() noexcept override;
 
   /// Numbers that the solver carries from update to update.
   virtual int unknowns() const { return unknowns_; }

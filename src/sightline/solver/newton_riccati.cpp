@@ -157,6 +157,13 @@ void NewtonRiccati::start() noexcept {
   has_plan_ = wary_ = false;
 }
 
+void NewtonRiccati::restart() noexcept {
+  started_ = has_plan_ = false;
+  std::fill_n(plan_, groups_.layout().u_length, 0.0);
+  std::fill(x_out_.begin(), x_out_.end(), 0.0);
+  plan_time_ = 0.0;
+}
+
 NewtonRiccati::Proposal NewtonRiccati::examine() const noexcept {
   const double per_h = 1.0 / ocp_.horizon().h();
   L step = 0.0, residual = 0.0, beyond = 0.0, not_finite = 0.0;
