@@ -7,10 +7,10 @@
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
+#include "sightline/io/closed_loop.hpp"
 #include "sightline/io/log.hpp"
 #include "sightline/io/report.hpp"
 #include "sightline/io/scenario.hpp"
-#include "sightline/run/loop.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -64,28 +64,16 @@ struct Flight {
 /// Flies the scenario under its solver; leaves run.mcap, timing.csv and summary.json in the folder.
 Flight fly(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock) {
   // All memory is taken here, before the first period.
-  const Simulation& simulation = scenario.simulation;
-  const double period = scenario.horizon.dt;
   const auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
   const Controllers controllers = {*solver};
-  Plant plant(scenario.team, scenario.x0,
-              {.seed = simulation.seed, .disturbances = simulation.disturbances, .period = period});
-  Sensor sensor(scenario.team, {.seed = simulation.seed,
-                                .noise = simulation.disturbances.noise,
-                                .delay = simulation.disturbances.measurement_delay,
-                                .period = period});
   const Sample prototype = sized_sample(scenario.team, controllers);
   Ring<Sample> ring(ring_capacity(prototype), prototype);
-  Loop loop(plant, sensor, controllers, clock, ring,
-            {.duration = simulation.duration,
-             .period = period,
-             .path_interval = scenario.log.paths,
-             .allocations = allocations});
+  ClosedLoop loop(scenario, controllers, clock, ring, allocations);
 
-  Progress progress(simulation.duration);
+  Progress progress(scenario.simulation.duration);
   Log log(scenario, folder, controllers, ring, [&](double time) { progress.show(time); });
   log.start();
-  const LoopOutcome outcome = loop.run();
+  const LoopOutcome outcome = loop.fly();
   log.finish();
   progress.end();
 

@@ -54,12 +54,12 @@ Sample sized_sample(const Team& plant, const Controllers& controllers) {
   return sample;
 }
 
-Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& clock, Ring<Sample>& ring,
+Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
            const LoopOptions& options)
     : plant_(plant),
       sensor_(sensor),
       clock_(clock),
-      ring_(ring),
+      sink_(sink),
       options_(checked(options, controllers)),
       u_(size(plant.team().nu())),
       u_min_(u_.size()),
@@ -79,11 +79,11 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
     controllers_.push_back(std::move(controller));
   }
   check_steered();
-  const Sample* item = ring.claim();
+  const Sample* item = sink.claim();
   if (item == nullptr || item->x.size() != spare_.x.size() || item->path.size() != spare_.path.size() ||
       item->solvers.size() != spare_.solvers.size()) {
     refuse(
-        "the ring's samples are not of this loop's size, expected an empty ring of copies of sized_sample()");
+        "the sink's samples are not of this loop's size, expected room in it for copies of sized_sample()");
   }
   events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size());
 
@@ -168,10 +168,10 @@ LoopOutcome Loop::run() noexcept {
     outcome_.stopped = options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
     if (k == periods || outcome_.stopped || !outcome_.finite) break;
 
-    Sample* slot = ring_.claim();
+    Sample* slot = sink_.claim();
     while (slot == nullptr && clock_.waits_for_log()) {
       std::this_thread::yield();
-      slot = ring_.claim();
+      slot = sink_.claim();
     }
     Sample& sample = slot != nullptr ? *slot : spare_;
     sample.has_path = k >= next_path;
@@ -190,13 +190,13 @@ LoopOutcome Loop::run() noexcept {
       std::copy_n(events_.begin(), fit, sample.events.begin());
       sample.event_count = static_cast<int>(fit);
       events_.erase(events_.begin(), events_.begin() + fit);
-      ring_.publish();
+      sink_.publish();
     } else {
       ++outcome_.dropped;
     }
     outcome_.finite = plant_.step(u_, options_.period);
   }
-  ring_.close();
+  sink_.close();
   return outcome_;
 }
 

@@ -33,14 +33,14 @@ struct LoopOptions {
 struct LoopOutcome {
   std::int64_t updates = 0;          ///< periods in which the controllers were asked
   std::int64_t missed = 0;           ///< periods that were over before they could begin
-  std::int64_t dropped = 0;          ///< samples that found the ring full
+  std::int64_t dropped = 0;          ///< samples that found the sink full
   std::int64_t refused = 0;          ///< commands of a robot that were not applied
   std::int64_t max_allocations = 0;  ///< most in one update, state in to command out, all controllers
   bool finite = true;                ///< false: a state of the plant was not, which ended the run
   bool stopped = false;              ///< ended by the stop flag
 };
 
-/// A sample with all its vectors sized for a loop: the prototype of the ring's items.
+/// A sample with all its vectors sized for a loop: the prototype of its sink's items.
 Sample sized_sample(const Team& plant, const Controllers& controllers);
 
 /// Runs controllers against a plant. Bodies are matched by name: what a controller's team calls a robot is a
@@ -49,18 +49,18 @@ Sample sized_sample(const Team& plant, const Controllers& controllers);
 ///
 /// Period k, at t = k period: the sensor's measurement goes to each controller in turn; of a robot whose
 /// command is not finite or not within its limits the last good one is applied instead, and an event tells
-/// it; the sample goes into the ring, and the plant steps. Where a steady clock missed periods, the plant
+/// it; the sample goes into the sink, and the plant steps. Where a steady clock missed periods, the plant
 /// went on under the command it had. Nothing in here allocates, locks, throws or prints.
 class Loop {
  public:
   /// All of it must outlive the loop.
   /// @throws std::invalid_argument unless each robot of the plant is steered by exactly one controller and
   /// all that a
-  ///         controller knows is there, of the same model, and the ring is made of sized_sample()
-  Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& clock, Ring<Sample>& ring,
+  ///         controller knows is there, of the same model, and the sink's items are of sized_sample()
+  Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
        const LoopOptions& options);
 
-  /// Runs to the end, once; closes the ring.
+  /// Runs to the end, once; closes the sink.
   LoopOutcome run() noexcept;
 
  private:
@@ -92,13 +92,13 @@ class Loop {
   Plant& plant_;
   Sensor& sensor_;
   Clock& clock_;
-  Ring<Sample>& ring_;
+  Sink<Sample>& sink_;
   LoopOptions options_;
   std::vector<Controller> controllers_;
   std::vector<double> u_;  // applied, all robots of the plant; always within limits
   std::vector<double> u_min_, u_max_;
   std::vector<Event> events_;  // not yet in a sample
-  Sample spare_;               // written where the ring is full
+  Sample spare_;               // written where the sink is full
   LoopOutcome outcome_;
 };
 

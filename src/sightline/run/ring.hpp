@@ -1,4 +1,5 @@
-/// A ring of preallocated items between one producer, which is never held up, and one consumer.
+/// Where a producer leaves its items, and a ring of preallocated ones between one producer, which is never held
+/// up, and one consumer.
 #pragma once
 
 #include <time.h>
@@ -10,10 +11,24 @@
 
 namespace sightline {
 
+/// Takes a producer's items one at a time, in its thread; allocates nothing.
+template <class T>
+class Sink {
+ public:
+  virtual ~Sink() = default;
+
+  /// The next item to write, or nullptr where there is no room for one now.
+  virtual T* claim() noexcept = 0;
+  /// Takes over the claimed item.
+  virtual void publish() noexcept = 0;
+  /// Nothing comes after what was published.
+  virtual void close() noexcept = 0;
+};
+
 /// Items are made once, as copies of a prototype, and written and read where they are. No locks: the producer
 /// does not even wake the consumer, which looks every now and then.
 template <class T>
-class Ring {
+class Ring final : public Sink<T> {
  public:
   /// @param capacity  items that can wait, >= 1
   Ring(std::size_t capacity, const T& prototype) : items_(capacity, prototype) {
@@ -21,17 +36,17 @@ class Ring {
   }
 
   /// Producer: the next item to write, or nullptr where all wait to be read.
-  T* claim() noexcept {
+  T* claim() noexcept override {
     const std::size_t written = written_.load(std::memory_order_relaxed);
     if (written - read_.load(std::memory_order_acquire) == items_.size()) return nullptr;
     return &items_[written % items_.size()];
   }
   /// Producer: hands over the claimed item.
-  void publish() noexcept {
+  void publish() noexcept override {
     written_.store(written_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
   /// Producer: nothing comes after what was published.
-  void close() noexcept { closed_.store(true, std::memory_order_release); }
+  void close() noexcept override { closed_.store(true, std::memory_order_release); }
 
   /// Consumer: the oldest item, or nullptr where none waits.
   const T* front() const noexcept {

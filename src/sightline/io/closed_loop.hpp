@@ -1,0 +1,32 @@
+/// A scenario in the air: its world around the controllers, as `sightline run` and a campaign fly it.
+#pragma once
+
+#include <cstdint>
+
+#include "sightline/io/scenario.hpp"
+#include "sightline/run/loop.hpp"
+
+namespace sightline {
+
+/// Plant, sensor and loop of one flight, as the scenario says. All memory is taken when it is made.
+class ClosedLoop {
+ public:
+  /// @param controllers  a solver of the scenario's team; they, the clock and the sink outlive this
+  /// @param sink         its items are copies of sized_sample()
+  /// @param allocations  of the calling thread so far, where they are counted
+  /// @throws std::invalid_argument for a start, a disturbance or a sink that cannot be, named
+  ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
+             std::int64_t (*allocations)() noexcept = nullptr);
+  ClosedLoop(const ClosedLoop&) = delete;
+  ClosedLoop& operator=(const ClosedLoop&) = delete;
+
+  /// Flies to the end, once; closes the sink.
+  LoopOutcome fly() noexcept { return loop_.run(); }
+
+ private:
+  Plant plant_;
+  Sensor sensor_;
+  Loop loop_;
+};
+
+}  // namespace sightline
