@@ -4,14 +4,8 @@ namespace sightline {
 
 ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock,
                        Sink<Sample>& sink, std::int64_t (*allocations)() noexcept)
-    : plant_(scenario.team, scenario.x0,
-             {.seed = scenario.simulation.seed,
-              .disturbances = scenario.simulation.disturbances,
-              .period = scenario.horizon.dt}),
-      sensor_(scenario.team, {.seed = scenario.simulation.seed,
-                              .noise = scenario.simulation.disturbances.noise,
-                              .delay = scenario.simulation.disturbances.measurement_delay,
-                              .period = scenario.horizon.dt}),
+    : plant_(scenario.team, scenario.x0, plant_options(scenario)),
+      sensor_(scenario.team, sensor_options(scenario)),
       loop_(plant_, sensor_, controllers, clock, sink,
             {.duration = scenario.simulation.duration,
              .period = scenario.horizon.dt,

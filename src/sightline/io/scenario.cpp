@@ -8,6 +8,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "sightline/io/motion_parts.hpp"
 #include "sightline/io/scenario_parts.hpp"
 #include "sightline/io/toml_table.hpp"
 
@@ -191,11 +192,12 @@ class Reader {
       root_.refuse(section, fmt::format("at most {} targets and obstacles", agents_max));
     }
     for (const auto& [name, at] : bodies) {
-      at.expect_only({"p", "v"});
-      const Vec3<double> p = at.vec3("p"), v = at.has("v") ? at.vec3("v") : Vec3<double>{};
+      StrangerStart read = read_stranger(at, [&](const TomlTable& table) { return agent_of(table); });
+      const Vec3<double>&p = read.p, &v = read.v;
       scenario_.x0.insert(scenario_.x0.end(), {p.x, p.y, p.z, v.x, v.y, v.z});
       enter(name, at, [&, &n = name] { return scenario_.team.add(Obstacle{n}); });
-      ids.push_back(bodies_.at(name));
+      ids.push_back(read.stranger.body = bodies_.at(name));
+      scenario_.strangers.push_back(std::move(read.stranger));
     }
   }
 
@@ -221,6 +223,19 @@ class Reader {
     at.refuse(
         key, i,
         fmt::format("a known name, the nearest is \"{}\"", nearest(shortened(name, name_size_max), known)));
+  }
+
+  /// The robot named under `agent`.
+  AgentId agent_of(const TomlTable& at) const {
+    const std::string name = at.text("agent", "the name of a robot");
+    const auto found = bodies_.find(name);
+    if (found == bodies_.end() || !scenario_.team.is_agent(found->second)) {
+      std::vector<std::string_view> known;
+      for (const Agent& agent : scenario_.team.agents()) known.push_back(agent.name);
+      at.refuse("agent", fmt::format("a robot, the nearest is \"{}\"",
+                                     nearest(shortened(name, name_size_max), known)));
+    }
+    return AgentId{found->second};
   }
 
   Observer observer(BodyId body) const {
@@ -262,15 +277,7 @@ class Reader {
       } else {
         at.expect_only({"agent", "potential", "limit", "weight"});
       }
-      const std::string name = at.text("agent", "the name of a robot");
-      const auto found = bodies_.find(name);
-      if (found == bodies_.end() || !scenario_.team.is_agent(found->second)) {
-        std::vector<std::string_view> known;
-        for (const Agent& agent : scenario_.team.agents()) known.push_back(agent.name);
-        at.refuse("agent", fmt::format("a robot, the nearest is \"{}\"",
-                                       nearest(shortened(name, name_size_max), known)));
-      }
-      const AgentId agent{found->second};
+      const AgentId agent = agent_of(at);
       if (at.has("limit")) {
         const RelaxedBarrier barrier = read_limit(at);
         at.checked([&] { scenario_.team.constrain(barrier, agent); });
@@ -301,6 +308,29 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file) {
 
 Scenario read_scenario(const std::filesystem::path& file) { return parse_scenario(read_text(file), file); }
 
+PlantOptions plant_options(const Scenario& scenario) {
+  PlantOptions options{.seed = scenario.simulation.seed,
+                       .disturbances = scenario.simulation.disturbances,
+                       .period = scenario.horizon.dt,
+                       .motions = {}};
+  for (const Stranger& stranger : scenario.strangers) {
+    if (stranger.motion) options.motions.push_back({stranger.body, *stranger.motion});
+  }
+  return options;
+}
+
+SensorOptions sensor_options(const Scenario& scenario) {
+  SensorOptions options{.seed = scenario.simulation.seed,
+                        .noise = scenario.simulation.disturbances.noise,
+                        .delay = scenario.simulation.disturbances.measurement_delay,
+                        .period = scenario.horizon.dt,
+                        .velocity_unknown = {}};
+  for (const Stranger& stranger : scenario.strangers) {
+    if (stranger.velocity == SeenVelocity::unknown) options.velocity_unknown.push_back(stranger.body);
+  }
+  return options;
+}
+
 std::string summary(const Scenario& scenario) {
   const Team& team = scenario.team;
   const Horizon& horizon = scenario.horizon;
@@ -320,8 +350,11 @@ std::string summary(const Scenario& scenario) {
     line("agent       {}: {}, {} states, {} inputs", agent.name, agent.model.name(), agent.model.nx(),
          agent.model.nu());
   }
-  for (const BodyId id : scenario.targets) line("target      {}", team.name(id));
-  for (const BodyId id : scenario.obstacles) line("obstacle    {}", team.name(id));
+  for (const Stranger& stranger : scenario.strangers) {
+    const auto& targets = scenario.targets;
+    const bool target = std::find(targets.begin(), targets.end(), stranger.body) != targets.end();
+    line("{:12}{}", target ? "target" : "obstacle", in_words(stranger, team));
+  }
   for (const Coupling& coupling : team.couplings()) {
     std::string feeling;
     for (const AgentId id : coupling.felt_by)

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -15,7 +16,8 @@
 #include "sightline/io/scenario_text.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/ocp/team.hpp"
-#include "sightline/sim/disturbance.hpp"
+#include "sightline/sim/plant.hpp"
+#include "sightline/sim/sensor.hpp"
 #include "sightline/solver/cgmres.hpp"
 #include "sightline/solver/cmscgmres.hpp"
 #include "sightline/solver/newton_riccati.hpp"
@@ -38,6 +40,18 @@ struct Simulation {
   Disturbances disturbances{};
 };
 
+/// What the controllers see of a velocity; one that is unknown they take to be zero.
+enum class SeenVelocity { measured, unknown };
+
+/// A target or an obstacle, which nobody here controls: how it moves, and what is known of it.
+struct Stranger {
+  BodyId body{};
+  std::optional<Motion> motion{};  ///< none: it keeps the velocity it has
+  SeenVelocity velocity = SeenVelocity::measured;
+  double speed_max = 1.5;          ///< what the robots take to be its top speed [m/s], >= 0
+  std::optional<double> d_hard{};  ///< never nearer to a robot [m]; none: as the [safety] section says
+};
+
 struct LogOptions {
   double paths = 0.1;  ///< time between two logged predictions [s], > 0
 };
@@ -56,7 +70,8 @@ struct Scenario {
   Team team{};  ///< robots, then targets, then obstacles, each in the order of the file
   std::vector<BodyId> targets;
   std::vector<BodyId> obstacles;
-  std::vector<double> x0;  ///< states of all bodies at the start (team.nx())
+  std::vector<Stranger> strangers;  ///< targets, then obstacles
+  std::vector<double> x0;           ///< states of all bodies at the start (team.nx())
   Simulation simulation{};
   LogOptions log{};
 };
@@ -67,6 +82,10 @@ Scenario read_scenario(const std::filesystem::path& file);
 /// The same from a text that is already read; `file` stands in the refusals.
 /// @throws ScenarioError
 Scenario parse_scenario(std::string text, const std::filesystem::path& file);
+
+/// The simulated world of a scenario, and what its controllers see of it.
+PlantOptions plant_options(const Scenario& scenario);
+SensorOptions sensor_options(const Scenario& scenario);
 
 /// The names of all solvers.
 std::vector<std::string_view> solver_names();

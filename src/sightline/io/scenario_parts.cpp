@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <array>
-
 #include "sightline/io/region_parts.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
@@ -16,25 +13,6 @@
 
 namespace sightline {
 namespace {
-
-/// A name in the file and what reads the part of that name.
-template <class Read>
-struct Named {
-  std::string_view name;
-  Read read;
-};
-
-template <class Read, std::size_t n>
-std::array<std::string_view, n> names(const std::array<Named<Read>, n>& list) {
-  std::array<std::string_view, n> all;
-  std::transform(list.begin(), list.end(), all.begin(), [](const auto& entry) { return entry.name; });
-  return all;
-}
-
-template <class Read, std::size_t n>
-Read find(const std::array<Named<Read>, n>& list, std::string_view name) {
-  return std::find_if(list.begin(), list.end(), [&](const auto& entry) { return entry.name == name; })->read;
-}
 
 // --- robots ---
 

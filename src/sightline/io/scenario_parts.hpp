@@ -2,13 +2,35 @@
 /// its table in scenario_parts.cpp.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "sightline/io/scenario.hpp"
 #include "sightline/io/toml_table.hpp"
 
 namespace sightline {
+
+/// A name in the file and what reads the part of that name.
+template <class Read>
+struct Named {
+  std::string_view name;
+  Read read;
+};
+
+template <class Read, std::size_t n>
+std::array<std::string_view, n> names(const std::array<Named<Read>, n>& list) {
+  std::array<std::string_view, n> all;
+  std::transform(list.begin(), list.end(), all.begin(), [](const auto& entry) { return entry.name; });
+  return all;
+}
+
+template <class Read, std::size_t n>
+Read find(const std::array<Named<Read>, n>& list, std::string_view name) {
+  return std::find_if(list.begin(), list.end(), [&](const auto& entry) { return entry.name == name; })->read;
+}
 
 /// The robot that looks: the first of a coupling, or the one that is constrained.
 struct Observer {

@@ -48,7 +48,7 @@ struct Disturbances {
 };
 
 /// What a stream of random numbers is for.
-enum class Chance : std::uint64_t { gust, wake, position_noise, heading_noise, velocity_noise };
+enum class Chance : std::uint64_t { gust, wake, position_noise, heading_noise, velocity_noise, motion };
 
 /// Random numbers of one seed, purpose and body: SplitMix64, and Box-Muller on top.
 class RandomStream {

@@ -31,7 +31,9 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
       nx_(static_cast<std::size_t>(team_.nx())),
       z_(std::move(x0)),
       u_(static_cast<std::size_t>(team_.nu())),
-      delay_(disturbances_.input_delay, options.period, resting_input(team_)) {
+      delay_(disturbances_.input_delay, options.period, resting_input(team_)),
+      motions_(team_, options.motions, options.seed),
+      steered_for_(options.period) {
   if (z_.size() != nx_) {
     throw std::invalid_argument(fmt::format("the plant's start has {} numbers, expected {}", z_.size(), nx_));
   }
@@ -64,11 +66,13 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
   p_.resize(static_cast<std::size_t>(robots));
   acceleration_.resize(p_.size());
   pushed_ = gusts_ || wakes_ || wind.x != 0 || wind.y != 0 || wind.z != 0;
+  motions_.steer(time_, steered_for_, u_, z_);
 }
 
 bool Plant::step(std::span<const double> u, double dt) noexcept {
   assert(u.size() == u_.size() && "the plant is given one input for each input of its robots");
   assert(dt > 0 && "time goes on");
+  if (dt != steered_for_) motions_.steer(time_, steered_for_ = dt, u_, z_);
   if (pushed_) set_accelerations();
   delay_.give(time_, u);
 
@@ -87,6 +91,7 @@ bool Plant::step(std::span<const double> u, double dt) noexcept {
   if (gusts_) gusts_->advance(dt);
   if (wakes_) wakes_->advance(dt);
   time_ += dt;
+  motions_.steer(time_, dt, u_, z_);
   bool finite = true;
   for (const Part& part : parts_) finite = part.model.normalise(&z_[part.x]) && finite;
   return finite;

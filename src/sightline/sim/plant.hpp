@@ -9,6 +9,7 @@
 #include "sightline/math/integrate.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/sim/disturbance.hpp"
+#include "sightline/sim/motion.hpp"
 
 namespace sightline {
 
@@ -16,6 +17,7 @@ struct PlantOptions {
   std::uint64_t seed = 1;
   Disturbances disturbances{};
   double period = 0.01;  ///< shortest step that will be asked for [s]; sizes the queue of delayed commands
+  std::vector<BodyMotion> motions{};  ///< of targets and obstacles; the others keep their velocity
 };
 
 /// x' = f(x, u) of each body by the classical Runge-Kutta step with u held (zero-order hold). After each step
@@ -23,7 +25,8 @@ struct PlantOptions {
 /// for bit.
 ///
 /// Wind, gusts and wakes are accelerations of the robots, held over a step; a delayed command that comes into
-/// force within a step divides it there.
+/// force within a step divides it there. Targets and obstacles with a motion hold its velocity over a step, and
+/// show at once the velocity of the next one.
 class Plant {
  public:
   /// @param x0  states of all bodies, in the order of the team (nx)
@@ -61,6 +64,8 @@ class Plant {
   InputDelay delay_;
   std::optional<Gusts> gusts_;
   std::optional<Wakes> wakes_;
+  Motions motions_;
+  double steered_for_;                          // step that the bodies' velocities are for [s]
   std::vector<Vec3<double>> p_, acceleration_;  // of the robots
   bool pushed_;
   double time_ = 0.0;

@@ -29,6 +29,10 @@ Sensor::Sensor(const Team& team, const SensorOptions& options)
       if (names[k] == "psi") part.angles.push_back(at);
       if (names[k].starts_with("v_")) part.velocities.push_back(at);
     }
+    const auto& blind = options.velocity_unknown;
+    if (std::find(blind.begin(), blind.end(), BodyId{i}) != blind.end()) {
+      unknown_.insert(unknown_.end(), part.velocities.begin(), part.velocities.end());
+    }
     parts_.push_back(std::move(part));
   }
   times_.resize(static_cast<std::size_t>(std::ceil(options.delay / options.period)) + 2);
@@ -47,6 +51,7 @@ std::span<const double> Sensor::measure(double t, std::span<const double> x) noe
   }
   std::copy_n(past_.begin() + static_cast<std::ptrdiff_t>(at * seen_.size()), seen_.size(), seen_.begin());
   for (Part& part : parts_) add_noise(part);
+  for (const std::size_t i : unknown_) seen_[i] = 0.0;
   return seen_;
 }
 

@@ -15,6 +15,7 @@ struct SensorOptions {
   Noise noise{};
   double delay = 0.0;    ///< from state to measurement [s], in [0, 1]; rounded up to whole measurements
   double period = 0.01;  ///< shortest time between two measurements [s]; sizes the memory of past states
+  std::vector<BodyId> velocity_unknown{};  ///< these are seen at rest
 };
 
 /// Measures all bodies at once, as motion capture does. What a state is, its name tells: p_* a position, d_x
@@ -45,6 +46,7 @@ class Sensor {
   Noise noise_;
   double delay_;
   std::vector<Part> parts_;
+  std::vector<std::size_t> unknown_;         // velocities in the stacked state
   std::vector<double> times_, past_, seen_;  // ring of states, the oldest at oldest_
   std::size_t oldest_ = 0, count_ = 0;
 };

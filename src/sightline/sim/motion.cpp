@@ -1,0 +1,246 @@
+#include "sightline/sim/motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "sightline/potential/potential.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+// Times are sums of steps; two that differ by less are the same.
+constexpr double same_time = 1e-9;
+
+/// In the direction of a, of the given length; along +x where a has none.
+Vec3<double> along(const Vec3<double>& a, double length) {
+  const double size = norm(a);
+  return size > 0 ? (length / size) * a : Vec3<double>{length, 0, 0};
+}
+
+/// The velocity of a pursuit that comes no nearer than the standoff within dt.
+Vec3<double> pursue(const Vec3<double>& to_robot, double speed, double standoff, double dt) {
+  const double gap = norm(to_robot) - standoff;
+  return gap > 0 ? along(to_robot, std::min(speed, gap / dt)) : Vec3<double>{};
+}
+
+/// From a body at the origin to the place where it meets, at this speed, what is at q with velocity w; q
+/// itself where it cannot.
+Vec3<double> meeting_place(const Vec3<double>& q, const Vec3<double>& w, double speed) {
+  // |q + w T| = speed T for the least T > 0.
+  const double a = square(speed) - dot(w, w), b = dot(q, w), c = dot(q, q);
+  const double root = b * b + a * c;
+  if (!(root >= 0)) return q;
+  const double denominator = std::sqrt(root) - b;  // T = c / (sqrt(b^2 + a c) - b), sound for a = 0 too
+  return denominator > 0 ? q + (c / denominator) * w : q;
+}
+
+/// Any way, each as likely as another.
+Vec3<double> any_way(RandomStream& chance, AdversaryMotion::Within within) {
+  const SinCos<double> turn = sincos(2 * std::numbers::pi * chance.uniform());
+  if (within == AdversaryMotion::Within::plane) return {turn.cos, turn.sin, 0};
+  const double z = 2 * chance.uniform() - 1, level = std::sqrt(1 - z * z);
+  return {level * turn.cos, level * turn.sin, z};
+}
+
+std::vector<Vec3<double>> corners(const PathMotion& path) {
+  std::vector<Vec3<double>> points = path.points;
+  if (path.end == PathMotion::End::round) points.push_back(points.front());
+  return points;
+}
+
+AgentId followed_by(const Motion& motion) {
+  return std::visit(
+      [](const auto& m) {
+        if constexpr (requires { m.agent; }) return m.agent;
+        return AgentId{};
+      },
+      motion);
+}
+
+}  // namespace
+
+void PathMotion::check() const {
+  if (points.size() < 2) throw std::invalid_argument("path.points has fewer than two, expected two or more");
+  for (const Vec3<double>& p : points) {
+    for (const double c : {p.x, p.y, p.z}) require(true, name, "points", c, "finite numbers, m");
+  }
+  require(speed > 0, name, "speed", speed, "> 0 m/s");
+  double length = 0.0;
+  for (std::size_t i = 1; i < points.size(); ++i) length += norm(points[i] - points[i - 1]);
+  require(length > 0, name, "points", length, "points that are not all the same, a length > 0 m");
+}
+
+void CircleMotion::check() const {
+  for (const double c : {centre.x, centre.y, centre.z}) require(true, name, "centre", c, "finite numbers, m");
+  require(radius >= 0, name, "radius", radius, ">= 0 m");
+  require(true, name, "rate", rate, "a finite rate, rad/s");
+  require(true, name, "phase", phase, "a finite angle, rad");
+}
+
+void ChaseMotion::check() const {
+  require(speed > 0, name, "speed", speed, "> 0 m/s");
+  require(standoff >= 0, name, "standoff", standoff, ">= 0 m");
+}
+
+void CrossMotion::check() const {
+  require(at >= 0, name, "at", at, ">= 0 s");
+  require(speed > 0, name, "speed", speed, "> 0 m/s");
+  require(true, name, "miss", miss, "a finite distance, m");
+}
+
+void HandMotion::check() const {
+  require(at >= 0, name, "at", at, ">= 0 s");
+  for (const double c : {from.x, from.y, from.z}) require(true, name, "from", c, "finite numbers, m");
+  require(speed > 0, name, "speed", speed, "> 0 m/s");
+  require(standoff >= 0, name, "standoff", standoff, ">= 0 m");
+}
+
+void AdversaryMotion::check() const {
+  require(speed > 0, name, "speed", speed, "> 0 m/s");
+  require(every >= 1e-3, name, "every", every, ">= 0.001 s");
+  require(aim >= 0 && aim <= 1, name, "aim", aim, "in [0, 1]");
+}
+
+std::optional<Vec3<double>> start_of(const Motion& motion) {
+  if (const auto* path = std::get_if<PathMotion>(&motion)) return path->points.front();
+  if (const auto* circle = std::get_if<CircleMotion>(&motion)) {
+    const SinCos<double> a = sincos(circle->phase);
+    return circle->centre + circle->radius * Vec3<double>{a.cos, a.sin, 0};
+  }
+  return {};
+}
+
+double top_speed(const Motion& motion) {
+  if (const auto* circle = std::get_if<CircleMotion>(&motion))
+    return circle->radius * std::fabs(circle->rate);
+  return std::visit(
+      [](const auto& m) {
+        if constexpr (requires { m.speed; }) return m.speed;
+        return 0.0;
+      },
+      motion);
+}
+
+Motions::Motions(const Team& team, std::vector<BodyMotion> motions, std::uint64_t seed) {
+  for (BodyMotion& one : motions) {
+    if (one.body.index < 0 || one.body.index >= team.bodies() || team.is_agent(one.body)) {
+      throw std::invalid_argument(
+          fmt::format("motion of body {}, expected a target or an obstacle of the team", one.body.index));
+    }
+    std::visit([](const auto& m) { m.check(); }, one.motion);
+    const auto x = static_cast<std::size_t>(team.state_offset(one.body));
+    if (std::any_of(movers_.begin(), movers_.end(), [&](const Mover& other) { return other.x == x; })) {
+      throw std::invalid_argument(fmt::format("\"{}\" has two motions, expected one", team.name(one.body)));
+    }
+    const bool follows = std::visit(
+        [](const auto& m) {
+          return requires { m.agent; };
+        },
+        one.motion);
+    const AgentId agent = followed_by(one.motion);
+    if (follows && (agent.index < 0 || agent.index >= team.bodies() || !team.is_agent(agent))) {
+      throw std::invalid_argument(fmt::format("the motion of \"{}\" follows body {}, expected a robot",
+                                              team.name(one.body), agent.index));
+    }
+    const BodyId seen = follows ? BodyId{agent} : one.body;
+    Mover mover{.motion = std::move(one.motion),
+                .x = x,
+                .followed = {team.model(seen), static_cast<std::size_t>(team.state_offset(seen)),
+                             static_cast<std::size_t>(team.input_offset(seen))},
+                .chance = RandomStream(seed, Chance::motion, one.body.index),
+                .lengths = {}};
+    if (auto* path = std::get_if<PathMotion>(&mover.motion)) {
+      path->points = corners(*path);
+      mover.lengths.push_back(0.0);
+      for (std::size_t i = 1; i < path->points.size(); ++i) {
+        mover.lengths.push_back(mover.lengths.back() + norm(path->points[i] - path->points[i - 1]));
+      }
+    }
+    movers_.push_back(std::move(mover));
+  }
+}
+
+/// The velocity of one body over the step that begins now.
+struct Motions::Steer {
+  Mover& mover;
+  double t, dt;
+  Vec3<double> p;        // of the body
+  Sight<double> robot;   // that it follows
+  Vec3<double>& placed;  // where it is all at once
+
+  /// To be at q at the end of the step, whatever rounding left behind.
+  Vec3<double> reach(const Vec3<double>& q) const { return (1 / dt) * (q - p); }
+
+  Vec3<double> operator()(const PathMotion& path) const {
+    const std::vector<double>& lengths = mover.lengths;
+    double s = path.speed * (t + dt);
+    if (path.end == PathMotion::End::round) s = std::fmod(s, lengths.back());
+    const auto after = std::upper_bound(lengths.begin(), lengths.end(), s);
+    if (after == lengths.end()) return reach(path.points.back());
+    const auto i = static_cast<std::size_t>(after - lengths.begin());
+    const double w = (s - lengths[i - 1]) / (lengths[i] - lengths[i - 1]);
+    return reach(path.points[i - 1] + w * (path.points[i] - path.points[i - 1]));
+  }
+
+  Vec3<double> operator()(const CircleMotion& circle) const {
+    const SinCos<double> a =
+        sincos(std::remainder(circle.phase + circle.rate * (t + dt), 2 * std::numbers::pi));
+    return reach(circle.centre + circle.radius * Vec3<double>{a.cos, a.sin, 0});
+  }
+
+  Vec3<double> operator()(const ChaseMotion& chase) const {
+    return pursue(robot.p - p, chase.speed, chase.standoff, dt);
+  }
+
+  Vec3<double> operator()(const CrossMotion& cross) {
+    if (t < cross.at - same_time) return {};
+    if (mover.entered) return mover.v;
+    mover.entered = true;
+    const Vec3<double> aim = meeting_place(robot.p - p, robot.v, cross.speed);
+    const double level = std::hypot(aim.x, aim.y);
+    const double turn = level > 0 ? std::asin(std::clamp(cross.miss / level, -1.0, 1.0)) : 0.0;
+    const Vec2<double> turned = rotate<double>({cos(turn), sin(turn)}, {aim.x, aim.y});
+    return mover.v = along({turned.x, turned.y, aim.z}, cross.speed);
+  }
+
+  Vec3<double> operator()(const HandMotion& hand) {
+    if (t < hand.at - same_time) return {};
+    if (!mover.entered) {
+      mover.entered = true;
+      placed = hand.from;
+    }
+    return pursue(robot.p - placed, hand.speed, hand.standoff, dt);
+  }
+
+  Vec3<double> operator()(const AdversaryMotion& adversary) {
+    if (t < mover.next - same_time) return mover.v;
+    mover.next = t + adversary.every;
+    const bool plane = adversary.within == AdversaryMotion::Within::plane;
+    const bool aimed = mover.chance.uniform() <= adversary.aim;
+    const double speed =
+        mover.chance.uniform() <= 0.5 ? adversary.speed : adversary.speed * mover.chance.uniform();
+    Vec3<double> way = aimed ? robot.p - p : any_way(mover.chance, adversary.within);
+    if (plane) way.z = 0;
+    return mover.v = along(way, speed);
+  }
+};
+
+void Motions::steer(double t, double dt, std::span<const double> u, std::span<double> x) noexcept {
+  for (Mover& mover : movers_) {
+    double* const at = &x[mover.x];
+    Vec3<double> p = {at[0], at[1], at[2]};
+    const double* const input = u.empty() ? nullptr : u.data() + mover.followed.u;
+    const Sight<double> robot = mover.followed.model.sight(&x[mover.followed.x], input);
+    const Vec3<double> v = std::visit(Steer{mover, t, dt, p, robot, p}, mover.motion);
+    at[0] = p.x, at[1] = p.y, at[2] = p.z;
+    at[3] = v.x, at[4] = v.y, at[5] = v.z;
+  }
+}
+
+}  // namespace sightline
