@@ -1,0 +1,107 @@
+/// A filter on the command of one robot, after the solver: the nearest command that keeps a hard distance.
+///
+/// A robot is safe where it has a plan that is safe whatever its neighbours do. The plan is to flee along a
+/// horizontal direction m with the acceleration that is left at every speed, drag included, at constant height:
+///
+///   p_m(t) = p + E(t) v + b F(t) m,   E = (1 - e^(-c t)) / c,   F = (c t - 1 + e^(-c t)) / c^2
+///
+/// and a neighbour is by then somewhere in a ball of centre c(t) and radius rho(t). The reserve [m] is
+///
+///   B = max over m of min over t >= 0 of |p_m(t) - c(t)| - rho(t) - d_hard
+///
+/// so that the distance is d_hard + B at least, now and on the plan. The filter asks of the next sampled state,
+/// found by the Runge-Kutta step the plant takes, that B+ >= (1 - rate dt) B against the worst the neighbour can
+/// do meanwhile. The plan's own command does that, so a robot with B >= 0 always has a command, and B stays
+/// >= 0. The mathematics, and what is not guaranteed, are in docs/safety.md.
+///
+/// Units are SI, vectors in G. Constant after construction: one Barrier may serve many loops and threads.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sightline/model/model.hpp"
+
+namespace sightline {
+
+/// What is assumed of a neighbour.
+enum class Conduct {
+  stranger,  ///< goes anywhere with up to speed_max, turning at will; it does not give way
+  member,    ///< runs a Barrier itself, against this robot, and takes the other share; same model
+};
+
+/// Another body, as this robot knows it.
+struct Neighbour {
+  Vec3<double> p{};        ///< position [m]
+  Vec3<double> v{};        ///< velocity [m/s]; of a stranger it counts where acceleration_max is finite
+  double d_hard = 1.0;     ///< centre to centre [m], > 0
+  double speed_max = 1.5;  ///< of a stranger [m/s], >= 0; 0: at rest
+  double acceleration_max = std::numeric_limits<double>::infinity();  ///< of a stranger [m/s^2], >= 0
+  double age = 0.0;                                                   ///< of p and v [s], >= 0
+  double sigma = 0.0;  ///< standard deviation of the position relative to the robot [m]; 3 sigma are kept
+  double tie = 1.0;    ///< where both are in one place, the robot parts along tie x; of opposite sign
+                       ///< for the two members of a pair
+  Conduct conduct = Conduct::stranger;
+};
+
+struct BarrierOptions {
+  double floor = -std::numeric_limits<double>::infinity();   ///< least height [m]
+  double ceiling = std::numeric_limits<double>::infinity();  ///< greatest height [m], > floor
+  double world = std::numeric_limits<double>::infinity();    ///< greatest |p_x| and |p_y| [m], > 0
+  double margin = 0.002;   ///< added to d_hard for what happens between two samples [m], >= 0
+  double rate = 4.0;       ///< how fast the reserve may be used up [1/s], in (0, 1 / dt]
+  double authority = 0.9;  ///< part of the acceleration that plans count on, in (0, 1]; the rest is for wind
+  double share = 0.5;      ///< part of the reserve between two members that this robot may use, in (0, 1]
+};
+
+/// What a row of the filter keeps, if not the distance to a neighbour.
+enum class Wall { none, floor, ceiling, x_min, x_max, y_min, y_max };
+std::string_view to_string(Wall wall) noexcept;
+
+struct BarrierResult {
+  bool active = false;     ///< the command was changed
+  bool conflict = false;   ///< no command within the limits keeps all; the largest violation was made least
+  double violation = 0.0;  ///< largest amount by which a row is missed [m]; 0 without a conflict
+  double reserve = std::numeric_limits<double>::infinity();  ///< least B of all neighbours [m]
+  int neighbour = -1;      ///< the one with the tightest row: index into the neighbours, or -1
+  Wall wall = Wall::none;  ///< the wall with the tightest row, if it is not a neighbour
+};
+
+class Barrier {
+ public:
+  /// Of more neighbours, those with the least reserve count.
+  static constexpr int most_neighbours = 16;
+
+  /// @param u_min, u_max  limits of the inputs, the tightest there will be
+  /// @param dt            period of the commands [s]
+  /// @throws std::invalid_argument for an option out of range, and for a model whose commands do not accelerate
+  ///         it in every horizontal direction at once, or whose height does not follow the command at once
+  Barrier(const Model& model, std::span<const double> u_min, std::span<const double> u_max, double dt,
+          const BarrierOptions& options = {});
+
+  /// Puts in place of u the nearest command that keeps all distances and walls. Allocates nothing.
+  /// A neighbour whose numbers are not finite is left out, and the result tells a conflict.
+  /// @param x             state of the robot, as believed (nx)
+  /// @param u_min, u_max  limits now (nu)
+  /// @param u             the solver's command (nu); afterwards finite and within the limits, always
+  BarrierResult filter(std::span<const double> x, std::span<const Neighbour> neighbours,
+                       std::span<const double> u_min, std::span<const double> u_max,
+                       std::span<double> u) const noexcept;
+
+  /// B of one neighbour at a state [m].
+  double reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept;
+
+  const BarrierOptions& options() const noexcept { return options_; }
+  double acceleration() const noexcept { return b_; }  ///< b [m/s^2], what plans count on
+  double drag() const noexcept { return c_; }          ///< c [1/s]
+
+ private:
+  Model model_;
+  BarrierOptions options_;
+  double dt_ = 0.0, b_ = 0.0, c_ = 0.0;
+};
+
+}  // namespace sightline
