@@ -1,0 +1,209 @@
+#include "sightline/safety/projection.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace sightline {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr int most_variables = most_inputs + 1;  // and the slack
+constexpr int most_conditions = most_half_spaces + 2 * most_inputs;
+constexpr double dependent = 1e-9;  // a unit normal whose rest is shorter adds nothing to the set
+constexpr int most_steps = 400;
+
+using Vector = std::array<double, most_variables>;
+
+double dot(const Vector& a, const Vector& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < most_variables; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+/// min |x - x_nom|^2 under conditions n_i . x >= e_i with |n_i| = 1.
+class ActiveSet {
+ public:
+  void add(Vector normal, double e) {
+    const double length = std::sqrt(dot(normal, normal));
+    if (length == 0) {
+      impossible_ = impossible_ || e > 0;
+      return;
+    }
+    const auto i = static_cast<std::size_t>(count_++);
+    for (std::size_t k = 0; k < most_variables; ++k) normal_[k][i] = normal[k] / length;
+    offset_[i] = e / length;
+  }
+
+  /// @return false where no x keeps all conditions
+  bool solve(Vector& x) {
+    if (impossible_) return false;
+    for (; steps < most_steps;) {
+      const int entering = most_violated(x);
+      if (entering < 0) return true;
+      if (!take_in(entering, x)) return false;
+    }
+    return true;
+  }
+
+  int steps = 0;
+
+ private:
+  Vector normal(int i) const {
+    Vector n;
+    for (std::size_t k = 0; k < most_variables; ++k) n[k] = normal_[k][static_cast<std::size_t>(i)];
+    return n;
+  }
+
+  int most_violated(const Vector& x) const {
+    std::array<double, most_conditions> gap;
+    const auto n = static_cast<std::size_t>(count_);
+    for (std::size_t i = 0; i < n; ++i) gap[i] = -offset_[i];
+    for (std::size_t k = 0; k < most_variables; ++k) {
+      for (std::size_t i = 0; i < n; ++i) gap[i] += normal_[k][i] * x[k];
+    }
+    int worst = -1;
+    double least = -projection_tolerance;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (gap[i] >= least) continue;
+      least = gap[i];
+      worst = static_cast<int>(i);
+    }
+    return worst;
+  }
+
+  /// Moves x until the condition is kept, letting go others on the way; r and z are the parts of its normal
+  /// within and beyond those of the set.
+  bool take_in(int entering, Vector& x) {
+    const Vector n = normal(entering);
+    double multiplier = 0.0;
+    for (; steps < most_steps; ++steps) {
+      Vector r{}, z = n;
+      split(r, z);
+      const double reach = dot(z, z);
+      const double missing = offset_[static_cast<std::size_t>(entering)] - dot(n, x);
+      const double whole = reach > dependent * dependent ? std::max(missing, 0.0) / reach : infinity;
+      int leaving = -1;
+      double step = whole;
+      for (int j = 0; j < size_; ++j) {
+        const auto q = static_cast<std::size_t>(j);
+        if (r[q] <= 0 || multiplier_[q] >= step * r[q]) continue;
+        step = multiplier_[q] / r[q];
+        leaving = j;
+      }
+      if (step == infinity) return false;
+      if (whole < infinity) {
+        for (std::size_t k = 0; k < most_variables; ++k) x[k] += step * z[k];
+      }
+      for (int j = 0; j < size_; ++j)
+        multiplier_[static_cast<std::size_t>(j)] -= step * r[static_cast<std::size_t>(j)];
+      multiplier += step;
+      if (leaving >= 0) {
+        drop(leaving);
+        continue;
+      }
+      ++steps;
+      push(entering, multiplier, z, reach);
+      return true;
+    }
+    return true;
+  }
+
+  /// z loses what lies in the span of the set, twice against rounding; r are the coefficients of that part.
+  void split(Vector& r, Vector& z) const {
+    Vector part{};
+    for (int round = 0; round < 2; ++round) {
+      for (std::size_t j = 0; j < static_cast<std::size_t>(size_); ++j) {
+        const double along = dot(basis_[j], z);
+        part[j] += along;
+        for (std::size_t k = 0; k < most_variables; ++k) z[k] -= along * basis_[j][k];
+      }
+    }
+    for (int j = size_ - 1; j >= 0; --j) {
+      const auto row = static_cast<std::size_t>(j);
+      double sum = part[row];
+      for (std::size_t k = row + 1; k < static_cast<std::size_t>(size_); ++k) sum -= triangle_[k][row] * r[k];
+      r[row] = sum / triangle_[row][row];
+    }
+  }
+
+  /// The set's normals are basis_ times the triangle, column by column.
+  void push(int entering, double multiplier, const Vector& z, double reach) {
+    const auto at = static_cast<std::size_t>(size_++);
+    const Vector n = normal(entering);
+    for (std::size_t j = 0; j < at; ++j) triangle_[at][j] = dot(basis_[j], n);
+    triangle_[at][at] = std::sqrt(reach);
+    for (std::size_t k = 0; k < most_variables; ++k) basis_[at][k] = z[k] / triangle_[at][at];
+    member_[at] = entering;
+    multiplier_[at] = multiplier;
+  }
+
+  void drop(int leaving) {
+    const int old_size = size_;
+    const auto members = member_;
+    const auto multipliers = multiplier_;
+    size_ = leaving;
+    for (int j = leaving + 1; j < old_size; ++j) {
+      const auto q = static_cast<std::size_t>(j);
+      Vector r{}, z = normal(members[q]);
+      split(r, z);
+      push(members[q], multipliers[q], z, dot(z, z));
+    }
+  }
+
+  std::array<std::array<double, most_conditions>, most_variables> normal_;
+  std::array<double, most_conditions> offset_;
+  int count_ = 0;
+  bool impossible_ = false;
+
+  int size_ = 0;
+  std::array<int, most_variables> member_{};
+  Vector multiplier_{};
+  std::array<Vector, most_variables> basis_{}, triangle_{};
+};
+
+/// The rows and the limits; `slack` is the coefficient of the slack in each row.
+ProjectionResult solve(std::span<const HalfSpace> rows, std::span<const double> u_min,
+                       std::span<const double> u_max, double slack, std::span<double> u) noexcept {
+  ActiveSet set;
+  Vector x{};
+  for (const HalfSpace& row : rows) {
+    set.add({row.a[0], row.a[1], row.a[2], row.a[3], slack}, row.b);
+  }
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    x[i] = u[i];
+    Vector low{}, high{};
+    low[i] = 1.0;
+    high[i] = -1.0;
+    set.add(low, u_min[i]);
+    set.add(high, -u_max[i]);
+  }
+  const bool feasible = set.solve(x);
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = std::clamp(x[i], u_min[i], u_max[i]);
+  return {.feasible = feasible, .violation = 0.0, .steps = set.steps};
+}
+
+}  // namespace
+
+ProjectionResult project(std::span<const HalfSpace> rows, std::span<const double> u_min,
+                         std::span<const double> u_max, std::span<double> u) noexcept {
+  assert(u.size() <= most_inputs && "a command has at most most_inputs inputs");
+  assert(rows.size() <= most_half_spaces && "the rows fit the arrays");
+  std::array<double, most_inputs> nominal{};
+  std::copy(u.begin(), u.end(), nominal.begin());
+  ProjectionResult result = solve(rows, u_min, u_max, 0.0, u);
+  if (result.feasible) return result;
+
+  std::copy_n(nominal.begin(), u.size(), u.begin());
+  const ProjectionResult relaxed = solve(rows, u_min, u_max, 1.0 / std::sqrt(slack_weight), u);
+  result.steps += relaxed.steps;
+  for (const HalfSpace& row : rows) {
+    double value = 0.0;
+    for (std::size_t i = 0; i < u.size(); ++i) value += row.a[i] * u[i];
+    result.violation = std::max(result.violation, row.b - value);
+  }
+  return result;
+}
+
+}  // namespace sightline

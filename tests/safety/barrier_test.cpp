@@ -1,0 +1,1 @@
+#include "sightline/safety/barrier.hpp"
