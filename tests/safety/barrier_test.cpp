@@ -1,1 +1,326 @@
 #include "sightline/safety/barrier.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "cli/allocations.hpp"
+#include "tests/support/adversary.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/robots.hpp"
+
+namespace sightline {
+namespace {
+
+using test::Command;
+using test::highest;
+using test::lowest;
+using test::State;
+
+constexpr double dt = 0.01;
+
+Barrier barrier(const BarrierOptions& options = {}) {
+  return Barrier(Multirotor{}, lowest, highest, dt, options);
+}
+
+State random_state(Random& random, double speed) {
+  const double psi = uniform(random, -std::numbers::pi, std::numbers::pi);
+  return {
+      uniform(random, -3, 3), uniform(random, -3, 3),         uniform(random, 0.5, 3),       std::cos(psi),
+      std::sin(psi),          uniform(random, -speed, speed), uniform(random, -speed, speed)};
+}
+
+Vec3<double> position(const State& x) { return {x[0], x[1], x[2]}; }
+
+/// A stranger whose reserve is `reserve`, in any direction.
+Neighbour stranger_at(const Barrier& filter, const State& x, double reserve, Random& random) {
+  Neighbour n{.d_hard = uniform(random, 0.4, 1.2), .speed_max = uniform(random, 0.0, 1.5)};
+  const Vec3<double> direction = test::any_direction(random, true);
+  double near = 0.1, far = 30.0;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (near + far);
+    n.p = position(x) + middle * direction;
+    (filter.reserve(x, n) < reserve ? near : far) = middle;
+  }
+  n.p = position(x) + far * direction;
+  return n;
+}
+
+/// Whether the robot, flown by its own model with one pair of full thrusts, height and heading held, stays out of
+/// reach of the stranger for as long as it takes to be the faster one.
+bool can_flee(const State& from, const Neighbour& n) {
+  for (const double u_f : {-1.0, 1.0}) {
+    for (const double u_s : {-1.0, 1.0}) {
+      State x = from;
+      bool safe = true;
+      for (int k = 0; safe && k < 800; ++k) {
+        test::fly(Multirotor{}, x, {u_f, u_s, 0, 0}, dt, [&](const Vec3<double>& p, double t) {
+          safe = safe && norm(p - n.p) >= n.d_hard + n.speed_max * (dt * k + t);
+        });
+      }
+      if (safe) return true;
+    }
+  }
+  return false;
+}
+
+TEST(Barrier, ReserveIsAPromiseThatTheRobotItselfCanKeep) {
+  const Barrier filter = barrier({.authority = 1.0});
+  Random random(1);
+  int beyond = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const State x = random_state(random, 2.0);
+    EXPECT_TRUE(can_flee(x, stranger_at(filter, x, 0.0, random)));
+    // And no much smaller one than there is.
+    beyond += can_flee(x, stranger_at(filter, x, -0.1, random));
+  }
+  EXPECT_LE(beyond, 40);
+}
+
+// The argument of the barrier, tick by tick: whatever is commanded and wherever the stranger goes.
+TEST(Barrier, UsesUpItsReserveNoFasterThanItsRate) {
+  const Barrier filter = barrier();
+  Random random(2);
+  for (int k = 0; k < 20000; ++k) {
+    State x = random_state(random, 2.0);
+    Neighbour n = stranger_at(filter, x, k % 2 == 0 ? 0.0 : uniform(random, 0.0, 0.1), random);
+    const double before = filter.reserve(x, n);
+    Command u = k % 3 == 0 ? test::towards(x, n.p) : uniform_array<4>(random, -1, 1);
+    const BarrierResult result = filter.filter(x, std::span(&n, 1), lowest, highest, u);
+    EXPECT_FALSE(result.conflict);
+    EXPECT_NEAR(result.reserve, before, 1e-12);
+    const Vec3<double> r = position(x) - n.p;
+    const Vec3<double> goes = k % 2 == 0 ? (1 / norm(r)) * r : test::any_direction(random, true);
+    test::fly(Multirotor{}, x, u, dt, [](const Vec3<double>&, double) {});
+    n.p = n.p + dt * n.speed_max * goes;
+    EXPECT_GE(filter.reserve(x, n), (1 - filter.options().rate * dt) * before - 2e-3);
+  }
+}
+
+TEST(Barrier, LeavesACommandAloneBitForBitThatIsSafe) {
+  const Barrier filter = barrier({.floor = 0.0, .ceiling = 10.0, .world = 100.0});
+  Random random(3);
+  for (int k = 0; k < 2000; ++k) {
+    const State x = random_state(random, 1.0);
+    const Neighbour n = stranger_at(filter, x, uniform(random, 4.0, 8.0), random);
+    const Command wanted = uniform_array<4>(random, -1, 1);
+    Command u = wanted;
+    const BarrierResult result = filter.filter(x, std::span(&n, 1), lowest, highest, u);
+    EXPECT_FALSE(result.active);
+    EXPECT_EQ(u, wanted);
+  }
+}
+
+TEST(Barrier, KeepsTheDistanceToWhatStandsStill) {
+  const Barrier filter = barrier();
+  for (const double start : {1.5, 4.0, 9.0}) {
+    State x = {0, 0, 1, 0.8, 0.6, 0, 0};
+    const Neighbour n{.p = {start, 0.2, 1.3}, .d_hard = 0.6, .speed_max = 0.0};
+    double nearest = 1e9;
+    for (int k = 0; k < 1500; ++k) {
+      Command u = test::towards(x, n.p);
+      filter.filter(x, std::span(&n, 1), lowest, highest, u);
+      test::fly(Multirotor{}, x, u, dt,
+                [&](const Vec3<double>& p, double) { nearest = std::min(nearest, norm(p - n.p)); });
+    }
+    EXPECT_GE(nearest, 0.6);
+    EXPECT_LE(nearest, 0.65);
+  }
+}
+
+TEST(Barrier, AddsThreeSigmaAndWhatOldDataMayHide) {
+  const Barrier filter = barrier();
+  Random random(4);
+  for (int k = 0; k < 500; ++k) {
+    const State x = random_state(random, 1.0);
+    Neighbour n = stranger_at(filter, x, 1.0, random);
+    const double fresh = filter.reserve(x, n);
+    n.sigma = 0.05;
+    EXPECT_NEAR(filter.reserve(x, n), fresh - 0.15, 1e-9);
+    n.sigma = 0.0;
+    n.age = 0.1;
+    EXPECT_NEAR(filter.reserve(x, n), fresh - 0.1 * n.speed_max, 1e-9);
+  }
+  Neighbour peer{.p = {5, 0, 1}, .conduct = Conduct::member};
+  const State x = {0, 0, 1, 1, 0, 1.5, 0};
+  const double fresh = filter.reserve(x, peer);
+  peer.age = 0.1;
+  EXPECT_LT(filter.reserve(x, peer), fresh - 0.05);
+  EXPECT_LT(barrier({.velocity_sigma = 0.05}).reserve(x, peer), filter.reserve(x, peer) - 0.05);
+}
+
+TEST(Barrier, LetsAStrangerNearerWhoseVelocityIsKnown) {
+  const Barrier filter = barrier();
+  const State x = {0, 0, 1, 1, 0, 0, 0};
+  Neighbour n{.p = {3, 0, 1}};
+  const double unknown = filter.reserve(x, n);
+  n.v = {0.5, 0, 0};
+  EXPECT_EQ(filter.reserve(x, n), unknown);
+  n.acceleration_max = 0.1;
+  EXPECT_GT(filter.reserve(x, n), unknown + 0.5);
+  n.acceleration_max = 50.0;
+  EXPECT_EQ(filter.reserve(x, n), unknown);
+}
+
+TEST(Barrier, KeepsFloorCeilingAndTheWorldsBounds) {
+  const Barrier filter = barrier({.floor = 0.3, .ceiling = 3.0, .world = 5.0});
+  Random random(5);
+  for (int k = 0; k < 60; ++k) {
+    State x = random_state(random, 2.0);
+    Command wanted = uniform_array<4>(random, -1, 1);
+    double low = 1e9, high = 0, out = 0;
+    for (int i = 0; i < 800; ++i) {
+      if (i % 100 == 0) wanted = uniform_array<4>(random, -1, 1);
+      if (k % 2 == 0) wanted = test::towards(x, {k % 4 == 0 ? 50.0 : -50.0, 30, k % 4 == 0 ? -9.0 : 9.0});
+      Command u = wanted;
+      filter.filter(x, {}, lowest, highest, u);
+      test::fly(Multirotor{}, x, u, dt, [&](const Vec3<double>& p, double) {
+        low = std::min(low, p.z);
+        high = std::max(high, p.z);
+        out = std::max({out, std::abs(p.x), std::abs(p.y)});
+      });
+    }
+    EXPECT_GE(low, 0.3 - 1e-9);
+    EXPECT_LE(high, 3.0 + 1e-9);
+    EXPECT_LE(out, 5.0 + 1e-3);
+    if (k % 2 == 0) {
+      EXPECT_GE(out, 4.9);
+    }
+  }
+}
+
+TEST(Barrier, TellsAConflictAndDividesIt) {
+  const Barrier filter = barrier();
+  const State x = {0, 0, 1, 1, 0, 0, 0};
+  const std::array<Neighbour, 2> both = {Neighbour{.p = {0.7, 0, 1}}, Neighbour{.p = {-0.8, 0, 1}}};
+  Command u = {1, 0.3, 0, 0};
+  const BarrierResult result = filter.filter(x, both, lowest, highest, u);
+  EXPECT_TRUE(result.conflict);
+  EXPECT_TRUE(result.active);
+  EXPECT_GT(result.violation, 1e-3);
+  EXPECT_LT(result.reserve, 0.0);
+  EXPECT_LT(u[0], 0.0);
+  EXPECT_EQ(result.neighbour, 0);
+  EXPECT_TRUE(all_finite(u));
+}
+
+TEST(Barrier, NamesWhatIsTightest) {
+  const Barrier filter = barrier({.floor = 0.3, .ceiling = 5.0, .world = 20.0});
+  const std::array<Neighbour, 2> others = {Neighbour{.p = {8, 0, 1}}, Neighbour{.p = {0, 2.2, 1}}};
+  Command u = {0, 1, 0, 0};
+  BarrierResult result = filter.filter(State{0, 0, 1, 1, 0, 0, 0}, others, lowest, highest, u);
+  EXPECT_EQ(result.neighbour, 1);
+  EXPECT_EQ(result.wall, Wall::none);
+  u = {0, 0, -1, 0};
+  result = filter.filter(State{0, 0, 0.31, 1, 0, 0, 0}, {}, lowest, highest, u);
+  EXPECT_TRUE(result.active);
+  EXPECT_EQ(result.neighbour, -1);
+  EXPECT_EQ(to_string(result.wall), "floor");
+  u = {1, 0, 0, 0};
+  result = filter.filter(State{19.9, 0, 1, 1, 0, 0.5, 0}, {}, lowest, highest, u);
+  EXPECT_EQ(to_string(result.wall), "x_max");
+}
+
+TEST(Barrier, HeedsThePressingOnesOfAHundred) {
+  const Barrier filter = barrier();
+  Random random(6);
+  for (int k = 0; k < 50; ++k) {
+    const State x = random_state(random, 1.0);
+    std::vector<Neighbour> crowd;
+    for (int i = 0; i < 100; ++i) {
+      crowd.push_back({.p = position(x) + uniform(random, 12, 20) * test::any_direction(random, true)});
+    }
+    const Neighbour pressing = stranger_at(filter, x, 0.0, random);
+    const std::size_t at = random() % crowd.size();
+    crowd[at] = pressing;
+    Command alone = test::towards(x, pressing.p), u = alone;
+    const BarrierResult one = filter.filter(x, std::span(&pressing, 1), lowest, highest, alone);
+    const BarrierResult result = filter.filter(x, crowd, lowest, highest, u);
+    EXPECT_EQ(u, alone);
+    EXPECT_EQ(result.reserve, one.reserve);
+    EXPECT_EQ(result.neighbour, static_cast<int>(at));
+  }
+}
+
+TEST(Barrier, GivesFiniteCommandsWithinTheLimitsWhateverItIsTold) {
+  const Barrier filter = barrier({.floor = 0.3, .ceiling = 10, .world = 100});
+  constexpr double inf = std::numeric_limits<double>::infinity(), nan = not_a_number;
+  constexpr std::array<double, 10> odd = {nan, inf, -inf, 1e300, -1e300, 1e160, 5e-324, -0.0, 1e7, 0.0};
+  Random random(7);
+  for (int k = 0; k < 50000; ++k) {
+    State x = random_state(random, 3.0);
+    std::array<Neighbour, 3> others;
+    for (Neighbour& n : others) {
+      n = stranger_at(filter, {0, 0, 1, 1, 0, 0, 0}, 0.0, random);
+      if (k % 2 == 0) n.conduct = Conduct::member;
+    }
+    Command u = uniform_array<4>(random, -1, 1);
+    const auto any = [&] { return odd[random() % odd.size()]; };
+    for (int i = 0; i < 2; ++i) {
+      Neighbour& n = others[random() % 3];
+      const std::array<double*, 11> fields = {&n.p.x,    &n.p.y, &n.p.z,       &n.v.x,   &n.v.y,
+                                              &n.d_hard, &n.age, &n.speed_max, &n.sigma, &n.acceleration_max,
+                                              &n.tie};
+      switch (random() % 3) {
+        case 0:
+          *fields[random() % fields.size()] = any();
+          break;
+        case 1:
+          x[random() % x.size()] = any();
+          break;
+        default:
+          u[random() % u.size()] = any();
+      }
+    }
+    filter.filter(x, others, lowest, highest, u);
+    for (const double c : u) {
+      EXPECT_GE(c, -1.0);
+      EXPECT_LE(c, 1.0);
+    }
+  }
+}
+
+TEST(Barrier, TellsAConflictOfNumbersThatAreNone) {
+  const Barrier filter = barrier();
+  Neighbour n{.p = {3, not_a_number, 1}};
+  Command u = {0.5, 0, 0, 0};
+  EXPECT_TRUE(filter.filter(State{0, 0, 1, 1, 0, 0, 0}, std::span(&n, 1), lowest, highest, u).conflict);
+  n.p.y = 0;
+  EXPECT_FALSE(filter.filter(State{0, 0, 1, 1, 0, 0, 0}, std::span(&n, 1), lowest, highest, u).conflict);
+  EXPECT_TRUE(
+      filter.filter(State{0, 0, infinite, 1, 0, 0, 0}, std::span(&n, 1), lowest, highest, u).conflict);
+}
+
+TEST(Barrier, AllocatesNothing) {
+  if (!cli::counts_allocations()) return;
+  const Barrier filter = barrier({.floor = 0.3, .ceiling = 10, .world = 100});
+  Random random(8);
+  std::array<Neighbour, 16> others;
+  for (int k = 0; k < 200; ++k) {
+    const State x = random_state(random, 1.0);
+    for (Neighbour& n : others) n = stranger_at(filter, x, 0.0, random);
+    Command u = uniform_array<4>(random, -1, 1);
+    const std::int64_t before = cli::allocations();
+    filter.filter(x, others, lowest, highest, u);
+    EXPECT_EQ(cli::allocations(), before);
+  }
+}
+
+TEST(Barrier, RefusesOptionsOutOfRange) {
+  const auto said = [](const BarrierOptions& options) { return refusal_of([&] { barrier(options); }); };
+  EXPECT_EQ(said({.floor = 1, .ceiling = 0.5}), "barrier: ceiling = 0.5, expected above the floor");
+  EXPECT_EQ(said({.world = -1}), "barrier: world = -1, expected > 0 m");
+  EXPECT_EQ(said({.margin = -0.1}), "barrier: margin = -0.1, expected >= 0 m");
+  EXPECT_EQ(said({.rate = 200}), "barrier: rate = 200, expected in (0, 1 / dt] 1/s");
+  EXPECT_EQ(said({.authority = 1.1}), "barrier: authority = 1.1, expected in (0, 1]");
+  EXPECT_EQ(said({.share = 0}), "barrier: share = 0, expected in (0, 1]");
+  EXPECT_EQ(said({.velocity_sigma = not_a_number}), "barrier: velocity_sigma = nan, expected >= 0 m/s");
+  EXPECT_THAT(refusal_of([] {
+                Barrier(test::Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2), dt);
+              }),
+              testing::HasSubstr("expected a robot that can flee any way"));
+}
+
+}  // namespace
+}  // namespace sightline

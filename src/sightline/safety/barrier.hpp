@@ -1,13 +1,13 @@
 /// A filter on the command of one robot, after the solver: the nearest command that keeps a hard distance.
 ///
-/// A robot is safe where it has a plan that is safe whatever its neighbours do. The plan is to flee along a
-/// horizontal direction m with the acceleration that is left at every speed, drag included, at constant height:
+/// A robot is safe where it has a plan that is safe whatever its neighbours do. The plan is to flee with a constant
+/// thrust, drag as it is, at constant height and heading:
 ///
-///   p_m(t) = p + E(t) v + b F(t) m,   E = (1 - e^(-c t)) / c,   F = (c t - 1 + e^(-c t)) / c^2
+///   p_a(t) = p + E(t) v + F(t) a,   E = (1 - e^(-c t)) / c,   F = (c t - 1 + e^(-c t)) / c^2
 ///
 /// and a neighbour is by then somewhere in a ball of centre c(t) and radius rho(t). The reserve [m] is
 ///
-///   B = max over m of min over t >= 0 of |p_m(t) - c(t)| - rho(t) - d_hard
+///   B = max over a of min over t >= 0 of |p_a(t) - c(t)| - rho(t) - d_hard
 ///
 /// so that the distance is d_hard + B at least, now and on the plan. The filter asks of the next sampled state,
 /// found by the Runge-Kutta step the plant takes, that B+ >= (1 - rate dt) B against the worst the neighbour can
@@ -17,13 +17,13 @@
 /// Units are SI, vectors in G. Constant after construction: one Barrier may serve many loops and threads.
 #pragma once
 
-#include <array>
 #include <limits>
 #include <span>
 #include <string_view>
-#include <vector>
 
 #include "sightline/model/model.hpp"
+#include "sightline/safety/authority.hpp"
+#include "sightline/safety/escape.hpp"
 
 namespace sightline {
 
@@ -54,7 +54,8 @@ struct BarrierOptions {
   double margin = 0.002;   ///< added to d_hard for what happens between two samples [m], >= 0
   double rate = 4.0;       ///< how fast the reserve may be used up [1/s], in (0, 1 / dt]
   double authority = 0.9;  ///< part of the acceleration that plans count on, in (0, 1]; the rest is for wind
-  double share = 0.5;      ///< part of the reserve between two members that this robot may use, in (0, 1]
+  double velocity_sigma = 0.0;  ///< standard deviation of the robot's believed velocity [m/s], >= 0
+  double share = 0.5;  ///< part of the reserve between two members that this robot may use, in (0, 1]
 };
 
 /// What a row of the filter keeps, if not the distance to a neighbour.
@@ -96,12 +97,29 @@ class Barrier {
 
   const BarrierOptions& options() const noexcept { return options_; }
   double acceleration() const noexcept { return b_; }  ///< b [m/s^2], what plans count on
-  double drag() const noexcept { return c_; }          ///< c [1/s]
+  double drag() const noexcept { return can_.drag; }   ///< c [1/s]
 
  private:
+  struct Next;
+  struct Row;
+  struct Rows;
+
+  Next next(std::span<const double> x, std::span<const double> u) const noexcept;
+  Escape escape(const Sight<double>& self, const Neighbour& neighbour) const noexcept;
+  Row keep_away(const Sight<double>& self, const Escape& plan, const Touch& touch,
+                Conduct conduct) const noexcept;
+  void add_neighbours(const Sight<double>& self, std::span<const Neighbour> neighbours,
+                      Rows& rows) const noexcept;
+  void add_walls(const Sight<double>& self, Rows& rows) const noexcept;
+  double solve(std::span<const double> x, const Next& nominal, Rows& rows, std::span<const double> u_min,
+               std::span<const double> u_max, std::span<double> u) const noexcept;
+
   Model model_;
   BarrierOptions options_;
-  double dt_ = 0.0, b_ = 0.0, c_ = 0.0;
+  double dt_;
+  Authority can_;
+  double b_;
+  EscapePlans plans_;
 };
 
 }  // namespace sightline

@@ -29,7 +29,7 @@ struct ProjectionResult {
 };
 
 inline constexpr int most_inputs = 4;
-inline constexpr int most_half_spaces = 24;
+inline constexpr int most_half_spaces = 56;
 inline constexpr double slack_weight = 1e8;
 /// A row counts as kept if it is missed by no more than this times |a|.
 inline constexpr double projection_tolerance = 1e-11;

@@ -1,0 +1,205 @@
+#include "sightline/safety/authority.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "sightline/math/integrate.hpp"
+#include "sightline/safety/projection.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr int most_states = 32;
+constexpr double difference = 1e-4;  // [s] and of inputs
+constexpr double none = 1e-6;        // what is smaller is rounding
+
+using Inputs = std::array<double, most_inputs>;
+
+struct Motion {
+  std::vector<double> x;
+  Inputs u{};
+};
+
+Vec3<double> velocity(const Model& model, const Motion& at) {
+  return model.sight(at.x.data(), at.u.data()).v;
+}
+
+/// Rate of the velocity while the inputs are held.
+Vec3<double> acceleration(const Model& model, const Motion& at) {
+  Motion later = at;
+  std::vector<double> rate(at.x.size());
+  model.f(at.x.data(), at.u.data(), rate.data());
+  for (std::size_t i = 0; i < rate.size(); ++i) later.x[i] += difference * rate[i];
+  return (1.0 / difference) * (velocity(model, later) - velocity(model, at));
+}
+
+/// Columns of the horizontal acceleration, and of the vertical velocity and acceleration, over the inputs.
+struct Columns {
+  std::array<Vec2<double>, most_inputs> thrust{};
+  bool climbs = false, climbs_late = false;
+};
+
+Columns columns(const Model& model, const Motion& at) {
+  Columns c;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(model.nu()); ++k) {
+    Motion up = at, down = at;
+    up.u[k] += 0.5;
+    down.u[k] -= 0.5;
+    const Vec3<double> a = acceleration(model, up) - acceleration(model, down);
+    const double climb = velocity(model, up).z - velocity(model, down).z;
+    c.thrust[k] = {std::abs(a.x) > none ? a.x : 0.0, std::abs(a.y) > none ? a.y : 0.0};
+    c.climbs = c.climbs || std::abs(climb) > none;
+    c.climbs_late = c.climbs_late || (std::abs(climb) <= none && std::abs(a.z) > none);
+  }
+  return c;
+}
+
+/// What the thrusts can do besides making up for `other`, by the least commands s_i . a, where s_i are the rows of
+/// the pseudo-inverse.
+struct Strength {
+  double disc = 0.0;  ///< radius in which every acceleration can be had [m/s^2]
+  double part = 0.0;  ///< of each command that is free
+};
+
+Strength strength(const Columns& c, const Vec2<double>& other, std::span<const double> u_min,
+                  std::span<const double> u_max) {
+  double xx = 0, xy = 0, yy = 0;
+  for (const Vec2<double>& g : c.thrust) xx += g.x * g.x, xy += g.x * g.y, yy += g.y * g.y;
+  const double determinant = xx * yy - xy * xy;
+  if (!(determinant > none * (xx + yy) * (xx + yy))) return {};
+  Strength least = {std::numeric_limits<double>::infinity(), 1.0};
+  for (std::size_t i = 0; i < u_min.size(); ++i) {
+    const Vec2<double>& g = c.thrust[i];
+    const Vec2<double> s = {(yy * g.x - xy * g.y) / determinant, (xx * g.y - xy * g.x) / determinant};
+    const double length = std::hypot(s.x, s.y), held = dot(s, other);
+    if (length == 0) continue;
+    const double whole = std::min(u_max[i], -u_min[i]), free = std::min(u_max[i] - held, held - u_min[i]);
+    least.disc = std::min(least.disc, free / length);
+    least.part = std::min(least.part, whole > 0 ? (whole - std::abs(held)) / whole : 0.0);
+  }
+  return {std::max(least.disc, 0.0), std::max(least.part, 0.0)};
+}
+
+/// A state reached from rest in some heading under commands of all kinds, and the thrusts there.
+struct Place {
+  Vec2<double> v, drift, heading;
+  Columns columns;
+};
+
+std::vector<Place> places(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
+  constexpr int headings = 8, stops = 8;
+  constexpr double pace = 0.05, longest = 1.2;  // [s]
+  std::vector<Place> found;
+  for (int i = 0; i < headings; ++i) {
+    const double psi = 0.1 + 2 * std::numbers::pi * i / headings;
+    Motion at{std::vector<double>(static_cast<std::size_t>(model.nx())), {}};
+    model.at_rest({{0, 0, 1}, {std::cos(psi), std::sin(psi)}}, at.x.data());
+    const Columns resting = columns(model, at);
+    std::vector<double> rows(RungeKuttaScratch::rows_needed * at.x.size());
+    Inputs driven{};
+    for (std::size_t k = 0; k < u_min.size(); ++k)
+      driven[k] = ((i >> (k % 3)) + static_cast<int>(k / 3)) % 2 == 0 ? u_min[k] : u_max[k];
+    for (int stop = 0; stop < stops; ++stop) {
+      for (double t = 0; stop > 0 && t < longest; t += pace) {
+        rk4_step([&](std::span<const double> x,
+                     std::span<double> rate) { model.f(x.data(), driven.data(), rate.data()); },
+                 at.x, pace, {rows});
+        if (!model.normalise(at.x.data())) break;
+      }
+      // The inputs that do not push at rest, such as yaw, are not counted on.
+      Columns here = columns(model, at);
+      for (std::size_t k = 0; k < most_inputs; ++k) {
+        if (dot(resting.thrust[k], resting.thrust[k]) == 0) here.thrust[k] = {};
+      }
+      const Vec3<double> v = velocity(model, at), a = acceleration(model, at);
+      found.push_back({{v.x, v.y}, {a.x, a.y}, model.sight(at.x.data(), at.u.data()).d, here});
+    }
+  }
+  return found;
+}
+
+Vec2<double> in_frame(const Place& place, std::size_t k, bool turns) {
+  const Vec2<double> back = {place.heading.x, -place.heading.y};
+  return turns ? rotate(back, place.columns.thrust[k]) : place.columns.thrust[k];
+}
+
+/// The thrusts in V, or else in G, where they are the same at all places; none where they are in neither.
+void add_thrusts(const std::vector<Place>& all, double part, std::span<const double> u_min,
+                 std::span<const double> u_max, Authority& authority) {
+  constexpr double same = 1e-3;  // of a thrust
+  for (const bool turns : {true, false}) {
+    const bool fixed = std::all_of(all.begin(), all.end(), [&](const Place& place) {
+      for (std::size_t k = 0; k < u_min.size(); ++k) {
+        const Vec2<double> g = in_frame(all.front(), k, turns), h = in_frame(place, k, turns);
+        if (std::hypot(g.x - h.x, g.y - h.y) > same * (std::hypot(g.x, g.y) + none)) return false;
+      }
+      return true;
+    });
+    if (!fixed) continue;
+    authority.turns = turns;
+    for (std::size_t k = 0; k < u_min.size(); ++k) {
+      const double reach = part * std::min(u_max[k], -u_min[k]);
+      const Vec2<double> g = in_frame(all.front(), k, turns);
+      if (dot(g, g) > 0)
+        authority.thrusts[static_cast<std::size_t>(authority.thrust_count++)] = {reach * g.x, reach * g.y};
+    }
+    return;
+  }
+}
+
+}  // namespace
+
+Authority authority_of(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
+  if (model.nu() > most_inputs || model.nx() > most_states) {
+    throw std::invalid_argument(
+        fmt::format("barrier: \"{}\" has {} inputs and {} states, expected at most {} and {}", model.name(),
+                    model.nu(), model.nx(), most_inputs, most_states));
+  }
+  const std::vector<Place> all = places(model, u_min, u_max);
+  Authority authority;
+  double along = 0.0, speed = 0.0;
+  for (const Place& place : all) {
+    along -= dot(place.drift, place.v);
+    speed += dot(place.v, place.v);
+    authority.climbs = authority.climbs || place.columns.climbs;
+    if (place.columns.climbs_late) {
+      throw std::invalid_argument(
+          fmt::format("barrier: the height of \"{}\" does not follow its commands at once, expected a "
+                      "vertical velocity that is "
+                      "commanded",
+                      model.name()));
+    }
+  }
+  authority.drag = speed > none ? std::max(along / speed, 0.0) : 0.0;
+  Strength all_have = {std::numeric_limits<double>::infinity(), 1.0};
+  for (const Place& place : all) {
+    const double c = authority.drag;
+    const Vec2<double> other = {-c * place.v.x - place.drift.x, -c * place.v.y - place.drift.y};
+    const Strength here = strength(place.columns, other, u_min, u_max);
+    all_have = {std::min(all_have.disc, here.disc), std::min(all_have.part, here.part)};
+  }
+  authority.acceleration = all_have.disc;
+  if (!(authority.acceleration > none)) {
+    throw std::invalid_argument(
+        fmt::format("barrier: the commands of \"{}\" do not accelerate it in every horizontal direction at "
+                    "once, expected a robot "
+                    "that can flee any way",
+                    model.name()));
+  }
+  add_thrusts(all, all_have.part, u_min, u_max, authority);
+  if (authority.thrust_count == 0) {
+    throw std::invalid_argument(fmt::format(
+        "barrier: the thrusts of \"{}\" turn neither with its heading nor stay in G, expected one of them",
+        model.name()));
+  }
+  return authority;
+}
+
+}  // namespace sightline

@@ -1,0 +1,33 @@
+/// What the commands of a robot can do to its horizontal velocity, found from its model:
+///
+///   v' = -c v + a     for every a of a disc |a| <= b, and at every corner a = sum of +-g_k, at every speed the
+///                     robot reaches by its own commands
+///
+/// c is the drag fitted over all directions; where drag differs between them, the thrust that makes up for it is
+/// taken off b and g_k. Of the multirotor, (16): c = -a_f, b = b_f, since along an axis one command alone
+/// accelerates it, and g_k = (b_f, 0), (0, b_s) in V.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "sightline/model/model.hpp"
+
+namespace sightline {
+
+struct Authority {
+  double drag = 0.0;                      ///< c [1/s], >= 0
+  double acceleration = 0.0;              ///< b [m/s^2], > 0
+  std::array<Vec2<double>, 4> thrusts{};  ///< g_k [m/s^2]
+  int thrust_count = 0;
+  bool turns = false;   ///< g_k are of V and turn with the heading; else of G
+  bool climbs = false;  ///< commands change the height
+};
+
+/// @param u_min, u_max  limits of the inputs, finite
+/// @throws std::invalid_argument for a model of more than 4 inputs or 32 states, and for one whose commands do
+///         not accelerate it in every horizontal direction at once and in axes of its heading or of G, or whose height does not follow the command
+///         at once
+Authority authority_of(const Model& model, std::span<const double> u_min, std::span<const double> u_max);
+
+}  // namespace sightline

@@ -1,0 +1,105 @@
+#include "sightline/safety/authority.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+
+#include "sightline/model/robots.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/robots.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr std::array<double, 4> low = {-1, -1, -1, -1}, high = {1, 1, 1, 1};
+
+/// A cart whose two commands accelerate it along the axes of G, whatever its heading.
+struct Cart {
+  static constexpr int nx = 6, nu = 3;
+  static constexpr std::string_view name = "cart";
+
+  template <class S>
+  std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
+    return {x[2], x[3], 2.0 * u[0] - 0.4 * x[2], 1.2 * u[1] - 0.4 * x[3], -(x[5] * u[2]), x[4] * u[2]};
+  }
+  template <class S>
+  Pose<S> pose(const std::array<S, nx>& x) const {
+    return {{x[0], x[1], S(0.0)}, {x[4], x[5]}};
+  }
+  std::array<double, nx> at_rest(const Pose<double>& pose) const {
+    return {pose.p.x, pose.p.y, 0, 0, pose.d.x, pose.d.y};
+  }
+  static constexpr int heading_at = 4;
+};
+
+TEST(Authority, OfTheMultirotorIsItsDragAndTheThrustOfOneAxis) {
+  for (const Model& model : {Model(Multirotor{}), Model(AngleMultirotor{})}) {
+    const Authority a = authority_of(model, low, high);
+    EXPECT_NEAR(a.drag, 0.5092, 1e-3);
+    EXPECT_NEAR(a.acceleration, 1.458, 2e-3);
+    EXPECT_TRUE(a.climbs);
+    EXPECT_TRUE(a.turns);
+    ASSERT_EQ(a.thrust_count, 2);
+    EXPECT_NEAR(std::hypot(a.thrusts[0].x, a.thrusts[0].y), 1.458, 2e-3);
+    EXPECT_NEAR(dot(a.thrusts[0], a.thrusts[1]), 0.0, 1e-6);
+  }
+}
+
+TEST(Authority, FollowsTheLimitsOfTheInputs) {
+  const std::array<double, 4> half = {0.5, 1, 1, 1}, minus = {-1, -1, -1, -1};
+  EXPECT_NEAR(authority_of(Multirotor{}, minus, half).acceleration, 0.729, 2e-3);
+}
+
+TEST(Authority, OfThrustsInGDoesNotTurnWithTheHeading) {
+  const Authority a = authority_of(Cart{}, std::span(low).first(3), std::span(high).first(3));
+  EXPECT_FALSE(a.turns);
+  EXPECT_FALSE(a.climbs);
+  EXPECT_NEAR(a.drag, 0.4, 1e-3);
+  EXPECT_NEAR(a.acceleration, 1.2, 2e-3);
+  EXPECT_EQ(a.thrust_count, 2);
+}
+
+// Any model of the kind: with u the least command that gives it, v' is -c v + b m, at any speed and heading.
+TEST(Authority, CanBeHadInEveryDirectionAtEverySpeed) {
+  Random random(1);
+  for (int k = 0; k < 50; ++k) {
+    Multirotor robot;
+    robot.b_f = uniform(random, 1.0, 2.0);
+    robot.b_s = uniform(random, 1.0, 2.0);
+    robot.a_f = uniform(random, -0.6, -0.45);
+    robot.a_s = uniform(random, -0.6, -0.45);
+    const Authority can = authority_of(robot, low, high);
+    for (int j = 0; j < 100; ++j) {
+      const double heading = uniform(random, -3.2, 3.2), angle = uniform(random, -3.2, 3.2);
+      const Vec2<double> d = {std::cos(heading), std::sin(heading)};
+      const Vec2<double> v_V = {uniform(random, -1.5, 1.5), uniform(random, -1.5, 1.5)}, v = rotate(d, v_V);
+      const Vec2<double> a = {-can.drag * v.x + can.acceleration * std::cos(angle),
+                              -can.drag * v.y + can.acceleration * std::sin(angle)};
+      const Vec2<double> a_V = rotate<double>({d.x, -d.y}, a);
+      const double u_f = (a_V.x - robot.a_f * v_V.x) / robot.b_f;
+      const double u_s = -(a_V.y - robot.a_s * v_V.y) / robot.b_s;
+      EXPECT_LE(std::abs(u_f), 1.0 + 2e-3);
+      EXPECT_LE(std::abs(u_s), 1.0 + 2e-3);
+    }
+  }
+}
+
+TEST(Authority, IsRefusedWhereARobotCannotFleeAnyWay) {
+  EXPECT_EQ(
+      refusal_of([] { authority_of(test::Unicycle{}, std::span(low).first(2), std::span(high).first(2)); }),
+      "barrier: the commands of \"test_unicycle\" do not accelerate it in every horizontal direction "
+      "at once, "
+      "expected a robot that can flee any way");
+  EXPECT_EQ(refusal_of([] { authority_of(test::Quadrotor{}, low, high); }),
+            "barrier: the commands of \"test_quadrotor\" do not accelerate it in every horizontal direction "
+            "at once, "
+            "expected a robot that can flee any way");
+  const std::array<double, 4> one_sided = {0, -1, -1, -1};
+  EXPECT_THROW(authority_of(Multirotor{}, one_sided, high), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sightline
