@@ -91,5 +91,42 @@ TEST(BarrierCampaign, NorFromAnyVelocityAtWhichItCanStillFlee) {
   EXPECT_EQ(on.below, 0);
 }
 
+TEST(BarrierCampaign, RobotsThatAllFilterNeverComeBelowTheHardDistance) {
+  const Barrier filter = barrier();
+  for (const int robots : {2, 3, 4, 8}) {
+    for (const auto nominal : {test::Swarm::Nominal::at_each_other, test::Swarm::Nominal::random,
+                               test::Swarm::Nominal::antipodal}) {
+      test::Swarm swarm{.robots = robots, .nominal = nominal};
+      double nearest = 1e9, unfiltered = 1e9, travelled = 0.0, violation = 0.0;
+      int below = 0, conflicts = 0;
+      const int count = runs(2000) / robots;
+      for (int i = 0; i < count; ++i) {
+        swarm.filtered = true;
+        swarm.head_on = robots == 2 && i % 2 == 0;
+        const test::SwarmOutcome on = test::fly_swarm(filter, swarm, static_cast<std::uint64_t>(i));
+        nearest = std::min(nearest, on.nearest);
+        below += on.nearest < swarm.d_hard;
+        conflicts += on.conflicts > 0;
+        violation = std::max(violation, on.violation);
+        travelled += on.travelled / count;
+        EXPECT_LE(on.largest_command, 1.0);
+        swarm.filtered = false;
+        unfiltered =
+            std::min(unfiltered, test::fly_swarm(filter, swarm, static_cast<std::uint64_t>(i)).nearest);
+      }
+      std::printf(
+          "%d robots, nominal %d: runs %d, below 0.6 m %d, worst %.4f m (off: %.4f m), at their goals %.2f, "
+          "runs with a "
+          "conflict %d, largest violation %.5f m\n",
+          robots, static_cast<int>(nominal), count, below, nearest, unfiltered, travelled, conflicts,
+          violation);
+      if (robots == 2) {
+        EXPECT_EQ(below, 0);
+        EXPECT_EQ(conflicts, 0);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sightline

@@ -61,7 +61,7 @@ TEST(Escape, FindsTheLeastGapThatIntegrationFinds) {
     // Within what a grid of 24 times can hide between two of them.
     EXPECT_GE(plan.later(), least_by_integration(tube, a) - 1e-3);
     EXPECT_LE(plan.later(), least_by_integration(tube, a) + 2e-2);
-    EXPECT_NEAR(plan.later(), plans.gap(tube, a, plan.touches[0].time), 1e-12);
+    EXPECT_NEAR(plan.later(), plans.touch(tube, a, plan.touches[0].time).gap, 1e-12);
     EXPECT_NEAR(plan.now, norm(tube.r) - tube.rho0, 1e-12);
   }
 }

@@ -1,4 +1,4 @@
-/// Flights of one robot against an obstacle that does its worst, with the barrier between the robot and a command
+/// Flights against an obstacle, or other robots, that do their worst, with the barrier between each robot and a command
 /// that does its worst too.
 #pragma once
 
@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "sightline/math/integrate.hpp"
 #include "sightline/model/robots.hpp"
@@ -131,6 +132,94 @@ inline DuelOutcome duel(const Barrier& barrier, const Duel& d, std::uint64_t see
     other.p = from + d.dt * v;
     if (!d.spatial) other.p.z = x[2];
     outcome.finite = outcome.finite && all_finite(x) && all_finite(u);
+  }
+  return outcome;
+}
+
+/// Robots that filter all, and would rather meet.
+struct Swarm {
+  enum class Nominal { at_each_other, random, antipodal };
+
+  int robots = 2;
+  bool filtered = true;
+  Nominal nominal = Nominal::at_each_other;
+  bool head_on = false;  ///< two face each other exactly on a line
+  double d_hard = 0.6, ring = 3.0, duration = 15.0, dt = 0.01;
+};
+
+struct SwarmOutcome {
+  double nearest = std::numeric_limits<double>::infinity(), largest_command = 0.0;
+  double least_reserve = std::numeric_limits<double>::infinity(), violation = 0.0;
+  int conflicts = 0;
+  double travelled = 0.0;  ///< part of the robots that came to their goals
+};
+
+inline SwarmOutcome fly_swarm(const Barrier& barrier, const Swarm& swarm, std::uint64_t seed) {
+  const Multirotor robot;
+  Random random(seed);
+  const auto count = static_cast<std::size_t>(swarm.robots);
+  std::vector<State> x(count);
+  std::vector<Vec3<double>> goal(count);
+  std::vector<Command> u(count), wanted(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
+    const double stray = swarm.head_on ? 0.0 : uniform(random, -0.1, 0.1), psi = uniform(random, -3.1, 3.1);
+    const double z = swarm.head_on ? 1.5 : uniform(random, 1.0, 2.0);
+    x[i] = {swarm.ring * std::cos(angle + stray),
+            swarm.ring * std::sin(angle + stray),
+            z,
+            std::cos(psi),
+            std::sin(psi),
+            0,
+            0};
+    goal[i] = {-x[i][0], -x[i][1], z};
+  }
+  SwarmOutcome outcome;
+  const auto periods = static_cast<int>(std::llround(swarm.duration / swarm.dt));
+  std::vector<Neighbour> others;
+  std::vector<std::array<Vec3<double>, 4>> path(count);
+  for (int k = 0; k < periods; ++k) {
+    for (std::size_t i = 0; i < count; ++i) {
+      others.clear();
+      std::size_t nearest = i == 0 ? 1 : 0;
+      const Vec3<double> p = {x[i][0], x[i][1], x[i][2]};
+      for (std::size_t j = 0; j < count; ++j) {
+        if (j == i) continue;
+        const Vec2<double> v = rotate<double>({x[j][3], x[j][4]}, {x[j][5], x[j][6]});
+        const Vec3<double> q = {x[j][0], x[j][1], x[j][2]}, r = p - q;
+        const Vec3<double> best = p - Vec3<double>{x[nearest][0], x[nearest][1], x[nearest][2]};
+        if (dot(r, r) < dot(best, best)) nearest = j;
+        others.push_back({.p = q,
+                          .v = {v.x, v.y, 0},
+                          .d_hard = swarm.d_hard,
+                          .tie = i < j ? 1.0 : -1.0,
+                          .conduct = Conduct::member});
+      }
+      if (swarm.nominal == Swarm::Nominal::at_each_other)
+        wanted[i] = towards(x[i], {x[nearest][0], x[nearest][1], x[nearest][2]});
+      if (swarm.nominal == Swarm::Nominal::random && k % 50 == 0) wanted[i] = uniform_array<4>(random, -1, 1);
+      if (swarm.nominal == Swarm::Nominal::antipodal) wanted[i] = towards(x[i], goal[i]);
+      u[i] = wanted[i];
+      if (!swarm.filtered) continue;
+      const BarrierResult result = barrier.filter(x[i], others, lowest, highest, u[i]);
+      outcome.conflicts += result.conflict;
+      outcome.violation = std::max(outcome.violation, result.violation);
+      outcome.least_reserve = std::min(outcome.least_reserve, result.reserve);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      for (const double c : u[i]) outcome.largest_command = std::max(outcome.largest_command, std::abs(c));
+      std::size_t part = 0;
+      fly(robot, x[i], u[i], swarm.dt, [&](const Vec3<double>& p, double) { path[i][part++] = p; });
+      for (std::size_t j = 0; j < i; ++j) {
+        for (std::size_t q = 0; q < path[i].size(); ++q)
+          outcome.nearest = std::min(outcome.nearest, norm(path[i][q] - path[j][q]));
+      }
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    outcome.travelled += norm(Vec3<double>{x[i][0], x[i][1], x[i][2]} - goal[i]) < 1.0
+                             ? 1.0 / static_cast<double>(count)
+                             : 0.0;
   }
   return outcome;
 }

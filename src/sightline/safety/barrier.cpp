@@ -61,14 +61,24 @@ struct Barrier::Next {
   Vec2<double> d, v;
 };
 
+/// A neighbour and the plan to flee it.
+struct Barrier::Threat {
+  Tube tube;
+  Escape plan;
+  Conduct conduct;
+  int neighbour;
+};
+
 /// n . (p+ + E v+ + R(d+) thrust) >= least at the next sample.
 struct Barrier::Row {
   Vec3<double> n;
   double E;             // [s]
   Vec2<double> thrust;  // what the plan adds after it, in V [m]
   double least;         // [m]
-  int neighbour;        // or -1
   Wall wall;
+  int threat = -1;   // or none
+  Touch touch{};     // the time of the threat's plan that it holds
+  bool cut = false;  // a second row holds the time to which commands have moved it
 
   double value(const Next& next) const {
     const Vec2<double> push = rotate(next.d, thrust);
@@ -79,13 +89,12 @@ struct Barrier::Row {
 };
 
 struct Barrier::Rows {
+  std::array<Threat, most_neighbours> threat;
   std::array<Row, most_half_spaces> row;
-  std::size_t count = 0;
-  double reserve = infinity;
-  bool unknown = false;  // a neighbour that is no number
+  std::size_t threats = 0, count = 0;
 
   void add(const Row& r) { row[count++] = r; }
-  std::span<Row> all() { return std::span(row).first(count); }
+  std::span<const Row> all() const { return std::span<const Row>(row).first(count); }
 };
 
 Barrier::Barrier(const Model& model, std::span<const double> u_min, std::span<const double> u_max, double dt,
@@ -109,7 +118,7 @@ Barrier::Next Barrier::next(std::span<const double> x, std::span<const double> u
   return {seen.p, seen.d, {seen.v.x, seen.v.y}};
 }
 
-Escape Barrier::escape(const Sight<double>& self, const Neighbour& n) const noexcept {
+Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n) const noexcept {
   const double age = std::max(n.age, 0.0);
   Tube tube{.r = self.p - n.p,
             .w = {self.v.x, self.v.y},
@@ -128,59 +137,62 @@ Escape Barrier::escape(const Sight<double>& self, const Neighbour& n) const noex
     tube.beta = 2 * b_;
     tube.rho0 += 0.5 * a * age * age;
     tube.spread += a * age;
-    return plans_.best(tube);
+    return {tube, plans_.best(tube), n.conduct, -1};
   }
   tube.thrust_count = can_.thrust_count;
-  for (std::size_t k = 0; k < tube.thrusts.size(); ++k) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(tube.thrust_count); ++k) {
     const Vec2<double> g = can_.turns ? rotate(self.d, can_.thrusts[k]) : can_.thrusts[k];
     tube.thrusts[k] = {options_.authority * g.x, options_.authority * g.y};
   }
   Tube anywhere = tube;
   anywhere.rho0 += n.speed_max * age;
   anywhere.speed = n.speed_max;
-  const Escape plan = plans_.best(anywhere);
-  if (n.acceleration_max == infinity) return plan;
+  const Threat worst = {anywhere, plans_.best(anywhere), n.conduct, -1};
+  if (n.acceleration_max == infinity) return worst;
   tube.r = tube.r - age * n.v;
   tube.drift = n.v;
   tube.rho0 += 0.5 * n.acceleration_max * age * age;
   tube.speed = n.acceleration_max * age;
   tube.growth = n.acceleration_max;
-  const Escape measured = plans_.best(tube);
-  return measured.reserve() > plan.reserve() ? measured : plan;
+  const Threat measured = {tube, plans_.best(tube), n.conduct, -1};
+  return measured.plan.reserve() > worst.plan.reserve() ? measured : worst;
 }
 
-Barrier::Row Barrier::keep_away(const Sight<double>& self, const Escape& plan, const Touch& touch,
-                                Conduct conduct) const noexcept {
+Barrier::Row Barrier::keep_away(const Sight<double>& self, const Rows& rows, int index,
+                                const Touch& touch) const noexcept {
+  const Threat& threat = rows.threat[static_cast<std::size_t>(index)];
+  const Vec2<double>& a = threat.plan.a;
   const double E = touch.shape.E, F = touch.shape.F;
   const EscapeShape left = plans_.left(touch);
   const auto level = [&](const Vec2<double>& v) { return touch.n.x * v.x + touch.n.y * v.y; };
   const double planned = dot(touch.n, self.p) + E * level({self.v.x, self.v.y});
-  const double spare = touch.gap - (1.0 - options_.rate * dt_) * plan.reserve();
-  if (conduct == Conduct::member) {
+  const double spare = touch.gap - (1.0 - options_.rate * dt_) * threat.plan.reserve();
+  if (threat.conduct == Conduct::member) {
     // Half of the acceleration apart is this robot's; so is its share of what the plan would leave.
-    const double least = planned + 0.5 * (F - left.F) * level(plan.a) - options_.share * spare;
-    return {touch.n, left.E, {}, least, -1, Wall::none};
+    const double least = planned + 0.5 * (F - left.F) * level(a) - options_.share * spare;
+    return {touch.n, left.E, {}, least, Wall::none, index, touch};
   }
-  Row row{touch.n, left.E, {}, planned + F * level(plan.a) - spare, -1, Wall::none};
+  Row row{touch.n, left.E, {}, planned + F * level(a) - spare, Wall::none, index, touch};
   if (can_.turns) {
-    const Vec2<double> a_V = rotate<double>({self.d.x, -self.d.y}, plan.a);
+    const Vec2<double> a_V = rotate<double>({self.d.x, -self.d.y}, a);
     row.thrust = {left.F * a_V.x, left.F * a_V.y};
   } else {
-    row.least -= left.F * level(plan.a);
+    row.least -= left.F * level(a);
   }
   return row;
 }
 
-void Barrier::add_neighbours(const Sight<double>& self, std::span<const Neighbour> neighbours,
+bool Barrier::add_neighbours(const Sight<double>& self, std::span<const Neighbour> neighbours,
                              Rows& rows) const noexcept {
   // The ones that press most, by the distance left after a second of closing in.
   std::array<int, most_neighbours> chosen;
   std::array<double, most_neighbours> key;
   std::size_t count = 0;
+  bool all_known = true;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const Neighbour& n = neighbours[i];
     if (!finite(n)) {
-      rows.unknown = true;
+      all_known = false;
       continue;
     }
     const Vec3<double> r = self.p - n.p;
@@ -194,26 +206,26 @@ void Barrier::add_neighbours(const Sight<double>& self, std::span<const Neighbou
     key[at] = left, chosen[at] = static_cast<int>(i);
   }
   for (std::size_t k = 0; k < count; ++k) {
-    const Neighbour& n = neighbours[static_cast<std::size_t>(chosen[k])];
-    const Escape plan = escape(self, n);
-    rows.reserve = std::min(rows.reserve, plan.reserve());
-    for (std::size_t j = 0; j < plan.count; ++j) {
-      Row row = keep_away(self, plan, plan.touches[j], n.conduct);
-      row.neighbour = chosen[k];
-      rows.add(row);
+    Threat& threat = rows.threat[k];
+    threat = this->threat(self, neighbours[static_cast<std::size_t>(chosen[k])]);
+    threat.neighbour = chosen[k];
+    for (std::size_t j = 0; j < threat.plan.count; ++j) {
+      rows.add(keep_away(self, rows, static_cast<int>(k), threat.plan.touches[j]));
     }
   }
+  rows.threats = count;
+  return all_known;
 }
 
 void Barrier::add_walls(const Sight<double>& self, Rows& rows) const noexcept {
   const double kept_part = 1.0 - options_.rate * dt_, c = can_.drag;
   if (can_.climbs && options_.floor > -infinity) {
     const double least = options_.floor + kept_part * (self.p.z - options_.floor);
-    rows.add({{0, 0, 1}, 0.0, {}, least, -1, Wall::floor});
+    rows.add({{0, 0, 1}, 0.0, {}, least, Wall::floor});
   }
   if (can_.climbs && options_.ceiling < infinity) {
     const double least = -options_.ceiling + kept_part * (options_.ceiling - self.p.z);
-    rows.add({{0, 0, -1}, 0.0, {}, least, -1, Wall::ceiling});
+    rows.add({{0, 0, -1}, 0.0, {}, least, Wall::ceiling});
   }
   if (options_.world == infinity) return;
   constexpr std::array<Wall, 4> walls = {Wall::x_max, Wall::x_min, Wall::y_max, Wall::y_min};
@@ -227,68 +239,113 @@ void Barrier::add_walls(const Sight<double>& self, Rows& rows) const noexcept {
     const double later = now + plans_.E(t) * away + b_ * plans_.F(t);
     const double wanted = kept_part * std::min(now, later);
     const double least = wanted - options_.world - b_ * plans_.F(left);
-    rows.add({n, plans_.E(left), {}, least, -1, walls[i]});
+    rows.add({n, plans_.E(left), {}, least, walls[i]});
   }
 }
 
-double Barrier::solve(std::span<const double> x, const Next& nominal, Rows& rows,
-                      std::span<const double> u_min, std::span<const double> u_max,
-                      std::span<double> u) const noexcept {
-  // How the next sample follows the command.
-  std::array<double, most_inputs> at{};
-  std::copy(u.begin(), u.end(), at.begin());
-  std::array<Next, most_inputs> slope{};
-  for (std::size_t k = 0; k < u.size(); ++k) {
-    constexpr double difference = 1e-3;
-    std::array<double, most_inputs> moved = at;
-    moved[k] += difference;
-    const Next there = next(x, std::span(moved).first(u.size()));
-    slope[k].p = (1.0 / difference) * (there.p - nominal.p);
-    slope[k].d = {(there.d.x - nominal.d.x) / difference, (there.d.y - nominal.d.y) / difference};
-    slope[k].v = {(there.v.x - nominal.v.x) / difference, (there.v.y - nominal.v.y) / difference};
+void Barrier::add_cuts(const Sight<double>& self, const Next& there, Rows& rows) const noexcept {
+  const EscapeShape step = plans_.shape(dt_);
+  const std::size_t before = rows.count;
+  for (std::size_t i = 0; i < before && rows.count < rows.row.size(); ++i) {
+    constexpr double tight = 2e-3, moved = 2e-3, longest = 0.25;  // [m], [s], [s]
+    const Row& row = rows.row[i];
+    if (row.threat < 0 || row.cut || row.touch.curvature <= 0 || row.missed(there) < -tight) continue;
+    // How much less than the plan the command leaves of the gap's slope, and where the gap is least then.
+    const Threat& threat = rows.threat[static_cast<std::size_t>(row.threat)];
+    const double part = threat.conduct == Conduct::member ? 0.5 : 1.0;
+    const Vec2<double>& a = threat.plan.a;
+    Vec2<double> dv = {there.v.x - step.e * self.v.x - part * step.E * a.x,
+                       there.v.y - step.e * self.v.y - part * step.E * a.y};
+    const EscapeShape left = plans_.left(row.touch);
+    double less = left.e * (row.n.x * dv.x + row.n.y * dv.y);
+    if (row.thrust.x != 0 || row.thrust.y != 0) {
+      const Vec2<double> turned = rotate(there.d, rotate<double>({self.d.x, -self.d.y}, a));
+      less += left.E * (row.n.x * (turned.x - a.x) + row.n.y * (turned.y - a.y));
+    }
+    const double shift = -(row.touch.slope + less) / row.touch.curvature;
+    const double time = std::max(dt_, row.touch.time + std::clamp(shift, -longest, longest));
+    if (std::abs(time - row.touch.time) < moved) continue;
+    rows.row[i].cut = true;
+    rows.add(keep_away(self, rows, row.threat, plans_.touch(threat.tube, a, time)));
   }
+}
 
-  // Rows that no command within the limits can miss are left out.
+/// The rows over the commands, at what would be commanded.
+struct Barrier::Linear {
+  std::span<const double> u_min, u_max;
+  std::array<double, most_inputs> u{};  // the nominal command
+  Next nominal{};
+  std::array<Next, most_inputs> slope{};
   std::array<HalfSpace, most_half_spaces> half;
   std::array<std::size_t, most_half_spaces> of;
   std::size_t count = 0;
-  for (std::size_t i = 0; i < rows.count; ++i) {
-    const Row& row = rows.row[i];
+
+  /// Takes a row in, unless no command within the limits can miss it.
+  void add(const Row& row, std::size_t index) {
     HalfSpace h;
     double lowest = 0.0, centre = 0.0;
-    for (std::size_t k = 0; k < u.size(); ++k) {
+    for (std::size_t k = 0; k < u_min.size(); ++k) {
       h.a[k] = row.value(slope[k]);
-      lowest += std::min(h.a[k] * (u_min[k] - at[k]), h.a[k] * (u_max[k] - at[k]));
-      centre += h.a[k] * at[k];
+      lowest += std::min(h.a[k] * (u_min[k] - u[k]), h.a[k] * (u_max[k] - u[k]));
+      centre += h.a[k] * u[k];
     }
     const double missing = std::clamp(row.missed(nominal), -far_away, far_away);
     constexpr double bent = 1e-3;  // [m] more than the step's curvature over the limits
-    if (lowest - missing > bent) continue;
+    if (lowest - missing > bent) return;
     h.b = centre + missing;
-    of[count] = i;
+    of[count] = index;
     half[count++] = h;
   }
 
-  // The step is nearly linear in u; what it misses is put into the rows.
-  std::array<double, most_inputs> solution = at;
-  double violation = 0.0;
-  for (int round = 0; round < 4; ++round) {
-    solution = at;
-    const auto nearest = std::span(solution).first(u.size());
-    const ProjectionResult result = project(std::span(half).first(count), u_min, u_max, nearest);
-    violation = result.feasible ? 0.0 : result.violation;
-    const Next there = next(x, nearest);
-    double worst = 0.0;
+  /// Puts what the linear step misses of the true one into the rows. @return the most
+  double correct(const Rows& rows, const Next& there, const std::array<double, most_inputs>& at) {
+    double most = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
       double linear = half[i].b;
-      for (std::size_t k = 0; k < u.size(); ++k) linear -= half[i].a[k] * solution[k];
+      for (std::size_t k = 0; k < most_inputs; ++k) linear -= half[i].a[k] * at[k];
       const double more = rows.row[of[i]].missed(there) - linear;
       half[i].b += more;
-      worst = std::max(worst, std::abs(more));
+      most = std::max(most, std::abs(more));
     }
-    if (worst < corrected) break;
+    return most;
   }
-  if (all_finite(std::span(solution).first(u.size()))) std::copy_n(solution.begin(), u.size(), u.begin());
+};
+
+double Barrier::solve(std::span<const double> x, const Sight<double>& self, const Next& nominal, Rows& rows,
+                      std::span<const double> u_min, std::span<const double> u_max,
+                      std::span<double> u) const noexcept {
+  Linear linear;
+  linear.u_min = u_min;
+  linear.u_max = u_max;
+  linear.nominal = nominal;
+  std::copy(u.begin(), u.end(), linear.u.begin());
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    constexpr double difference = 1e-3;
+    std::array<double, most_inputs> moved = linear.u;
+    moved[k] += difference;
+    const Next there = next(x, std::span(moved).first(u.size()));
+    linear.slope[k].p = (1.0 / difference) * (there.p - nominal.p);
+    linear.slope[k].d = {(there.d.x - nominal.d.x) / difference, (there.d.y - nominal.d.y) / difference};
+    linear.slope[k].v = {(there.v.x - nominal.v.x) / difference, (there.v.y - nominal.v.y) / difference};
+  }
+  std::size_t taken = 0;
+  std::array<double, most_inputs> at = linear.u;
+  const auto nearest = std::span(at).first(u.size());
+  double violation = 0.0;
+  constexpr int rounds = 5;
+  for (int round = 0; round < rounds; ++round) {
+    for (; taken < rows.count; ++taken) linear.add(rows.row[taken], taken);
+    at = linear.u;
+    const ProjectionResult result =
+        project(std::span(linear.half).first(linear.count), u_min, u_max, nearest);
+    violation = result.violation;
+    const Next there = next(x, nearest);
+    const double most = linear.correct(rows, there, at);
+    if (!result.feasible && round > 0) break;
+    add_cuts(self, there, rows);
+    if (most < corrected && taken == rows.count) break;
+  }
+  if (all_finite(nearest)) std::copy(nearest.begin(), nearest.end(), u.begin());
   return violation;
 }
 
@@ -312,9 +369,11 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   }
   const Sight<double> self = model_.sight(x.data(), u.data());
   Rows rows;
-  add_neighbours(self, neighbours, rows);
+  const bool all_known = add_neighbours(self, neighbours, rows);
   add_walls(self, rows);
-  result.reserve = rows.reserve;
+  for (std::size_t k = 0; k < rows.threats; ++k) {
+    result.reserve = std::min(result.reserve, rows.threat[k].plan.reserve());
+  }
 
   Next after = next(x, u);
   double missed = 0.0;
@@ -322,20 +381,18 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   if (missed > kept) {
     std::array<double, most_inputs> nominal{};
     std::copy(u.begin(), u.end(), nominal.begin());
-    result.violation = solve(x, after, rows, u_min, u_max, u);
+    result.violation = solve(x, self, after, rows, u_min, u_max, u);
     result.conflict = result.violation > corrected;
     result.active = result.active || !std::equal(u.begin(), u.end(), nominal.begin());
     after = next(x, u);
   }
-  double tightest = -infinity;
-  for (const Row& row : rows.all()) {
-    const double by = row.missed(after);
-    if (by <= tightest) continue;
-    tightest = by;
-    result.neighbour = row.neighbour;
-    result.wall = row.wall;
+  const auto looser = [&](const Row& a, const Row& b) { return a.missed(after) < b.missed(after); };
+  if (const auto tightest = std::max_element(rows.all().begin(), rows.all().end(), looser); rows.count > 0) {
+    if (tightest->threat >= 0)
+      result.neighbour = rows.threat[static_cast<std::size_t>(tightest->threat)].neighbour;
+    result.wall = tightest->wall;
   }
-  if (rows.unknown) {
+  if (!all_known) {
     result.conflict = true;
     result.violation = infinity;
   }
@@ -346,7 +403,7 @@ double Barrier::reserve(std::span<const double> x, const Neighbour& neighbour) c
   const std::array<double, most_inputs> at_rest{};
   const Sight<double> self = model_.sight(x.data(), at_rest.data());
   if (!finite(neighbour) || is_far(self.p - neighbour.p)) return infinity;
-  return escape(self, neighbour).reserve();
+  return threat(self, neighbour).plan.reserve();
 }
 
 }  // namespace sightline

@@ -101,18 +101,21 @@ class Barrier {
 
  private:
   struct Next;
+  struct Threat;
   struct Row;
   struct Rows;
+  struct Linear;
 
   Next next(std::span<const double> x, std::span<const double> u) const noexcept;
-  Escape escape(const Sight<double>& self, const Neighbour& neighbour) const noexcept;
-  Row keep_away(const Sight<double>& self, const Escape& plan, const Touch& touch,
-                Conduct conduct) const noexcept;
-  void add_neighbours(const Sight<double>& self, std::span<const Neighbour> neighbours,
+  Threat threat(const Sight<double>& self, const Neighbour& neighbour) const noexcept;
+  Row keep_away(const Sight<double>& self, const Rows& rows, int threat, const Touch& touch) const noexcept;
+  bool add_neighbours(const Sight<double>& self, std::span<const Neighbour> neighbours,
                       Rows& rows) const noexcept;
   void add_walls(const Sight<double>& self, Rows& rows) const noexcept;
-  double solve(std::span<const double> x, const Next& nominal, Rows& rows, std::span<const double> u_min,
-               std::span<const double> u_max, std::span<double> u) const noexcept;
+  void add_cuts(const Sight<double>& self, const Next& there, Rows& rows) const noexcept;
+  double solve(std::span<const double> x, const Sight<double>& self, const Next& nominal, Rows& rows,
+               std::span<const double> u_min, std::span<const double> u_max,
+               std::span<double> u) const noexcept;
 
   Model model_;
   BarrierOptions options_;

@@ -83,8 +83,9 @@ EscapePlans::Point EscapePlans::at(const Tube& tube, const Vec2<double>& a, doub
   return p;
 }
 
-double EscapePlans::gap(const Tube& tube, const Vec2<double>& a, double t) const noexcept {
-  return at(tube, a, t).f;
+Touch EscapePlans::touch(const Tube& tube, const Vec2<double>& a, double t) const noexcept {
+  const Point p = at(tube, a, t);
+  return {p.f, t, p.n, p.shape, p.slope, p.curvature};
 }
 
 std::size_t EscapePlans::lowest(const Curve& f) noexcept {
@@ -101,8 +102,8 @@ double EscapePlans::least_of(const Curve& f, std::size_t i) const noexcept {
   return down > 0 ? t_[i] + std::clamp(up / down, -a, b) : t_[i];
 }
 
-Touch EscapePlans::touch(const Tube& tube, const Vec2<double>& a, const Curve& f,
-                         std::size_t i) const noexcept {
+Touch EscapePlans::nearest(const Tube& tube, const Vec2<double>& a, const Curve& f,
+                           std::size_t i) const noexcept {
   double t = least_of(f, i);
   Point p = at(tube, a, t);
   constexpr double near = 1e-4;  // [s]
@@ -119,7 +120,7 @@ Touch EscapePlans::touch(const Tube& tube, const Vec2<double>& a, const Curve& f
     t = t_[i];
     p = at(tube, a, t);
   }
-  return {.gap = p.f, .time = t, .n = p.n, .shape = p.shape};
+  return {p.f, t, p.n, p.shape, p.slope, p.curvature};
 }
 
 Escape EscapePlans::refined(const Tube& tube, const Vec2<double>& a, const Curve& f) const noexcept {
@@ -127,13 +128,7 @@ Escape EscapePlans::refined(const Tube& tube, const Vec2<double>& a, const Curve
   Escape plan;
   plan.now = norm(tube.r) - tube.rho0;
   plan.a = a;
-  plan.touches[0] = touch(tube, a, f, i);
-  // Where it is nearest at once, another command could turn it back: the sample after holds that.
-  if (plan.touches[0].time <= dt_) {
-    const Point p = at(tube, a, 2 * dt_);
-    plan.touches[1] = {.gap = p.f, .time = 2 * dt_, .n = p.n, .shape = p.shape};
-    plan.count = 2;
-  }
+  plan.touches[0] = nearest(tube, a, f, i);
   // Another least, nearly as low: a step could make it the lower one.
   std::size_t other = times;
   for (std::size_t k = 0; k + 1 < times; ++k) {
@@ -142,7 +137,8 @@ Escape EscapePlans::refined(const Tube& tube, const Vec2<double>& a, const Curve
   }
   constexpr double nearly = 0.1;  // [m]
   if (other < times && f[other] - tube.rho0 < plan.later() + nearly) {
-    plan.touches[plan.count++] = touch(tube, a, f, other);
+    plan.touches[1] = nearest(tube, a, f, other);
+    plan.count = 2;
   }
   return plan;
 }

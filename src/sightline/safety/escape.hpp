@@ -41,19 +41,21 @@ struct EscapeShape {
   double e = 1.0, E = 0.0, F = 0.0;
 };
 
-/// A time at which a plan comes nearest.
+/// A plan at one time.
 struct Touch {
-  double gap = 0.0;     ///< f_a [m]
-  double time = 0.0;    ///< [s], >= dt
-  Vec3<double> n{};     ///< from the centre to the robot
-  EscapeShape shape{};  ///< at that time
+  double gap = 0.0;        ///< f_a(t) [m]
+  double time = 0.0;       ///< t [s], >= dt
+  Vec3<double> n{};        ///< from the centre to the robot
+  EscapeShape shape{};     ///< at t
+  double slope = 0.0;      ///< f_a'(t) [m/s]
+  double curvature = 0.0;  ///< f_a''(t) [m/s^2]
 };
 
 struct Escape {
   double now = 0.0;  ///< f(0) [m]
   Vec2<double> a{};  ///< acceleration of the plan [m/s^2]
-  /// The least f_a(t) over t >= dt; one sample later, where it is at dt; another least within 0.1 m of it.
-  std::array<Touch, 3> touches{};
+  /// The least f_a(t) over t >= dt; another least within 0.1 m of it.
+  std::array<Touch, 2> touches{};
   std::size_t count = 1;
 
   double later() const { return touches[0].gap; }
@@ -72,11 +74,11 @@ class EscapePlans {
   Escape best(const Tube& tube) const noexcept;
   /// The plan with one acceleration.
   Escape with(const Tube& tube, const Vec2<double>& a) const noexcept;
-  /// f_a(t).
-  double gap(const Tube& tube, const Vec2<double>& a, double t) const noexcept;
+  Touch touch(const Tube& tube, const Vec2<double>& a, double t) const noexcept;
 
   double E(double t) const noexcept;
   double F(double t) const noexcept;
+  EscapeShape shape(double t) const noexcept;
   /// At the time less dt.
   EscapeShape left(const Touch& touch) const noexcept;
 
@@ -87,7 +89,6 @@ class EscapePlans {
   using Shape = EscapeShape;
   struct Point;
 
-  Shape shape(double t) const noexcept;
   Point at(const Tube& tube, const Vec2<double>& a, double t) const noexcept;
   Escape best_corner(const Tube& tube) const noexcept;
   /// Ascent in the disc from a plan and from straight away.
@@ -98,7 +99,8 @@ class EscapePlans {
   static std::size_t lowest(const Curve& f) noexcept;
   /// Where f is least around point i of the grid.
   double least_of(const Curve& f, std::size_t i) const noexcept;
-  Touch touch(const Tube& tube, const Vec2<double>& a, const Curve& f, std::size_t i) const noexcept;
+  /// The least around point i of the grid.
+  Touch nearest(const Tube& tube, const Vec2<double>& a, const Curve& f, std::size_t i) const noexcept;
   Escape refined(const Tube& tube, const Vec2<double>& a, const Curve& f) const noexcept;
 
   double c_ = 0.0, per_c_ = 0.0, dt_ = 0.0, e_back_ = 1.0;
