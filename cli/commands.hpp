@@ -7,6 +7,9 @@
 #include <optional>
 #include <string>
 
+#include "sightline/io/scenario.hpp"
+#include "sightline/run/clock.hpp"
+
 namespace sightline::cli {
 
 struct RunOptions {
@@ -29,8 +32,23 @@ struct PotentialOptions {
   std::optional<long long> couple;  ///< none: all
 };
 
+struct CampaignCommand {
+  std::filesystem::path scenario;
+  std::filesystem::path output;  ///< empty: out/NAME/campaign
+  std::filesystem::path beside;  ///< another scenario that flies the same draws; empty: none
+  int runs = 200;
+  std::optional<std::uint64_t> seed;  ///< none: the scenario's
+  int threads = 0;                    ///< 0: as many as there are cores
+  std::optional<int> only;            ///< one run, into an ordinary run folder
+};
+
 /// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.
 int run(const RunOptions& options);
+/// The same for a scenario that is read already.
+int fly(Scenario scenario, const std::filesystem::path& folder, Clock& clock);
+/// Flies a scenario many times as its [campaign] says; leaves campaign.sqlite and campaign.html. 1 where a run is
+/// not recovered.
+int campaign(const CampaignCommand& command);
 /// Reads a scenario and says what it describes, or what is wrong with it.
 int check(const std::filesystem::path& scenario);
 /// Makes report.html again from what a run left.

@@ -4,6 +4,13 @@
 
 #include "cli/commands.hpp"
 
+namespace {
+
+constexpr int runs_max = 1'000'000'000;
+constexpr std::uint64_t seed_max = 9'223'372'036'854'775'807;  // as in a scenario
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace sightline::cli;
 
@@ -41,6 +48,25 @@ int main(int argc, char** argv) {
       app.add_subcommand("explain", "Say before a flight which limits can hold and what they are worth");
   explain_command->add_option("SCENARIO", scenario, "Scenario file (TOML)")->required();
 
+  CampaignCommand campaign_options;
+  CLI::App* campaign_command =
+      app.add_subcommand("campaign", "Fly a scenario many times, as its [campaign] draws");
+  campaign_command->add_option("SCENARIO", campaign_options.scenario, "Scenario file (TOML)")->required();
+  campaign_command->add_option("--runs", campaign_options.runs, "Closed loops")
+      ->capture_default_str()
+      ->check(CLI::Range(1, runs_max));
+  campaign_command
+      ->add_option("--seed", campaign_options.seed, "Seed of all draws, instead of the scenario's")
+      ->check(CLI::Range(std::uint64_t{0}, seed_max));
+  campaign_command->add_option("--threads", campaign_options.threads, "Runs in the air at once [all cores]")
+      ->check(CLI::Range(1, 1024));
+  campaign_command->add_option("-o,--output", campaign_options.output,
+                               "Folder for the results [out/NAME/campaign]");
+  campaign_command->add_option("--only", campaign_options.only, "Fly this run alone, with log and report")
+      ->check(CLI::Range(0, runs_max - 1));
+  campaign_command->add_option("--beside", campaign_options.beside,
+                               "Another scenario of the same robots that flies the same draws");
+
   CLI::App* version_command = app.add_subcommand("version", "Version and compiler");
 
   BenchCommand bench_options;
@@ -60,6 +86,7 @@ int main(int argc, char** argv) {
     if (report_command->parsed()) return report(folder);
     if (potential_command->parsed()) return potential(potential_options);
     if (explain_command->parsed()) return explain(scenario);
+    if (campaign_command->parsed()) return campaign(campaign_options);
     if (version_command->parsed()) return version();
     if (bench_command->parsed()) return bench(bench_options);
   } catch (const std::exception& e) {

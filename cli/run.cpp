@@ -62,7 +62,7 @@ struct Flight {
 };
 
 /// Flies the scenario under its solver; leaves run.mcap, timing.csv and summary.json in the folder.
-Flight fly(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock) {
+Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock) {
   // All memory is taken here, before the first period.
   const auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
   const Controllers controllers = {*solver};
@@ -97,18 +97,21 @@ int run(const RunOptions& options) {
     fmt::print(stderr, "{}\n", error.what());
     return 2;
   }
-
   SimulatedClock simulated;
   SteadyClock steady;
-  const Flight flight = fly(scenario, folder, options.realtime ? static_cast<Clock&>(steady) : simulated);
+  return fly(std::move(scenario), folder, options.realtime ? static_cast<Clock&>(steady) : simulated);
+}
+
+int fly(Scenario scenario, const std::filesystem::path& folder, Clock& clock) {
+  const Flight flight = fly_logged(scenario, folder, clock);
   for (const std::string& fault : flight.faults) say(fault);
 
   std::vector<std::string> summaries = {flight.summary};
   for (const std::string& name : scenario.simulation.compare) {
     if (!flight.logged) break;
-    SimulatedClock clock;
+    SimulatedClock simulated;
     scenario.solver = solver_named(name);
-    const Flight other = fly(scenario, folder / name, clock);
+    const Flight other = fly_logged(scenario, folder / name, simulated);
     for (const std::string& fault : other.faults) say(fmt::format("compared with {}: {}", name, fault));
     summaries.push_back(other.summary);
   }

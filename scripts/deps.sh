@@ -2,7 +2,7 @@
 # Installs the packages sightline needs on Debian 12:  scripts/deps.sh [demo|test|ci]   (ci, all, if not said)
 set -euo pipefail
 
-packages=(cmake g++ gnuplot-nox libcli11-dev libfmt-dev libtomlplusplus-dev
+packages=(cmake g++ gnuplot-nox libcli11-dev libfmt-dev libsqlite3-dev libtomlplusplus-dev
   libzstd-dev ninja-build nlohmann-json3-dev pkg-config zlib1g-dev)
 test_packages=(ca-certificates ccache coinor-libipopt-dev libblas-dev libeigen3-dev libgmock-dev
   libgtest-dev liblapack-dev librsvg2-bin)

@@ -8,7 +8,11 @@
 #include <optional>
 #include <unordered_map>
 
+<<<<<<< HEAD
 #include "sightline/io/motion_parts.hpp"
+=======
+#include "sightline/io/campaign_parts.hpp"
+>>>>>>> 8b68fcb (Add sightline campaign: many closed loops, each with its own numbers)
 #include "sightline/io/scenario_parts.hpp"
 #include "sightline/io/toml_table.hpp"
 
@@ -22,7 +26,7 @@ class Reader {
 
   void read() {
     root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "constrain", "event",
-                       "simulation", "log"});
+                       "simulation", "log", "campaign"});
     if (root_.has("event")) root_.refuse("event", "no [[event]]: this version has no events yet");
     read_horizon();
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
@@ -300,6 +304,7 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file) {
   const TomlDocument document = parse_toml(text, file.native());
   Scenario scenario;
   Reader(document, scenario).read();
+  if (document.root.contains("campaign")) scenario.campaign = read_campaign(document, scenario.team);
   scenario.name = file.stem().string();
   scenario.file = file;
   scenario.text = std::move(text);

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "sightline/io/campaign_plan.hpp"
 #include "sightline/io/scenario_text.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/ocp/team.hpp"
@@ -74,6 +75,7 @@ struct Scenario {
   std::vector<double> x0;           ///< states of all bodies at the start (team.nx())
   Simulation simulation{};
   LogOptions log{};
+  std::optional<CampaignPlan> campaign{};
 };
 
 /// @throws ScenarioError

@@ -46,9 +46,9 @@ RandomStream::RandomStream(std::uint64_t seed, Chance purpose, int body)
     : state_(mix(mix(mix(seed + golden) + static_cast<std::uint64_t>(purpose) + golden) +
                  static_cast<std::uint64_t>(body) + golden)) {}
 
-std::uint64_t RandomStream::next() noexcept { return mix(state_ += golden); }
+std::uint64_t RandomStream::bits() noexcept { return mix(state_ += golden); }
 
-double RandomStream::uniform() noexcept { return (static_cast<double>(next() >> 11) + 1.0) * 0x1p-53; }
+double RandomStream::uniform() noexcept { return (static_cast<double>(bits() >> 11) + 1.0) * 0x1p-53; }
 
 double RandomStream::normal() noexcept {
   if (has_spare_) {

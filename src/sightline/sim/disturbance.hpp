@@ -48,7 +48,16 @@ struct Disturbances {
 };
 
 /// What a stream of random numbers is for.
-enum class Chance : std::uint64_t { gust, wake, position_noise, heading_noise, velocity_noise, motion };
+enum class Chance : std::uint64_t {
+  gust,
+  wake,
+  position_noise,
+  heading_noise,
+  velocity_noise,
+  motion,
+  run,
+  draw
+};
 
 /// Random numbers of one seed, purpose and body: SplitMix64, and Box-Muller on top.
 class RandomStream {
@@ -57,10 +66,9 @@ class RandomStream {
 
   double uniform() noexcept;  ///< in (0, 1]
   double normal() noexcept;   ///< mean 0, standard deviation 1
+  std::uint64_t bits() noexcept;
 
  private:
-  std::uint64_t next() noexcept;
-
   std::uint64_t state_;
   double spare_ = 0.0;
   bool has_spare_ = false;

@@ -1,0 +1,118 @@
+#include "sightline/campaign/campaign.hpp"
+
+#include <algorithm>
+#include <condition_variable>
+#include <exception>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "sightline/io/closed_loop.hpp"
+
+namespace sightline {
+namespace {
+
+/// Puts runs that land in any order into the order of their indices.
+class Order {
+ public:
+  using Landed = std::function<void(const RunDraw&, const RunResult&)>;
+  explicit Order(const Landed& landed) : landed_(landed) {}
+
+  /// Waits while too many are kept: memory must not grow with the runs.
+  void land(RunDraw run, const RunResult& result) {
+    std::unique_lock lock(mutex_);
+    room_.wait(lock, [&] { return kept_.size() < kept_max || run.index == next_ || failure_; });
+    if (failure_) return;
+    kept_.emplace(run.index, std::pair(std::move(run), result));
+    try {
+      for (auto first = kept_.begin(); first != kept_.end() && first->first == next_; first = kept_.begin()) {
+        landed_(first->second.first, first->second.second);
+        kept_.erase(first);
+        ++next_;
+      }
+    } catch (...) {
+      failure_ = std::current_exception();
+    }
+    room_.notify_all();
+  }
+
+  void fail(std::exception_ptr failure) {
+    const std::lock_guard lock(mutex_);
+    if (!failure_) failure_ = std::move(failure);
+    room_.notify_all();
+  }
+
+  bool failed() {
+    const std::lock_guard lock(mutex_);
+    return failure_ != nullptr;
+  }
+
+  /// Runs handed over; after all threads have ended.
+  int end() const {
+    if (failure_) std::rethrow_exception(failure_);
+    return next_;
+  }
+
+ private:
+  static constexpr std::size_t kept_max = 256;
+  const Landed& landed_;
+  std::mutex mutex_;
+  std::condition_variable room_;
+  std::map<int, std::pair<RunDraw, RunResult>> kept_;
+  int next_ = 0;
+  std::exception_ptr failure_;
+};
+
+}  // namespace
+
+Solver& Pilot::solver_of(const RunDraw& run, const Scenario& scenario) {
+  std::vector<double> values = variants_.team_values(run);
+  const auto known = std::find_if(solvers_.begin(), solvers_.end(),
+                                  [&](const auto& solver) { return solver.first == values; });
+  if (known != solvers_.end()) {
+    known->second->restart();
+    return *known->second;
+  }
+  if (solvers_.size() == solvers_max) solvers_.erase(solvers_.begin());
+  auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
+  return *solvers_.emplace_back(std::move(values), std::move(solver)).second;
+}
+
+RunResult Pilot::fly(const RunDraw& run) {
+  Scenario scenario = variants_.of(run);
+  scenario.log.paths = 0;
+  Solver& solver = solver_of(run, scenario);
+  const Controllers controllers = {solver};
+  SimulatedClock clock;
+  Judge judge(scenario, plan_, sized_sample(scenario.team, controllers));
+  ClosedLoop loop(scenario, controllers, clock, judge);
+  return judge.result(loop.fly());
+}
+
+int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const CampaignOptions& options,
+                 const std::function<void(const RunDraw&, const RunResult&)>& landed) {
+  const Variants variants(scenario, plan);
+  Order order(landed);
+  std::atomic<int> next{0};
+  const auto work = [&] {
+    try {
+      Pilot pilot(variants, plan);
+      const auto stopped = [&] { return options.stop != nullptr && options.stop->load(); };
+      for (int i = next++; i < options.runs && !order.failed() && !stopped(); i = next++) {
+        RunDraw run = draw_run(plan, options.seed, i);
+        const RunResult result = pilot.fly(run);
+        order.land(std::move(run), result);
+      }
+    } catch (...) {
+      order.fail(std::current_exception());
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 1; i < options.threads; ++i) threads.emplace_back(work);
+    work();
+  }
+  return order.end();
+}
+
+}  // namespace sightline

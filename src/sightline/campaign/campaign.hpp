@@ -1,0 +1,49 @@
+/// Many closed loops of one scenario, each with its own numbers, on all cores.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "sightline/campaign/judge.hpp"
+#include "sightline/campaign/variant.hpp"
+
+namespace sightline {
+
+struct CampaignOptions {
+  int runs = 100;          ///< >= 1
+  std::uint64_t seed = 1;  ///< with an index, all that a run is made from
+  int threads = 1;         ///< >= 1
+  /// Ends the campaign after the runs in the air, once it is true.
+  const std::atomic<bool>* stop = nullptr;
+};
+
+/// Flies runs one after another, in one thread, with solvers that are made once.
+class Pilot {
+ public:
+  /// @param variants  outlives this
+  Pilot(const Variants& variants, const CampaignPlan& plan) : variants_(variants), plan_(plan) {}
+
+  /// @throws ScenarioError where a number drawn is refused
+  RunResult fly(const RunDraw& run);
+
+ private:
+  Solver& solver_of(const RunDraw& run, const Scenario& scenario);
+
+  static constexpr std::size_t solvers_max = 8;
+  const Variants& variants_;
+  CampaignPlan plan_;
+  std::vector<std::pair<std::vector<double>, std::unique_ptr<Solver>>> solvers_;  // the oldest first
+};
+
+/// Flies runs 0 to options.runs - 1 and hands them over in this order, one at a time.
+/// @param landed  called by one thread at a time; what it throws ends the campaign
+/// @return runs handed over
+/// @throws ScenarioError where a number drawn is refused, with the run
+int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const CampaignOptions& options,
+                 const std::function<void(const RunDraw&, const RunResult&)>& landed);
+
+}  // namespace sightline

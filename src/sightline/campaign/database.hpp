@@ -1,0 +1,65 @@
+/// A SQLite file and its statements, with sentences for what goes wrong.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace sightline {
+
+/// Every call throws std::runtime_error, `FILE: what went wrong`, where SQLite refuses.
+class Database {
+ public:
+  enum class Open { anew, to_read };
+  /// `anew` removes what was there.
+  Database(const std::filesystem::path& file, Open how);
+  ~Database();
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  /// One prepared statement; parameters and columns count from 0.
+  class Statement {
+   public:
+    Statement(Database& database, const std::string& sql);
+    ~Statement();
+    Statement(const Statement&) = delete;
+    Statement& operator=(const Statement&) = delete;
+
+    void bind(int parameter, std::int64_t value);
+    void bind(int parameter, double value);  ///< not a number: null
+    void bind(int parameter, std::string_view value);
+    /// The next row, if there is one.
+    bool step();
+    /// As before the first row; parameters keep their values.
+    void reset();
+
+    std::int64_t integer(int column) const;
+    std::optional<double> number(int column) const;  ///< none: null
+    std::string text(int column) const;
+
+   private:
+    void check(int code) const;
+
+    Database& database_;
+    sqlite3_stmt* statement_ = nullptr;
+  };
+
+  void execute(const std::string& sql);
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::string file_;
+  sqlite3* handle_ = nullptr;
+};
+
+/// A name as SQL quotes it.
+std::string sql_name(std::string_view name);
+
+}  // namespace sightline

@@ -1,0 +1,79 @@
+/// What became of one run.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "sightline/io/scenario.hpp"
+#include "sightline/io/summary.hpp"
+#include "sightline/run/loop.hpp"
+
+namespace sightline {
+
+/// The first of failed, too_close and lost that holds, or else recovered.
+enum class Outcome : std::uint8_t {
+  recovered,  ///< every observer saw its target in time and sees it at the end
+  lost,       ///< one did not
+  too_close,  ///< a robot came nearer to another body than d_hard, although it could have braked at the start
+  failed,     ///< a state or an applied input was not finite or beyond its limit, or the run broke off
+};
+inline constexpr int outcome_count = 4;
+
+std::string_view to_string(Outcome outcome);
+
+/// A run's row in the table; not a number: there was nothing to compute it from, or it never came.
+struct RunResult {
+  Outcome outcome = Outcome::failed;
+  double min_distance = 0.0;        ///< of a robot to any other body, all of the run [m]
+  double time_to_first_view = 0.0;  ///< until each observer had seen its target once [s]
+  double fraction_in_view = 0.0;    ///< of the run, all observers at once
+  bool could_brake = true;          ///< at the start, in time for d_hard
+  std::int64_t violations = 0;  ///< periods with an input beyond its limit, or nearer than d_hard where that
+                                ///< could be kept
+  std::array<std::int64_t, status_count> statuses{};
+  double energy = 0.0;  ///< sum of dt u'Ru of the applied inputs, all robots [s]
+};
+
+/// Takes the samples of a loop and judges them as they come; keeps none.
+class Judge final : public Sink<Sample> {
+ public:
+  /// @param sample  of sized_sample()
+  Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample);
+
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override;
+  void close() noexcept override {}
+
+  RunResult result(const LoopOutcome& outcome) const;
+
+ private:
+  struct View {
+    Observation pair;
+    bool seen = false;  // in the last sample
+    double first = std::numeric_limits<double>::infinity();
+  };
+
+  void look(std::span<const double> u) noexcept;
+  double least_distance() const noexcept;
+  bool can_brake() const noexcept;
+  bool inputs_hold() noexcept;
+
+  const Team& team_;
+  CampaignPlan plan_;
+  double period_;
+  Sample sample_;
+  std::vector<View> views_;
+  std::vector<BodyId> robots_;
+  std::vector<std::pair<BodyId, BodyId>> pairs_;  // of a robot and another body
+  std::vector<Sight<double>> sights_;
+  std::vector<double> u_rest_, u_min_, u_max_;
+
+  std::int64_t updates_ = 0, seen_ = 0;
+  bool sound_ = true;
+  RunResult result_;
+};
+
+}  // namespace sightline

@@ -1,0 +1,269 @@
+#include "sightline/campaign/page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+
+#include "sightline/campaign/confidence.hpp"
+#include "sightline/campaign/database.hpp"
+#include "sightline/campaign/judge.hpp"
+#include "sightline/campaign/success_map.hpp"
+#include "sightline/io/page.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr int worst_runs = 12;
+
+/// Questions to one table of runs.
+class Runs {
+ public:
+  explicit Runs(const CampaignTable& table)
+      : name(table.name), database_(std::make_unique<Database>(table.file, Database::Open::to_read)) {}
+
+  std::int64_t count(const std::string& where = "1") {
+    Database::Statement ask(*database_, fmt::format("SELECT count(*) FROM runs WHERE {}", where));
+    ask.step();
+    return ask.integer(0);
+  }
+
+  /// The least of the column's values that this share of them does not exceed; not a number of none.
+  double quantile(std::string_view column, double share) {
+    const std::int64_t known = count(fmt::format("{} IS NOT NULL", column));
+    if (known == 0) return std::numeric_limits<double>::quiet_NaN();
+    const auto rank = std::max<std::int64_t>(
+        0, static_cast<std::int64_t>(std::ceil(share * static_cast<double>(known))) - 1);
+    Database::Statement ask(
+        *database_, fmt::format("SELECT {0} FROM runs WHERE {0} IS NOT NULL ORDER BY {0} LIMIT 1 OFFSET {1}",
+                                column, rank));
+    ask.step();
+    return ask.number(0).value_or(0.0);
+  }
+
+  /// Runs in each of `bins` stretches of the column's values between low and high; the ends take what is beyond.
+  std::vector<double> histogram(std::string_view column, double low, double high, int bins) {
+    std::vector<double> counts(static_cast<std::size_t>(bins));
+    Database::Statement ask(
+        *database_,
+        fmt::format("SELECT max(0, min({0}, CAST(({1} - {2}) * {3} AS INTEGER))) AS bin, count(*) "
+                    "FROM runs WHERE {1} IS NOT NULL GROUP BY bin",
+                    bins - 1, column, low, bins / (high - low)));
+    while (ask.step()) counts[static_cast<std::size_t>(ask.integer(0))] = static_cast<double>(ask.integer(1));
+    return counts;
+  }
+
+  /// The starts of one robot, by where it saw the other body.
+  SuccessMap map_of(const std::string& agent, double range_max) {
+    SuccessMap map{.range_max = range_max};
+    Database::Statement ask(
+        *database_, fmt::format("SELECT {}, {}, outcome = 'recovered' FROM runs", sql_name(agent + ".range"),
+                                sql_name(agent + ".bearing")));
+    while (ask.step()) map.add(ask.number(0).value_or(0), ask.number(1).value_or(0), {1, ask.integer(2)});
+    return map;
+  }
+
+  Database& database() { return *database_; }
+  const std::string name;
+
+ private:
+  std::unique_ptr<Database> database_;
+};
+
+std::string percent(double share) { return fmt::format("{:.2f} %", 100 * share); }
+
+/// "9990 of 10000, 99.90 % (95 %: 99.82 % to 99.95 %)".
+std::string share_words(std::int64_t good, std::int64_t runs) {
+  if (runs == 0) return "of none";
+  const Interval bounds = clopper_pearson(good, runs);
+  return fmt::format("{} of {}, {} (95 %: {} to {})", good, runs,
+                     percent(static_cast<double>(good) / static_cast<double>(runs)), percent(bounds.low),
+                     percent(bounds.high));
+}
+
+std::string in(double value, std::string_view unit) {
+  return std::isnan(value) ? "-" : fmt::format("{:.3g} {}", value, unit);
+}
+
+std::vector<CampaignLine> lines_of(Runs& runs) {
+  const std::int64_t all = runs.count();
+  std::vector<CampaignLine> lines;
+  for (int i = 0; i < outcome_count; ++i) {
+    const std::string outcome(to_string(static_cast<Outcome>(i)));
+    const std::int64_t these = runs.count(fmt::format("outcome = '{}'", outcome));
+    if (these > 0 || i == 0) lines.push_back({outcome, share_words(these, all)});
+  }
+  const auto quantile = [&](std::string_view column, double share, std::string_view unit) {
+    return in(runs.quantile(column, share), unit);
+  };
+  lines.push_back(
+      {"time to first view",
+       fmt::format("median {}, 95 % within {}, last {}; never in {} runs",
+                   quantile("time_to_first_view", 0.5, "s"), quantile("time_to_first_view", 0.95, "s"),
+                   quantile("time_to_first_view", 1.0, "s"), runs.count("time_to_first_view IS NULL"))});
+  lines.push_back(
+      {"fraction in view", fmt::format("median {}, least {}", quantile("fraction_in_view", 0.5, ""),
+                                       quantile("fraction_in_view", 0.0, ""))});
+  lines.push_back(
+      {"least distance", fmt::format("median {}, of all {}; where it could brake at the start {}",
+                                     quantile("min_distance", 0.5, "m"), quantile("min_distance", 0.0, "m"),
+                                     quantile("iif(could_brake, min_distance, NULL)", 0.0, "m"))});
+  lines.push_back({"periods with a violation", quantile("(SELECT sum(violations) FROM runs)", 0.0, "")});
+  return lines;
+}
+
+std::string table_of(const std::vector<CampaignLine>& lines) {
+  std::string html = "<table>\n";
+  for (const CampaignLine& line : lines)
+    html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", escaped(line.what), escaped(line.value));
+  return html + "</table>\n";
+}
+
+/// Runs over a column, a curve for each table.
+Drawing distribution(std::vector<Runs>& tables, std::string_view column, const std::string& title,
+                     const std::string& label, const std::string& caption) {
+  constexpr int bins = 50;
+  Drawing drawing{.title = title, .caption = caption};
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (Runs& runs : tables) {
+    low = std::fmin(low, runs.quantile(column, 0.0));
+    high = std::fmax(high, runs.quantile(column, 1.0));
+  }
+  if (!(low <= high)) return drawing;
+  if (high - low < 1e-9) high = low + 1e-3;
+  Drawing::Panel panel{.x_label = label, .y_label = "runs [%]"};
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const double all = static_cast<double>(std::max<std::int64_t>(1, tables[i].count()));
+    Drawing::Curve curve{tables.size() > 1 ? tables[i].name : "", i, Drawing::Mark::bars};
+    const std::vector<double> counts = tables[i].histogram(column, low, high, bins);
+    for (int bin = 0; bin <= bins; ++bin) {
+      curve.x.push_back(low + (high - low) * bin / bins);
+      curve.y.push_back(bin < bins ? 100 * counts[static_cast<std::size_t>(bin)] / all : 0.0);
+    }
+    panel.curves.push_back(std::move(curve));
+  }
+  drawing.panels.push_back(std::move(panel));
+  return drawing;
+}
+
+/// How far a distribution reaches.
+double largest(const Distribution& d) {
+  const double most = d.kind == Distribution::Kind::normal
+                          ? d.values[0] + 3 * d.values[1]
+                          : *std::max_element(d.values.begin(), d.values.end());
+  return d.share > 0 ? std::max(most, d.exactly) : most;
+}
+
+std::string maps(std::vector<Runs>& tables, const CampaignPlan& plan) {
+  std::string html;
+  for (const StartDraw& start : plan.starts) {
+    html += fmt::format(
+        "<h2>Recovered, by where {0} starts</h2>\n<figure aria-label=\"map of starts\">\n"
+        "<div style=\"display: flex; flex-wrap: wrap; gap: 1rem\">\n",
+        escaped(start.agent));
+    for (Runs& runs : tables) {
+      html += fmt::format("<div style=\"flex: 0 1 430px\">{}</div>\n",
+                          to_svg(runs.map_of(start.agent, std::max(largest(start.range), 1e-9)), runs.name));
+    }
+    html += fmt::format(
+        "</div>\n<figcaption>Where {0} has {1} at the start, by horizontal distance and by bearing off its "
+        "nose, "
+        "which points up: green, all are recovered; yellow, half; dark red, none. The spoke is a bearing of "
+        "exactly 180°. A cell tells its numbers under the pointer.</figcaption>\n</figure>\n",
+        escaped(start.agent), escaped(start.around));
+  }
+  return html;
+}
+
+/// Outcomes for each value of what is chosen among a few.
+std::string choices(std::vector<Runs>& tables, const CampaignPlan& plan) {
+  std::string rows;
+  for (const NumberDraw& draw : plan.draws) {
+    if (draw.distribution.kind != Distribution::Kind::choice || draw.distribution.values.size() < 2) continue;
+    for (const double value : draw.distribution.values) {
+      const std::string where = fmt::format("{} = {}", sql_name(draw.key), value);
+      rows += fmt::format("<tr><th>{} = {}</th>", escaped(draw.key), value);
+      for (Runs& runs : tables) {
+        rows += fmt::format(
+            "<td>{}</td>",
+            escaped(share_words(runs.count(where + " AND outcome = 'recovered'"), runs.count(where))));
+      }
+      rows += "</tr>\n";
+    }
+  }
+  if (rows.empty()) return rows;
+  std::string head = "<tr><th></th>";
+  for (const Runs& runs : tables) head += fmt::format("<th>{}</th>", escaped(runs.name));
+  return fmt::format("<h2>Recovered, by what was chosen</h2>\n<table>\n{}</tr>\n{}</table>\n", head, rows);
+}
+
+std::string worst(Runs& runs, const std::string& command, const std::filesystem::path& folder) {
+  Database::Statement ask(
+      runs.database(),
+      fmt::format(
+          "SELECT \"index\", outcome, min_distance, time_to_first_view, fraction_in_view FROM runs ORDER BY "
+          "CASE outcome WHEN 'failed' THEN 0 WHEN 'too_close' THEN 1 WHEN 'lost' THEN 2 ELSE 3 END, "
+          "CASE outcome WHEN 'too_close' THEN min_distance ELSE -coalesce(time_to_first_view, 1e9) END, "
+          "\"index\" LIMIT {}",
+          worst_runs));
+  std::string html =
+      "<h2>Worst runs</h2>\n<table>\n<tr><th>run</th><th>outcome</th><th>least distance</th><th>first "
+      "view</th>"
+      "<th>in view</th></tr>\n";
+  std::string lines;
+  while (ask.step()) {
+    const std::int64_t index = ask.integer(0);
+    const auto value = [&](int column) { return ask.number(column).value_or(std::nan("")); };
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", index,
+                        escaped(ask.text(1)), in(value(2), "m"), in(value(3), "s"), in(100 * value(4), "%"));
+    lines +=
+        fmt::format("{} --only {} -o {}\n", command, index, (folder / fmt::format("run_{}", index)).native());
+  }
+  return html +
+         fmt::format(
+             "</table>\n<p class=\"soft\">Each flies again, with its log and report, by</p>\n<pre>{}</pre>\n",
+             escaped(lines));
+}
+
+}  // namespace
+
+std::vector<CampaignLine> campaign_lines(const CampaignTable& table) {
+  Runs runs(table);
+  return lines_of(runs);
+}
+
+std::string campaign_html(const std::vector<CampaignTable>& tables, const CampaignPlan& plan,
+                          const std::string& command, const std::filesystem::path& folder) {
+  std::vector<Runs> all;
+  all.reserve(tables.size());
+  for (const CampaignTable& table : tables) all.emplace_back(table);
+  Runs& first = all.front();
+
+  std::string page = page_head(fmt::format("Campaign of {}", first.name));
+  page += fmt::format(
+      "<p class=\"soft\">{} closed loops of {:g} s. Recovered: in view within {:g} s and at the end{}.</p>\n",
+      first.count(), plan.duration, plan.view_within,
+      plan.d_hard > 0
+          ? fmt::format(", never nearer than {:g} m where {:g} m/s² could brake for it at the start",
+                        plan.d_hard, plan.braking)
+          : "");
+  const std::int64_t bad = first.count("outcome <> 'recovered'");
+  if (bad > 0) page += fmt::format("<p class=\"warning\">{} runs were not recovered.</p>\n", bad);
+  for (Runs& runs : all) page += fmt::format("<h2>{}</h2>\n", escaped(runs.name)) + table_of(lines_of(runs));
+  page += maps(all, plan) + choices(all, plan);
+  std::vector<Drawing> drawings = {
+      distribution(all, "time_to_first_view", "Time to first view", "time [s]",
+                   "Until every observer had seen its target once; runs that never did are not there."),
+      distribution(all, "min_distance", "Least distance", "distance [m]",
+                   "Of a robot to any other body, all of the run, its start too."),
+      distribution(all, "fraction_in_view", "Fraction of the time in view", "fraction [-]",
+                   "From the start on, all observers at once."),
+      distribution(all, "energy", "Energy of the inputs", "u'Ru dt [s]", "Of all robots.")};
+  for (const Figure& figure : draw(std::move(drawings))) page += page_figure(figure);
+  return page + worst(first, command, folder) + "</body>\n</html>\n";
+}
+
+}  // namespace sightline

@@ -1,0 +1,33 @@
+/// campaign.html: what a campaign's table says, in figures.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sightline/io/campaign_plan.hpp"
+
+namespace sightline {
+
+/// A table of runs and how its scenario is called.
+struct CampaignTable {
+  std::string name;
+  std::filesystem::path file;  ///< campaign.sqlite
+};
+
+/// The page of the first table; the others, which flew the same draws, stand beside it.
+/// @param command  what flies a run again, but for `--only INDEX -o DIR`
+/// @param folder   where such a run goes: run_INDEX within it
+/// @throws std::runtime_error with a sentence where a table cannot be read or a figure cannot be drawn
+std::string campaign_html(const std::vector<CampaignTable>& tables, const CampaignPlan& plan,
+                          const std::string& command, const std::filesystem::path& folder);
+
+/// A line of the campaign as a person reads it.
+struct CampaignLine {
+  std::string what, value;
+};
+
+/// The campaign in a few lines: outcomes with their bounds, times and distances.
+std::vector<CampaignLine> campaign_lines(const CampaignTable& table);
+
+}  // namespace sightline

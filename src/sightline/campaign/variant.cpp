@@ -1,0 +1,109 @@
+#include "sightline/campaign/variant.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+namespace sightline {
+namespace {
+
+/// Whether the number is of the problem that a solver is built for, and not of the flight.
+bool shapes_the_team(std::string_view key) {
+  for (const std::string_view section : {"simulation.", "target.", "obstacle.", "safety", "log."}) {
+    if (key.starts_with(section)) return false;
+  }
+  return !(key.starts_with("agent.") && key.find(".start.") != std::string_view::npos);
+}
+
+}  // namespace
+
+Variants::Variants(const Scenario& base, const CampaignPlan& plan)
+    : plan_(plan), file_(base.file), text_(base.text), name_(base.name), solver_(base.solver) {
+  const ScenarioNumbers numbers = numbers_of(parse_toml(text_, file_.native()));
+  const auto find = [&](const std::string& key) {
+    const auto found = numbers.find(key);
+    if (found != numbers.end()) return found->second;
+    throw ScenarioError(file_.native(), 1,
+                        fmt::format("{} is missing, expected the number that the campaign draws", key));
+  };
+  const auto position = [&](const std::string& body, int i) {
+    for (const char* form : {"agent.{}.start.p[{}]", "target.{}.p[{}]"}) {
+      const auto found = numbers.find(fmt::format(fmt::runtime(form), body, i));
+      if (found != numbers.end()) return found->second;
+    }
+    return find(fmt::format("obstacle.{}.p[{}]", body, i));
+  };
+  for (const StartDraw& draw : plan_.starts) {
+    Start& start = starts_.emplace_back();
+    const std::string own = fmt::format("agent.{}.start.", draw.agent);
+    for (int i = 0; i < 3; ++i) {
+      start.p[i] = find(fmt::format("{}p[{}]", own, i));
+      start.around[i] = position(draw.around, i);
+    }
+    start.heading = find(own + "heading");
+    if (!draw.velocity) continue;
+    for (int i = 0; i < 2; ++i) start.v[i] = find(fmt::format("{}v[{}]", own, i));
+  }
+  const std::size_t before = drawn_names(plan_).size() - plan_.draws.size();
+  for (std::size_t i = 0; i < plan_.draws.size(); ++i) {
+    draws_.push_back(find(plan_.draws[i].key));
+    if (shapes_the_team(plan_.draws[i].key)) of_team_.push_back(before + i);
+  }
+  for (const auto& [key, place] :
+       {std::pair{"simulation.duration", &duration_}, {"simulation.seed", &seed_}}) {
+    if (const auto found = numbers.find(key); found != numbers.end()) *place = found->second;
+  }
+  // Simulated time waits for a solver: a run is the same on any machine.
+  if (auto* newton = std::get_if<NewtonRiccatiOptions>(&solver_.options)) newton->deadline = 0.0;
+}
+
+void Variants::place_start(const StartDraw& draw, const Start& at, const double*& value,
+                           Changes& changes) const {
+  const auto now = [&](const NumberInText& number) {
+    const auto changed = std::find_if(changes.begin(), changes.end(),
+                                      [&](const auto& c) { return c.first.offset == number.offset; });
+    return changed != changes.end() ? changed->second : number.value;
+  };
+  const double range = *value++, bearing = *value++, height = *value++;
+  const double heading = draw.heading ? *value++ : now(at.heading);
+  const SinCos<double> ahead = sincos(heading), off = sincos(bearing);
+  Vec2<double> towards = rotate<double>({ahead.cos, ahead.sin}, {off.cos, off.sin});
+  // Straight behind is straight behind, which the sine of pi is not.
+  if (bearing == std::numbers::pi || bearing == -std::numbers::pi) towards = {-ahead.cos, -ahead.sin};
+  changes.emplace_back(at.p[0], now(at.around[0]) - range * towards.x);
+  changes.emplace_back(at.p[1], now(at.around[1]) - range * towards.y);
+  changes.emplace_back(at.p[2], now(at.around[2]) + height);
+  if (draw.heading) changes.emplace_back(at.heading, heading);
+  if (!draw.velocity) return;
+  changes.emplace_back(at.v[0], *value++);
+  changes.emplace_back(at.v[1], *value++);
+}
+
+Scenario Variants::of(const RunDraw& run) const {
+  Changes changes;
+  // What is drawn by key comes first: a start may be around a body whose own place is drawn.
+  const double* value = run.values.data() + run.values.size() - draws_.size();
+  for (const NumberInText& number : draws_) changes.emplace_back(number, *value++);
+  value = run.values.data();
+  for (std::size_t i = 0; i < starts_.size(); ++i) place_start(plan_.starts[i], starts_[i], value, changes);
+  if (duration_) changes.emplace_back(*duration_, plan_.duration);
+  if (seed_) changes.emplace_back(*seed_, static_cast<double>(run.seed));  // below 2^53
+  std::string text = with_numbers(text_, changes);
+
+  Scenario scenario = parse_scenario(std::move(text), file_);
+  scenario.name = name_;
+  scenario.solver = solver_;
+  scenario.simulation.duration = plan_.duration;
+  scenario.simulation.seed = run.seed;
+  scenario.simulation.compare.clear();
+  return scenario;
+}
+
+std::vector<double> Variants::team_values(const RunDraw& run) const {
+  std::vector<double> values;
+  for (const std::size_t i : of_team_) values.push_back(run.values[i]);
+  return values;
+}
+
+}  // namespace sightline

@@ -1,0 +1,52 @@
+/// What a campaign draws for each of its runs, and what makes a run a good one: [campaign] of a scenario.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sightline {
+
+/// How a number is drawn. With the probability `share` it is `exactly` one value, otherwise
+///
+///   uniform  between values[0] and values[1]
+///   normal   of mean values[0] and standard deviation values[1]
+///   choice   values[i] with the probability shares[i]
+struct Distribution {
+  enum class Kind { uniform, normal, choice };
+  Kind kind = Kind::uniform;
+  std::vector<double> values = {0.0, 0.0};
+  std::vector<double> shares{};  ///< of a choice; they sum to 1
+  double exactly = 0.0, share = 0.0;
+};
+
+/// Where a robot starts, as it sees another body.
+struct StartDraw {
+  std::string agent, around;
+  Distribution range;                      ///< horizontal distance of `around` [m]
+  Distribution bearing;                    ///< of `around` off the robot's nose, to the left [rad]
+  Distribution height;                     ///< of the robot above it [m]
+  std::optional<Distribution> heading{};   ///< of the robot [rad]; none: as the scenario has it
+  std::optional<Distribution> velocity{};  ///< forward and sideward, each drawn [m/s]; none: as it has it
+};
+
+/// A number of the scenario by its key, "couple[0].weight".
+struct NumberDraw {
+  std::string key;
+  Distribution distribution;
+};
+
+struct CampaignPlan {
+  double duration = 25.0;  ///< of each run [s]
+  double view_within =
+      20.0;              ///< recovered: every observer has seen its target by then, and does at the end [s]
+  double d_hard = 0.0;   ///< no robot may come nearer to another body [m]; 0: that is not judged
+  double braking = 0.6;  ///< a start from which this deceleration keeps d_hard must keep it [m/s^2]
+  std::vector<StartDraw> starts{};
+  std::vector<NumberDraw> draws{};
+};
+
+/// The numbers that are drawn for a run, in their order: "uav0.range", ..., then the keys of the draws.
+std::vector<std::string> drawn_names(const CampaignPlan& plan);
+
+}  // namespace sightline
