@@ -85,7 +85,7 @@ std::string share_words(std::int64_t good, std::int64_t runs) {
 }
 
 std::string in(double value, std::string_view unit) {
-  return std::isnan(value) ? "-" : fmt::format("{:.3g} {}", value, unit);
+  return std::isnan(value) ? "-" : fmt::format("{:.3g}{}{}", value, unit.empty() ? "" : " ", unit);
 }
 
 std::vector<CampaignLine> lines_of(Runs& runs) {

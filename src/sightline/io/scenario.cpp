@@ -8,11 +8,8 @@
 #include <optional>
 #include <unordered_map>
 
-<<<<<<< HEAD
-#include "sightline/io/motion_parts.hpp"
-=======
 #include "sightline/io/campaign_parts.hpp"
->>>>>>> 8b68fcb (Add sightline campaign: many closed loops, each with its own numbers)
+#include "sightline/io/motion_parts.hpp"
 #include "sightline/io/scenario_parts.hpp"
 #include "sightline/io/toml_table.hpp"
 
