@@ -210,9 +210,8 @@ std::string worst(Runs& runs, const std::string& command, const std::filesystem:
           "\"index\" LIMIT {}",
           worst_runs));
   std::string html =
-      "<h2>Worst runs</h2>\n<table>\n<tr><th>run</th><th>outcome</th><th>least distance</th><th>first "
-      "view</th>"
-      "<th>in view</th></tr>\n";
+      "<h2>Worst runs</h2>\n<table>\n<tr class=\"soft\"><td>run</td><td>outcome</td><td>least distance</td>"
+      "<td>first view</td><td>in view</td></tr>\n";
   std::string lines;
   while (ask.step()) {
     const std::int64_t index = ask.integer(0);

@@ -61,10 +61,8 @@ Distribution read_distribution(const TomlTable& at, const Range& range) {
 class PlanReader {
  public:
   PlanReader(const TomlDocument& document, const Team& team) : numbers_(numbers_of(document)), team_(team) {
-    // Seed and duration of each run are the campaign's own.
     for (const auto& [key, number] : numbers_) {
-      if (!key.starts_with("campaign.") && key != "simulation.seed" && key != "simulation.duration")
-        keys_.push_back(key);
+      if (!key.starts_with("campaign.")) keys_.push_back(key);
     }
   }
 
@@ -103,6 +101,8 @@ class PlanReader {
       at.refuse("key", fmt::format("the key of a number that this file writes out, the nearest is \"{}\"",
                                    nearest(shortened(draw.key, shown_size), all)));
     }
+    if (draw.key == "simulation.seed" || draw.key == "simulation.duration")
+      at.refuse("key", "another number, each run has the campaign's own seed and duration");
     claim(at, "key", draw.key);
     return draw;
   }

@@ -1,0 +1,81 @@
+#include "sightline/campaign/database.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "tests/support/folder.hpp"
+
+namespace sightline {
+namespace {
+
+using Statement = Database::Statement;
+
+TEST(Database, WhatIsBoundIsReadBack) {
+  const auto file = test::fresh_folder() / "a.sqlite";
+  {
+    Database database(file, Database::Open::anew);
+    database.execute("CREATE TABLE t(i, x, s)");
+    Statement insert(database, "INSERT INTO t VALUES(?, ?, ?)");
+    for (const double x : {1.5, -1e300, 5e-324, std::nan("")}) {
+      insert.reset();
+      insert.bind(0, std::int64_t{-7});
+      insert.bind(1, x);
+      insert.bind(2, std::string_view("it's \"µ\""));
+      EXPECT_FALSE(insert.step());
+    }
+  }
+  Database database(file, Database::Open::to_read);
+  Statement ask(database, "SELECT i, x, s FROM t");
+  for (const double x : {1.5, -1e300, 5e-324}) {
+    ASSERT_TRUE(ask.step());
+    EXPECT_EQ(ask.integer(0), -7);
+    EXPECT_EQ(ask.number(1), x);
+    EXPECT_EQ(ask.text(2), "it's \"µ\"");
+  }
+  ASSERT_TRUE(ask.step());
+  EXPECT_FALSE(ask.number(1).has_value()) << "not a number is null";
+  EXPECT_FALSE(ask.step());
+}
+
+TEST(Database, AnewRemovesWhatWasThere) {
+  const auto file = test::fresh_folder() / "a.sqlite";
+  std::ofstream(file) << "no database";
+  Database database(file, Database::Open::anew);
+  EXPECT_NO_THROW(database.execute("CREATE TABLE t(i)"));
+}
+
+TEST(Database, RefusalsNameTheFile) {
+  const auto folder = test::fresh_folder();
+  const auto said = [](auto&& call) {
+    try {
+      call();
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto missing = folder / "none" / "a.sqlite";
+  EXPECT_THAT(said([&] { Database(missing, Database::Open::anew); }),
+              testing::StartsWith(missing.native() + ": "));
+  EXPECT_THAT(said([&] { Database(missing, Database::Open::to_read); }),
+              testing::StartsWith(missing.native() + ": "));
+  Database database(folder / "a.sqlite", Database::Open::anew);
+  EXPECT_THAT(said([&] { database.execute("CREATE TABEL t(i)"); }), testing::HasSubstr("a.sqlite: "));
+  EXPECT_THAT(said([&] { Statement(database, "SELECT * FROM t"); }), testing::HasSubstr("no such table"));
+}
+
+TEST(Database, ANameIsQuotedWhateverItHolds) {
+  Database database(test::fresh_folder() / "a.sqlite", Database::Open::anew);
+  const std::string name = "agent.\"a\".p[0]; DROP";
+  database.execute("CREATE TABLE t(" + sql_name(name) + ")");
+  Statement ask(database, "SELECT name FROM pragma_table_info('t')");
+  ASSERT_TRUE(ask.step());
+  EXPECT_EQ(ask.text(0), name);
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,120 @@
+#include "sightline/campaign/draw.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace sightline {
+namespace {
+
+constexpr int many = 20'000;
+
+std::vector<double> drawn(const Distribution& distribution, int count = many) {
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i) {
+    RandomStream random(5, Chance::draw, i);
+    values.push_back(draw(distribution, random));
+  }
+  return values;
+}
+
+double share(const std::vector<double>& values, auto&& holds) {
+  return static_cast<double>(std::count_if(values.begin(), values.end(), holds)) /
+         static_cast<double>(values.size());
+}
+
+/// Five standard deviations of a share.
+double chance_of(double p) { return 5 * std::sqrt(p * (1 - p) / many); }
+
+TEST(Draw, UniformNumbersStayInTheirRangeAndFillItEvenly) {
+  const std::vector<double> values = drawn({.values = {-2.0, 3.0}});
+  for (const double v : values) EXPECT_TRUE(v >= -2.0 && v <= 3.0);
+  for (int tenth = 0; tenth < 10; ++tenth) {
+    const double low = -2.0 + 0.5 * tenth;
+    EXPECT_NEAR(share(values, [&](double v) { return v >= low && v < low + 0.5; }), 0.1, chance_of(0.1));
+  }
+}
+
+TEST(Draw, NormalNumbersHaveTheirMeanAndDeviation) {
+  const std::vector<double> values = drawn({.kind = Distribution::Kind::normal, .values = {1.0, 0.5}});
+  double sum = 0, squares = 0;
+  for (const double v : values) sum += v - 1.0, squares += (v - 1.0) * (v - 1.0);
+  EXPECT_NEAR(sum / many, 0.0, 5 * 0.5 / std::sqrt(many));
+  EXPECT_NEAR(squares / many, 0.25, 5 * 0.25 * std::sqrt(2.0 / many));
+}
+
+TEST(Draw, ChoicesComeInTheirSharesAndNothingElseDoes) {
+  const std::vector<double> values = drawn(
+      {.kind = Distribution::Kind::choice, .values = {4.0, -1.0, 7.0, 9.0}, .shares = {0.2, 0.5, 0.3, 0.0}});
+  EXPECT_NEAR(share(values, [](double v) { return v == 4.0; }), 0.2, chance_of(0.2));
+  EXPECT_NEAR(share(values, [](double v) { return v == -1.0; }), 0.5, chance_of(0.5));
+  EXPECT_NEAR(share(values, [](double v) { return v == 7.0; }), 0.3, chance_of(0.3));
+  EXPECT_EQ(share(values, [](double v) { return v == 9.0; }), 0.0);
+}
+
+TEST(Draw, TheExactValueComesInItsShare) {
+  constexpr double pi = std::numbers::pi;
+  const std::vector<double> values = drawn({.values = {-pi, pi}, .exactly = pi, .share = 0.1});
+  EXPECT_NEAR(share(values, [](double v) { return v == pi; }), 0.1, chance_of(0.1));
+  EXPECT_NEAR(share(values, [](double v) { return v < 0; }), 0.45, chance_of(0.45));
+}
+
+CampaignPlan plan() {
+  CampaignPlan some;
+  some.starts = {{.agent = "a",
+                  .around = "b",
+                  .range = {.values = {0.3, 6.0}},
+                  .bearing = {.values = {-1.0, 1.0}},
+                  .height = {.values = {0.0, 2.0}},
+                  .heading = {},
+                  .velocity = Distribution{.values = {-1.0, 1.0}}}};
+  some.draws = {{"x", {.values = {0.0, 1.0}}}};
+  return some;
+}
+
+TEST(Draw, ARunIsMadeFromSeedAndIndexAlone) {
+  for (const int index : {0, 1, 77, 999'999'999}) {
+    const RunDraw a = draw_run(plan(), 3, index), b = draw_run(plan(), 3, index);
+    EXPECT_EQ(a.index, index);
+    EXPECT_EQ(a.seed, b.seed);
+    EXPECT_EQ(a.values, b.values);
+    EXPECT_EQ(a.values.size(), drawn_names(plan()).size());
+    EXPECT_NE(draw_run(plan(), 4, index).values, a.values);
+  }
+}
+
+TEST(Draw, NoTwoRunsShareASeedAndEverySeedIsANumberAScenarioTakes) {
+  std::set<std::uint64_t> seeds;
+  for (const std::uint64_t seed : {0ULL, 1ULL, ~0ULL}) {
+    for (int i = 0; i < 5000; ++i) {
+      const RunDraw run = draw_run({}, seed, i);
+      EXPECT_TRUE(seeds.insert(run.seed).second);
+      EXPECT_LT(run.seed, 1ULL << 53);
+    }
+  }
+}
+
+TEST(Draw, AnotherDrawInThePlanLeavesThoseBeforeItAsTheyWere) {
+  CampaignPlan more = plan();
+  more.draws.push_back({"y", {.values = {0.0, 1.0}}});
+  for (int i = 0; i < 100; ++i) {
+    std::vector<double> values = draw_run(more, 1, i).values;
+    values.pop_back();
+    EXPECT_EQ(values, draw_run(plan(), 1, i).values);
+  }
+}
+
+TEST(Draw, ValuesOfOneRunDoNotGoTogether) {
+  double mean = 0;
+  for (int i = 0; i < many; ++i) {
+    const RunDraw run = draw_run(plan(), 1, i);
+    mean += run.values[3] * run.values[4] / many;  // v_f v_s, each of variance 1/3
+  }
+  EXPECT_NEAR(mean, 0.0, 5.0 / 3.0 / std::sqrt(many));
+}
+
+}  // namespace
+}  // namespace sightline

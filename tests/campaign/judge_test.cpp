@@ -1,0 +1,157 @@
+#include "sightline/campaign/judge.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sightline/potential/bearing.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double period = 0.01;
+
+/// One robot looks at a target; it is put where a test wants it.
+class Flown {
+ public:
+  explicit Flown(CampaignPlan plan) : plan_(std::move(plan)) {
+    const AgentId seer = scenario_.team.add(Multirotor{}, {.R = {1, 2, 3, 4}, .name = "seer"});
+    const BodyId tag = scenario_.team.add(Obstacle{"tag"});
+    scenario_.team.couple(1.0 * Bearing{.alpha = 0.5}, Between{seer, tag});
+    Sample sample;
+    sample.x = {0, 0, 1, 1, 0, 0, 0, 2, 0, 1, 0, 0, 0};
+    sample.u = sample.raw_u = {0, 0, 0, 0};
+    sample.measured = sample.x;
+    sample.solvers.resize(1);
+    judge_.emplace(scenario_, plan_, sample);
+  }
+
+  /// A period with the target `distance` ahead, or behind where that is negative.
+  void fly(double distance, double u_f = 0.0, double v_f = 0.0) {
+    Sample& sample = *judge_->claim();
+    sample.time = period * static_cast<double>(updates_++);
+    sample.x[7] = distance;
+    sample.x[5] = v_f;
+    sample.u[0] = u_f;
+    judge_->publish();
+  }
+  void fly_to_end(double distance) {
+    while (updates_ < std::llround(plan_.duration / period)) fly(distance);
+  }
+  RunResult result(bool finite = true) {
+    LoopOutcome outcome;
+    outcome.updates = updates_;
+    outcome.finite = finite;
+    return judge_->result(outcome);
+  }
+  Sample& sample() { return *judge_->claim(); }
+
+ private:
+  CampaignPlan plan_;
+  Scenario scenario_;
+  std::optional<Judge> judge_;
+  std::int64_t updates_ = 0;
+};
+
+CampaignPlan plan() { return {.duration = 1.0, .view_within = 0.5, .d_hard = 0.6, .braking = 0.6}; }
+
+TEST(Judge, InViewInTimeAndAtTheEndIsRecovered) {
+  Flown flown(plan());
+  for (int i = 0; i < 30; ++i) flown.fly(-2.0);
+  for (int i = 0; i < 30; ++i) flown.fly(2.0);
+  for (int i = 0; i < 20; ++i) flown.fly(-3.0);  // may be out of view on the way
+  flown.fly_to_end(1.5);
+  const RunResult result = flown.result();
+  EXPECT_EQ(result.outcome, Outcome::recovered);
+  EXPECT_NEAR(result.time_to_first_view, 0.3, 1e-9);
+  EXPECT_NEAR(result.fraction_in_view, 0.5, 1e-9);
+  EXPECT_EQ(result.min_distance, 1.5);
+  EXPECT_EQ(result.violations, 0);
+}
+
+TEST(Judge, TooLateNotAtTheEndAndNeverAreLost) {
+  Flown late(plan()), gone(plan()), never(plan());
+  for (int i = 0; i < 51; ++i) late.fly(-2.0);
+  late.fly_to_end(2.0);
+  for (int i = 0; i < 99; ++i) gone.fly(2.0);
+  gone.fly_to_end(-2.0);
+  never.fly_to_end(-2.0);
+  EXPECT_EQ(late.result().outcome, Outcome::lost);
+  EXPECT_NEAR(late.result().time_to_first_view, 0.51, 1e-9);
+  EXPECT_EQ(gone.result().outcome, Outcome::lost);
+  EXPECT_EQ(gone.result().time_to_first_view, 0.0);
+  EXPECT_EQ(never.result().outcome, Outcome::lost);
+  EXPECT_TRUE(std::isnan(never.result().time_to_first_view));
+}
+
+TEST(Judge, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrake) {
+  Flown close(plan());
+  close.fly(2.0);
+  for (int i = 0; i < 3; ++i) close.fly(0.5);
+  close.fly_to_end(2.0);
+  EXPECT_EQ(close.result().outcome, Outcome::too_close);
+  EXPECT_EQ(close.result().violations, 3);
+  EXPECT_EQ(close.result().min_distance, 0.5);
+
+  // From 0.5 m it could not; nor at 1.2 m/s with less than 1.2^2 / (2 0.6) = 1.2 m to go.
+  Flown near(plan()), fast(plan()), slower(plan());
+  near.fly_to_end(0.5);
+  fast.fly(0.6 + 1.19, 0.0, 1.2);
+  fast.fly(0.5);
+  fast.fly_to_end(2.0);
+  slower.fly(0.6 + 1.21, 0.0, 1.2);
+  slower.fly(0.5);
+  slower.fly_to_end(2.0);
+  EXPECT_FALSE(near.result().could_brake);
+  EXPECT_EQ(near.result().outcome, Outcome::recovered);
+  EXPECT_EQ(near.result().violations, 0);
+  EXPECT_FALSE(fast.result().could_brake);
+  EXPECT_EQ(fast.result().outcome, Outcome::recovered);
+  EXPECT_TRUE(slower.result().could_brake);
+  EXPECT_EQ(slower.result().outcome, Outcome::too_close);
+}
+
+TEST(Judge, WithoutAHardDistanceNothingIsTooClose) {
+  CampaignPlan free = plan();
+  free.d_hard = 0.0;
+  Flown flown(free);
+  flown.fly(2.0);
+  flown.fly(0.01);
+  flown.fly_to_end(2.0);
+  EXPECT_EQ(flown.result().outcome, Outcome::recovered);
+  EXPECT_EQ(flown.result().min_distance, 0.01);
+}
+
+TEST(Judge, InputsBeyondTheirLimitsAndWhatIsNotFiniteFail) {
+  for (const double u : {1.0000001, -2.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    Flown flown(plan());
+    flown.fly(2.0, u);
+    flown.fly_to_end(2.0);
+    EXPECT_EQ(flown.result().outcome, Outcome::failed) << u;
+    EXPECT_EQ(flown.result().violations, 1) << u;
+  }
+  Flown state(plan()), plant(plan()), short_run(plan());
+  state.sample().x[2] = std::nan("");
+  state.fly_to_end(2.0);
+  EXPECT_EQ(state.result().outcome, Outcome::failed);
+  plant.fly_to_end(2.0);
+  EXPECT_EQ(plant.result(false).outcome, Outcome::failed);
+  short_run.fly(2.0);
+  EXPECT_EQ(short_run.result().outcome, Outcome::failed) << "broken off";
+}
+
+TEST(Judge, EnergyAndStatusesAreSummed) {
+  Flown flown(plan());
+  for (int i = 0; i < 100; ++i) {
+    flown.sample().u = {0.0, 0.5, -0.25, 1.0};
+    flown.sample().solvers[0].status = i % 4 == 0 ? Status::converged : Status::deadline;
+    flown.fly(2.0, 0.1);
+  }
+  const RunResult result = flown.result();
+  EXPECT_NEAR(result.energy, 0.01 + 2 * 0.25 + 3 * 0.0625 + 4.0, 1e-12);
+  EXPECT_EQ(result.statuses[static_cast<std::size_t>(Status::converged)], 25);
+  EXPECT_EQ(result.statuses[static_cast<std::size_t>(Status::deadline)], 75);
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,125 @@
+#include "sightline/campaign/page.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "sightline/campaign/table.hpp"
+#include "tests/support/folder.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+
+CampaignPlan plan() {
+  CampaignPlan some{.duration = 1.0, .view_within = 0.8, .d_hard = 0.5};
+  some.starts = {{.agent = "uav0",
+                  .around = "uav1",
+                  .range = {.values = {0.3, 6.0}},
+                  .bearing = {.values = {-3.0, 3.0}},
+                  .height = {.values = {-1.0, 2.0}}}};
+  some.draws = {{"simulation.disturbance.yaw_lag",
+                 {.kind = Distribution::Kind::choice, .values = {0.0, 0.5}, .shares = {0.5, 0.5}}}};
+  return some;
+}
+
+/// A table of 40 runs, one in four of them bad.
+CampaignTable some_table(const std::filesystem::path& folder, const std::string& name,
+                         bool all_good = false) {
+  Scenario scenario;
+  scenario.name = name;
+  CampaignTable table{name, folder / (name + ".sqlite")};
+  RunTable runs(table.file, scenario, plan(), 1);
+  for (int i = 0; i < 40; ++i) {
+    RunResult result{.outcome = Outcome::recovered,
+                     .min_distance = 1.0 + 0.01 * i,
+                     .time_to_first_view = 0.1 + 0.01 * i,
+                     .fraction_in_view = 0.5,
+                     .energy = 0.2};
+    if (!all_good && i % 4 == 3) {
+      result.outcome = i == 3 ? Outcome::failed : i == 7 ? Outcome::too_close : Outcome::lost;
+      result.time_to_first_view = std::numeric_limits<double>::quiet_NaN();
+    }
+    runs.add(draw_run(plan(), 1, i), result);
+  }
+  runs.finish();
+  return table;
+}
+
+std::string value(const std::vector<CampaignLine>& lines, const std::string& what) {
+  for (const CampaignLine& line : lines) {
+    if (line.what == what) return line.value;
+  }
+  return "";
+}
+
+/// The first tag that closes what is not open, or is never closed; empty if there is none.
+std::string unbalanced(const std::string& page) {
+  static const std::regex tag("<(/?)([a-zA-Z][a-zA-Z0-9]*)[^>]*?(/?)>");
+  std::vector<std::string> open;
+  for (std::sregex_iterator i(page.begin(), page.end(), tag), end; i != end; ++i) {
+    const std::string name = (*i)[2];
+    if ((*i)[3].length() > 0 || name == "meta") continue;
+    if ((*i)[1].length() == 0) {
+      open.push_back(name);
+    } else if (open.empty() || open.back() != name) {
+      return i->str();
+    } else {
+      open.pop_back();
+    }
+  }
+  return open.empty() ? "" : open.back();
+}
+
+TEST(CampaignPage, LinesCountOutcomesWithTheirBounds) {
+  const auto lines = campaign_lines(some_table(test::fresh_folder(), "some"));
+  EXPECT_EQ(value(lines, "recovered"), "30 of 40, 75.00 % (95 %: 58.80 % to 87.31 %)");
+  EXPECT_THAT(value(lines, "failed"), testing::StartsWith("1 of 40, 2.50 %"));
+  EXPECT_THAT(value(lines, "too_close"), testing::StartsWith("1 of 40"));
+  EXPECT_THAT(value(lines, "lost"), testing::StartsWith("8 of 40"));
+  EXPECT_THAT(value(lines, "time to first view"), HasSubstr("last 0.48 s; never in 10 runs"));
+  EXPECT_THAT(value(lines, "least distance"), HasSubstr("of all 1 m"));
+}
+
+TEST(CampaignPage, OutcomesThatDidNotComeAreNotListed) {
+  const auto lines = campaign_lines(some_table(test::fresh_folder(), "good", true));
+  EXPECT_EQ(value(lines, "recovered"), "40 of 40, 100.00 % (95 %: 91.19 % to 100.00 %)");
+  EXPECT_EQ(value(lines, "lost"), "");
+}
+
+TEST(CampaignPage, ItIsWellFormedAndHasItsFigures) {
+  const auto folder = test::fresh_folder();
+  const std::string page = campaign_html({some_table(folder, "a"), some_table(folder, "b & c")}, plan(),
+                                         "sightline campaign x", "out");
+  EXPECT_EQ(unbalanced(page), "");
+  for (const char* part : {"Time to first view", "Least distance", "Fraction of the time in view",
+                           "Recovered, by where uav0 starts", "Recovered, by what was chosen", "b &amp; c",
+                           "simulation.disturbance.yaw_lag = 0.5"})
+    EXPECT_THAT(page, HasSubstr(part));
+  EXPECT_THAT(page, testing::Not(HasSubstr("nan")));
+}
+
+TEST(CampaignPage, TheWorstRunsComeFirstEachWithWhatFliesItAgain) {
+  const auto folder = test::fresh_folder();
+  const std::string page =
+      campaign_html({some_table(folder, "a")}, plan(), "sightline campaign x.toml --seed 5", "out/a");
+  const auto at = [&](int run) {
+    const std::string line = "sightline campaign x.toml --seed 5 --only " + std::to_string(run) +
+                             " -o out/a/run_" + std::to_string(run);
+    return page.find(line + "\n");
+  };
+  EXPECT_LT(at(3), at(7)) << "failed before too close";
+  EXPECT_LT(at(7), at(11)) << "too close before lost";
+  EXPECT_LT(at(39), at(38)) << "lost before recovered";
+  EXPECT_NE(at(38), std::string::npos) << "of those recovered the slowest";
+  EXPECT_EQ(at(0), std::string::npos);
+}
+
+TEST(CampaignPage, ATableThatIsNotThereIsNamed) {
+  EXPECT_THROW(campaign_lines({"a", test::fresh_folder() / "none.sqlite"}), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,90 @@
+#include "sightline/campaign/table.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sightline/io/version.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/small_campaign.hpp"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path flown(const fs::path& file, int threads) {
+  const Scenario scenario = small_campaign();
+  RunTable table(file, scenario, *scenario.campaign, 9);
+  fly_campaign(scenario, *scenario.campaign, {.runs = 20, .seed = 9, .threads = threads},
+               [&](const RunDraw& run, const RunResult& result) { table.add(run, result); });
+  table.finish();
+  return file;
+}
+
+TEST(RunTable, TheFileIsTheSameByteForByteWhateverTheNumberOfThreads) {
+  const fs::path folder = test::fresh_folder();
+  const std::string one = test::read_file(flown(folder / "1.sqlite", 1));
+  EXPECT_GT(one.size(), 8000U);
+  EXPECT_TRUE(test::read_file(flown(folder / "2.sqlite", 2)) == one);
+  EXPECT_TRUE(test::read_file(flown(folder / "1.sqlite", 5)) == one) << "over an older one";
+}
+
+TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
+  const fs::path file = flown(test::fresh_folder() / "a.sqlite", 2);
+  Database database(file, Database::Open::to_read);
+  std::vector<std::string> names;
+  Database::Statement columns(database, "SELECT name FROM pragma_table_info('runs')");
+  while (columns.step()) names.push_back(columns.text(0));
+  EXPECT_THAT(names, testing::ElementsAre("index", "seed", "outcome", "min_distance", "time_to_first_view",
+                                          "fraction_in_view", "could_brake", "violations", "energy",
+                                          "status_converged", "status_iteration_limit", "status_deadline",
+                                          "status_not_finite", "status_invalid_state", "uav0.range",
+                                          "uav0.bearing", "uav0.height", "uav0.heading", "uav0.v_f",
+                                          "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
+                                          "agent.uav1.reference.circle.rate"));
+  Database::Statement about(database,
+                            "SELECT group_concat(value, '|') FROM campaign WHERE key IN "
+                            "('scenario', 'seed', 'version', 'duration')");
+  ASSERT_TRUE(about.step());
+  EXPECT_EQ(about.text(0), std::string("1.0|cooperative_localization|9|").append(version));
+}
+
+TEST(RunTable, ARowSaysWhatItsRunWas) {
+  const fs::path file = flown(test::fresh_folder() / "a.sqlite", 1);
+  const Scenario scenario = small_campaign();
+  const Variants variants(scenario, *scenario.campaign);
+  Pilot pilot(variants, *scenario.campaign);
+  Database database(file, Database::Open::to_read);
+  Database::Statement rows(database, "SELECT * FROM runs ORDER BY \"index\"");
+  for (int i = 0; i < 20; ++i) {
+    const RunDraw run = draw_run(*scenario.campaign, 9, i);
+    const RunResult r = pilot.fly(run);
+    ASSERT_TRUE(rows.step());
+    EXPECT_EQ(rows.integer(0), i);
+    EXPECT_EQ(static_cast<std::uint64_t>(rows.integer(1)), run.seed);
+    EXPECT_EQ(rows.text(2), to_string(r.outcome));
+    EXPECT_EQ(rows.number(3), r.min_distance);
+    EXPECT_EQ(rows.number(4).value_or(-1), std::isnan(r.time_to_first_view) ? -1 : r.time_to_first_view);
+    EXPECT_EQ(rows.number(5), r.fraction_in_view);
+    EXPECT_EQ(rows.integer(6), r.could_brake ? 1 : 0);
+    EXPECT_EQ(rows.integer(7), r.violations);
+    EXPECT_EQ(rows.number(8), r.energy);
+    std::int64_t updates = 0;
+    for (int s = 0; s < status_count; ++s) updates += rows.integer(9 + s);
+    EXPECT_EQ(updates, 100);
+    for (std::size_t v = 0; v < run.values.size(); ++v)
+      EXPECT_EQ(rows.number(9 + status_count + static_cast<int>(v)), run.values[v]);
+  }
+  EXPECT_FALSE(rows.step());
+}
+
+TEST(RunTable, AFolderThatIsNotThereIsNamed) {
+  const Scenario scenario = small_campaign();
+  EXPECT_THROW(RunTable(test::fresh_folder() / "no" / "a.sqlite", scenario, *scenario.campaign, 1),
+               std::runtime_error);
+}
+
+}  // namespace
+}  // namespace sightline

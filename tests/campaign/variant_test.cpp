@@ -1,0 +1,169 @@
+#include "sightline/campaign/variant.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace sightline {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+const std::string text = R"([agent.seer]  # looks
+robot = "multirotor"
+start = { p = [9.0, 9.0, 9.0], heading = 0.5, v = [0.1, 0.2] }
+[agent.seer.sensor]
+pitch = 0.5
+[agent.seen]
+robot = "multirotor"
+start = { p = [1.0, 2.0, 3.0], heading = 0.0 }
+reference = { circle = { centre = [0.0, 0.0, 1.0], radius = 0.5, rate = 0.3 } }
+[obstacle.box]
+p = [5.0, 5.0, 0.0]
+[[couple]]
+potential = { bearing = { alpha = 0.5, width = 0.1, tilt = 0.2 } }
+between = ["seer", "seen"]
+weight = 1.0
+[simulation]
+duration = 60.0
+seed = 3
+compare = ["cgmres"]
+)";
+
+Distribution always(double value) {
+  return {.kind = Distribution::Kind::choice, .values = {value}, .shares = {1.0}};
+}
+
+StartDraw start(double range, double bearing, double height) {
+  return {.agent = "seer",
+          .around = "seen",
+          .range = always(range),
+          .bearing = always(bearing),
+          .height = always(height)};
+}
+
+Scenario variant(const CampaignPlan& plan, int index = 0) {
+  return Variants(parse_scenario(text, "some.toml"), plan).of(draw_run(plan, 1, index));
+}
+
+TEST(Variant, AStartLiesWhereRangeBearingAndHeightSay) {
+  for (const double heading : {0.0, 1.0, -3.0}) {
+    for (const double range : {0.0, 0.5, 4.0}) {
+      for (double bearing = -3.0; bearing <= 3.0; bearing += 0.5) {
+        CampaignPlan plan;
+        plan.starts = {start(range, bearing, -0.75)};
+        plan.starts[0].heading = always(heading);
+        const Scenario made = variant(plan);
+        const std::vector<double>& x = made.x0;
+        EXPECT_NEAR(x[2], 3.0 - 0.75, 1e-12);
+        EXPECT_NEAR(std::hypot(1.0 - x[0], 2.0 - x[1]), range, 1e-12);
+        EXPECT_NEAR(x[3], std::cos(heading), 1e-12);
+        EXPECT_NEAR(x[4], std::sin(heading), 1e-12);
+        if (range == 0) continue;
+        const double seen_at = std::atan2(2.0 - x[1], 1.0 - x[0]);
+        EXPECT_NEAR(std::remainder(seen_at - heading - bearing, 2 * pi), 0.0, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(Variant, ExactlyBehindIsExactlyBehind) {
+  for (const double behind : {pi, -pi}) {
+    CampaignPlan plan;
+    plan.starts = {start(2.0, behind, 0.0)};
+    plan.starts[0].heading = always(0.0);
+    EXPECT_EQ(variant(plan).x0[0], 3.0);
+    EXPECT_EQ(variant(plan).x0[1], 2.0);
+  }
+}
+
+TEST(Variant, WhatIsNotDrawnStaysAsItWas) {
+  CampaignPlan plan;
+  plan.starts = {start(1.0, 0.0, 0.0)};
+  const Scenario made = variant(plan), base = parse_scenario(text, "some.toml");
+  EXPECT_EQ(made.x0[3], base.x0[3]);
+  EXPECT_EQ(made.x0[5], 0.1);
+  EXPECT_EQ(made.x0[6], 0.2);
+  EXPECT_TRUE(std::equal(made.x0.begin() + 7, made.x0.end(), base.x0.begin() + 7));
+  EXPECT_THAT(made.text, testing::StartsWith("[agent.seer]  # looks\nrobot = \"multirotor\"\n"));
+}
+
+TEST(Variant, VelocitiesAndNumbersReachTheirPlaces) {
+  CampaignPlan plan;
+  plan.starts = {start(1.0, 0.0, 0.0)};
+  plan.starts[0].velocity = Distribution{.values = {0.25, 0.75}};
+  plan.draws = {{"couple[0].weight", always(7.5)}, {"obstacle.box.p[2]", always(1.25)}};
+  const RunDraw run = draw_run(plan, 1, 4);
+  const Scenario made = variant(plan, 4);
+  EXPECT_EQ(made.x0[5], run.values[3]);
+  EXPECT_EQ(made.x0[6], run.values[4]);
+  EXPECT_EQ(made.team.couplings()[0].term.weight, 7.5);
+  EXPECT_EQ(made.x0[16], 1.25);
+}
+
+TEST(Variant, AStartIsAroundTheBodysOwnDrawnPlace) {
+  for (const char* around : {"seen", "box"}) {
+    CampaignPlan plan;
+    plan.starts = {start(1.0, 0.5, 0.5)};
+    plan.starts[0].around = around;
+    const std::string key = around == std::string("seen") ? "agent.seen.start.p" : "obstacle.box.p";
+    plan.draws = {{key + "[0]", always(20.0)}, {key + "[2]", always(2.0)}};
+    const Scenario made = variant(plan);
+    EXPECT_NEAR(std::hypot(made.x0[0] - 20.0, made.x0[1] - (key[0] == 'a' ? 2.0 : 5.0)), 1.0, 1e-12);
+    EXPECT_EQ(made.x0[2], 2.5);
+  }
+}
+
+TEST(Variant, ItsTextAloneIsTheSameScenario) {
+  CampaignPlan plan;
+  plan.duration = 12.5;
+  plan.starts = {start(1.0, 2.0, 0.0)};
+  plan.draws = {{"agent.seen.reference.circle.rate", Distribution{.values = {0.1, 0.9}}}};
+  const Scenario made = variant(plan, 3), read = parse_scenario(made.text, "some.toml");
+  EXPECT_EQ(read.x0, made.x0);
+  EXPECT_EQ(read.simulation.duration, 12.5);
+  EXPECT_EQ(made.simulation.duration, 12.5);
+  EXPECT_EQ(read.simulation.seed, draw_run(plan, 1, 3).seed);
+  EXPECT_EQ(made.simulation.seed, read.simulation.seed);
+  EXPECT_TRUE(made.simulation.compare.empty());
+  EXPECT_EQ(made.name, "some");
+}
+
+TEST(Variant, OnlyWhatTheTeamIsMadeOfAsksForAnotherSolver) {
+  CampaignPlan plan;
+  plan.starts = {start(1.0, 2.0, 0.0)};
+  plan.draws = {{"agent.seen.reference.circle.rate", always(0.5)},
+                {"agent.seen.start.p[0]", always(1.5)},
+                {"obstacle.box.p[0]", always(2.5)},
+                {"couple[0].weight", always(3.5)}};
+  const Variants variants(parse_scenario(text, "some.toml"), plan);
+  EXPECT_THAT(variants.team_values(draw_run(plan, 1, 0)), testing::ElementsAre(0.5, 3.5));
+}
+
+TEST(Variant, ANumberThatAnotherScenarioDoesNotHaveIsNamed) {
+  CampaignPlan plan;
+  plan.draws = {{"couple[1].weight", always(1.0)}};
+  try {
+    Variants(parse_scenario(text, "some.toml"), plan);
+    FAIL() << "expected a refusal";
+  } catch (const ScenarioError& error) {
+    EXPECT_STREQ(error.what(),
+                 "some.toml:1: couple[1].weight is missing, expected the number that the campaign draws");
+  }
+}
+
+TEST(Variant, ANumberOutOfItsRangeIsRefusedAtItsLine) {
+  CampaignPlan plan;
+  plan.draws = {{"couple[0].weight", always(-1.0)}};
+  try {
+    variant(plan);
+    FAIL() << "expected a refusal";
+  } catch (const ScenarioError& error) {
+    EXPECT_THAT(error.what(), testing::StartsWith("some.toml:15: couple[0].weight = -1"));
+  }
+}
+
+}  // namespace
+}  // namespace sightline

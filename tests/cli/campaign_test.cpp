@@ -1,0 +1,139 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "sightline/campaign/database.hpp"
+#include "tests/support/command.hpp"
+
+namespace sightline::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::fresh_folder;
+using test::read_file;
+using test::sightline;
+using testing::HasSubstr;
+
+const std::string shipped = "scenarios/cooperative_localization.toml";
+
+/// A shipped scenario with runs of another duration [s].
+std::string with_runs_of(const std::string& duration, const fs::path& folder) {
+  const fs::path file = folder / "short.toml";
+  std::ofstream(file) << std::regex_replace(read_file(fs::path(SIGHTLINE_SOURCE_DIR) / shipped),
+                                            std::regex("duration = 25.0 "), "duration = " + duration + " ");
+  return file.string();
+}
+
+std::string one(const fs::path& file, const std::string& sql) {
+  Database database(file, Database::Open::to_read);
+  Database::Statement ask(database, sql);
+  return ask.step() ? ask.text(0) : "nothing";
+}
+
+TEST(Campaign, TheShippedOneFindsItsTargetFromEveryStart) {
+  const fs::path folder = fresh_folder();
+  const auto flown = sightline("campaign " + shipped + " --runs 20 -o " + (folder / "a").string(), folder);
+  EXPECT_EQ(flown.code, 0) << flown.err;
+  EXPECT_THAT(flown.out, HasSubstr("20 of 20, 100.00 %"));
+  EXPECT_THAT(flown.err, HasSubstr("20 of 20 runs, 20 recovered, 0 s left"));
+  const fs::path table = folder / "a" / "campaign.sqlite";
+  EXPECT_EQ(one(table, "SELECT count(*) || ' ' || sum(violations) FROM runs WHERE outcome = 'recovered'"),
+            "20 0");
+  EXPECT_GT(fs::file_size(folder / "a" / "campaign.html"), 20'000U);
+}
+
+TEST(Campaign, SeedAndThreadsAreThoseAskedFor) {
+  const fs::path folder = fresh_folder();
+  const std::string scenario = with_runs_of("0.5", folder);
+  std::vector<std::string> tables;
+  for (const char* options : {"--seed 7 --threads 1", "--seed 7 --threads 2", "--seed 8"}) {
+    const fs::path out = folder / std::to_string(tables.size());
+    const auto flown =
+        sightline("campaign " + scenario + " --runs 30 " + options + " -o " + out.string(), folder);
+    EXPECT_LE(flown.code, 1) << flown.err;
+    tables.push_back(read_file(out / "campaign.sqlite"));
+  }
+  EXPECT_TRUE(tables[0] == tables[1]);
+  EXPECT_FALSE(tables[0] == tables[2]);
+}
+
+TEST(Campaign, RunsThatAreNotRecoveredAreSaidAndAFailure) {
+  const fs::path folder = fresh_folder();
+  const auto flown = sightline(
+      "campaign " + with_runs_of("0.1", folder) + " --runs 40 -o " + (folder / "a").string(), folder);
+  EXPECT_EQ(flown.code, 1);
+  EXPECT_THAT(flown.err, testing::ContainsRegex("sightline: [0-9]+ of 40 runs: lost"));
+  EXPECT_THAT(read_file(folder / "a" / "campaign.html"), HasSubstr("runs were not recovered."));
+}
+
+// The row of the table, an ordinary run folder, and that folder's scenario flown as any other: all the same.
+TEST(Campaign, OneRunAloneIsTheRowOfTheTable) {
+  const fs::path folder = fresh_folder();
+  const std::string scenario = with_runs_of("3.0", folder), campaign = "campaign " + scenario + " --seed 4";
+  (void)sightline(campaign + " --runs 9 -o " + (folder / "all").string(), folder);
+  const auto alone = sightline(campaign + " --only 8 -o " + (folder / "one").string(), folder);
+  EXPECT_LE(alone.code, 1) << alone.err;
+  const json summary = json::parse(read_file(folder / "one" / "summary.json"));
+  const fs::path table = folder / "all" / "campaign.sqlite";
+  Database database(table, Database::Open::to_read);
+  Database::Statement row(
+      database,
+      "SELECT seed, min_distance, energy, status_converged, status_iteration_limit, outcome "
+      "FROM runs WHERE \"index\" = 8");
+  ASSERT_TRUE(row.step());
+  EXPECT_EQ(summary.at("seed"), row.integer(0));
+  EXPECT_EQ(summary.at("min_distance").get<double>(), row.number(1));
+  EXPECT_EQ(summary.at("status").at("converged"), row.integer(3));
+  EXPECT_EQ(summary.at("status").at("iteration_limit"), row.integer(4));
+  double energy = 0;
+  for (const json& agent : summary.at("agents")) energy += agent.at("energy").get<double>();
+  EXPECT_NEAR(energy, row.number(2).value_or(-1), 1e-12);
+  EXPECT_THAT(alone.out, HasSubstr("run 8: " + row.text(5)));
+  for (const char* file : {"run.mcap", "timing.csv", "report.html", "short.toml"})
+    EXPECT_GT(fs::file_size(folder / "one" / file), 1000U) << file;
+
+  (void)sightline("run " + (folder / "one" / "short.toml").string() + " -o " + (folder / "again").string(),
+                  folder);
+  EXPECT_TRUE(read_file(folder / "again" / "run.mcap") == read_file(folder / "one" / "run.mcap"));
+}
+
+TEST(Campaign, AnotherScenarioBesideFliesTheSameDraws) {
+  const fs::path folder = fresh_folder();
+  const auto flown = sightline("campaign " + with_runs_of("1.0", folder) + " --runs 12 --beside " +
+                                   "scenarios/paper_7_1.toml -o " + (folder / "a").string(),
+                               folder);
+  EXPECT_LE(flown.code, 1) << flown.err;
+  const std::string drawn =
+      "SELECT group_concat(seed || ' ' || \"uav0.range\" || ' ' || \"agent.uav1.reference.circle.rate\") "
+      "FROM runs";
+  EXPECT_EQ(one(folder / "a" / "campaign.sqlite", drawn), one(folder / "a/paper_7_1/campaign.sqlite", drawn));
+  EXPECT_EQ(one(folder / "a/paper_7_1/campaign.sqlite", "SELECT value FROM campaign WHERE key = 'scenario'"),
+            "paper_7_1");
+  EXPECT_THAT(read_file(folder / "a" / "campaign.html"), HasSubstr("<h2>paper_7_1</h2>"));
+  EXPECT_TRUE(fs::exists(folder / "a/paper_7_1/campaign.html"));
+}
+
+TEST(Campaign, BadInputEndsWithTwoAndSaysWhat) {
+  const fs::path folder = fresh_folder();
+  const auto refused = [&](const std::string& arguments) {
+    const auto result = sightline("campaign " + arguments + " -o " + (folder / "a").string(), folder);
+    EXPECT_EQ(result.code, 2) << arguments;
+    EXPECT_FALSE(fs::exists(folder / "a" / "campaign.sqlite")) << arguments;
+    return result.err + result.out;
+  };
+  EXPECT_EQ(refused("scenarios/yaw_step.toml"),
+            "scenarios/yaw_step.toml:1: campaign is missing, expected [campaign] with what is drawn\n");
+  EXPECT_THAT(refused(shipped + " --beside scenarios/yaw_step.toml"),
+              HasSubstr("scenarios/yaw_step.toml:1: agent."));
+  EXPECT_THAT(refused("none.toml"), HasSubstr("none.toml:1: cannot be read"));
+  for (const char* options : {"--runs 0", "--runs x", "--threads 0", "--only -1", "--seed -1"})
+    EXPECT_NE(refused(shipped + " " + options), "");
+  std::ofstream(folder / "file") << "x";
+  EXPECT_EQ(sightline("campaign " + shipped + " -o " + (folder / "file").string(), folder).code, 2);
+}
+
+}  // namespace
+}  // namespace sightline::cli

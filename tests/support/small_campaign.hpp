@@ -1,0 +1,14 @@
+/// A campaign of short flights: the shipped scenario, all that it draws, a second of each.
+#pragma once
+
+#include "sightline/campaign/campaign.hpp"
+
+namespace sightline {
+
+inline Scenario small_campaign() {
+  Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/cooperative_localization.toml");
+  scenario.campaign->duration = 1.0;
+  return scenario;
+}
+
+}  // namespace sightline
