@@ -7,10 +7,12 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <span>
 #include <thread>
 
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
+#include "sightline/campaign/evasion_page.hpp"
 #include "sightline/campaign/page.hpp"
 #include "sightline/campaign/table.hpp"
 #include "sightline/io/page.hpp"
@@ -167,10 +169,18 @@ int campaign(const CampaignCommand& command) {
                  input.options.seed);
       print_lines(campaign_lines(tables.back()));
     }
+    std::vector<EvasionRuns> evasions;
+    for (std::size_t i = 0; input.plan.evasion && i < tables.size(); ++i)
+      evasions.push_back(
+          evasion_runs(input.scenarios[i], input.plan, input.options.seed, input.options.runs));
+    if (input.plan.evasion) fmt::print("\n{}\n", evasion_text(*input.plan.evasion, evasions));
     for (std::size_t i = 0; i < tables.size(); ++i) {
       const std::vector<CampaignTable> shown = i == 0 ? tables : std::vector<CampaignTable>{tables[i]};
+      const std::span of_all(evasions);
+      const auto of_page = i == 0 || evasions.empty() ? of_all : of_all.subspan(i, 1);
       write_text(input.folder_of(i) / "campaign.html",
-                 campaign_html(shown, input.plan, again(command, input), input.folder));
+                 campaign_html(shown, input.plan, again(command, input), input.folder,
+                               input.plan.evasion ? evasion_html(*input.plan.evasion, of_page) : ""));
     }
   } catch (const ScenarioError& error) {
     fmt::print(stderr, "{}\n", error.what());

@@ -235,7 +235,8 @@ std::vector<CampaignLine> campaign_lines(const CampaignTable& table) {
 }
 
 std::string campaign_html(const std::vector<CampaignTable>& tables, const CampaignPlan& plan,
-                          const std::string& command, const std::filesystem::path& folder) {
+                          const std::string& command, const std::filesystem::path& folder,
+                          const std::string& more) {
   std::vector<Runs> all;
   all.reserve(tables.size());
   for (const CampaignTable& table : tables) all.emplace_back(table);
@@ -262,7 +263,7 @@ std::string campaign_html(const std::vector<CampaignTable>& tables, const Campai
                    "From the start on, all observers at once."),
       distribution(all, "energy", "Energy of the inputs", "u'Ru dt [s]", "Of all robots.")};
   for (const Figure& figure : draw(std::move(drawings))) page += page_figure(figure);
-  return page + worst(first, command, folder) + "</body>\n</html>\n";
+  return page + more + worst(first, command, folder) + "</body>\n</html>\n";
 }
 
 }  // namespace sightline

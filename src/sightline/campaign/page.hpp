@@ -18,9 +18,11 @@ struct CampaignTable {
 /// The page of the first table; the others, which flew the same draws, stand beside it.
 /// @param command  what flies a run again, but for `--only INDEX -o DIR`
 /// @param folder   where such a run goes: run_INDEX within it
+/// @param more     a part of the page before the worst runs
 /// @throws std::runtime_error with a sentence where a table cannot be read or a figure cannot be drawn
 std::string campaign_html(const std::vector<CampaignTable>& tables, const CampaignPlan& plan,
-                          const std::string& command, const std::filesystem::path& folder);
+                          const std::string& command, const std::filesystem::path& folder,
+                          const std::string& more = {});
 
 /// A line of the campaign as a person reads it.
 struct CampaignLine {

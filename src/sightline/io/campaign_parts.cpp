@@ -8,6 +8,7 @@
 #include <numeric>
 #include <set>
 
+#include "sightline/io/evasion_parts.hpp"
 #include "sightline/io/scenario_numbers.hpp"
 
 namespace sightline {
@@ -160,7 +161,8 @@ CampaignPlan read_campaign(const TomlDocument& document, const Team& team) {
            {"view_within", &plan.view_within, not_negative(">= 0 s")},
            {"d_hard", &plan.d_hard, not_negative(">= 0 m")},
            {"braking", &plan.braking, positive("> 0 m/s^2")}},
-          {"start", "draw"});
+          {"start", "draw", "evasion"});
+  if (at.has("evasion")) plan.evasion = read_evasion(at.table("evasion"), team);
   PlanReader reader(document, team);
   for (const TomlTable& start : at.tables("start")) plan.starts.push_back(reader.read_start(start));
   for (const TomlTable& draw : at.tables("draw")) plan.draws.push_back(reader.read_draw(draw));

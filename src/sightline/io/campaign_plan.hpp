@@ -36,6 +36,25 @@ struct NumberDraw {
   Distribution distribution;
 };
 
+/// Numbers of Table 1, one for each run.
+struct EvasionColumns {
+  std::vector<double> min_obstacle{};  ///< least distance to the obstacle [m]
+  std::vector<double> min_target{};    ///< least and
+  std::vector<double> max_target{};    ///< greatest distance to the target [m]
+  std::vector<double> max_angle{};     ///< greatest view angle while the obstacle is there [rad]
+};
+
+/// Which robot evades which obstacle while it watches a target, and what was published of it.
+struct EvasionPlan {
+  std::string agent, target, obstacle;
+  double from = 0.0;        ///< the obstacle is there from here on [s], >= 0
+  double d_obstacle = 1.0;  ///< limit of the distance to the obstacle [m], > 0
+  double d_min = 0.7;       ///< limits of the distance to the target [m], > 0
+  double d_max = 2.0;
+  double alpha = 0.5;          ///< limit of the view angle [rad], > 0
+  EvasionColumns published{};  ///< empty: nothing was
+};
+
 struct CampaignPlan {
   double duration = 25.0;  ///< of each run [s]
   double view_within =
@@ -44,6 +63,7 @@ struct CampaignPlan {
   double braking = 0.6;  ///< a start from which this deceleration keeps d_hard must keep it [m/s^2]
   std::vector<StartDraw> starts{};
   std::vector<NumberDraw> draws{};
+  std::optional<EvasionPlan> evasion{};  ///< shown of the first runs
 };
 
 /// The numbers that are drawn for a run, in their order: "uav0.range", ..., then the keys of the draws.
