@@ -1,0 +1,76 @@
+#!/usr/bin/env bash
+# Shows that the fast tests of the barrier notice when it is broken:  scripts/mutants.sh [BUILD_DIR]
+# Each mutant is one substitution in a copy of its sources; a line tells which test killed it. Nothing in the tree
+# changes. Ends with 1 if a mutant survives. BUILD_DIR holds a built library (build/release by default).
+set -uo pipefail
+cd "$(dirname "$0")/.." || exit 1
+build=${1:-build/release}
+[[ -f $build/lib/libsightline.a ]] || { echo "mutants.sh: $build = not built, expected lib/libsightline.a in it" >&2; exit 2; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# As the build compiles the library's own barrier, at -O1.
+flags=(-std=c++20 -O1 -march=native -ffp-contract=off -fno-math-errno -fno-trapping-math -Wno-psabi)
+tests=(authority escape barrier)
+filter='Authority.*:Escape.*:Barrier.*'
+
+# name | file | what stands there | what the mutant has in its place
+mutants=(
+  'sign of the normal flipped|barrier.cpp|return least - value(next);|return least + value(next);'
+  'sign of the velocity flipped|barrier.cpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
+  'sign of the thrust flipped|escape.cpp|const double side = g.x \* x\[k\] + g.y \* y\[k\] < 0 ? -1.0 : 1.0;|const double side = g.x * x[k] + g.y * y[k] < 0 ? 1.0 : -1.0;'
+  'drag dropped|barrier.cpp|plans_(can_.drag, dt)|plans_(0.0, dt)'
+  'deceleration doubled|authority.cpp|const double reach = part|const double reach = 2 * part'
+  'deceleration of members doubled|barrier.cpp|tube.beta = 2 \* b_;|tube.beta = 4 * b_;'
+  'margin zero|barrier.cpp|n.d_hard + options_.margin + 3 \* n.sigma|n.d_hard'
+  'margin of age zero|barrier.cpp|anywhere.rho0 += n.speed_max \* age;|;'
+  'speed of a stranger halved|barrier.cpp|anywhere.speed = n.speed_max;|anywhere.speed = 0.5 * n.speed_max;'
+  'share of a member doubled|barrier.cpp|options_.share \* spare|2 * options_.share * spare'
+  'step not looked ahead|barrier.cpp|const EscapeShape left = plans_.left(touch);|const EscapeShape left = touch.shape;'
+  'cuts left out|barrier.cpp|    add_cuts(self, there, rows);||'
+  'floor turned into a ceiling|barrier.cpp|{{0, 0, 1}, 0.0, {}, least, Wall::floor}|{{0, 0, -1}, 0.0, {}, least, Wall::floor}'
+)
+
+fail() { echo "mutants.sh: $1" >&2; exit 2; }
+prepare() {
+  local test
+  for test in "${tests[@]}"; do
+    c++ "${flags[@]}" -isystem /usr/include/eigen3 -I. -Isrc -I"$build/generated" -c "tests/safety/${test}_test.cpp" \
+      -o "$work/${test}_test.o" || fail "tests/safety/${test}_test.cpp does not compile"
+  done
+  c++ "${flags[@]}" -I. -Isrc -c cli/allocations.cpp -o "$work/allocations.o" || fail "cli/allocations.cpp does not compile"
+}
+
+# $1: folder with the three sources. Links them before the library, so that they stand for its own.
+program() {
+  local source
+  for source in authority escape barrier; do
+    c++ "${flags[@]}" -Isrc -c "$1/$source.cpp" -o "$1/$source.o" || return 1
+  done
+  c++ "$1"/{authority,escape,barrier}.o "$work"/*_test.o "$work/allocations.o" "$build/lib/libsightline.a" \
+    -lgtest_main -lgmock -lgtest -lfmt -lpthread -o "$1/tests" || return 1
+}
+
+begin=$SECONDS
+survivors=0
+prepare
+mkdir "$work/none"
+cp src/sightline/safety/{authority,escape,barrier}.cpp "$work/none"
+program "$work/none" || fail "the barrier does not build"
+"$work/none/tests" --gtest_filter="$filter" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "the tests fail without a mutant"; }
+for mutant in "${mutants[@]}"; do
+  IFS='|' read -r name file from to <<<"$mutant"
+  folder=$work/mutant
+  rm -rf "$folder" && cp -r "$work/none" "$folder" && rm -f "$folder"/*.o "$folder/tests"
+  sed -i "s|$from|$to|" "$folder/$file"
+  cmp -s "$folder/$file" "src/sightline/safety/$file" && fail "mutant \"$name\" changes nothing, expected \"$from\" in $file"
+  program "$folder" 2>"$work/log" || { cat "$work/log" >&2; fail "mutant \"$name\" does not build"; }
+  if timeout 300 "$folder/tests" --gtest_filter="$filter" --gtest_fail_fast >"$work/log" 2>&1; then
+    echo "SURVIVED  $name"
+    survivors=$((survivors + 1))
+  else
+    echo "killed    $name: $(sed -nE 's/^\[  FAILED  \] ([A-Za-z.]+).*/\1/p' "$work/log" | head -1)"
+  fi
+done
+echo "${#mutants[@]} mutants, $survivors survived, $((SECONDS - begin)) s"
+((survivors == 0))
