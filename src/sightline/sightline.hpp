@@ -9,6 +9,7 @@
 #include "sightline/potential/region.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/potential/slope.hpp"
+#include "sightline/safety/barrier.hpp"
 #include "sightline/sim/plant.hpp"
 #include "sightline/sim/sensor.hpp"
 #include "sightline/solver/cgmres.hpp"

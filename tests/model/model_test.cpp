@@ -59,6 +59,21 @@ class RobotLaws : public testing::Test {
 using Robots = testing::Types<Multirotor, AngleMultirotor, Body>;
 TYPED_TEST_SUITE(RobotLaws, Robots);
 
+TYPED_TEST(RobotLaws, AStepIsTheRungeKuttaStepOfTheRateBitForBit) {
+  const Model model = this->robot_;
+  for (int k = 0; k < 1000; ++k) {
+    const auto x = this->state();
+    const auto u = this->input();
+    auto stepped = x, integrated = x;
+    model.step(stepped.data(), u.data(), 0.01);
+    std::array<double, RungeKuttaScratch::rows_needed * TypeParam::nx> rows;
+    rk4_step(
+        [&](std::span<const double> z, std::span<double> rate) { model.f(z.data(), u.data(), rate.data()); },
+        integrated, 0.01, {rows});
+    EXPECT_EQ(stepped, integrated);
+  }
+}
+
 TYPED_TEST(RobotLaws, TheRateIsTheSameOnEveryScalar) {
   for (int k = 0; k < 1000; ++k) {
     const auto x = this->state();

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "sightline/formula/trace.hpp"
+#include "sightline/math/integrate.hpp"
 #include "sightline/math/tangent.hpp"
 #include "sightline/model/frames.hpp"
 
@@ -49,6 +50,8 @@ class Model {
   /// rate = x' = f(x, u).
   void f(const double* x, const double* u, double* rate) const noexcept { block_->f(x, u, rate); }
   Sight<double> sight(const double* x, const double* u) const noexcept { return block_->sight(x, u); }
+  /// x after one Runge-Kutta step of dt [s] with u held.
+  void step(double* x, const double* u, double dt) const noexcept { block_->step(x, u, dt); }
   /// The state of rest in a pose; a heading of (0, 0) stands for "any".
   void at_rest(const Pose<double>& pose, double* x) const noexcept { block_->at_rest(pose, x); }
   /// Adds the rate of the state under an acceleration of G [m/s^2] to `rate`; nothing for a model without
@@ -77,6 +80,7 @@ class Model {
     virtual ~Interface() = default;
     virtual void f(const double* x, const double* u, double* rate) const noexcept = 0;
     virtual Sight<double> sight(const double* x, const double* u) const noexcept = 0;
+    virtual void step(double* x, const double* u, double dt) const noexcept = 0;
     virtual void at_rest(const Pose<double>& pose, double* x) const noexcept = 0;
     virtual void push(const double* x, const Vec3<double>& a, double* rate) const noexcept = 0;
     virtual bool normalise(double* x) const noexcept = 0;
@@ -122,6 +126,15 @@ struct Model::Block final : Model::Interface {
   }
   Sight<double> sight(const double* x, const double* u) const noexcept override {
     return sightline::sight(model, take<states_n>(x), take<inputs_n>(u));
+  }
+  void step(double* x, const double* u, double dt) const noexcept override {
+    const auto held = take<inputs_n>(u);
+    std::array<double, RungeKuttaScratch::rows_needed * states_n> rows;
+    const auto rate = [&](std::span<const double> z, std::span<double> r) {
+      const auto f = model.f(take<states_n>(z.data()), held);
+      for (std::size_t i = 0; i < states_n; ++i) r[i] = f[i];
+    };
+    rk4_step(rate, std::span<double>(x, states_n), dt, {rows});
   }
   void at_rest(const Pose<double>& pose, double* x) const noexcept override {
     const auto r = model.at_rest(pose);

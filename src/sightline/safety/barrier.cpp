@@ -8,7 +8,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/math/integrate.hpp"
 #include "sightline/safety/projection.hpp"
 
 namespace sightline {
@@ -17,7 +16,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double far_away = 1e6;    // [m] what is farther cannot matter
 constexpr double kept = 1e-9;       // [m] a row missed by less is kept
-constexpr double corrected = 1e-7;  // [m] what the linearised step may miss the true one by
+constexpr double corrected = 1e-5;  // [m] what the linearised step may miss the true one by
 constexpr std::size_t most_states = 32;
 
 void require(bool good, std::string_view name, double value, std::string_view expected) {
@@ -76,9 +75,10 @@ struct Barrier::Row {
   Vec2<double> thrust;  // what the plan adds after it, in V [m]
   double least;         // [m]
   Wall wall;
-  int threat = -1;   // or none
-  Touch touch{};     // the time of the threat's plan that it holds
-  bool cut = false;  // a second row holds the time to which commands have moved it
+  int threat;                     // or -1
+  double time, slope, curvature;  // of the threat's gap at the time that the row holds
+  double e;                       // what a velocity is worth then
+  bool cut;                       // a second row holds the time to which the command has moved it
 
   double value(const Next& next) const {
     const Vec2<double> push = rotate(next.d, thrust);
@@ -89,6 +89,10 @@ struct Barrier::Row {
 };
 
 struct Barrier::Rows {
+  static Row of_wall(const Vec3<double>& n, double E, double least, Wall wall) {
+    return {n, E, {}, least, wall, -1, 0.0, 0.0, 0.0, 0.0, false};
+  }
+
   std::array<Threat, most_neighbours> threat;
   std::array<Row, most_half_spaces> row;
   std::size_t threats = 0, count = 0;
@@ -108,12 +112,8 @@ Barrier::Barrier(const Model& model, std::span<const double> u_min, std::span<co
 
 Barrier::Next Barrier::next(std::span<const double> x, std::span<const double> u) const noexcept {
   std::array<double, most_states> state;
-  std::array<double, RungeKuttaScratch::rows_needed * most_states> scratch;
   std::copy(x.begin(), x.end(), state.begin());
-  rk4_step(
-      [&](std::span<const double> z, std::span<double> rate) { model_.f(z.data(), u.data(), rate.data()); },
-      std::span(state).first(x.size()), dt_,
-      {std::span(scratch).first(RungeKuttaScratch::rows_needed * x.size())});
+  model_.step(state.data(), u.data(), dt_);
   const Sight<double> seen = model_.sight(state.data(), u.data());
   return {seen.p, seen.d, {seen.v.x, seen.v.y}};
 }
@@ -170,9 +170,12 @@ Barrier::Row Barrier::keep_away(const Sight<double>& self, const Rows& rows, int
   if (threat.conduct == Conduct::member) {
     // Half of the acceleration apart is this robot's; so is its share of what the plan would leave.
     const double least = planned + 0.5 * (F - left.F) * level(a) - options_.share * spare;
-    return {touch.n, left.E, {}, least, Wall::none, index, touch};
+    return {touch.n,     left.E,          {},     least, Wall::none, index, touch.time,
+            touch.slope, touch.curvature, left.e, false};
   }
-  Row row{touch.n, left.E, {}, planned + F * level(a) - spare, Wall::none, index, touch};
+  Row row{touch.n,         left.E, {},         planned + F * level(a) - spare,
+          Wall::none,      index,  touch.time, touch.slope,
+          touch.curvature, left.e, false};
   if (can_.turns) {
     const Vec2<double> a_V = rotate<double>({self.d.x, -self.d.y}, a);
     row.thrust = {left.F * a_V.x, left.F * a_V.y};
@@ -221,11 +224,11 @@ void Barrier::add_walls(const Sight<double>& self, Rows& rows) const noexcept {
   const double kept_part = 1.0 - options_.rate * dt_, c = can_.drag;
   if (can_.climbs && options_.floor > -infinity) {
     const double least = options_.floor + kept_part * (self.p.z - options_.floor);
-    rows.add({{0, 0, 1}, 0.0, {}, least, Wall::floor});
+    rows.add(Rows::of_wall({0, 0, 1}, 0.0, least, Wall::floor));
   }
   if (can_.climbs && options_.ceiling < infinity) {
     const double least = -options_.ceiling + kept_part * (options_.ceiling - self.p.z);
-    rows.add({{0, 0, -1}, 0.0, {}, least, Wall::ceiling});
+    rows.add(Rows::of_wall({0, 0, -1}, 0.0, least, Wall::ceiling));
   }
   if (options_.world == infinity) return;
   constexpr std::array<Wall, 4> walls = {Wall::x_max, Wall::x_min, Wall::y_max, Wall::y_min};
@@ -239,7 +242,7 @@ void Barrier::add_walls(const Sight<double>& self, Rows& rows) const noexcept {
     const double later = now + plans_.E(t) * away + b_ * plans_.F(t);
     const double wanted = kept_part * std::min(now, later);
     const double least = wanted - options_.world - b_ * plans_.F(left);
-    rows.add({n, plans_.E(left), {}, least, walls[i]});
+    rows.add(Rows::of_wall(n, plans_.E(left), least, walls[i]));
   }
 }
 
@@ -247,24 +250,23 @@ void Barrier::add_cuts(const Sight<double>& self, const Next& there, Rows& rows)
   const EscapeShape step = plans_.shape(dt_);
   const std::size_t before = rows.count;
   for (std::size_t i = 0; i < before && rows.count < rows.row.size(); ++i) {
-    constexpr double tight = 2e-3, moved = 2e-3, longest = 0.25;  // [m], [s], [s]
+    constexpr double tight = 2e-3, dip = 1e-5, longest = 0.25;  // [m], [m], [s]
     const Row& row = rows.row[i];
-    if (row.threat < 0 || row.cut || row.touch.curvature <= 0 || row.missed(there) < -tight) continue;
+    if (row.threat < 0 || row.cut || row.curvature <= 0 || row.missed(there) < -tight) continue;
     // How much less than the plan the command leaves of the gap's slope, and where the gap is least then.
     const Threat& threat = rows.threat[static_cast<std::size_t>(row.threat)];
     const double part = threat.conduct == Conduct::member ? 0.5 : 1.0;
     const Vec2<double>& a = threat.plan.a;
     Vec2<double> dv = {there.v.x - step.e * self.v.x - part * step.E * a.x,
                        there.v.y - step.e * self.v.y - part * step.E * a.y};
-    const EscapeShape left = plans_.left(row.touch);
-    double less = left.e * (row.n.x * dv.x + row.n.y * dv.y);
+    double less = row.e * (row.n.x * dv.x + row.n.y * dv.y);
     if (row.thrust.x != 0 || row.thrust.y != 0) {
       const Vec2<double> turned = rotate(there.d, rotate<double>({self.d.x, -self.d.y}, a));
-      less += left.E * (row.n.x * (turned.x - a.x) + row.n.y * (turned.y - a.y));
+      less += row.E * (row.n.x * (turned.x - a.x) + row.n.y * (turned.y - a.y));
     }
-    const double shift = -(row.touch.slope + less) / row.touch.curvature;
-    const double time = std::max(dt_, row.touch.time + std::clamp(shift, -longest, longest));
-    if (std::abs(time - row.touch.time) < moved) continue;
+    const double shift = -(row.slope + less) / row.curvature;
+    const double time = std::max(dt_, row.time + std::clamp(shift, -longest, longest));
+    if (0.5 * row.curvature * square(time - row.time) < dip) continue;
     rows.row[i].cut = true;
     rows.add(keep_away(self, rows, row.threat, plans_.touch(threat.tube, a, time)));
   }
@@ -341,7 +343,7 @@ double Barrier::solve(std::span<const double> x, const Sight<double>& self, cons
     violation = result.violation;
     const Next there = next(x, nearest);
     const double most = linear.correct(rows, there, at);
-    if (!result.feasible && round > 0) break;
+    if (!result.feasible) break;
     add_cuts(self, there, rows);
     if (most < corrected && taken == rows.count) break;
   }

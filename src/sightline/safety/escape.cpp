@@ -74,8 +74,11 @@ EscapePlans::Point EscapePlans::at(const Tube& tube, const Vec2<double>& a, doub
   const Vec2<double> bend = {e * (a.x - c_ * tube.w.x), e * (a.y - c_ * tube.w.y)};
   const double squared = dot(p.q, p.q), length = std::sqrt(squared);
   const double inverse = length > tiny ? 1.0 / length : 0.0, along = dot(p.q, rate) * inverse;
-  const Vec2<double> level = direction(a, tube.tie);
-  p.n = inverse > 0 ? inverse * p.q : Vec3<double>{level.x, level.y, 0.0};
+  p.n = inverse * p.q;
+  if (inverse == 0) {
+    const Vec2<double> level = direction(a, tube.tie);
+    p.n = {level.x, level.y, 0.0};
+  }
   p.f = length - tube.rho0 - t * (tube.speed + 0.5 * tube.growth * t) - tube.spread * E;
   p.slope = along - tube.speed - tube.growth * t - tube.spread * e;
   p.curvature = (p.q.x * bend.x + p.q.y * bend.y + dot(rate, rate) - along * along) * inverse - tube.growth +
@@ -89,9 +92,24 @@ Touch EscapePlans::touch(const Tube& tube, const Vec2<double>& a, double t) cons
 }
 
 std::size_t EscapePlans::lowest(const Curve& f) noexcept {
-  std::size_t i = 0;
-  for (std::size_t k = 1; k < times; ++k) i = f[k] < f[i] ? k : i;
-  return i;
+  using Pack = NativeLane;
+  constexpr std::size_t width = Pack::width;
+  static_assert(times % width == 0);
+  alignas(row_alignment) static constexpr std::array<double, 8> first = {0, 1, 2, 3, 4, 5, 6, 7};
+  Pack place = Pack::load(first.data()), value = Pack::load(f.data()), at = place;
+  for (std::size_t k = width; k < times; k += width) {
+    const Pack next = Pack::load(&f[k]), lower = next - value;
+    place = place + Pack(static_cast<double>(width));
+    value = where_negative(lower, next, value);
+    at = where_negative(lower, place, at);
+  }
+  double least = value[0], index = at[0];
+  for (int k = 1; k < Pack::width; ++k) {
+    const bool lower = value[k] < least || (value[k] == least && at[k] < index);
+    least = lower ? value[k] : least;
+    index = lower ? at[k] : index;
+  }
+  return static_cast<std::size_t>(index);
 }
 
 double EscapePlans::least_of(const Curve& f, std::size_t i) const noexcept {
@@ -125,18 +143,22 @@ Touch EscapePlans::nearest(const Tube& tube, const Vec2<double>& a, const Curve&
 
 Escape EscapePlans::refined(const Tube& tube, const Vec2<double>& a, const Curve& f) const noexcept {
   const std::size_t i = lowest(f);
-  Escape plan;
+  Escape plan{};
+  plan.count = 1;
   plan.now = norm(tube.r) - tube.rho0;
   plan.a = a;
   plan.touches[0] = nearest(tube, a, f, i);
   // Another least, nearly as low: a step could make it the lower one.
-  std::size_t other = times;
-  for (std::size_t k = 0; k + 1 < times; ++k) {
-    const bool least = f[k] < f[k + 1] && (k == 0 || f[k] <= f[k - 1]);
-    if (least && k != i && (other == times || f[k] < f[other])) other = k;
+  constexpr double none = 1e300, nearly = 0.1;  // [m]
+  Curve least;
+  for (std::size_t k = 1; k + 1 < times; ++k) {
+    const bool low = f[k] < f[k + 1] && f[k] <= f[k - 1];
+    least[k] = low ? f[k] : none;
   }
-  constexpr double nearly = 0.1;  // [m]
-  if (other < times && f[other] - tube.rho0 < plan.later() + nearly) {
+  least[0] = f[0] < f[1] ? f[0] : none;
+  least[times - 1] = least[i] = none;
+  const std::size_t other = lowest(least);
+  if (least[other] < plan.later() + tube.rho0 + nearly) {
     plan.touches[1] = nearest(tube, a, f, other);
     plan.count = 2;
   }
@@ -202,17 +224,24 @@ Escape EscapePlans::best(const Tube& tube) const noexcept {
                                 tube.r.y + E * tube.w.y - t * tube.drift.y};
     return farthest(tube, direction(coast, away));
   };
+  if (tube.thrust_count > 0) {
+    const std::size_t i = lowest(f);
+    const Escape plan = with(tube, {a_x[i], a_y[i]});
+    // At its own nearest time no other corner is better: it is the optimum.
+    const Touch& nearest = plan.touches[0];
+    const Vec2<double> a = best_at(nearest.time, nearest.shape.E);
+    return a.x == plan.a.x && a.y == plan.a.y ? plan : best_corner(tube);
+  }
   const double t = least_of(f, lowest(f));
   const Escape plan = with(tube, best_at(t, E(t)));
-  // At its own nearest time no other is better: it is the optimum.
   const Touch& nearest = plan.touches[0];
   constexpr double met = 1e-4;  // [m]
-  if (at(tube, best_at(nearest.time, nearest.shape.E), nearest.time).f <= plan.later() + met) return plan;
-  return tube.thrust_count > 0 ? best_corner(tube) : climbed(tube, plan, away);
+  const Vec2<double> a = best_at(nearest.time, nearest.shape.E);
+  return touch(tube, a, nearest.time).gap <= plan.later() + met ? plan : climbed(tube, plan, away);
 }
 
 Escape EscapePlans::best_corner(const Tube& tube) const noexcept {
-  Escape best;
+  Escape best{};
   for (unsigned corner = 0; corner < 1U << tube.thrust_count; ++corner) {
     Vec2<double> a;
     for (int k = 0; k < tube.thrust_count; ++k) {

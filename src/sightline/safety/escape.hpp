@@ -38,25 +38,25 @@ struct Tube {
 
 /// e^(-c t), E and F at one t.
 struct EscapeShape {
-  double e = 1.0, E = 0.0, F = 0.0;
+  double e, E, F;
 };
 
 /// A plan at one time.
 struct Touch {
-  double gap = 0.0;        ///< f_a(t) [m]
-  double time = 0.0;       ///< t [s], >= dt
-  Vec3<double> n{};        ///< from the centre to the robot
-  EscapeShape shape{};     ///< at t
-  double slope = 0.0;      ///< f_a'(t) [m/s]
-  double curvature = 0.0;  ///< f_a''(t) [m/s^2]
+  double gap;         ///< f_a(t) [m]
+  double time;        ///< t [s], >= dt
+  Vec3<double> n;     ///< from the centre to the robot
+  EscapeShape shape;  ///< at t
+  double slope;       ///< f_a'(t) [m/s]
+  double curvature;   ///< f_a''(t) [m/s^2]
 };
 
 struct Escape {
-  double now = 0.0;  ///< f(0) [m]
-  Vec2<double> a{};  ///< acceleration of the plan [m/s^2]
+  double now;      ///< f(0) [m]
+  Vec2<double> a;  ///< acceleration of the plan [m/s^2]
   /// The least f_a(t) over t >= dt; another least within 0.1 m of it.
-  std::array<Touch, 2> touches{};
-  std::size_t count = 1;
+  std::array<Touch, 2> touches;
+  std::size_t count;  ///< of touches
 
   double later() const { return touches[0].gap; }
   /// B [m].
