@@ -6,6 +6,7 @@
 #include "cli/allocations.hpp"
 #include "cli/commands.hpp"
 #ifdef SIGHTLINE_BENCH
+#include "bench/barrier.hpp"
 #include "bench/bench.hpp"
 #endif
 
@@ -19,7 +20,7 @@ int bench(const BenchCommand& command) {
   try {
     solver = solver_named(command.solver);
     for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names())
-      cases.push_back(bench_case(name));
+      if (!is_barrier_case(name)) cases.push_back(bench_case(name));
   } catch (const std::invalid_argument& error) {
     fmt::print(stderr, "sightline bench: {}\n", error.what());
     return 2;
@@ -27,6 +28,12 @@ int bench(const BenchCommand& command) {
 
   pin_to_core();
   std::vector<BenchRow> rows;
+  if (command.name && is_barrier_case(*command.name)) {
+    rows.push_back(
+        run_barrier_bench(*command.name, {.allocations = allocations, .progress = [](int conflicts) {
+                                            fmt::print(stderr, "{} of 500 conflicts\n", conflicts);
+                                          }}));
+  }
   for (const BenchCase& what : cases) {
     fmt::print(stderr, "{}: ", what.name);
     rows.push_back(run_bench(what, solver, {.allocations = allocations, .progress = [](int update) {
