@@ -23,7 +23,8 @@ class Order {
     std::unique_lock lock(mutex_);
     room_.wait(lock, [&] { return kept_.size() < kept_max || run.index == next_ || failure_; });
     if (failure_) return;
-    kept_.emplace(run.index, std::pair(std::move(run), result));
+    const int index = run.index;
+    kept_.emplace(index, std::pair(std::move(run), result));
     try {
       for (auto first = kept_.begin(); first != kept_.end() && first->first == next_; first = kept_.begin()) {
         landed_(first->second.first, first->second.second);

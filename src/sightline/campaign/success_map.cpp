@@ -43,6 +43,10 @@ std::string words(const SuccessMap::Cell& cell) {
   return fmt::format("{} of {} recovered", cell.recovered, cell.runs);
 }
 
+std::size_t cell_of(int ring, int sector) {
+  return static_cast<std::size_t>(ring) * SuccessMap::sectors + static_cast<std::size_t>(sector);
+}
+
 double share(const SuccessMap::Cell& cell) {
   return static_cast<double>(cell.recovered) / static_cast<double>(cell.runs);
 }
@@ -58,7 +62,7 @@ void SuccessMap::add(double range, double bearing, Cell runs) {
   const double turn = std::remainder(bearing, 2 * pi) + pi;  // 0: straight behind, on its left
   const int ring = std::clamp(static_cast<int>(rings * range / range_max), 0, rings - 1);
   const int sector = std::clamp(static_cast<int>(sectors * turn / (2 * pi)), 0, sectors - 1);
-  count(cells[static_cast<std::size_t>(ring * sectors + sector)]);
+  count(cells[cell_of(ring, sector)]);
 }
 
 std::string to_svg(const SuccessMap& map, const std::string& title) {
@@ -69,7 +73,7 @@ std::string to_svg(const SuccessMap& map, const std::string& title) {
       2 * middle, 2 * middle + 20, escaped(title), middle);
   for (int ring = 0; ring < map.rings; ++ring) {
     for (int sector = 0; sector < map.sectors; ++sector) {
-      const SuccessMap::Cell& cell = map.cells[static_cast<std::size_t>(ring * map.sectors + sector)];
+      const SuccessMap::Cell& cell = map.cells[cell_of(ring, sector)];
       if (cell.runs == 0) continue;
       const double inner = radius * ring / map.rings, outer = radius * (ring + 1) / map.rings;
       const double from = 2 * pi * sector / map.sectors - pi, to = 2 * pi * (sector + 1) / map.sectors - pi;

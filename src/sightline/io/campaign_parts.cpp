@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 3> distribution_kinds = {"uniform", "norm
 
 std::vector<double> read_shares(const TomlTable& at, std::size_t choices) {
   if (!at.has("shares")) return std::vector<double>(choices, 1.0 / static_cast<double>(choices));
-  const std::vector<double> shares = at.numbers("shares", choices, {0.0, 1.0, "0 to 1"});
+  std::vector<double> shares = at.numbers("shares", choices, {0.0, 1.0, "0 to 1"});
   if (std::abs(std::accumulate(shares.begin(), shares.end(), 0.0) - 1.0) > 1e-9)
     at.refuse("shares", "shares that sum to 1");
   return shares;

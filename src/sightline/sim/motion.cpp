@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -13,7 +12,6 @@
 namespace sightline {
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
 // Times are sums of steps; two that differ by less are the same.
 constexpr double same_time = 1e-9;
 
