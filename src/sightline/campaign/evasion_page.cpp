@@ -48,18 +48,22 @@ std::string evasion_text(const EvasionPlan& plan, std::span<const EvasionRuns> f
 }
 
 std::string evasion_html(const EvasionPlan& plan, std::span<const EvasionRuns> flown) {
-  std::string html =
-      fmt::format("<h2>How {} evades {} (Table 1)</h2>\n<div style=\"overflow-x: auto\"><table>\n",
-                  escaped(plan.agent), escaped(plan.obstacle));
+  std::string html = fmt::format(
+      "<h2>How {} evades {} (Table 1)</h2>\n<div style=\"overflow-x: auto\"><table style=\"white-space: "
+      "nowrap; font-size: 0.8rem\">\n",
+      escaped(plan.agent), escaped(plan.obstacle));
   const std::vector<std::vector<std::string>> table = evasion_table(plan, flown);
   std::size_t columns = 0;
   for (const auto& line : table) columns = std::max(columns, line.size());
-  html += "<tr><th></th><th>run</th>";
+  html += "<tr><th style=\"width: auto\"></th><th style=\"width: auto\">run</th>";
   for (std::size_t i = 2; i < columns; ++i) html += fmt::format("<th style=\"width: auto\">{}</th>", i - 1);
   html += "</tr>\n";
-  for (const auto& line : table) {
-    html += "<tr>";
-    for (const std::string& cell : line) html += fmt::format("<td>{}</td>", escaped(cell));
+  for (std::size_t k = 0; k < table.size(); ++k) {
+    // A quantity is named once, by the first of its sources.
+    const bool named = k > 0 && table[k][0] == table[k - 1][0];
+    html += fmt::format("<tr><td>{}</td>", named ? "" : escaped(table[k][0]));
+    for (const std::string& cell : std::span(table[k]).subspan(1))
+      html += fmt::format("<td>{}</td>", escaped(cell));
     html += "</tr>\n";
   }
   html += fmt::format(
