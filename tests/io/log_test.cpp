@@ -97,6 +97,7 @@ Flown write(
     const Ocp& ocp() const override { return *ocp_; }
     Solution solve(double, std::span<const double>) noexcept override { return {}; }
     double kkt(double, std::span<const double>) noexcept override { return 0.0; }
+    void planned(double, std::span<double>) const noexcept override {}
     void restart() noexcept override {}
     const Ocp* ocp_ = nullptr;
   } nobody;

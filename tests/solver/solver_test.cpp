@@ -202,6 +202,26 @@ TYPED_TEST(AnySolver, APlanIsFlownStageByStageWhileStatesAreMissing) {
       4.0);
 }
 
+TYPED_TEST(AnySolver, WhatIsPlannedIsWhatFliesWhenStatesAreMissing) {
+  TypeParam solver(paper::team(Variant::masked), {});
+  std::vector<double> planned(8, nan);
+  solver.planned(0.0, planned);
+  EXPECT_EQ(planned, std::vector<double>(8, 0.0)) << "before there is a plan";
+  std::vector<double> x = fly(solver, paper::saturating_start(), 100);
+  const auto now = solver.solve(1.0, x).u;
+  const std::vector<double> first(now.begin(), now.end());
+  solver.planned(1.0, planned);
+  expect_same_bits(planned, first);
+  for (int k = 100; k < 300; ++k) {
+    solver.planned(0.01 * k, planned);
+    const auto flown = solver.solve(0.01 * k, {}).u;
+    expect_same_bits(planned, {flown.begin(), flown.end()});
+  }
+  solver.restart();
+  solver.planned(1.0, planned);
+  EXPECT_EQ(planned, std::vector<double>(8, 0.0)) << "forgotten with the iterate";
+}
+
 TYPED_TEST(AnySolver, ATimeThatIsNoTimeIsRefused) {
   const Team team = paper::team(Variant::joint);
   TypeParam solver(team, {});

@@ -206,12 +206,17 @@ void Continuation::keep_plan(double time) noexcept {
   plan_h_ = here_.h();
 }
 
-/// The input that the last good plan has for this time; before there is one, zero within the limits.
-Solution Continuation::fall_back(double time, Status status) noexcept {
+void Continuation::planned(double time, std::span<double> u) const noexcept {
   const double stages = plan_h_ > 0 ? (time - plan_time_) / plan_h_ : 0.0;
   const int i = static_cast<int>(clamp(std::isfinite(stages) ? stages : 0.0, 0.0, N_ - 1.0));
+  std::copy_n(&plan_[at(i, nu_)], nu_, u.begin());
+}
+
+/// The input that the last good plan has for this time; before there is one, zero within the limits.
+Solution Continuation::fall_back(double time, Status status) noexcept {
   here_.set_time(std::isfinite(time) ? time : plan_time_, 0.0);
-  clamp_inputs({&plan_[at(i, nu_)], at(nu_, 1)});
+  planned(time, raw_u_);
+  clamp_inputs(raw_u_);
   return {.u = u_,
           .raw_u = raw_u_,
           .x = X_,

@@ -36,6 +36,7 @@ class Continuation : public Solver {
   const Ocp& ocp() const override { return ocp_; }
   Solution solve(double time, std::span<const double> states) noexcept override;
   double kkt(double time, std::span<const double> states) noexcept override;
+  void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;
 
   /// Numbers that the solver carries from update to update.

@@ -337,23 +337,28 @@ void NewtonRiccati::write_states() noexcept {
   }
 }
 
+void NewtonRiccati::planned(double time, std::span<double> u) const noexcept {
+  const double stages = (time - plan_time_) / ocp_.horizon().h();
+  const int k = static_cast<int>(clamp(std::isfinite(stages) ? stages : 0.0, 0.0, ocp_.horizon().N - 1.0));
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const Layout::View from = groups_.layout().u(a);
+    const std::size_t to = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
+    for (int i = 0; i < groups_.layout().part(a).nu; ++i) u[to + at(i)] = plan_[from(k, i)];
+  }
+}
+
 /// The input that the last good plan has for this time; before there is one, zero within the limits.
 Solution NewtonRiccati::fall_back(double time, Status status) noexcept {
   const Team& team = ocp_.team();
-  const double h = ocp_.horizon().h();
-  const double stages = (time - plan_time_) / h;
-  const int k = static_cast<int>(clamp(std::isfinite(stages) ? stages : 0.0, 0.0, ocp_.horizon().N - 1.0));
   started_ = false;
+  planned(time, raw_u_);
   for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
-    const Layout::View u = groups_.layout().u(a);
     const int nu = groups_.layout().part(a).nu;
     const std::size_t to = at(team.input_offset(ocp_.agent_bodies()[at(a)]));
     team.agents()[at(a)].limits.at(std::isfinite(time) ? time : plan_time_, {limits_.data(), at(nu)},
                                    {limits_.data() + nu, at(nu)});
     for (int i = 0; i < nu; ++i) {
-      const double planned = plan_[u(k, i)];
-      raw_u_[to + at(i)] = planned;
-      u_out_[to + at(i)] = clamp(planned, limits_[at(i)], limits_[at(nu + i)]);
+      u_out_[to + at(i)] = clamp(raw_u_[to + at(i)], limits_[at(i)], limits_[at(nu + i)]);
     }
   }
   return {.u = u_out_,

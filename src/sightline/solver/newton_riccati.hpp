@@ -41,6 +41,7 @@ class NewtonRiccati final : public Solver {
   /// the step.
   Solution solve(double time, std::span<const double> states) noexcept override;
   double kkt(double time, std::span<const double> states) noexcept override;
+  void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;
 
   /// The inputs planned at stage k, of all agents (nu): what the next update starts from.

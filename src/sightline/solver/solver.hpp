@@ -49,6 +49,10 @@ class Solver {
   /// relaxations; for acceptance figures, outside the timed part.
   virtual double kkt(double time, std::span<const double> states) noexcept = 0;
 
+  /// Writes the inputs (nu) that the last good plan has for `time` [s]: its first before its begin, its last after
+  /// its end, zero before there is one. Limits may have moved since. For a plan that is late or lost.
+  virtual void planned(double time, std::span<double> u) const noexcept = 0;
+
   /// Forgets the iterate: the next update starts as the first did.
   virtual void restart() noexcept = 0;
 
