@@ -1,0 +1,185 @@
+#include "sightline/safety/supervisor.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <stdexcept>
+
+#include "sightline/potential/potential.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double at_the_ground = 0.02;  // [m]
+
+const SupervisorOptions& checked(const SupervisorOptions& options) {
+  options.check();
+  return options;
+}
+
+/// Inputs that reach back as far as a measurement may be old.
+std::size_t entries(const SupervisorOptions& o) {
+  return static_cast<std::size_t>(std::ceil((o.times.land_after + 0.5) / o.period)) + 2;
+}
+
+}  // namespace
+
+void SupervisorOptions::check() const {
+  const auto expect = [](bool holds, std::string_view field, double value, std::string_view expected) {
+    require(holds, "supervisor", field, value, expected);
+  };
+  expect(times.fresh > 0, "fresh", times.fresh, "> 0 s");
+  expect(times.slow_after >= times.fresh, "slow_after", times.slow_after, ">= fresh");
+  expect(times.hold_after >= times.slow_after, "hold_after", times.hold_after, ">= slow_after");
+  expect(times.land_after >= times.hold_after && times.land_after <= 60, "land_after", times.land_after,
+         ">= hold_after, at most 60 s");
+  expect(limits.world > 0, "world", limits.world, "> 0 m");
+  expect(limits.v_max > 0, "v_max", limits.v_max, "> 0 m/s");
+  expect(limits.turn_max > 0, "turn_max", limits.turn_max, "> 0 rad/s");
+  expect(limits.position_sigma >= 0, "position_sigma", limits.position_sigma, ">= 0 m");
+  expect(limits.heading_sigma >= 0, "heading_sigma", limits.heading_sigma, ">= 0 rad");
+  expect(limits.frozen_after > 0, "frozen_after", limits.frozen_after, "> 0 s");
+  expect(limits.accept_after >= 1, "accept_after", limits.accept_after, ">= 1");
+  expect(slow_factor >= 0 && slow_factor <= 1, "slow_factor", slow_factor, "0 to 1");
+  expect(land_speed > 0, "land_speed", land_speed, "> 0 m/s");
+  expect(std::isfinite(ground), "ground", ground, "finite m");
+  expect(brake_time >= 0.05, "brake_time", brake_time, ">= 0.05 s");
+  expect(period >= 1e-4, "period", period, ">= 1e-4 s");
+}
+
+Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
+    : team_(team),
+      options_(checked(options)),
+      history_(entries(options), resting_input(team)),
+      robot_of_(static_cast<std::size_t>(team.bodies())),
+      believed_(static_cast<std::size_t>(team.nx())) {
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i};
+    const Model& model = team_.model(body);
+    const auto x = static_cast<std::size_t>(team_.state_offset(body));
+    const auto u = static_cast<std::size_t>(team_.input_offset(body));
+    tracks_.emplace_back(model, u, options_.limits);
+    const std::span<const double> state = tracks_.back().state();
+    std::copy(state.begin(), state.end(), believed_.begin() + static_cast<std::ptrdiff_t>(x));
+    if (!team_.is_agent(body)) continue;
+    const Agent& agent = team_.agent(body);
+    if (agent.u_ref.size() > Brake::inputs_max) {
+      throw std::invalid_argument(fmt::format("\"{}\" has {} inputs, expected at most {} under a supervisor",
+                                              agent.name, agent.u_ref.size(), Brake::inputs_max));
+    }
+    robot_of_[index(body)] = robots_.size();
+    robots_.push_back({.body = body,
+                       .x = x,
+                       .u = u,
+                       .nx = state.size(),
+                       .nu = agent.u_ref.size(),
+                       .u_ref = agent.u_ref,
+                       .u_min = agent.u_ref,
+                       .u_max = agent.u_ref,
+                       .partners = partners_of(team_, body),
+                       .brake = Brake(model, agent.u_ref, options_.brake_time),
+                       .rung = Rung::valid});
+  }
+  notices_.reserve(2 * tracks_.size());
+}
+
+std::vector<double> Supervisor::resting_input(const Team& team) {
+  std::vector<double> u;
+  for (const Agent& agent : team.agents()) u.insert(u.end(), agent.u_ref.begin(), agent.u_ref.end());
+  return u;
+}
+
+std::vector<BodyId> Supervisor::partners_of(const Team& team, BodyId robot) {
+  std::vector<BodyId> partners;
+  for (const Coupling& coupling : team.couplings()) {
+    const bool felt = std::any_of(coupling.felt_by.begin(), coupling.felt_by.end(),
+                                  [&](BodyId feeling) { return feeling == robot; });
+    if (!felt) continue;
+    const auto& [first, second] = coupling.between;
+    const BodyId other = first == robot ? second : first;
+    if (std::find(partners.begin(), partners.end(), other) == partners.end()) partners.push_back(other);
+  }
+  return partners;
+}
+
+bool Supervisor::knows_all() const noexcept {
+  return std::all_of(tracks_.begin(), tracks_.end(), [](const Track& track) { return track.known(); });
+}
+
+std::span<const double> Supervisor::believe(double t, std::span<const double> measured,
+                                            std::span<const double> stamps) noexcept {
+  assert(measured.size() == believed_.size() && stamps.size() == tracks_.size() &&
+         "a measurement is of all bodies of the team");
+  time_ = t;
+  notices_.clear();
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    Track& track = tracks_[i];
+    const std::size_t nx = track.state().size();
+    const bool trusted = track.trusted();
+    const Doubt doubt = track.take(measured.subspan(at, nx), stamps[i], t, history_);
+    if (trusted && !track.trusted()) tell({BodyId{static_cast<int>(i)}, doubt});
+    track.predict(t, history_);
+    std::copy(track.state().begin(), track.state().end(),
+              believed_.begin() + static_cast<std::ptrdiff_t>(at));
+    at += nx;
+  }
+  return believed_;
+}
+
+Ages Supervisor::ages_of(const Robot& robot, std::span<const double> plan_ages) const noexcept {
+  Ages ages{.own = age(robot.body), .partners = 0.0, .plan = plan_ages[index(robot.body)]};
+  for (const BodyId partner : robot.partners) ages.partners = std::max(ages.partners, age(partner));
+  return ages;
+}
+
+void Supervisor::command(double t, std::span<const double> plan_ages, std::span<double> u) noexcept {
+  assert(plan_ages.size() == tracks_.size() && "a plan has an age for each body");
+  for (Robot& robot : robots_) {
+    team_.agent(robot.body).limits.at(t, robot.u_min, robot.u_max);
+    const Ages ages = ages_of(robot, plan_ages);
+    const double height = team_.model(robot.body).sight(&believed_[robot.x], robot.u_ref.data()).p.z;
+    const bool on_ground = height <= options_.ground + at_the_ground;
+    Rung next = next_rung(robot.rung, options_.times, ages, on_ground);
+    // Where it is was never known: nothing to land from.
+    if (std::isinf(ages.own)) next = Rung::hold;
+    if (next != robot.rung) tell({robot.body, next});
+    robot.rung = next;
+    apply(robot, u.subspan(robot.u, robot.nu));
+  }
+}
+
+void Supervisor::apply(Robot& robot, std::span<double> u) noexcept {
+  const std::span<const double> x = std::span(believed_).subspan(robot.x, robot.nx);
+  switch (robot.rung) {
+    case Rung::valid:
+    case Rung::predicted:
+      break;
+    case Rung::slowed:
+      for (std::size_t i = 0; i < u.size(); ++i) {
+        u[i] = robot.u_ref[i] + options_.slow_factor * (u[i] - robot.u_ref[i]);
+      }
+      break;
+    case Rung::hold:
+      robot.brake(x, {}, robot.u_min, robot.u_max, u);
+      break;
+    case Rung::land:
+      robot.brake(x, {0.0, 0.0, -options_.land_speed}, robot.u_min, robot.u_max, u);
+      break;
+    case Rung::grounded:
+      robot.brake(x, {}, robot.u_min, robot.u_max, u);
+      break;
+  }
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const double finite = std::isfinite(u[i]) ? u[i] : robot.u_ref[i];
+    u[i] = std::clamp(finite, robot.u_min[i], robot.u_max[i]);
+  }
+}
+
+void Supervisor::tell(const Notice& notice) noexcept {
+  if (notices_.size() < notices_.capacity()) notices_.push_back(notice);
+}
+
+}  // namespace sightline

@@ -1,0 +1,97 @@
+/// What is done when data fail: for each body whether its measurements are believed (track.hpp), for each robot a
+/// rung of the ladder (ladder.hpp) and the command that belongs to it.
+///
+///   believe()  a measurement and its times in, one believed state of all bodies at now out
+///   command()  the solvers' inputs in, scaled or replaced as each robot's rung asks
+///   record()   the inputs that are applied, for the predictions to come
+///
+/// once in each period, in this order. A robot's partners are the bodies of all couplings and constraints that it
+/// feels: it cannot do its task without knowing where they are. Nothing throws, allocates, locks or prints once
+/// it is made.
+#pragma once
+
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "sightline/ocp/team.hpp"
+#include "sightline/safety/brake.hpp"
+#include "sightline/safety/input_history.hpp"
+#include "sightline/safety/ladder.hpp"
+#include "sightline/safety/track.hpp"
+
+namespace sightline {
+
+struct SupervisorOptions {
+  LadderTimes times{};
+  TrackLimits limits{};
+  double slow_factor = 0.5;  ///< u* + slow_factor (u - u*) is applied when slowed, in [0, 1]
+  double land_speed = 0.3;   ///< downwards [m/s], > 0
+  double ground = 0.0;       ///< height where landing ends [m]
+  double brake_time = 0.4;   ///< of the velocity's decay in hold and land [s], >= 0.05
+  double period = 0.01;      ///< shortest time between two commands [s]; sizes the memory of inputs
+
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const;
+};
+
+/// What happened to a body in this period: a robot came to another rung, or measurements ceased to be believed.
+struct Notice {
+  BodyId body;
+  std::variant<Rung, Doubt> what;
+};
+
+class Supervisor {
+ public:
+  /// @throws std::invalid_argument for options out of their range, and for a robot of more than 16 inputs
+  Supervisor(const Team& team, const SupervisorOptions& options);
+
+  /// @param measured  states of all bodies as the sensor gives them (nx)
+  /// @param stamps    time of the measurement of each body [s]; the same as before: there is nothing new
+  /// @return the believed states of all bodies at t [s] (nx), always finite, valid until the next call
+  std::span<const double> believe(double t, std::span<const double> measured,
+                                  std::span<const double> stamps) noexcept;
+  /// Changes the inputs of robots that are slowed, hold or land; all are finite and within limits afterwards.
+  /// @param plan_ages  age of the plan that u comes from, for each body; those of no robot do not count [s]
+  /// @param u          inputs of all robots (nu)
+  void command(double t, std::span<const double> plan_ages, std::span<double> u) noexcept;
+  /// u (nu) is applied from t [s] on.
+  void record(double t, std::span<const double> u) noexcept { history_.record(t, u); }
+
+  /// Since believe() was last called.
+  std::span<const Notice> notices() const noexcept { return notices_; }
+  Rung rung(BodyId robot) const noexcept { return robots_[robot_of_[index(robot)]].rung; }
+  /// Whether each body was believed once.
+  bool knows_all() const noexcept;
+  /// Of what is believed of the body at the last believe() [s]; infinity before anything was.
+  double age(BodyId body) const noexcept { return time_ - tracks_[index(body)].stamp(); }
+
+ private:
+  struct Robot {
+    BodyId body;
+    std::size_t x, u, nx, nu;  // offsets and lengths
+    std::vector<double> u_ref, u_min, u_max;
+    std::vector<BodyId> partners;
+    Brake brake;
+    Rung rung;
+  };
+  static std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
+  static std::vector<double> resting_input(const Team& team);
+  static std::vector<BodyId> partners_of(const Team& team, BodyId robot);
+
+  Ages ages_of(const Robot& robot, std::span<const double> plan_ages) const noexcept;
+  void apply(Robot& robot, std::span<double> u) noexcept;
+  void tell(const Notice& notice) noexcept;
+
+  Team team_;
+  SupervisorOptions options_;
+  InputHistory history_;
+  std::vector<Track> tracks_;
+  std::vector<std::size_t> robot_of_;  // of each body; those of no robot do not count
+  std::vector<Robot> robots_;
+  std::vector<double> believed_;
+  std::vector<Notice> notices_;
+  double time_ = 0.0;
+};
+
+}  // namespace sightline

@@ -1,0 +1,263 @@
+#include "sightline/safety/supervisor.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sightline/potential/distance.hpp"
+#include "sightline/sim/plant.hpp"
+
+namespace sightline {
+namespace {
+
+using Numbers = std::vector<double>;
+using enum Rung;
+
+constexpr double dt = 0.01;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// a observes b and target, b stands by itself.
+Team team_of_two() {
+  Team team;
+  const AgentId a = team.add(Multirotor{}, {.name = "a"});
+  const AgentId b = team.add(Multirotor{}, {.name = "b"});
+  const BodyId target = team.add(Obstacle{.name = "target"});
+  team.couple(1.0 * KeepOut{.d_min = 1}, Between{a, b}, felt_by(a));
+  team.couple(1.0 * KeepOut{.d_min = 1}, Between{a, target}, felt_by(a));
+  return team;
+}
+
+Numbers start_of_two() {
+  return {0, 0, 1, 1, 0, 0.5, 0.1, /**/ 2, 1, 1.5, 0, 1, 0, 0, /**/ 5, 5, 1, 0.3, 0, 0};
+}
+
+// A world that moves as the models say, and a supervisor that sees what the test lets through.
+struct World {
+  explicit World(const SupervisorOptions& options = {}) : supervisor(team, options) {}
+
+  // One period: bodies that are seen have the stamp of now.
+  void step(std::initializer_list<bool> seen = {true, true, true}, double plan_age = 0.0) {
+    auto sees = seen.begin();
+    for (std::size_t i = 0; i < 3; ++i, ++sees) {
+      const std::size_t at = i == 0 ? 0 : i == 1 ? 7 : 14, nx = i == 2 ? 6 : 7;
+      if (!*sees) continue;
+      std::copy_n(x.begin() + static_cast<std::ptrdiff_t>(at), nx,
+                  measured.begin() + static_cast<std::ptrdiff_t>(at));
+      stamps[i] = t;
+    }
+    look(plan_age);
+  }
+  // One period in which exactly `measured` is there.
+  void look(double plan_age = 0.0) {
+    const auto states = supervisor.believe(t, measured, stamps);
+    believed.assign(states.begin(), states.end());
+    u = asked;
+    supervisor.command(t, Numbers(3, plan_age), u);
+    for (const Notice& notice : supervisor.notices()) notices.push_back(notice);
+    supervisor.record(t, u);
+    fly();
+  }
+  void fly() {
+    EXPECT_TRUE(plant.step(u, dt));
+    x.assign(plant.x().begin(), plant.x().end());
+    t += dt;
+  }
+  void restart() {
+    plant = Plant(team, start_of_two());
+    x = start_of_two();
+  }
+  Rung a() const { return supervisor.rung(BodyId{0}); }
+  Rung b() const { return supervisor.rung(BodyId{1}); }
+
+  Team team = team_of_two();
+  Plant plant{team, start_of_two()};
+  Supervisor supervisor;
+  Numbers x = start_of_two(), measured = x, stamps = Numbers(3, -infinity);
+  Numbers asked = {0.3, -0.2, 0.1, 0.4, -0.5, 0.6, 0.2, -0.7}, u = Numbers(8), believed;
+  std::vector<Notice> notices;
+  double t = 0.0;
+};
+
+TEST(Supervisor, WithGoodDataItIsNotThere) {
+  World world;
+  for (int k = 0; k < 500; ++k) {
+    const Numbers x = world.x;
+    world.step();
+    ASSERT_EQ(world.believed, x);
+    ASSERT_EQ(world.u, world.asked);
+  }
+  EXPECT_TRUE(world.notices.empty());
+}
+
+TEST(Supervisor, DataOfOneAgeKeepTheRobotOnTheRungOfThatAge) {
+  for (const auto& [late, rung] : {std::pair{0, valid},
+                                   {2, valid},
+                                   {3, predicted},
+                                   {20, predicted},
+                                   {21, slowed},
+                                   {50, slowed},
+                                   {51, hold},
+                                   {200, hold}}) {
+    World world;
+    std::vector<Numbers> past;
+    for (int k = 0; k < 400; ++k) {
+      past.push_back(world.x);
+      const auto seen = static_cast<std::size_t>(std::max(0, k - late));
+      world.measured = past[seen];
+      std::fill(world.stamps.begin(), world.stamps.end(), dt * static_cast<double>(seen));
+      world.look();
+      if (k >= late) {
+        ASSERT_EQ(world.a(), rung) << late << " periods late";
+        ASSERT_EQ(world.b(), rung);
+      }
+    }
+  }
+}
+
+TEST(Supervisor, EachRungHasItsCommand) {
+  World world;
+  world.step();
+  for (int k = 0; k < 350; ++k) {
+    world.step({false, false, false});
+    const Numbers u(world.u.begin(), world.u.begin() + 4),
+        asked(world.asked.begin(), world.asked.begin() + 4);
+    if (world.a() == valid || world.a() == predicted) {
+      ASSERT_EQ(u, asked);
+    }
+    if (world.a() == slowed) {
+      for (std::size_t i = 0; i < 4; ++i) ASSERT_DOUBLE_EQ(u[i], 0.5 * asked[i]);
+    }
+    if (world.a() == hold || world.a() == land) {
+      ASSERT_NE(u, asked);
+    }
+  }
+  EXPECT_EQ(world.a(), land);
+  const Sight<double> sight = world.team.model(BodyId{0}).sight(&world.x[0], &world.u[0]);
+  EXPECT_LT(norm(sight.v - Vec3<double>{0, 0, -0.3}), 0.01);
+}
+
+TEST(Supervisor, ARobotThatHoldsComesToRestAndStays) {
+  World world;
+  for (int k = 0; k < 5; ++k) world.step();
+  for (int k = 0; k < 195; ++k) world.step({false, true, true});
+  ASSERT_EQ(world.a(), hold);
+  EXPECT_EQ(world.b(), valid);
+  const Sight<double> sight = world.team.model(BodyId{0}).sight(&world.x[0], &world.u[0]);
+  EXPECT_LT(norm(sight.v), 0.05);
+}
+
+TEST(Supervisor, ARobotThatLandsEndsOnTheGroundAndStaysThere) {
+  for (const double ground : {0.0, -2.0}) {
+    World world({.ground = ground});
+    for (int k = 0; k < 5; ++k) world.step();
+    while (world.a() != grounded && world.t < 30) world.step({false, false, false});
+    ASSERT_EQ(world.a(), grounded);
+    EXPECT_NEAR(world.x[2], ground, 0.03);
+    for (int k = 0; k < 500; ++k) world.step();
+    EXPECT_EQ(world.a(), grounded) << "good data do not wake it";
+    EXPECT_NEAR(world.x[2], ground, 0.03);
+    EXPECT_LT(std::hypot(world.x[5], world.x[6]), 1e-3);
+  }
+}
+
+TEST(Supervisor, AnOldPartnerMakesTheRobotHoldThatFeelsItAndNoOther) {
+  for (const bool target : {false, true}) {
+    World world;
+    for (int k = 0; k < 5; ++k) world.step();
+    for (int k = 0; k < 400; ++k) world.step({true, target, !target});
+    EXPECT_EQ(world.a(), hold);
+    EXPECT_EQ(world.b(), target ? valid : land) << "b feels nothing, and lands when it is blind itself";
+    for (int k = 0; k < 5; ++k) world.step();
+    EXPECT_EQ(world.a(), valid) << "comes back with the data";
+  }
+}
+
+TEST(Supervisor, AnOldPlanTakesTheSameRungs) {
+  for (const auto& [age, rung] :
+       {std::pair{0.01, valid}, {0.1, predicted}, {0.3, slowed}, {0.9, hold}, {2.5, land}}) {
+    World world;
+    world.step();
+    world.step({true, true, true}, age);
+    EXPECT_EQ(world.a(), rung) << age;
+  }
+}
+
+TEST(Supervisor, EachTransitionAndEachBeginningDoubtIsToldOnce) {
+  World world;
+  for (int k = 0; k < 5; ++k) world.step();
+  for (int k = 0; k < 60; ++k) {
+    std::copy(world.x.begin(), world.x.end(), world.measured.begin());
+    std::fill(world.stamps.begin(), world.stamps.end(), world.t);
+    world.measured[7] = std::nan("");
+    world.look();
+  }
+  for (int k = 0; k < 5; ++k) world.step();
+  std::vector<std::pair<int, std::string_view>> told;
+  for (const Notice& notice : world.notices) {
+    const auto* rung = std::get_if<Rung>(&notice.what);
+    told.emplace_back(notice.body.index,
+                      rung != nullptr ? to_string(*rung) : to_string(std::get<Doubt>(notice.what)));
+  }
+  const std::vector<std::pair<int, std::string_view>> expected = {
+      {1, "not_finite"}, {0, "predicted"}, {1, "predicted"}, {0, "slowed"}, {1, "slowed"},
+      {0, "hold"},       {1, "hold"},      {0, "valid"},     {1, "valid"}};
+  EXPECT_EQ(told, expected);
+}
+
+TEST(Supervisor, BeforeARobotWasEverSeenItIsToldToStandStillAndNeverToLand) {
+  World world;
+  world.measured.assign(world.measured.size(), std::nan(""));
+  for (int k = 0; k < 500; ++k) {
+    std::fill(world.stamps.begin(), world.stamps.end(), world.t);
+    world.look();
+    ASSERT_EQ(world.a(), hold);
+    ASSERT_FALSE(world.supervisor.knows_all());
+    ASSERT_TRUE(all_finite(world.believed));
+    for (const double u : world.u) ASSERT_NEAR(u, 0.0, 1e-6);
+  }
+  for (int k = 0; k < 5; ++k) world.step();
+  EXPECT_EQ(world.a(), valid);
+  EXPECT_TRUE(world.supervisor.knows_all());
+}
+
+TEST(Supervisor, WhateverIsAskedAndMeasuredTheCommandIsFiniteAndWithinItsLimits) {
+  RandomStream chance(11, Chance::gust, 0);
+  const double bad[] = {NAN, infinity, -infinity, 1e300, -1e300, 5e-324, -0.0, 2.0, 1e9};
+  const auto pick = [&] { return bad[static_cast<std::size_t>(chance.uniform() * 8.999)]; };
+  World world;
+  for (int k = 0; k < 20'000; ++k) {
+    if (k % 400 == 0) {
+      world.supervisor = Supervisor(world.team, {});
+      world.restart();
+    }
+    std::copy(world.x.begin(), world.x.end(), world.measured.begin());
+    for (double& stamp : world.stamps) stamp = chance.uniform() < 0.1 ? pick() : world.t;
+    if (chance.uniform() < 0.5) world.measured[static_cast<std::size_t>(chance.uniform() * 19.99)] = pick();
+    for (double& asked : world.asked) asked = chance.uniform() < 0.1 ? pick() : 2.0 * chance.uniform() - 1.0;
+    world.look(chance.uniform() < 0.05 ? pick() : 0.0);
+    ASSERT_TRUE(all_finite(world.believed));
+    for (const double u : world.u) ASSERT_LE(std::abs(u), 1.0);
+  }
+}
+
+TEST(Supervisor, RefusesOptionsOutOfTheirRangeByName) {
+  const auto refusal = [](const SupervisorOptions& options) -> std::string {
+    try {
+      Supervisor(team_of_two(), options);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal({.times = {.slow_after = 0.01}}), "supervisor.slow_after = 0.01, expected >= fresh");
+  EXPECT_EQ(refusal({.times = {.hold_after = 0.1}}), "supervisor.hold_after = 0.1, expected >= slow_after");
+  EXPECT_THAT(refusal({.times = {.land_after = 0.1}}), testing::StartsWith("supervisor.land_after = 0.1"));
+  EXPECT_EQ(refusal({.slow_factor = 1.5}), "supervisor.slow_factor = 1.5, expected 0 to 1");
+  EXPECT_EQ(refusal({.limits = {.accept_after = 0}}), "supervisor.accept_after = 0, expected >= 1");
+  EXPECT_EQ(refusal({}), "accepted");
+}
+
+}  // namespace
+}  // namespace sightline
