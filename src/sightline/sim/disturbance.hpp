@@ -56,7 +56,8 @@ enum class Chance : std::uint64_t {
   velocity_noise,
   motion,
   run,
-  draw
+  draw,
+  fault
 };
 
 /// Random numbers of one seed, purpose and body: SplitMix64, and Box-Muller on top.

@@ -3,8 +3,14 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace sightline {
+namespace {
+
+constexpr double never = -std::numeric_limits<double>::infinity();
+
+}  // namespace
 
 Sensor::Sensor(const Team& team, const SensorOptions& options)
     : noise_(options.noise), delay_(options.delay) {
@@ -35,24 +41,94 @@ Sensor::Sensor(const Team& team, const SensorOptions& options)
     }
     parts_.push_back(std::move(part));
   }
-  times_.resize(static_cast<std::size_t>(std::ceil(options.delay / options.period)) + 2);
-  seen_.resize(static_cast<std::size_t>(team.nx()));
+  double longest = 0.0;
+  for (std::size_t k = 0; k < options.faults.size(); ++k) {
+    const Fault& fault = options.faults[k];
+    fault.check();
+    if (fault.kind == FaultKind::delay) longest += fault.delay;
+    for (int i = 0; i < team.bodies(); ++i) {
+      const auto part = static_cast<std::size_t>(i);
+      if (fault.body.index >= 0 && fault.body != BodyId{i}) continue;
+      require(fault.number < parts_[part].model.nx(), "fault", "number", fault.number,
+              "a place in the body's state");
+      const int stream = static_cast<int>(k) * team.bodies() + i;
+      injections_.push_back({fault, part, RandomStream(options.seed, Chance::fault, stream)});
+    }
+  }
+  times_.resize(static_cast<std::size_t>(std::ceil((options.delay + longest) / options.period)) + 2);
+  fresh_.resize(static_cast<std::size_t>(team.nx()));
+  seen_.resize(fresh_.size());
+  stamps_.resize(parts_.size(), never);
   past_.resize(times_.size() * seen_.size());
 }
 
 std::span<const double> Sensor::measure(double t, std::span<const double> x) noexcept {
   assert(x.size() == seen_.size() && "the sensor sees the states of its team");
   remember(t, x);
-  // The youngest state that is old enough; times are sums of steps, hence the tolerance.
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    Part& part = parts_[i];
+    Mishap mishap;
+    for (const Injection& one : injections_) {
+      const bool strikes = one.part == i && one.fault.strikes(BodyId{static_cast<int>(i)}, t);
+      if (strikes && one.fault.kind == FaultKind::delay) mishap.delay += one.fault.delay;
+    }
+    const std::size_t at = youngest(t - delay_ - mishap.delay);
+    const auto nx = static_cast<std::ptrdiff_t>(part.model.nx());
+    const auto begin = static_cast<std::ptrdiff_t>(part.x);
+    std::copy_n(past_.begin() + static_cast<std::ptrdiff_t>(at * seen_.size()) + begin, nx,
+                fresh_.begin() + begin);
+    add_noise(part);
+    for (const std::size_t k : unknown_) fresh_[k] = 0.0;
+    spoil(i, t, mishap);
+    const bool first = stamps_[i] == never;
+    if (first || !(mishap.lost || mishap.frozen))
+      std::copy_n(fresh_.begin() + begin, nx, seen_.begin() + begin);
+    if (!mishap.lost) stamps_[i] = times_[at];
+  }
+  return seen_;
+}
+
+/// The youngest state that is not after `until`, or the oldest; times are sums of steps, hence the tolerance.
+std::size_t Sensor::youngest(double until) const noexcept {
   std::size_t at = oldest_;
   for (std::size_t k = 1; k < count_; ++k) {
     const std::size_t younger = (oldest_ + k) % times_.size();
-    if (times_[younger] <= t - delay_ + 1e-9) at = younger;
+    if (times_[younger] <= until + 1e-9) at = younger;
   }
-  std::copy_n(past_.begin() + static_cast<std::ptrdiff_t>(at * seen_.size()), seen_.size(), seen_.begin());
-  for (Part& part : parts_) add_noise(part);
-  for (const std::size_t i : unknown_) seen_[i] = 0.0;
-  return seen_;
+  return at;
+}
+
+void Sensor::spoil(std::size_t part, double t, Mishap& mishap) noexcept {
+  const Part& of = parts_[part];
+  for (Injection& one : injections_) {
+    if (one.part != part || !one.fault.strikes(BodyId{static_cast<int>(part)}, t)) continue;
+    // Both are drawn whatever comes of it, so that one fault leaves the others as they were.
+    const bool hit = one.chance.uniform() <= one.fault.probability;
+    const double which = one.chance.uniform();
+    const std::size_t n = static_cast<std::size_t>(of.model.nx());
+    switch (one.fault.kind) {
+      case FaultKind::dropout:
+        mishap.lost |= hit;
+        break;
+      case FaultKind::delay:
+        break;
+      case FaultKind::freeze:
+        mishap.frozen = true;
+        break;
+      case FaultKind::nan: {
+        const auto drawn = std::min(static_cast<std::size_t>(which * static_cast<double>(n)), n - 1);
+        const std::size_t number = one.fault.number >= 0 ? static_cast<std::size_t>(one.fault.number) : drawn;
+        if (hit) fresh_[of.x + number] = std::numeric_limits<double>::quiet_NaN();
+        break;
+      }
+      case FaultKind::jump:
+        for (std::size_t axis = 0; hit && axis < std::min<std::size_t>(of.positions.size(), 3); ++axis) {
+          const Vec3<double>& d = one.fault.offset;
+          fresh_[of.positions[axis]] += axis == 0 ? d.x : axis == 1 ? d.y : d.z;
+        }
+        break;
+    }
+  }
 }
 
 void Sensor::remember(double t, std::span<const double> x) noexcept {
@@ -68,21 +144,21 @@ void Sensor::remember(double t, std::span<const double> x) noexcept {
 
 void Sensor::add_noise(Part& part) noexcept {
   if (noise_.position > 0) {
-    for (const std::size_t i : part.positions) seen_[i] += noise_.position * part.position.normal();
+    for (const std::size_t i : part.positions) fresh_[i] += noise_.position * part.position.normal();
   }
   if (noise_.velocity > 0) {
-    for (const std::size_t i : part.velocities) seen_[i] += noise_.velocity * part.velocity.normal();
+    for (const std::size_t i : part.velocities) fresh_[i] += noise_.velocity * part.velocity.normal();
   }
   if (noise_.heading > 0) {
     for (const std::size_t i : part.headings) {
       const SinCos<double> turn = sincos(noise_.heading * part.heading.normal());
-      const Vec2<double> d = rotate<double>({turn.cos, turn.sin}, {seen_[i], seen_[i + 1]});
-      seen_[i] = d.x;
-      seen_[i + 1] = d.y;
+      const Vec2<double> d = rotate<double>({turn.cos, turn.sin}, {fresh_[i], fresh_[i + 1]});
+      fresh_[i] = d.x;
+      fresh_[i + 1] = d.y;
     }
-    for (const std::size_t i : part.angles) seen_[i] += noise_.heading * part.heading.normal();
+    for (const std::size_t i : part.angles) fresh_[i] += noise_.heading * part.heading.normal();
     // A state that is no state stays as it is: refusing it is the solver's part.
-    static_cast<void>(part.model.normalise(&seen_[part.x]));
+    static_cast<void>(part.model.normalise(&fresh_[part.x]));
   }
 }
 

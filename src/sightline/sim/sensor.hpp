@@ -1,4 +1,4 @@
-/// What the controllers see of the world: the true state, late and with noise.
+/// What the controllers see of the world: the true state, late, with noise and with injected faults.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 
 #include "sightline/ocp/team.hpp"
 #include "sightline/sim/disturbance.hpp"
+#include "sightline/sim/fault.hpp"
 
 namespace sightline {
 
@@ -16,13 +17,15 @@ struct SensorOptions {
   double delay = 0.0;    ///< from state to measurement [s], in [0, 1]; rounded up to whole measurements
   double period = 0.01;  ///< shortest time between two measurements [s]; sizes the memory of past states
   std::vector<BodyId> velocity_unknown{};  ///< these are seen at rest
+  std::vector<Fault> faults{};
 };
 
 /// Measures all bodies at once, as motion capture does. What a state is, its name tells: p_* a position, d_x
 /// with d_y a heading that is turned by the noise, psi an angle it is added to, v_* a velocity. Headings stay
 /// on the circle.
 ///
-/// Without noise and delay the measurement is the state, bit for bit.
+/// Each measurement has a time for each body: that of the state that was seen. Without noise, delay and faults the
+/// measurement is the state, bit for bit. Faults draw from streams of their own.
 class Sensor {
  public:
   /// @throws std::invalid_argument for an option out of its range, named
@@ -31,6 +34,8 @@ class Sensor {
   /// Takes the true states at t [s], which must rise, and gives what is seen then (nx), valid until the next
   /// call. Until the first state is `delay` old, that state is seen. Allocates nothing.
   std::span<const double> measure(double t, std::span<const double> x) noexcept;
+  /// Times of the last measurement of each body [s]; minus infinity before the first that arrived.
+  std::span<const double> stamps() const noexcept { return stamps_; }
 
  private:
   struct Part {
@@ -39,15 +44,30 @@ class Sensor {
     RandomStream position, heading, velocity;
     std::vector<std::size_t> positions, headings, angles, velocities;  // in the stacked state
   };
+  /// A fault of one body.
+  struct Injection {
+    Fault fault;
+    std::size_t part;
+    RandomStream chance;
+  };
+  /// What faults make of a measurement.
+  struct Mishap {
+    double delay = 0.0;
+    bool lost = false, frozen = false;
+  };
 
   void remember(double t, std::span<const double> x) noexcept;
+  std::size_t youngest(double until) const noexcept;
   void add_noise(Part& part) noexcept;
+  void spoil(std::size_t part, double t, Mishap& mishap) noexcept;
 
   Noise noise_;
   double delay_;
   std::vector<Part> parts_;
-  std::vector<std::size_t> unknown_;         // velocities in the stacked state
-  std::vector<double> times_, past_, seen_;  // ring of states, the oldest at oldest_
+  std::vector<std::size_t> unknown_;  // velocities in the stacked state
+  std::vector<Injection> injections_;
+  std::vector<double> times_, past_;           // ring of states, the oldest at oldest_
+  std::vector<double> fresh_, seen_, stamps_;  // as measured now; as it arrived
   std::size_t oldest_ = 0, count_ = 0;
 };
 
