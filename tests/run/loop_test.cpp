@@ -40,6 +40,9 @@ class Puller : public Solver {
   std::string_view name() const override { return "puller"; }
   const Ocp& ocp() const override { return ocp_; }
   double kkt(double, std::span<const double>) noexcept override { return 0.0; }
+  void planned(double, std::span<double> u) const noexcept override {
+    std::copy(u_.begin(), u_.end(), u.begin());
+  }
   void restart() noexcept override {}
   Solution solve(double time, std::span<const double> states) noexcept override {
     last_states.assign(states.begin(), states.end());

@@ -3,16 +3,31 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <string>
+
+#include "sightline/safety/ladder.hpp"
+#include "sightline/safety/track.hpp"
 
 namespace sightline {
 namespace {
 
 TEST(Sample, EveryKindOfEventHasANameOfItsOwn) {
   std::set<std::string_view> names;
-  for (const EventKind kind : {EventKind::missed_period, EventKind::solver_status, EventKind::input_refused,
-                               EventKind::samples_dropped}) {
+  for (int i = 0; i < event_kinds; ++i) {
+    const auto kind = static_cast<EventKind>(i);
     EXPECT_FALSE(to_string(kind).empty());
     EXPECT_TRUE(names.insert(to_string(kind)).second) << to_string(kind);
+  }
+}
+
+TEST(Sample, KindsOfEventsFollowTheRungsAndTheDoubtsInTheirOrder) {
+  for (int i = 0; i < rung_count; ++i) {
+    EXPECT_EQ(to_string(static_cast<EventKind>(static_cast<int>(EventKind::valid) + i)),
+              to_string(static_cast<Rung>(i)));
+  }
+  for (int i = 1; i < doubt_count; ++i) {
+    EXPECT_EQ(to_string(static_cast<EventKind>(static_cast<int>(EventKind::measurement_not_finite) + i - 1)),
+              "measurement_" + std::string(to_string(static_cast<Doubt>(i))));
   }
 }
 

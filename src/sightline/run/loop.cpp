@@ -40,7 +40,7 @@ const LoopOptions& checked(const LoopOptions& o, const Controllers& controllers)
 
 }  // namespace
 
-Sample sized_sample(const Team& plant, const Controllers& controllers) {
+Sample sized_sample(const Team& plant, const Controllers& controllers, const Guard* guard) {
   const std::size_t nx = size(plant.nx()), nu = size(plant.nu());
   const Horizon horizon = controllers.empty() ? Horizon{} : longest_horizon(controllers);
   Sample sample;
@@ -49,6 +49,7 @@ Sample sized_sample(const Team& plant, const Controllers& controllers) {
   sample.u.resize(nu);
   sample.raw_u.resize(nu);
   sample.solvers.resize(controllers.size());
+  if (guard != nullptr) sample.barriers.resize(guard->barriers().size());
   sample.path.resize(size(horizon.N + 1) * nx);
   sample.path_step = horizon.h();
   return sample;
@@ -64,7 +65,10 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
       u_(size(plant.team().nu())),
       u_min_(u_.size()),
       u_max_(u_.size()),
-      spare_(sized_sample(plant.team(), controllers)) {
+      planned_at_(size(plant.team().bodies())),
+      plan_ages_(planned_at_.size()),
+      spare_(sized_sample(plant.team(), controllers, options.guard)) {
+  for (const LatePlan& late : options_.late_plans) late.check();
   for (Solver& solver : controllers) {
     const Team& team = solver.ocp().team();
     const double dt = solver.ocp().horizon().dt;
@@ -72,8 +76,9 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
       refuse("controller {}: horizon.period = {}, expected the loop's {}", controllers_.size(), dt,
              options_.period);
     }
-    Controller controller{.solver = &solver, .members = {}, .states = {}};
+    Controller controller{.solver = &solver, .members = {}, .states = {}, .plan = {}};
     controller.states.resize(size(team.nx()));
+    controller.plan.resize(size(team.nu()));
     for (int i = 0; i < team.bodies(); ++i)
       controller.members.push_back(match(team, BodyId{i}, controllers_.size()));
     controllers_.push_back(std::move(controller));
@@ -81,11 +86,11 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
   check_steered();
   const Sample* item = sink.claim();
   if (item == nullptr || item->x.size() != spare_.x.size() || item->path.size() != spare_.path.size() ||
-      item->solvers.size() != spare_.solvers.size()) {
+      item->solvers.size() != spare_.solvers.size() || item->barriers.size() != spare_.barriers.size()) {
     refuse(
         "the sink's samples are not of this loop's size, expected room in it for copies of sized_sample()");
   }
-  events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size());
+  events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size() + 3 * planned_at_.size());
 
   // Before any good command the robots hold their u*, within their limits.
   for (const Controller& controller : controllers_) {
@@ -206,14 +211,16 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
   const Time::time_point begin = Time::now();
   sample.time = t;
   std::copy(measured.begin(), measured.end(), sample.measured.begin());
+  if (outcome_.updates == 0) std::fill(planned_at_.begin(), planned_at_.end(), t);
+  std::span<const double> believed = measured;
+  if (options_.guard != nullptr) believed = options_.guard->believe(t, measured, sensor_.stamps());
   if (sample.has_path) {
-    for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = measured[i % measured.size()];
+    for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = believed[i % believed.size()];
   }
   for (std::size_t c = 0; c < controllers_.size(); ++c) {
     Controller& controller = controllers_[c];
     const std::int64_t before = count();
-    gather(controller, measured);
-    const Solution solution = controller.solver->solve(t, controller.states);
+    const Solution solution = ask(controller, t, believed);
     command(static_cast<int>(c), controller, solution, t, sample);
     sample.solvers[c] = {solution.status, solution.residual, solution.iterations, 1e6 * solution.elapsed,
                          count() - before};
@@ -223,9 +230,51 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
     controller.status = solution.status;
     if (sample.has_path) write_path(controller, solution, sample);
   }
+  if (options_.guard != nullptr) guard(t, sample);
   std::copy(u_.begin(), u_.end(), sample.u.begin());
   sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
   outcome_.max_allocations = std::max(outcome_.max_allocations, count() - before_all);
+}
+
+/// An update; while a late one is at work, what the plan before has for now.
+Solution Loop::ask(Controller& controller, double t, std::span<const double> believed) noexcept {
+  constexpr double same_time = 1e-9;
+  Solver& solver = *controller.solver;
+  Solution solution{.u = controller.plan, .raw_u = controller.plan, .x = {}};
+  if (options_.guard != nullptr && !options_.guard->knows_all()) {
+    solution.status = Status::invalid_state;
+  } else if (!controller.at_work) {
+    gather(controller, believed);
+    controller.asked_at = t;
+    const auto late = std::find_if(options_.late_plans.begin(), options_.late_plans.end(),
+                                   [&](const LatePlan& l) { return l.strikes(t); });
+    if (late == options_.late_plans.end()) return solver.solve(t, controller.states);
+    controller.at_work = true;
+    controller.done_at = t + late->delay;
+  }
+  if (controller.at_work && t >= controller.done_at - same_time) {
+    controller.at_work = false;
+    const Solution late = solver.solve(controller.asked_at, controller.states);
+    solver.planned(t, controller.plan);
+    solution.x = late.x;
+    solution.status = late.status;
+    solution.residual = late.residual;
+    solution.iterations = late.iterations;
+    solution.elapsed = late.elapsed;
+  } else if (controller.at_work) {
+    solver.planned(t, controller.plan);
+    solution.status = Status::deadline;
+  }
+  return solution;
+}
+
+/// Lets the guard make of the controllers' inputs what is applied.
+void Loop::guard(double t, Sample& sample) noexcept {
+  for (std::size_t i = 0; i < plan_ages_.size(); ++i) plan_ages_[i] = t - planned_at_[i];
+  options_.guard->filter(t, plan_ages_, u_);
+  for (const Event& event : options_.guard->events()) tell(event);
+  const auto records = options_.guard->barriers();
+  std::copy(records.begin(), records.end(), sample.barriers.begin());
 }
 
 void Loop::gather(Controller& controller, std::span<const double> measured) noexcept {
@@ -259,6 +308,8 @@ void Loop::command(int index, const Controller& controller, const Solution& solu
       held[i] = std::clamp(held[i], u_min[i], u_max[i]);
       sample.raw_u[m.plant_u + i] = solution.raw_u.size() == nu ? solution.raw_u[m.ocp_u + i] : held[i];
     }
+    const bool planned = solution.status == Status::converged || solution.status == Status::iteration_limit;
+    if (good && planned) planned_at_[size(m.body.index)] = controller.asked_at;
     if (good) continue;
     ++outcome_.refused;
     tell({t, EventKind::input_refused, index, static_cast<double>(m.body.index)});

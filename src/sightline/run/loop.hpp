@@ -1,4 +1,4 @@
-/// The control loop: measure, solve, check, apply; once per period.
+/// The control loop: measure, believe, solve, check, guard, apply; once per period.
 #pragma once
 
 #include <atomic>
@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "sightline/run/clock.hpp"
+#include "sightline/run/guard.hpp"
 #include "sightline/run/ring.hpp"
 #include "sightline/run/sample.hpp"
+#include "sightline/sim/fault.hpp"
 #include "sightline/sim/plant.hpp"
 #include "sightline/sim/sensor.hpp"
 #include "sightline/solver/solver.hpp"
@@ -27,6 +29,10 @@ struct LoopOptions {
   std::int64_t (*allocations)() noexcept = nullptr;
   /// Ends the loop at the next period once it is true.
   const std::atomic<bool>* stop = nullptr;
+  /// Supervises, and keeps hard distances; of the plant's team, for this loop alone. None: measurements are
+  /// believed and commands applied as they are.
+  Guard* guard = nullptr;
+  std::vector<LatePlan> late_plans{};  ///< injected
 };
 
 /// What became of a run.
@@ -41,7 +47,7 @@ struct LoopOutcome {
 };
 
 /// A sample with all its vectors sized for a loop: the prototype of its sink's items.
-Sample sized_sample(const Team& plant, const Controllers& controllers);
+Sample sized_sample(const Team& plant, const Controllers& controllers, const Guard* guard = nullptr);
 
 /// Runs controllers against a plant. Bodies are matched by name: what a controller's team calls a robot is a
 /// robot of the plant, and what it calls an obstacle may be one of the plant's obstacles, or a robot that
@@ -50,7 +56,8 @@ Sample sized_sample(const Team& plant, const Controllers& controllers);
 /// Period k, at t = k period: the sensor's measurement goes to each controller in turn; of a robot whose
 /// command is not finite or not within its limits the last good one is applied instead, and an event tells
 /// it; the sample goes into the sink, and the plant steps. Where a steady clock missed periods, the plant
-/// went on under the command it had. Nothing in here allocates, locks, throws or prints.
+/// went on under the command it had. A guard comes after the sensor and before the plant; an update that is late
+/// lets the plan before go on. Nothing in here allocates, locks, throws or prints.
 class Loop {
  public:
   /// All of it must outlive the loop.
@@ -76,13 +83,18 @@ class Loop {
     Solver* solver;
     std::vector<Member> members;
     std::vector<double> states;  // what the solver is given (its nx)
+    std::vector<double> plan;    // inputs of a plan that is late or goes on (its nu)
     Status status{};
+    bool at_work = false;                  // on a late update
+    double asked_at = 0.0, done_at = 0.0;  // begin of the last update, end of a late one [s]
   };
 
   Member match(const Team& team, BodyId body, std::size_t controller) const;
   void check_steered() const;
 
   void update(double t, std::span<const double> measured, Sample& sample) noexcept;
+  Solution ask(Controller& controller, double t, std::span<const double> believed) noexcept;
+  void guard(double t, Sample& sample) noexcept;
   void gather(Controller& controller, std::span<const double> measured) noexcept;
   void command(int index, const Controller& controller, const Solution& solution, double t,
                Sample& sample) noexcept;
@@ -97,8 +109,9 @@ class Loop {
   std::vector<Controller> controllers_;
   std::vector<double> u_;  // applied, all robots of the plant; always within limits
   std::vector<double> u_min_, u_max_;
-  std::vector<Event> events_;  // not yet in a sample
-  Sample spare_;               // written where the sink is full
+  std::vector<double> planned_at_, plan_ages_;  // of each body: time and age of its last good plan [s]
+  std::vector<Event> events_;                   // not yet in a sample
+  Sample spare_;                                // written where the sink is full
   LoopOutcome outcome_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -17,7 +18,24 @@ enum class EventKind : std::uint8_t {
   input_refused,    ///< a command was not finite or above its limit after the solver's clamp and was not
                     ///< applied
   samples_dropped,  ///< the log could not keep up; value: samples dropped so far
+  // A robot came to another rung of its ladder, in the order of Rung; value: the body.
+  valid,
+  predicted,
+  slowed,
+  hold,
+  land,
+  grounded,
+  // Measurements of a body ceased to be believed, in the order of Doubt; value: the body.
+  measurement_not_finite,
+  measurement_heading,
+  measurement_world,
+  measurement_speed,
+  measurement_jump,
+  measurement_frozen,
+  measurement_time,
+  barrier_conflict,  ///< no command keeps all hard distances; value: the body
 };
+inline constexpr int event_kinds = 18;
 std::string_view to_string(EventKind kind);
 
 struct Event {
@@ -36,14 +54,22 @@ struct SolverRecord {
   std::int64_t allocations = 0;  ///< on the control thread, state in to command out
 };
 
+/// What the barrier did to one robot's command in one update.
+struct BarrierRecord {
+  bool active = false;                                       ///< it changed the command, or would have
+  bool conflict = false;                                     ///< no command keeps all hard distances
+  double reserve = std::numeric_limits<double>::infinity();  ///< least of all neighbours [m]
+};
+
 /// One control period. All vectors are sized before the loop starts and never grow.
 struct Sample {
-  double time = 0.0;                  ///< [s], of the measurement
-  std::vector<double> x;              ///< true states of all bodies (nx)
-  std::vector<double> measured;       ///< what the controllers saw (nx)
-  std::vector<double> u;              ///< applied inputs (nu)
-  std::vector<double> raw_u;          ///< the solvers' inputs before their clamp (nu)
-  std::vector<SolverRecord> solvers;  ///< one for each controller
+  double time = 0.0;                      ///< [s], of the measurement
+  std::vector<double> x;                  ///< true states of all bodies (nx)
+  std::vector<double> measured;           ///< what the controllers saw (nx)
+  std::vector<double> u;                  ///< applied inputs (nu)
+  std::vector<double> raw_u;              ///< the solvers' inputs before their clamp (nu)
+  std::vector<SolverRecord> solvers;      ///< one for each controller
+  std::vector<BarrierRecord> barriers{};  ///< one for each robot; empty without a barrier
   bool has_path = false;
   std::vector<double> path;  ///< predicted states (N+1 x nx), where has_path
   double path_step = 0.0;    ///< time between two predicted states [s]

@@ -1,0 +1,161 @@
+#include "sightline/run/guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sightline {
+namespace {
+
+GuardOptions completed(const Team& team, GuardOptions options) {
+  options.bodies.resize(static_cast<std::size_t>(team.bodies()));
+  return options;
+}
+
+std::optional<Supervisor> supervisor_of(const Team& team, const GuardOptions& options) {
+  if (!options.supervisor) return std::nullopt;
+  return Supervisor(team, *options.supervisor);
+}
+
+BarrierOptions without_floor(BarrierOptions options) {
+  options.floor = BarrierOptions{}.floor;
+  return options;
+}
+
+/// The tightest limits there will be.
+std::pair<std::vector<double>, std::vector<double>> tightest(const InputLimits& limits) {
+  std::vector<double> u_min = limits.u_min().front(), u_max = limits.u_max().front();
+  for (std::size_t k = 1; k < limits.times().size(); ++k) {
+    for (std::size_t i = 0; i < u_min.size(); ++i) {
+      u_min[i] = std::max(u_min[i], limits.u_min()[k][i]);
+      u_max[i] = std::min(u_max[i], limits.u_max()[k][i]);
+    }
+  }
+  return {u_min, u_max};
+}
+
+EventKind kind_of(const Notice& notice) {
+  const auto shifted = [](EventKind first, int by) {
+    return static_cast<EventKind>(static_cast<int>(first) + by);
+  };
+  if (const auto* rung = std::get_if<Rung>(&notice.what)) {
+    return shifted(EventKind::valid, static_cast<int>(*rung));
+  }
+  return shifted(EventKind::measurement_not_finite, static_cast<int>(*std::get_if<Doubt>(&notice.what)) - 1);
+}
+
+}  // namespace
+
+Guard::Guard(const Team& team, const GuardOptions& options)
+    : team_(team),
+      options_(completed(team, options)),
+      supervisor_(supervisor_of(team, options)),
+      believed_(static_cast<std::size_t>(team.nx())),
+      ages_(options_.bodies.size()),
+      before_(static_cast<std::size_t>(team.nu())) {
+  events_.reserve(3 * options_.bodies.size());
+  if (options_.barrier == BarrierMode::off) return;
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i};
+    if (!team_.is_agent(body)) continue;
+    const Agent& agent = team_.agent(body);
+    const auto [u_min, u_max] = tightest(agent.limits);
+    const auto barrier = [&, &low = u_min, &high = u_max](const BarrierOptions& o) {
+      return Barrier(agent.model, low, high, options_.period, o);
+    };
+    robots_.push_back({.body = body,
+                       .x = static_cast<std::size_t>(team_.state_offset(body)),
+                       .u = static_cast<std::size_t>(team_.input_offset(body)),
+                       .nx = static_cast<std::size_t>(agent.model.nx()),
+                       .nu = u_min.size(),
+                       .barrier = barrier(options_.barrier_options),
+                       .landing = barrier(without_floor(options_.barrier_options)),
+                       .u_min = u_min,
+                       .u_max = u_max,
+                       .reported = u_min});
+  }
+  neighbours_.resize(options_.bodies.size());
+  records_.resize(robots_.size());
+}
+
+std::span<const double> Guard::believe(double t, std::span<const double> measured,
+                                       std::span<const double> stamps) noexcept {
+  events_.clear();
+  if (!supervisor_) {
+    std::copy(measured.begin(), measured.end(), believed_.begin());
+    for (std::size_t i = 0; i < ages_.size(); ++i) ages_[i] = std::max(0.0, t - stamps[i]);
+    return believed_;
+  }
+  const std::span<const double> believed = supervisor_->believe(t, measured, stamps);
+  std::copy(believed.begin(), believed.end(), believed_.begin());
+  for (std::size_t i = 0; i < ages_.size(); ++i) {
+    ages_[i] = std::max(0.0, supervisor_->age(BodyId{static_cast<int>(i)}));
+  }
+  return believed_;
+}
+
+void Guard::filter(double t, std::span<const double> plan_ages, std::span<double> u) noexcept {
+  if (supervisor_) {
+    supervisor_->command(t, plan_ages, u);
+    for (const Notice& notice : supervisor_->notices()) {
+      tell({t, kind_of(notice), 0, static_cast<double>(notice.body.index)});
+    }
+  }
+  for (std::size_t i = 0; i < robots_.size(); ++i) keep_distance(i, t, u);
+  std::copy(u.begin(), u.end(), before_.begin());
+  if (supervisor_) supervisor_->record(t, u);
+}
+
+/// Another body as a robot sees it; u are the inputs of the period before.
+Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double> u) const noexcept {
+  const Model& model = team_.model(other);
+  const Sight<double> sight = model.sight(&believed_[static_cast<std::size_t>(team_.state_offset(other))],
+                                          u.data() + (team_.is_agent(other) ? team_.input_offset(other) : 0));
+  const BodySafety& safety = options_.bodies[index(other)];
+  Neighbour neighbour{.p = sight.p,
+                      .v = sight.v,
+                      .d_hard = safety.d_hard,
+                      .speed_max = safety.speed_max,
+                      .age = ages_[index(other)],
+                      .sigma = std::sqrt(2.0) * options_.position_sigma,
+                      .tie = robot.index < other.index ? 1.0 : -1.0};
+  if (!team_.is_agent(other)) return neighbour;
+  if (supervisor_ && supervisor_->rung(other) == Rung::grounded) {
+    neighbour.speed_max = 0.0;
+  } else if (team_.model(robot).name() == model.name()) {
+    neighbour.conduct = Conduct::member;
+  }
+  return neighbour;
+}
+
+void Guard::keep_distance(std::size_t robot, double t, std::span<double> u) noexcept {
+  Robot& of = robots_[robot];
+  const Rung rung = supervisor_ ? supervisor_->rung(of.body) : Rung::valid;
+  BarrierRecord& record = records_[robot];
+  const bool was_in_conflict = record.conflict;
+  record = {};
+  // Neither for a robot on the ground, nor without knowing where it is, nor from a body that is nowhere.
+  if (rung == Rung::grounded || !std::isfinite(ages_[index(of.body)])) return;
+  std::size_t count = 0;
+  for (int i = 0; i < team_.bodies(); ++i) {
+    if (BodyId{i} != of.body && std::isfinite(ages_[index(BodyId{i})])) {
+      neighbours_[count++] = neighbour_of(of.body, BodyId{i}, before_);
+    }
+  }
+  team_.agent(of.body).limits.at(t, of.u_min, of.u_max);
+  const std::span<double> applied = u.subspan(of.u, of.nu);
+  std::copy(applied.begin(), applied.end(), of.reported.begin());
+  const Barrier& barrier = rung == Rung::land ? of.landing : of.barrier;
+  const BarrierResult result =
+      barrier.filter(std::span(believed_).subspan(of.x, of.nx), std::span(neighbours_).first(count), of.u_min,
+                     of.u_max, options_.barrier == BarrierMode::on ? applied : std::span(of.reported));
+  record = {result.active, result.conflict, result.reserve};
+  if (result.conflict && !was_in_conflict) {
+    tell({t, EventKind::barrier_conflict, 0, static_cast<double>(of.body.index)});
+  }
+}
+
+void Guard::tell(const Event& event) noexcept {
+  if (events_.size() < events_.capacity()) events_.push_back(event);
+}
+
+}  // namespace sightline

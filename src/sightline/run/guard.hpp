@@ -1,0 +1,84 @@
+/// What stands between the measurement and the controllers, and between them and the robots: the supervisor and the
+/// barrier of one team. Both see one believed state.
+///
+///   measurement -> supervisor -> believed state -> solver -> supervisor -> barrier -> applied
+///
+/// A robot that lands is not kept above the floor any more, and one that is grounded stays where it is.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sightline/run/sample.hpp"
+#include "sightline/safety/barrier.hpp"
+#include "sightline/safety/supervisor.hpp"
+
+namespace sightline {
+
+enum class BarrierMode {
+  off,
+  on,
+  report,  ///< computes and tells, applies nothing
+};
+
+/// What the robots must keep from a body, and what they assume of it.
+struct BodySafety {
+  double d_hard = 0.6;     ///< centre to centre [m], > 0
+  double speed_max = 1.5;  ///< of one that is no robot [m/s], >= 0
+};
+
+struct GuardOptions {
+  std::optional<SupervisorOptions> supervisor{};
+  BarrierMode barrier = BarrierMode::off;
+  BarrierOptions barrier_options{};
+  double position_sigma = 0.0;       ///< of a measurement, each axis [m], >= 0
+  std::vector<BodySafety> bodies{};  ///< of the team, in its order; those that are missing have the defaults
+  double period = 0.01;              ///< of the commands [s]
+};
+
+class Guard {
+ public:
+  /// @throws std::invalid_argument for options out of their range, and for a robot that the barrier cannot keep
+  Guard(const Team& team, const GuardOptions& options);
+
+  /// The believed states of all bodies at t [s] (nx), from measurements with a time for each body.
+  std::span<const double> believe(double t, std::span<const double> measured,
+                                  std::span<const double> stamps) noexcept;
+  /// Whether each body was believed once; before, nobody is asked for a plan.
+  bool knows_all() const noexcept { return !supervisor_ || supervisor_->knows_all(); }
+  /// Makes of the controllers' inputs (nu) what is applied from t on; after believe().
+  /// @param plan_ages  of each body [s]; those of no robot do not count
+  void filter(double t, std::span<const double> plan_ages, std::span<double> u) noexcept;
+
+  /// Of this period.
+  std::span<const Event> events() const noexcept { return events_; }
+  /// One for each robot; empty without a barrier.
+  std::span<const BarrierRecord> barriers() const noexcept { return records_; }
+  /// None without a supervisor.
+  const std::optional<Supervisor>& supervisor() const noexcept { return supervisor_; }
+
+ private:
+  struct Robot {
+    BodyId body;
+    std::size_t x, u, nx, nu;  // offsets and lengths
+    Barrier barrier, landing;  // with and without the floor
+    std::vector<double> u_min, u_max, reported;
+  };
+  static std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
+
+  Neighbour neighbour_of(BodyId robot, BodyId other, std::span<const double> u) const noexcept;
+  void keep_distance(std::size_t robot, double t, std::span<double> u) noexcept;
+  void tell(const Event& event) noexcept;
+
+  Team team_;
+  GuardOptions options_;
+  std::optional<Supervisor> supervisor_;
+  std::vector<Robot> robots_;  // none without a barrier
+  std::vector<double> believed_, ages_, before_;
+  std::vector<Neighbour> neighbours_;
+  std::vector<BarrierRecord> records_;
+  std::vector<Event> events_;
+};
+
+}  // namespace sightline

@@ -1,0 +1,129 @@
+#include "sightline/run/guard.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sightline/sim/plant.hpp"
+
+namespace sightline {
+namespace {
+
+using Numbers = std::vector<double>;
+
+Team two_robots() {
+  Team team;
+  team.add(Multirotor{}, {.name = "a"});
+  team.add(Multirotor{}, {.name = "b"});
+  team.add(Obstacle{.name = "wall"});
+  return team;
+}
+const Numbers start = {0, 0, 1, 1, 0, 0, 0, /**/ 4, 0, 1, 1, 0, 0, 0, /**/ 2, 3, 1, 0, 0, 0};
+
+// A flight under one command for both robots; the true states are measured, with the time of the moment.
+struct Flight {
+  explicit Flight(const GuardOptions& options, const Numbers& command = {1, 0, 0, 0, -1, 0, 0, 0})
+      : guard(team, options), asked(command) {}
+
+  void step(bool seen = true) {
+    if (seen) {
+      measured.assign(plant.x().begin(), plant.x().end());
+      stamps.assign(3, t);
+    }
+    believed = guard.believe(t, measured, stamps);
+    u = asked;
+    guard.filter(t, Numbers(3, 0.0), u);
+    events.insert(events.end(), guard.events().begin(), guard.events().end());
+    EXPECT_TRUE(plant.step(u, 0.01));
+    t += 0.01;
+    const auto x = plant.x();
+    nearest = std::min(nearest, std::hypot(x[0] - x[7], x[1] - x[8], x[2] - x[9]));
+    lowest = std::min(lowest, x[2]);
+  }
+
+  Team team = two_robots();
+  Guard guard;
+  Plant plant{team, start};
+  Numbers measured = start, stamps = Numbers(3, 0.0), asked, u;
+  std::span<const double> believed;
+  std::vector<Event> events;
+  double t = 0.0, nearest = 1e9, lowest = 1e9;
+};
+
+TEST(Guard, WithNeitherSupervisorNorBarrierAllStaysBitForBit) {
+  Flight flight({});
+  for (int k = 0; k < 100; ++k) {
+    const Numbers x(flight.plant.x().begin(), flight.plant.x().end());
+    flight.step();
+    ASSERT_EQ(Numbers(flight.believed.begin(), flight.believed.end()), x);
+    ASSERT_EQ(flight.u, flight.asked);
+  }
+  EXPECT_TRUE(flight.events.empty());
+  EXPECT_TRUE(flight.guard.barriers().empty());
+  EXPECT_TRUE(flight.guard.knows_all());
+}
+
+TEST(Guard, TheBarrierKeepsRobotsApartThatAreSentAtEachOther) {
+  Flight flight({.barrier = BarrierMode::on, .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}}});
+  for (int k = 0; k < 600; ++k) flight.step();
+  EXPECT_GE(flight.nearest, 0.8);
+  EXPECT_LT(flight.nearest, 1.2) << "and lets them as near as they may";
+  EXPECT_TRUE(flight.guard.barriers()[0].active);
+}
+
+TEST(Guard, ABarrierThatOnlyReportsChangesNothing) {
+  Flight flight({.barrier = BarrierMode::report, .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}}});
+  bool active = false;
+  for (int k = 0; k < 250; ++k) {
+    flight.step();
+    ASSERT_EQ(flight.u, flight.asked);
+    active |= flight.guard.barriers()[0].active;
+  }
+  EXPECT_TRUE(active);
+  EXPECT_LT(flight.nearest, 0.5);
+}
+
+TEST(Guard, TheFloorIsKeptUntilARobotLandsAndAGroundedOneIsLeftAlone) {
+  const BarrierOptions floor{.floor = 0.5};
+  Flight down({.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on, .barrier_options = floor},
+              {0, 0, -1, 0, 0, 0, 0, 0});
+  for (int k = 0; k < 300; ++k) down.step();
+  EXPECT_GE(down.lowest, 0.5 - 1e-9);
+  for (int k = 0; k < 900; ++k) down.step(false);
+  EXPECT_EQ(down.guard.supervisor()->rung(BodyId{0}), Rung::grounded);
+  EXPECT_NEAR(down.plant.x()[2], 0.0, 0.03);
+  for (int k = 0; k < 300; ++k) down.step();
+  EXPECT_NEAR(down.plant.x()[2], 0.0, 0.03);
+}
+
+TEST(Guard, WhatTheSupervisorSaysBecomesEventsOfTheBody) {
+  Flight flight({.supervisor = SupervisorOptions{}});
+  for (int k = 0; k < 5; ++k) flight.step();
+  for (int k = 0; k < 30; ++k) flight.step(false);
+  ASSERT_EQ(flight.events.size(), 4U);
+  EXPECT_EQ(flight.events[0].kind, EventKind::predicted);
+  EXPECT_EQ(flight.events[3].kind, EventKind::slowed);
+  EXPECT_EQ(flight.events[3].value, 1.0);
+  flight.measured[7] = std::nan("");
+  flight.stamps.assign(3, flight.t);
+  flight.step(false);
+  ASSERT_EQ(flight.events.size(), 6U);
+  EXPECT_EQ(flight.events[4].kind, EventKind::measurement_not_finite);
+  EXPECT_EQ(flight.events[4].value, 1.0);
+  EXPECT_EQ(flight.events[5].kind, EventKind::valid) << "of the other, which is seen again";
+  EXPECT_EQ(flight.events[5].value, 0.0);
+}
+
+TEST(Guard, WhereARobotWasNeverSeenTheBarrierStandsBack) {
+  Flight flight({.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
+  flight.measured.assign(flight.measured.size(), std::nan(""));
+  for (int k = 0; k < 50; ++k) {
+    flight.stamps.assign(3, flight.t);
+    flight.step(false);
+    for (const double u : flight.u) ASSERT_NEAR(u, 0.0, 1e-6);
+    ASSERT_FALSE(flight.guard.knows_all());
+  }
+}
+
+}  // namespace
+}  // namespace sightline
