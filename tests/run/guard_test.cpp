@@ -65,10 +65,14 @@ TEST(Guard, WithNeitherSupervisorNorBarrierAllStaysBitForBit) {
 
 TEST(Guard, TheBarrierKeepsRobotsApartThatAreSentAtEachOther) {
   Flight flight({.barrier = BarrierMode::on, .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}}});
-  for (int k = 0; k < 600; ++k) flight.step();
+  bool active = false;
+  for (int k = 0; k < 600; ++k) {
+    flight.step();
+    active |= flight.guard.barriers()[0].active;
+  }
+  EXPECT_TRUE(active);
   EXPECT_GE(flight.nearest, 0.8);
   EXPECT_LT(flight.nearest, 1.2) << "and lets them as near as they may";
-  EXPECT_TRUE(flight.guard.barriers()[0].active);
 }
 
 TEST(Guard, ABarrierThatOnlyReportsChangesNothing) {
@@ -104,6 +108,7 @@ TEST(Guard, WhatTheSupervisorSaysBecomesEventsOfTheBody) {
   EXPECT_EQ(flight.events[0].kind, EventKind::predicted);
   EXPECT_EQ(flight.events[3].kind, EventKind::slowed);
   EXPECT_EQ(flight.events[3].value, 1.0);
+  flight.measured.assign(flight.plant.x().begin(), flight.plant.x().end());
   flight.measured[7] = std::nan("");
   flight.stamps.assign(3, flight.t);
   flight.step(false);

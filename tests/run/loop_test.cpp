@@ -270,13 +270,21 @@ TEST(Loop, NothingInItAllocates) {
       .disturbances = {
           .gust_sigma = 0.1, .airflow = {.amplitude = 0.15}, .input_delay = 0.06, .yaw_lag = 0.2}};
   Plant plant(team, joined(joined(start_a, start_b), wall), options);
-  Sensor sensor(team, {.noise = {.position = 0.005, .heading = 0.01}, .delay = 0.03});
+  Sensor sensor(team, {.noise = {.position = 0.005, .heading = 0.01},
+                       .delay = 0.03,
+                       .faults = {{.kind = FaultKind::nan, .probability = 0.3},
+                                  {.kind = FaultKind::freeze, .from = 5}}});
+  Guard guard(team, {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
   Spoiler for_a(robots({"a"}, {"b"}));
   Puller for_b(robots({"b"}, {"wall"}));
   const Controllers controllers = {for_a, for_b};
   Ring<Sample> ring(1000, sized_sample(team, controllers));
   SimulatedClock clock;
-  Loop loop(plant, sensor, controllers, clock, ring, {.duration = 10.0, .allocations = allocations});
+  Loop loop(plant, sensor, controllers, clock, ring,
+            {.duration = 10.0,
+             .allocations = allocations,
+             .guard = &guard,
+             .late_plans = {{.from = 2.0, .until = 3.0}}});
   const std::int64_t before = allocated;
   const LoopOutcome outcome = loop.run();
   EXPECT_EQ(allocated, before);

@@ -160,6 +160,16 @@ TEST(Track, AMeasurementFromTheFutureIsRefused) {
   EXPECT_EQ(flight.track.stamp(), flight.t) << "as if it were of now";
 }
 
+TEST(Track, AMeasurementTooOldToBeCarriedToThePresentIsRefused) {
+  for (const double old : {-1e300, -1e9, -2.6}) {
+    Flight flight;
+    EXPECT_EQ(flight.track.take(flight.x, old, 0.0, flight.history), Doubt::time);
+    EXPECT_FALSE(flight.track.known());
+  }
+  Flight flight;
+  EXPECT_EQ(flight.track.take(flight.x, -2.4, 0.0, flight.history), Doubt::none);
+}
+
 TEST(Track, AfterADoubtSoManyConsistentMeasurementsInARowAreAskedFor) {
   for (const int accept_after : {1, 3, 8}) {
     Flight flight({.accept_after = accept_after});

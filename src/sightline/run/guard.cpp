@@ -51,7 +51,8 @@ Guard::Guard(const Team& team, const GuardOptions& options)
       supervisor_(supervisor_of(team, options)),
       believed_(static_cast<std::size_t>(team.nx())),
       ages_(options_.bodies.size()),
-      before_(static_cast<std::size_t>(team.nu())) {
+      before_(static_cast<std::size_t>(team.nu())),
+      oldest_(options.supervisor.value_or(SupervisorOptions{}).times.hold_after) {
   events_.reserve(3 * options_.bodies.size());
   if (options_.barrier == BarrierMode::off) return;
   for (int i = 0; i < team_.bodies(); ++i) {
@@ -115,7 +116,7 @@ Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double
                       .v = sight.v,
                       .d_hard = safety.d_hard,
                       .speed_max = safety.speed_max,
-                      .age = ages_[index(other)],
+                      .age = std::min(ages_[index(other)], oldest_),
                       .sigma = std::sqrt(2.0) * options_.position_sigma,
                       .tie = robot.index < other.index ? 1.0 : -1.0};
   if (!team_.is_agent(other)) return neighbour;

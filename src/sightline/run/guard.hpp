@@ -3,7 +3,9 @@
 ///
 ///   measurement -> supervisor -> believed state -> solver -> supervisor -> barrier -> applied
 ///
-/// A robot that lands is not kept above the floor any more, and one that is grounded stays where it is.
+/// A robot that lands is not kept above the floor any more, and one that is grounded stays where it is. Of a body
+/// that was not seen for longer than hold_after the barrier assumes what it does at hold_after: beyond, it could
+/// be anywhere, and a robot that fled from everywhere would never land.
 #pragma once
 
 #include <optional>
@@ -76,6 +78,7 @@ class Guard {
   std::optional<Supervisor> supervisor_;
   std::vector<Robot> robots_;  // none without a barrier
   std::vector<double> believed_, ages_, before_;
+  double oldest_;  // age that the barrier reckons with [s]
   std::vector<Neighbour> neighbours_;
   std::vector<BarrierRecord> records_;
   std::vector<Event> events_;

@@ -40,7 +40,7 @@ const LoopOptions& checked(const LoopOptions& o, const Controllers& controllers)
 
 }  // namespace
 
-Sample sized_sample(const Team& plant, const Controllers& controllers, const Guard* guard) {
+Sample sized_sample(const Team& plant, const Controllers& controllers) {
   const std::size_t nx = size(plant.nx()), nu = size(plant.nu());
   const Horizon horizon = controllers.empty() ? Horizon{} : longest_horizon(controllers);
   Sample sample;
@@ -49,7 +49,7 @@ Sample sized_sample(const Team& plant, const Controllers& controllers, const Gua
   sample.u.resize(nu);
   sample.raw_u.resize(nu);
   sample.solvers.resize(controllers.size());
-  if (guard != nullptr) sample.barriers.resize(guard->barriers().size());
+  sample.barriers.resize(plant.agents().size());
   sample.path.resize(size(horizon.N + 1) * nx);
   sample.path_step = horizon.h();
   return sample;
@@ -67,7 +67,7 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
       u_max_(u_.size()),
       planned_at_(size(plant.team().bodies())),
       plan_ages_(planned_at_.size()),
-      spare_(sized_sample(plant.team(), controllers, options.guard)) {
+      spare_(sized_sample(plant.team(), controllers)) {
   for (const LatePlan& late : options_.late_plans) late.check();
   for (Solver& solver : controllers) {
     const Team& team = solver.ocp().team();

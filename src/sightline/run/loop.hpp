@@ -47,7 +47,7 @@ struct LoopOutcome {
 };
 
 /// A sample with all its vectors sized for a loop: the prototype of its sink's items.
-Sample sized_sample(const Team& plant, const Controllers& controllers, const Guard* guard = nullptr);
+Sample sized_sample(const Team& plant, const Controllers& controllers);
 
 /// Runs controllers against a plant. Bodies are matched by name: what a controller's team calls a robot is a
 /// robot of the plant, and what it calls an obstacle may be one of the plant's obstacles, or a robot that

@@ -69,7 +69,7 @@ struct Sample {
   std::vector<double> u;                  ///< applied inputs (nu)
   std::vector<double> raw_u;              ///< the solvers' inputs before their clamp (nu)
   std::vector<SolverRecord> solvers;      ///< one for each controller
-  std::vector<BarrierRecord> barriers{};  ///< one for each robot; empty without a barrier
+  std::vector<BarrierRecord> barriers{};  ///< one for each robot
   bool has_path = false;
   std::vector<double> path;  ///< predicted states (N+1 x nx), where has_path
   double path_step = 0.0;    ///< time between two predicted states [s]

@@ -19,9 +19,12 @@ const SupervisorOptions& checked(const SupervisorOptions& options) {
   return options;
 }
 
+/// Older measurements are of no use: by then the robot lands.
+double oldest(const SupervisorOptions& o) { return o.times.land_after + 0.5; }
+
 /// Inputs that reach back as far as a measurement may be old.
 std::size_t entries(const SupervisorOptions& o) {
-  return static_cast<std::size_t>(std::ceil((o.times.land_after + 0.5) / o.period)) + 2;
+  return static_cast<std::size_t>(std::ceil(oldest(o) / o.period)) + 2;
 }
 
 }  // namespace
@@ -60,7 +63,9 @@ Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
     const Model& model = team_.model(body);
     const auto x = static_cast<std::size_t>(team_.state_offset(body));
     const auto u = static_cast<std::size_t>(team_.input_offset(body));
-    tracks_.emplace_back(model, u, options_.limits);
+    TrackLimits limits = options_.limits;
+    limits.oldest = oldest(options_);
+    tracks_.emplace_back(model, u, limits);
     const std::span<const double> state = tracks_.back().state();
     std::copy(state.begin(), state.end(), believed_.begin() + static_cast<std::ptrdiff_t>(x));
     if (!team_.is_agent(body)) continue;

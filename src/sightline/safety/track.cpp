@@ -49,7 +49,7 @@ Doubt Track::take(std::span<const double> x, double stamp, double now, const Inp
     streak_ = 0;
     return reason;
   };
-  if (stamp > now + ahead) return doubt(Doubt::time);
+  if (stamp > now + ahead || stamp < now - limits_.oldest) return doubt(Doubt::time);
   last_stamp_ = stamp;
   if (const Doubt reason = implausible(x); reason != Doubt::none) return doubt(reason);
   if (frozen(x, stamp, history)) return doubt(Doubt::frozen);
@@ -87,7 +87,7 @@ bool Track::consistent(const Sight<double>& sight, double stamp) const noexcept 
 }
 
 bool Track::frozen(std::span<const double> x, double stamp, const InputHistory& history) noexcept {
-  if (reference_stamp_ == never || !equal_bits(x, last_)) {
+  if (reference_stamp_ == never || stamp - reference_stamp_ > limits_.oldest || !equal_bits(x, last_)) {
     is_frozen_ = false;
     equal_since_ = never;
     return false;

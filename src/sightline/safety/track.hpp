@@ -10,7 +10,7 @@
 ///                 turn_max (s - s') + 3 sqrt(2) sigma_heading, (p', s') being the one before
 ///   frozen        it has been the same, bit for bit, for frozen_after, while the model under the inputs
 ///                 given since has moved
-///   time          s is more than 50 ms ahead of now
+///   time          s is more than 50 ms ahead of now, or older than `oldest`
 ///
 /// (sqrt(6) sigma is the root mean square of the difference of two positions.) After a refusal `accept_after`
 /// good ones in a row, each consistent with the one before, are asked for until one is believed again. A frozen
@@ -45,6 +45,7 @@ struct TrackLimits {
   double position_sigma = 0.0;  ///< of a measurement, each axis [m], >= 0
   double heading_sigma = 0.0;   ///< [rad], >= 0
   double frozen_after = 0.3;    ///< equal measurements are suspicious for so long [s], > 0
+  double oldest = 2.5;          ///< age of a measurement that can still be carried to the present [s], > 0
   int accept_after = 3;         ///< good measurements in a row that end a doubt, >= 1
 };
 

@@ -1,0 +1,154 @@
+// The loop with a guard and with late plans; without them it is loop_test.cpp's.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sightline/run/loop.hpp"
+
+namespace sightline {
+namespace {
+
+using Numbers = std::vector<double>;
+
+constexpr double dt = 0.01;
+
+// Plans at t0 the input 0.1 + (t - t0) for every channel, so that each input tells how old its plan is; keeps what it
+// was asked.
+class Teller : public Solver {
+ public:
+  explicit Teller(Team team)
+      : ocp_(std::move(team), {.T = 0.5, .N = 5, .dt = dt}), u_(static_cast<std::size_t>(ocp_.nu())) {}
+
+  std::string_view name() const override { return "teller"; }
+  const Ocp& ocp() const override { return ocp_; }
+  double kkt(double, std::span<const double>) noexcept override { return 0.0; }
+  void restart() noexcept override {}
+  void planned(double time, std::span<double> u) const noexcept override {
+    std::fill(u.begin(), u.end(), 0.1 + time - planned_at_);
+  }
+  Solution solve(double time, std::span<const double> states) noexcept override {
+    asked.push_back(time);
+    first_state.push_back(states[0]);
+    planned_at_ = time;
+    planned(time, u_);
+    return {.u = u_, .raw_u = u_, .x = {}, .status = fails ? Status::not_finite : Status::converged};
+  }
+
+  std::vector<double> asked{}, first_state{};
+  bool fails = false;
+
+ private:
+  Ocp ocp_;
+  Numbers u_;
+  double planned_at_ = 0.0;
+};
+
+Team one_robot() {
+  Team team;
+  team.add(Multirotor{}, {.name = "a"});
+  return team;
+}
+const Numbers start = {0, 0, 1, 1, 0, 0, 0};
+
+struct Kept final : Sink<Sample> {
+  explicit Kept(Sample prototype) : sample(std::move(prototype)) {}
+  Sample* claim() noexcept override { return &sample; }
+  void publish() noexcept override { all.push_back(sample); }
+  void close() noexcept override {}
+  Sample sample;
+  std::vector<Sample> all;
+};
+
+std::vector<Sample> fly(Teller& teller, LoopOptions options, const SensorOptions& sensing = {}) {
+  const Team team = one_robot();
+  Plant plant(team, start);
+  Sensor sensor(team, sensing);
+  const Controllers controllers = {teller};
+  SimulatedClock clock;
+  Kept kept(sized_sample(team, controllers));
+  Loop loop(plant, sensor, controllers, clock, kept, options);
+  EXPECT_TRUE(loop.run().finite);
+  return kept.all;
+}
+
+TEST(GuardedLoop, WithGoodDataAGuardLeavesTheFlightAsItIsBitForBit) {
+  Teller a(one_robot()), b(one_robot());
+  Guard guard(one_robot(), {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
+  const auto bare = fly(a, {.duration = 2.0}), guarded = fly(b, {.duration = 2.0, .guard = &guard});
+  ASSERT_EQ(bare.size(), guarded.size());
+  for (std::size_t k = 0; k < bare.size(); ++k) {
+    ASSERT_EQ(bare[k].x, guarded[k].x);
+    ASSERT_EQ(bare[k].u, guarded[k].u);
+    ASSERT_EQ(guarded[k].event_count, 0);
+  }
+}
+
+TEST(GuardedLoop, OfALatePlanTheOneBeforeGoesOnAndTheNextUpdateBeginsOnlyWhenItIsDone) {
+  Teller teller(one_robot());
+  const auto samples =
+      fly(teller, {.duration = 1.0, .late_plans = {{.from = 0.3, .until = 0.6, .delay = 0.05}}});
+  Numbers asked;
+  for (int k = 0; k < 30; ++k) asked.push_back(dt * k);
+  for (int k = 30; k < 60; k += 6) asked.push_back(dt * k);  // begun, five periods at work, the next begins
+  for (int k = 60; k < 100; ++k) asked.push_back(dt * k);
+  ASSERT_EQ(teller.asked.size(), asked.size());
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    EXPECT_NEAR(teller.asked[i], asked[i], 1e-12);
+    const auto k = static_cast<std::size_t>(std::lround(asked[i] / dt));
+    EXPECT_EQ(teller.first_state[i], samples[k].x[0]) << "from the state of its begin";
+  }
+  for (int k = 0; k < 100; ++k) {
+    const int since = k < 30 || k >= 60 ? 0 : (k - 30) % 6;
+    const int age = since == 5 ? 5 : since + (k < 30 || k >= 60 ? 0 : k < 36 ? 1 : 6);  // in periods
+    const double expected = 0.1 + dt * age;
+    ASSERT_NEAR(samples[static_cast<std::size_t>(k)].u[0], expected, 1e-9) << k;
+    const Status status = samples[static_cast<std::size_t>(k)].solvers[0].status;
+    ASSERT_EQ(status, since == 5 || k < 30 || k >= 60 ? Status::converged : Status::deadline) << k;
+  }
+}
+
+TEST(GuardedLoop, APlanThatFailsIsFlownOnThenSlowedThenHeldThenLanded) {
+  for (const bool late : {false, true}) {
+    Teller teller(one_robot());
+    Guard guard(one_robot(), {.supervisor = SupervisorOptions{}});
+    teller.fails = !late;
+    LoopOptions options{.duration = 4.0, .guard = &guard};
+    if (late) options.late_plans = {{.from = 0.0, .delay = 10.0}};
+    std::vector<EventKind> told;
+    for (const Sample& sample : fly(teller, options)) {
+      for (int i = 0; i < sample.event_count; ++i) {
+        const Event& event = sample.events[static_cast<std::size_t>(i)];
+        if (event.kind >= EventKind::valid) told.push_back(event.kind);
+      }
+    }
+    EXPECT_THAT(told, testing::ElementsAre(EventKind::predicted, EventKind::slowed, EventKind::hold,
+                                           EventKind::land));
+  }
+}
+
+TEST(GuardedLoop, NobodyIsAskedForAPlanBeforeAllBodiesWereSeen) {
+  Teller teller(one_robot());
+  Guard guard(one_robot(), {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
+  const SensorOptions blind{.faults = {{.kind = FaultKind::nan, .body = BodyId{0}, .until = 0.5}}};
+  const auto samples = fly(teller, {.duration = 1.0, .guard = &guard}, blind);
+  ASSERT_FALSE(teller.asked.empty());
+  EXPECT_NEAR(teller.asked.front(), 0.52, 1e-9) << "the third good measurement";
+  for (std::size_t k = 0; k < 52; ++k) {
+    for (const double u : samples[k].u) ASSERT_NEAR(u, 0.0, 1e-6);
+    ASSERT_EQ(samples[k].solvers[0].status, Status::invalid_state);
+  }
+}
+
+TEST(GuardedLoop, WhatIsBelievedIsWhatTheControllerSees) {
+  Teller teller(one_robot());
+  Guard guard(one_robot(), {.supervisor = SupervisorOptions{}});
+  const auto samples = fly(teller, {.duration = 3.0, .guard = &guard}, {.delay = 0.15});
+  for (std::size_t k = 20; k < samples.size(); ++k) {
+    ASSERT_NEAR(teller.first_state[k], samples[k].x[0], 1e-9) << "the delay is compensated";
+    ASSERT_NE(samples[k].measured[0], samples[k].x[0]);
+  }
+}
+
+}  // namespace
+}  // namespace sightline
