@@ -50,6 +50,7 @@ const Flight& flight() {
     scenario.team = paper::team(paper::Variant::joint);
     scenario.team.add(Obstacle{"wall"});
     scenario.simulation.seed = 18446744073709551615ULL;
+    scenario.safety = Safety{.barrier = BarrierMode::report};
     const auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
     std::vector<double> x = paper::start();
     x.insert(x.end(), {3, 4, 0, 0, 0, 0});
@@ -67,6 +68,7 @@ const Flight& flight() {
       sample.raw_u.assign(solution.raw_u.begin(), solution.raw_u.end());
       sample.solvers[0] = {solution.status, solution.residual, solution.iterations, 30.0 + time, 0};
       sample.update_us = 40.0 + time;
+      sample.barriers[1] = {time > 1.0, false, time > 1.0 ? 0.25 : std::numeric_limits<double>::infinity()};
       sample.event_count = time == 0.5 ? 1 : 0;
       sample.events[0] = {0.5, EventKind::missed_period, 0, 3.0};
       result.samples.push_back(sample);
@@ -100,6 +102,10 @@ void expect_row(const Recording& run, std::size_t row) {
     EXPECT_NEAR(std::cos(recorded.heading[row]), sight.d.x, 1e-12);
     EXPECT_NEAR(std::sin(recorded.heading[row]), sight.d.y, 1e-12);
     for (std::size_t q = 0; q < recorded.u.size(); ++q) EXPECT_EQ(recorded.u[q][row], u[q]);
+    if (!team.is_agent(body)) continue;
+    const bool acts = &recorded == &run.bodies[1] && sample.time > 1.0;
+    EXPECT_EQ(recorded.barrier.at(row), acts ? 1.0 : 0.0);
+    EXPECT_EQ(std::isnan(recorded.reserve.at(row)), !acts);
   }
 }
 

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "sightline/io/scenario.hpp"
 #include "sightline/run/loop.hpp"
 
 namespace sightline {
 
-/// Plant, sensor and loop of one flight, as the scenario says. All memory is taken when it is made.
+/// Plant, sensor, guard and loop of one flight, as the scenario says. All memory is taken when it is made.
 class ClosedLoop {
  public:
   /// @param controllers  a solver of the scenario's team; they, the clock and the sink outlive this
@@ -26,6 +27,7 @@ class ClosedLoop {
  private:
   Plant plant_;
   Sensor sensor_;
+  std::optional<Guard> guard_;
   Loop loop_;
 };
 

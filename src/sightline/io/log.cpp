@@ -175,10 +175,11 @@ class Log::Files {
   struct BodyChannels {
     BodyId body;
     Channel state, pose, twist;
-    std::optional<Channel> measured{}, input{}, path{}, reference{};
+    std::optional<Channel> measured{}, input{}, path{}, reference{}, barrier{};
+    std::size_t robot = 0;  // its place among the robots
   };
 
-  void open_body(BodyId body, bool is_measured);
+  void open_body(BodyId body, bool is_measured, bool has_barrier);
   Channel open(SchemaId schema, const std::string& topic, std::string_view encoding) {
     return {mcap_.channel(schema, topic, encoding, {})};
   }
@@ -199,6 +200,7 @@ class Log::Files {
   void add_agent(BodyChannels& channels, const Sample& sample);
   void add_path(BodyChannels& channels, const Sample& sample);
   void add_reference(BodyChannels& channels, double time);
+  void add_barrier(BodyChannels& channels, const Sample& sample);
   void add_records(const Sample& sample);
   void add_timing(const Sample& sample);
 
@@ -211,9 +213,10 @@ class Log::Files {
   TextFile timing_;
 
   struct Schemas {
-    SchemaId pose, twist, path, state, input, reference, solver, event;
+    SchemaId pose, twist, path, state, input, reference, solver, event, barrier;
   } schemas_{};
   std::vector<BodyChannels> bodies_;
+  std::size_t robots_ = 0;
   std::vector<Channel> solvers_;
   Channel events_;
   std::int64_t chunk_ = -1;  // number of the open chunk in simulated time
@@ -261,10 +264,15 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
   schemas_.event =
       json("sightline.Event", {{"kind", "string"}, {"controller", "integer"}, {"value", "number"}});
 
+  const bool has_barrier = scenario.safety && scenario.safety->barrier != BarrierMode::off;
+  if (has_barrier) {
+    schemas_.barrier =
+        json("sightline.Barrier", {{"active", "boolean"}, {"conflict", "boolean"}, {"reserve", "number"}});
+  }
   const Disturbances& d = scenario.simulation.disturbances;
-  const bool is_measured =
-      d.noise.position > 0 || d.noise.heading > 0 || d.noise.velocity > 0 || d.measurement_delay > 0;
-  for (int i = 0; i < team_.bodies(); ++i) open_body(BodyId{i}, is_measured);
+  const bool is_measured = d.noise.position > 0 || d.noise.heading > 0 || d.noise.velocity > 0 ||
+                           d.measurement_delay > 0 || !scenario.simulation.faults.empty();
+  for (int i = 0; i < team_.bodies(); ++i) open_body(BodyId{i}, is_measured, has_barrier);
   rows_ = "time,update_us";
   for (std::size_t c = 0; c < controllers; ++c) {
     const std::string name = controllers > 1 ? fmt::format("controller{}", c) : "";
@@ -275,7 +283,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
   events_ = open(schemas_.event, "/events", "json");
 }
 
-void Log::Files::open_body(BodyId body, bool is_measured) {
+void Log::Files::open_body(BodyId body, bool is_measured, bool has_barrier) {
   const std::string topic = fmt::format("/{}/", team_.name(body));
   BodyChannels channels{body, open(schemas_.state, topic + "state", "json"),
                         open(schemas_.pose, topic + "pose", "cdr"),
@@ -284,6 +292,8 @@ void Log::Files::open_body(BodyId body, bool is_measured) {
   if (team_.is_agent(body)) {
     channels.input = open(schemas_.input, topic + "input", "json");
     channels.path = open(schemas_.path, topic + "path", "cdr");
+    if (has_barrier) channels.barrier = open(schemas_.barrier, topic + "barrier", "json");
+    channels.robot = robots_++;
     const Agent& agent = team_.agent(body);
     if (tracks_position(agent) || tracks_heading(agent)) {
       channels.reference = open(schemas_.reference, topic + "reference", "json");
@@ -342,6 +352,16 @@ void Log::Files::add_agent(BodyChannels& channels, const Sample& sample) {
   put(text_, "raw", std::span(sample.raw_u).subspan(offset, nu));
   send_text(*channels.input, sample.time);
   if (sample.has_path) add_path(channels, sample);
+  if (channels.barrier && channels.robot < sample.barriers.size()) add_barrier(channels, sample);
+}
+
+void Log::Files::add_barrier(BodyChannels& channels, const Sample& sample) {
+  const BarrierRecord& record = sample.barriers[channels.robot];
+  begin_text(sample.time);
+  fmt::format_to(std::back_inserter(text_), ",\"active\":{},\"conflict\":{},\"reserve\":", record.active,
+                 record.conflict);
+  put(text_, record.reserve);
+  send_text(*channels.barrier, sample.time);
 }
 
 void Log::Files::add_path(BodyChannels& channels, const Sample& sample) {

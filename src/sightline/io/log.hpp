@@ -22,6 +22,7 @@ namespace sightline {
 ///                   /AGENT/input               {time, u, raw}: applied, and before the solver's clamp
 ///                   /AGENT/path                the prediction, where the sample has one
 ///                   /AGENT/reference           {time, p, d}, each 0.1 s; without p or d where that is free
+///                   /AGENT/barrier             {time, active, conflict, reserve}, where there is a barrier
 ///                   /solver                    {time, status, residual, iterations, cost}; of several
 ///                                              controllers /controller0/solver, ...
 ///                   /events                    {time, kind, controller, value}

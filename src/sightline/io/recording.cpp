@@ -83,6 +83,7 @@ class Rows {
       places_[topic + "pose"] = [&body](const McapMessage& m) { pose(body, m); };
       places_[topic + "twist"] = [&body](const McapMessage& m) { twist(body, m); };
       places_[topic + "input"] = [&body](const McapMessage& m) { input(body, m); };
+      places_[topic + "barrier"] = [&body](const McapMessage& m) { barrier(body, m); };
       places_[topic + "reference"] = [&body](const McapMessage& m) { reference(body, m); };
     }
     run.controllers.resize(controllers);
@@ -105,6 +106,7 @@ class Rows {
     for (const Recording::Body& body : run_.bodies) {
       rows = std::min(rows, body.p.size());
       for (const auto& row : body.u) rows = std::min(rows, row.size());
+      if (!body.barrier.empty()) rows = std::min(rows, body.barrier.size());
     }
     for (const Recording::Controller& c : run_.controllers) rows = std::min(rows, c.status.size());
     run_.time.resize(rows);
@@ -114,6 +116,7 @@ class Rows {
       body.heading.resize(rows);
       body.v.resize(rows);
       for (auto& row : body.u) row.resize(rows);
+      if (!body.barrier.empty()) body.barrier.resize(rows), body.reserve.resize(rows);
       // A heading that is free at times is no line to draw.
       if (body.reference_heading.size() < body.reference_time.size()) body.reference_heading.clear();
       if (body.reference_p.size() < body.reference_time.size()) body.reference_p.clear();
@@ -156,6 +159,11 @@ class Rows {
       refuse("{} holds {} inputs, expected {}", message.topic, values.size(), body.u.size());
     }
     for (std::size_t i = 0; i < body.u.size(); ++i) body.u[i].push_back(number(values[i]));
+  }
+  static void barrier(Recording::Body& body, const McapMessage& message) {
+    const json values = parsed(message);
+    body.barrier.push_back(values.at("active").get<bool>() ? 1.0 : 0.0);
+    body.reserve.push_back(number(values.at("reserve")));
   }
   static void reference(Recording::Body& body, const McapMessage& message) {
     const json values = parsed(message);

@@ -26,6 +26,8 @@ struct Recording {
     std::vector<double> reference_time;  ///< [s], every 0.1 s; empty: neither place nor heading is asked for
     std::vector<Vec3<double>> reference_p;  ///< empty where the place is free
     std::vector<double> reference_heading;  ///< psi [rad], unwrapped; empty where the heading is free
+    std::vector<double> barrier;            ///< 1 where the barrier acted, one a period; empty without one
+    std::vector<double> reserve;            ///< the barrier's [m], one a period; not a number: nobody near
   };
   /// An observer and its target, by the coupling with a sensor; limits that no coupling states are not a
   /// number.

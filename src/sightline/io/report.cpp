@@ -16,7 +16,9 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/io/event_words.hpp"
 #include "sightline/io/page.hpp"
+#include "sightline/io/safety_figure.hpp"
 #include "sightline/io/summary.hpp"
 
 namespace sightline {
@@ -337,6 +339,7 @@ std::vector<Drawing> drawings_of(const Recording& recording) {
   }
   std::vector<Drawing> drawings;
   for (const Recording::Pair& pair : recording.pairs) add_pair(recording, curves, pair, drawings);
+  if (auto safety = safety_drawing(recording)) drawings.push_back(std::move(*safety));
   add_paths(recording, curves, drawings);
   for (const auto& group : groups_of(Drawing::colours, all)) {
     add_positions(recording, curves, group, all.size(), drawings);
@@ -378,7 +381,11 @@ std::string event_table(const Recording& r) {
   std::string table = fmt::format("<details><summary>Events ({})</summary>\n<table>\n", r.events.size());
   for (std::size_t i = 0; i < std::min(r.events.size(), events_max); ++i) {
     const Recording::Event& event = r.events[i];
-    table += row(fmt::format("{:.2f} s", event.time), fmt::format("{} {}", event.kind, event.value));
+    const auto name = [&](int body) {
+      const auto at = static_cast<std::size_t>(body);
+      return at < r.bodies.size() ? r.bodies[at].name : fmt::format("body {}", body);
+    };
+    table += row(fmt::format("{:.2f} s", event.time), event_words(event.kind, event.value, name));
   }
   if (r.events.size() > events_max) table += row("…", "more in run.mcap");
   return table + "</table>\n</details>\n";

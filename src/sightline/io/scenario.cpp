@@ -10,6 +10,7 @@
 
 #include "sightline/io/campaign_parts.hpp"
 #include "sightline/io/motion_parts.hpp"
+#include "sightline/io/safety_parts.hpp"
 #include "sightline/io/scenario_parts.hpp"
 #include "sightline/io/toml_table.hpp"
 
@@ -23,7 +24,7 @@ class Reader {
 
   void read() {
     root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "constrain", "event",
-                       "simulation", "log", "campaign"});
+                       "simulation", "safety", "log", "campaign"});
     if (root_.has("event")) root_.refuse("event", "no [[event]]: this version has no events yet");
     read_horizon();
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
@@ -34,6 +35,11 @@ class Reader {
     read_bodies("obstacle", scenario_.obstacles);
     read_couplings();
     read_constraints();
+    scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);
+    if (const auto options = guard_options(scenario_)) {
+      root_.table("safety").checked([&] { return Guard(scenario_.team, *options); });
+    }
+    read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
   }
 
  private:
@@ -52,7 +58,7 @@ class Reader {
     at.read({{"duration", &s.duration, positive("> 0 s")},
              {"settle", &s.settle, not_negative(">= 0 s")},
              {"rms_from", &s.rms_from, not_negative(">= 0 s")}},
-            {"seed", "compare", "disturbance"});
+            {"seed", "compare", "disturbance", "fault"});
     if (at.has("compare")) read_compare(at);
     if (at.has("seed")) {
       s.seed = static_cast<std::uint64_t>(at.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
@@ -326,7 +332,8 @@ SensorOptions sensor_options(const Scenario& scenario) {
                         .noise = scenario.simulation.disturbances.noise,
                         .delay = scenario.simulation.disturbances.measurement_delay,
                         .period = scenario.horizon.dt,
-                        .velocity_unknown = {}};
+                        .velocity_unknown = {},
+                        .faults = scenario.simulation.faults};
   for (const Stranger& stranger : scenario.strangers) {
     if (stranger.velocity == SeenVelocity::unknown) options.velocity_unknown.push_back(stranger.body);
   }
@@ -373,7 +380,8 @@ std::string summary(const Scenario& scenario) {
     line("constrain   limit {} of {}, mu {}, delta {}", term.barrier.limit.name(), team.name(term.agent),
          term.barrier.mu, term.barrier.delta);
   }
-  return text;
+  if (scenario.safety) text += in_words(*scenario.safety);
+  return text + in_words(simulation, team);
 }
 
 }  // namespace sightline

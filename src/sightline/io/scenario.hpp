@@ -17,6 +17,8 @@
 #include "sightline/io/scenario_text.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/ocp/team.hpp"
+#include "sightline/run/guard.hpp"
+#include "sightline/sim/fault.hpp"
 #include "sightline/sim/plant.hpp"
 #include "sightline/sim/sensor.hpp"
 #include "sightline/solver/cgmres.hpp"
@@ -39,6 +41,19 @@ struct Simulation {
   double rms_from = 10.0;              ///< position errors count from here [s], >= 0
   std::vector<std::string> compare{};  ///< these solvers fly the same afterwards, but for the run's own
   Disturbances disturbances{};
+  std::vector<Fault> faults{};  ///< of measurements
+  std::vector<LatePlan> late_plans{};
+};
+
+/// What keeps the robots from harm, besides the solver.
+struct Safety {
+  BarrierMode barrier = BarrierMode::off;
+  double d_hard = 0.6;  ///< of a robot to any other body, centre to centre [m], > 0
+  BarrierOptions barrier_options{};
+  double world = 100.0;         ///< greatest |p_x| and |p_y| [m], > 0
+  double position_sigma = 0.0;  ///< of a measurement, each axis [m], >= 0
+  double heading_sigma = 0.0;   ///< [rad], >= 0
+  std::optional<SupervisorOptions> supervisor{};
 };
 
 /// What the controllers see of a velocity; one that is unknown they take to be zero.
@@ -74,6 +89,7 @@ struct Scenario {
   std::vector<Stranger> strangers;  ///< targets, then obstacles
   std::vector<double> x0;           ///< states of all bodies at the start (team.nx())
   Simulation simulation{};
+  std::optional<Safety> safety{};
   LogOptions log{};
   std::optional<CampaignPlan> campaign{};
 };

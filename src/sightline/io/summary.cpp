@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "sightline/io/event_words.hpp"
 #include "sightline/io/version.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/distance.hpp"
@@ -94,7 +95,7 @@ std::vector<Observation> observations(const Team& team) {
 }
 
 Summary::Summary(const Scenario& scenario, std::size_t controllers)
-    : scenario_(scenario), period_(scenario.horizon.dt), least_distance2_(infinity) {
+    : scenario_(scenario), safety_(scenario), period_(scenario.horizon.dt), least_distance2_(infinity) {
   const Team& team = scenario_.team;
   for (const Observation& pair : observations(team)) {
     views_.push_back({pair, infinity, -infinity, -infinity, none, none});
@@ -136,6 +137,7 @@ void Summary::add(const Sample& sample) {
   add_views(sample.time);
   add_limits(sample.time);
   add_solvers(sample);
+  safety_.add(sample.time, sights_, sample.barriers);
 }
 
 void Summary::add_inputs(const Sample& sample) {
@@ -270,10 +272,8 @@ SummaryValues Summary::values() const {
     v.limits.push_back({limit.name, share(limit.broken, updates_), limit.longest, limit.worst});
   }
   for (const Event& event : events_) {
-    const std::string what(to_string(event.kind));
-    const bool of_robot = event.kind == EventKind::input_refused;
-    v.events.push_back({event.time, of_robot ? what + " " + name(BodyId{static_cast<int>(event.value)})
-                                             : fmt::format("{} {}", what, event.value)});
+    v.events.push_back({event.time, event_words(to_string(event.kind), event.value,
+                                                [&](int body) { return name(BodyId{body}); })});
   }
   return v;
 }
@@ -319,6 +319,7 @@ std::string Summary::json() const {
                               {"worst", limit.worst}});
   }
   for (const auto& event : v.events) json["events"].push_back({{"time", event.time}, {"name", event.name}});
+  if (const std::string safety = safety_.json(); !safety.empty()) json["safety"] = Json::parse(safety);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -422,6 +423,9 @@ std::vector<SummaryLine> lines_of(const Json& s) {
             : fmt::format("broken {} of the time, at most {} on end, by up to {}",
                           percent(limit.at("fraction")), words(limit.at("longest"), "s"),
                           words(limit.at("worst"), "")));
+  }
+  if (s.contains("safety")) {
+    for (auto& [what, value] : safety_lines(s.at("safety").dump())) add(std::move(what), std::move(value));
   }
   if (!s.at("events").empty()) add("events", fmt::format("{}", s.at("events").size()));
   return lines;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/io/safety_summary.hpp"
 #include "sightline/io/scenario.hpp"
 #include "sightline/potential/potential.hpp"
 #include "sightline/run/sample.hpp"
@@ -90,6 +91,8 @@ class Summary {
   /// Samples with a state or an input, applied or raw, that is not finite; whether there is none.
   std::int64_t not_finite() const { return not_finite_; }
   bool finite() const { return not_finite_ == 0; }
+  /// The hard distances, and what the barrier did.
+  const SafetySummary& safety() const { return safety_; }
   /// Whether some observer did not see its target during all of the last 2 s.
   bool target_lost_at_end() const { return !out_of_view().empty(); }
   /// A sentence for each of them.
@@ -126,6 +129,7 @@ class Summary {
   void add_solvers(const Sample& sample);
 
   Scenario scenario_;
+  SafetySummary safety_;
   double period_;  // [s]
   std::vector<View> views_;
   std::vector<Limit> limits_;

@@ -1,0 +1,14 @@
+/// What supervisor and barrier did over a flight, as a drawing of its report.
+#pragma once
+
+#include <optional>
+
+#include "sightline/io/figures.hpp"
+#include "sightline/io/recording.hpp"
+
+namespace sightline {
+
+/// Rungs of the robots over time, and where the barrier acted; none where neither was there or nothing happened.
+std::optional<Drawing> safety_drawing(const Recording& recording);
+
+}  // namespace sightline

@@ -1,0 +1,54 @@
+/// Whether the hard distances were kept, and what the barrier did: gathered sample by sample.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "sightline/io/scenario.hpp"
+#include "sightline/run/sample.hpp"
+
+namespace sightline {
+
+class SafetySummary {
+ public:
+  explicit SafetySummary(const Scenario& scenario);
+
+  /// @param sights  true ones of all bodies at `time` [s]
+  void add(double time, std::span<const Sight<double>> sights, std::span<const BarrierRecord> barriers);
+
+  /// Two bodies, of which one is a robot, that have a hard distance.
+  struct Pair {
+    BodyId a, b;
+    double d_hard;  ///< [m]
+    double least2;  ///< square of the least distance so far [m^2]
+    double time;    ///< of it [s]
+    bool kept() const;
+  };
+  const std::vector<Pair>& pairs() const { return pairs_; }
+  /// A sentence for each hard distance that was broken; the worst first, at most eight.
+  std::vector<std::string> broken() const;
+
+  /// The value of `safety` in summary.json; empty where the scenario asks for nothing.
+  std::string json() const;
+
+ private:
+  struct Robot {
+    std::int64_t active = 0, conflicts = 0;  // samples
+  };
+  std::vector<Pair> by_margin() const;
+
+  std::vector<std::string> names_;  // of all bodies
+  BarrierMode mode_ = BarrierMode::off;
+  std::vector<Pair> pairs_;
+  std::vector<Robot> robots_;
+  std::int64_t samples_ = 0;
+};
+
+/// `safety` of a summary.json in words: what, and its value.
+/// @throws nlohmann::json::exception where it is none
+std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view json);
+
+}  // namespace sightline

@@ -1,0 +1,43 @@
+#include "sightline/io/event_words.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "sightline/run/sample.hpp"
+
+namespace sightline {
+namespace {
+
+std::string words(EventKind kind, double value) {
+  return event_words(to_string(kind), value, [](int body) { return fmt::format("uav{}", body); });
+}
+
+TEST(EventWords, WhatHappensToABodyNamesIt) {
+  EXPECT_EQ(words(EventKind::hold, 0), "uav0: hold");
+  EXPECT_EQ(words(EventKind::grounded, 12), "uav12: grounded");
+  EXPECT_EQ(words(EventKind::measurement_not_finite, 1), "uav1: measurement refused, not_finite");
+  EXPECT_EQ(words(EventKind::barrier_conflict, 2), "uav2: barrier conflict");
+  EXPECT_EQ(words(EventKind::input_refused, 3), "input_refused uav3");
+}
+
+TEST(EventWords, WhatHappensToNoBodyHasItsNumber) {
+  EXPECT_EQ(words(EventKind::missed_period, 3), "missed_period 3");
+  EXPECT_EQ(words(EventKind::samples_dropped, 7), "samples_dropped 7");
+}
+
+TEST(EventWords, ANumberThatIsNoBodyIsToldAsItIs) {
+  EXPECT_EQ(words(EventKind::hold, -1), "hold -1");
+  EXPECT_EQ(words(EventKind::hold, std::nan("")), "hold nan");
+}
+
+TEST(EventWords, NoTwoKindsReadTheSame) {
+  std::set<std::string> all;
+  for (int i = 0; i < event_kinds; ++i)
+    EXPECT_TRUE(all.insert(words(static_cast<EventKind>(i), 1)).second) << i;
+}
+
+}  // namespace
+}  // namespace sightline
