@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds sightline and flies the paper's two robots:  scripts/demo.sh
+# Builds sightline and flies two robots, one of which keeps the other in view:  scripts/demo.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -10,9 +10,9 @@ options=()
 cmake --preset release "${options[@]}" >&2
 cmake --build --preset release --target sightline_cli >&2
 
-out=out/paper_7_1
+out=out/cooperative_localization
 code=0
-build/release/bin/sightline run scenarios/paper_7_1.toml -o "$out" || code=$?
+build/release/bin/sightline run scenarios/cooperative_localization.toml -o "$out" || code=$?
 
 echo
 for file in report.html run.mcap summary.json; do
