@@ -19,7 +19,7 @@ enum class End {
   recovered,   ///< in view within 20 s and at the end
   separated,   ///< and further than 0.5 m apart within 5 s
   approached,  ///< nearer at the end by as much as it flies at its cruising speed
-  held,        ///< nothing can be done; every input finite and within its limits
+  held,        ///< out of the world: its measurements are refused, it holds where it is, and both are told
 };
 
 struct Start {
@@ -97,7 +97,7 @@ std::vector<Start> starts() {
       add({.name = fmt::format("{} m at {:.2f}", range, bearing),
            .p = {-range, 0.0, 0.0},
            .heading = -bearing,
-           .end = End::approached});
+           .end = range > 100.0 ? End::held : End::approached});
     }
   }
   for (const double range : {1e9, 1e12, 1e50, 1e100, 1e160, 1e300}) {
@@ -110,7 +110,7 @@ std::vector<Start> starts() {
   return list;
 }
 
-/// Judges, and remembers how far the two are apart.
+/// Judges, and remembers how far the two are apart and what was told of the observer.
 class Watch final : public Sink<Sample> {
  public:
   Watch(const Scenario& scenario, const CampaignPlan& plan, const Sample& sample)
@@ -119,6 +119,11 @@ class Watch final : public Sink<Sample> {
   void publish() noexcept override {
     const auto& x = sample_->x;
     distances.push_back(std::hypot(x[0] - x[7], x[1] - x[8], x[2] - x[9]));
+    for (int i = 0; i < sample_->event_count; ++i) {
+      const Event& event = sample_->events[static_cast<std::size_t>(i)];
+      refused = refused || (event.kind == EventKind::measurement_world && event.value == 0.0);
+      holds = holds || (event.kind == EventKind::hold && event.value == 0.0);
+    }
     judge_.publish();
   }
   void close() noexcept override {}
@@ -129,6 +134,7 @@ class Watch final : public Sink<Sample> {
   RunResult result(const LoopOutcome& outcome) const { return judge_.result(outcome); }
 
   std::vector<double> distances;
+  bool refused = false, holds = false;
 
  private:
   Judge judge_;
@@ -175,6 +181,9 @@ TEST(Degenerate, EachStartEndsAsItShould) {
     EXPECT_TRUE(start.end != End::separated || watch.after(5.0) > 0.5)
         << start.name << ": " << watch.after(5.0) << " m";
     EXPECT_TRUE(start.end != End::approached || flown > far_flight) << start.name << ": " << flown << " m";
+    const bool told = watch.refused && watch.holds;
+    EXPECT_EQ(told, start.end == End::held) << start.name;
+    EXPECT_TRUE(start.end != End::held || !(std::abs(flown) > 0.5)) << start.name << ": " << flown << " m";
   }
 }
 
