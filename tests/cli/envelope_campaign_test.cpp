@@ -9,11 +9,17 @@
 namespace sightline {
 namespace {
 
-/// The observer of a scenario beside a target on a circle of 1 m, in place of the robot it watches.
+void put(std::string& text, std::string_view from, std::string_view to) {
+  if (const std::size_t at = text.find(from); at != std::string::npos) text.replace(at, from.size(), to);
+}
+
+/// The observer of a scenario beside a target on a circle of 1 m, in place of the robot it watches. Its
+/// potentials are judged, so no barrier keeps it away from what it does not know.
 Scenario watching_a_circle(const std::string& name, double speed, double phase, SeenVelocity velocity) {
   std::string text =
       test::read_file(std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "scenarios" / (name + ".toml"));
   text.erase(std::min(text.find("\n[campaign"), text.size()));  // it draws what is replaced
+  put(text, "barrier = \"on\"", "barrier = \"off\"");
   const std::size_t begin = text.find("[agent.uav1]"), end = text.find("[[couple]]");
   text.replace(
       begin, end - begin,
@@ -58,6 +64,15 @@ TEST_P(Envelope, ATargetOnACircleOfAMetreStaysInView) {
       EXPECT_LE(view.angle_max, velocity == SeenVelocity::measured ? 0.15 : 0.5) << phase;
     }
   }
+}
+
+TEST_P(Envelope, ARobotOnACircleOfAMetreStaysInViewUnderTheBarrier) {
+  std::string text = test::read_file(SIGHTLINE_SOURCE_DIR "/scenarios/cooperative_localization.toml");
+  ASSERT_NE(text.find("barrier = \"on\""), std::string::npos);
+  put(text, "radius = 0.5, rate = 0.3", fmt::format("radius = 1.0, rate = {}", GetParam()));
+  const View view = view_of(parse_scenario(std::move(text), "envelope.toml"));
+  EXPECT_EQ(view.share, 1.0);
+  EXPECT_LE(view.angle_max, 0.1);
 }
 
 TEST_P(Envelope, WithThePapersPotentialsItIsLostForMuchOfTheTime) {
