@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "sightline/potential/bearing.hpp"
 
@@ -14,9 +15,11 @@ constexpr double period = 0.01;
 /// One robot looks at a target; it is put where a test wants it.
 class Flown {
  public:
-  explicit Flown(CampaignPlan plan) : plan_(std::move(plan)) {
+  /// @param d_hard  that the scenario itself asks for [m]
+  explicit Flown(CampaignPlan plan, std::optional<double> d_hard = {}) : plan_(std::move(plan)) {
     const AgentId seer = scenario_.team.add(Multirotor{}, {.R = {1, 2, 3, 4}, .name = "seer"});
     const BodyId tag = scenario_.team.add(Obstacle{"tag"});
+    scenario_.strangers.push_back({.body = tag, .d_hard = d_hard});
     scenario_.team.couple(1.0 * Bearing{.alpha = 0.5}, Between{seer, tag});
     Sample sample;
     sample.x = {0, 0, 1, 1, 0, 0, 0, 2, 0, 1, 0, 0, 0};
@@ -109,6 +112,19 @@ TEST(Judge, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrake) {
   EXPECT_EQ(fast.result().outcome, Outcome::recovered);
   EXPECT_TRUE(slower.result().could_brake);
   EXPECT_EQ(slower.result().outcome, Outcome::too_close);
+}
+
+TEST(Judge, TheHardDistanceOfTheScenarioCountsBeforeThatOfTheCampaign) {
+  Flown wider(plan(), 1.0), narrower(plan(), 0.3);
+  for (Flown* flown : {&wider, &narrower}) {
+    flown->fly(2.0);
+    flown->fly(0.7);
+    flown->fly(0.5);
+    flown->fly_to_end(2.0);
+  }
+  EXPECT_EQ(wider.result().outcome, Outcome::too_close);
+  EXPECT_EQ(wider.result().violations, 2);
+  EXPECT_EQ(narrower.result().outcome, Outcome::recovered);
 }
 
 TEST(Judge, WithoutAHardDistanceNothingIsTooClose) {

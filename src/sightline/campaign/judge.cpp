@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/io/safety_parts.hpp"
+
 namespace sightline {
 namespace {
 
@@ -30,7 +32,8 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
     for (int j = 0; j < team_.bodies(); ++j) {
       // Two robots once; a robot and what is not controlled, whichever stands first.
       const BodyId other{j};
-      if (other != body && !(team_.is_agent(other) && j < i)) pairs_.emplace_back(body, other);
+      if (other == body || (team_.is_agent(other) && j < i)) continue;
+      pairs_.push_back({body, other, hard_distance(scenario, body, other).value_or(plan.d_hard)});
     }
   }
   sights_.resize(static_cast<std::size_t>(team_.bodies()));
@@ -47,24 +50,26 @@ void Judge::look(std::span<const double> u) noexcept {
   }
 }
 
-double Judge::least_distance() const noexcept {
-  double least2 = std::numeric_limits<double>::infinity();
-  for (const auto& [robot, other] : pairs_) {
-    const Vec3<double> r = sights_[at(robot)].p - sights_[at(other)].p;
-    least2 = std::min(least2, dot(r, r));
-  }
-  return std::sqrt(least2);
-}
-
-/// Whether each two are so far apart that their closing speed can be braked away before d_hard.
-bool Judge::can_brake() const noexcept {
-  return std::all_of(pairs_.begin(), pairs_.end(), [&](const auto& pair) {
-    const Sight<double>&a = sights_[at(pair.first)], &b = sights_[at(pair.second)];
+/// Whether the two of each pair are so far apart that their closing speed can be braked away before d_hard.
+void Judge::look_at_brakes() noexcept {
+  for (Pair& pair : pairs_) {
+    const Sight<double>&a = sights_[at(pair.robot)], &b = sights_[at(pair.other)];
     const Vec3<double> r = a.p - b.p;
     const double distance = norm(r);
     const double closing = distance > 0 ? std::max(0.0, -dot(r, a.v - b.v) / distance) : 0.0;
-    return distance >= plan_.d_hard + closing * closing / (2 * plan_.braking);
-  });
+    pair.could_brake = pair.d_hard == 0 || distance >= pair.d_hard + closing * closing / (2 * plan_.braking);
+    result_.could_brake = result_.could_brake && pair.could_brake;
+  }
+}
+
+bool Judge::distances_hold() noexcept {
+  bool hold = true;
+  for (const Pair& pair : pairs_) {
+    const double distance = norm(sights_[at(pair.robot)].p - sights_[at(pair.other)].p);
+    result_.min_distance = std::min(result_.min_distance, distance);
+    hold = hold && !(pair.could_brake && distance < pair.d_hard - same_distance);
+  }
+  return hold;
 }
 
 bool Judge::inputs_hold() noexcept {
@@ -83,18 +88,17 @@ bool Judge::inputs_hold() noexcept {
 }
 
 void Judge::publish() noexcept {
-  if (updates_ == 0 && plan_.d_hard > 0) {
+  if (updates_ == 0) {
     look(u_rest_);
-    result_.could_brake = can_brake();
+    look_at_brakes();
   }
   ++updates_;
   look(sample_.u);
   const bool good = inputs_hold() && all_finite(sample_.x);
   sound_ = sound_ && good;
-  const double distance = least_distance();
-  result_.min_distance = std::min(result_.min_distance, distance);
-  const bool near = plan_.d_hard > 0 && result_.could_brake && distance < plan_.d_hard - same_distance;
-  if (!good || near) ++result_.violations;
+  const bool apart = distances_hold();
+  too_close_ = too_close_ || !apart;
+  if (!good || !apart) ++result_.violations;
 
   bool all_seen = !views_.empty();
   for (View& view : views_) {
@@ -122,10 +126,8 @@ RunResult Judge::result(const LoopOutcome& outcome) const {
   result.time_to_first_view = std::isfinite(first) ? first : none;
   result.fraction_in_view =
       views_.empty() || updates_ == 0 ? none : static_cast<double>(seen_) / static_cast<double>(updates_);
-  const bool too_close =
-      plan_.d_hard > 0 && result.could_brake && result.min_distance < plan_.d_hard - same_distance;
   result.outcome = !sound_ || !outcome.finite || updates_ != periods ? Outcome::failed
-                   : too_close                                       ? Outcome::too_close
+                   : too_close_                                      ? Outcome::too_close
                    : !(in_time && at_end)                            ? Outcome::lost
                                                                      : Outcome::recovered;
   return result;

@@ -30,14 +30,15 @@ struct RunResult {
   double min_distance = 0.0;        ///< of a robot to any other body, all of the run [m]
   double time_to_first_view = 0.0;  ///< until each observer had seen its target once [s]
   double fraction_in_view = 0.0;    ///< of the run, all observers at once
-  bool could_brake = true;          ///< at the start, in time for d_hard
+  bool could_brake = true;          ///< at the start, all pairs in time for d_hard
   std::int64_t violations = 0;  ///< periods with an input beyond its limit, or nearer than d_hard where that
                                 ///< could be kept
   std::array<std::int64_t, status_count> statuses{};
   double energy = 0.0;  ///< sum of dt u'Ru of the applied inputs, all robots [s]
 };
 
-/// Takes the samples of a loop and judges them as they come; keeps none.
+/// Takes the samples of a loop and judges them as they come; keeps none. The hard distance of a pair is that of
+/// the scenario's [safety], or else of its [campaign].
 class Judge final : public Sink<Sample> {
  public:
   /// @param sample  of sized_sample()
@@ -56,9 +57,15 @@ class Judge final : public Sink<Sample> {
     double first = std::numeric_limits<double>::infinity();
   };
 
+  struct Pair {
+    BodyId robot, other;
+    double d_hard;            // [m]; 0: nobody asks for one
+    bool could_brake = true;  // at the start
+  };
+
   void look(std::span<const double> u) noexcept;
-  double least_distance() const noexcept;
-  bool can_brake() const noexcept;
+  void look_at_brakes() noexcept;
+  bool distances_hold() noexcept;
   bool inputs_hold() noexcept;
 
   const Team& team_;
@@ -67,12 +74,12 @@ class Judge final : public Sink<Sample> {
   Sample sample_;
   std::vector<View> views_;
   std::vector<BodyId> robots_;
-  std::vector<std::pair<BodyId, BodyId>> pairs_;  // of a robot and another body
+  std::vector<Pair> pairs_;
   std::vector<Sight<double>> sights_;
   std::vector<double> u_rest_, u_min_, u_max_;
 
   std::int64_t updates_ = 0, seen_ = 0;
-  bool sound_ = true;
+  bool sound_ = true, too_close_ = false;
   RunResult result_;
 };
 

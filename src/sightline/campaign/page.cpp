@@ -244,12 +244,10 @@ std::string campaign_html(const std::vector<CampaignTable>& tables, const Campai
 
   std::string page = page_head(fmt::format("Campaign of {}", first.name));
   page += fmt::format(
-      "<p class=\"soft\">{} closed loops of {:g} s. Recovered: in view within {:g} s and at the end{}.</p>\n",
-      first.count(), plan.duration, plan.view_within,
-      plan.d_hard > 0
-          ? fmt::format(", never nearer than {:g} m where {:g} m/s² could brake for it at the start",
-                        plan.d_hard, plan.braking)
-          : "");
+      "<p class=\"soft\">{} closed loops of {:g} s. Recovered: in view within {:g} s and at the end, no two "
+      "nearer "
+      "than their hard distance where {:g} m/s² could brake for it at the start.</p>\n",
+      first.count(), plan.duration, plan.view_within, plan.braking);
   const std::int64_t bad = first.count("outcome <> 'recovered'");
   if (bad > 0) page += fmt::format("<p class=\"warning\">{} runs were not recovered.</p>\n", bad);
   for (Runs& runs : all) page += fmt::format("<h2>{}</h2>\n", escaped(runs.name)) + table_of(lines_of(runs));

@@ -59,7 +59,8 @@ struct CampaignPlan {
   double duration = 25.0;  ///< of each run [s]
   double view_within =
       20.0;              ///< recovered: every observer has seen its target by then, and does at the end [s]
-  double d_hard = 0.0;   ///< no robot may come nearer to another body [m]; 0: that is not judged
+  double d_hard = 0.0;   ///< no robot may come nearer to another body, where [safety] asks for nothing [m];
+                         ///< 0: that is not judged
   double braking = 0.6;  ///< a start from which this deceleration keeps d_hard must keep it [m/s^2]
   std::vector<StartDraw> starts{};
   std::vector<NumberDraw> draws{};
