@@ -47,6 +47,20 @@ std::string warnings_of(const Team& team) {
   return lines;
 }
 
+/// Where the barrier reckons with less than what it will meet, a line each.
+std::string warnings_of_speeds(const Scenario& scenario) {
+  std::string lines;
+  if (!scenario.safety || scenario.safety->barrier == BarrierMode::off) return lines;
+  for (const Stranger& stranger : scenario.strangers) {
+    const double speed = stranger.motion ? top_speed(*stranger.motion) : 0.0;
+    if (speed <= stranger.speed_max) continue;
+    lines +=
+        fmt::format("warning     {} moves at up to {} m/s, the barrier reckons with speed_max = {} m/s\n",
+                    scenario.team.name(stranger.body), speed, stranger.speed_max);
+  }
+  return lines;
+}
+
 }  // namespace
 
 int check(const std::filesystem::path& scenario) {
@@ -57,7 +71,7 @@ int check(const std::filesystem::path& scenario) {
     const std::vector<std::string> faults = look_at_regions(read, remarks);
     for (const std::string& fault : faults) fmt::print(stderr, "{}\n", fault);
     if (!faults.empty()) return 2;
-    fmt::print("ok\n{}{}{}", summary(read), remarks, warnings_of(read.team));
+    fmt::print("ok\n{}{}{}{}", summary(read), remarks, warnings_of(read.team), warnings_of_speeds(read));
     return 0;
   } catch (const ScenarioError& error) {
     fmt::print(stderr, "{}\n", error.what());

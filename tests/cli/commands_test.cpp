@@ -1,6 +1,7 @@
 #include "cli/commands.hpp"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,6 +20,8 @@ using test::fresh_folder;
 using test::read_file;
 using test::shell;
 using test::sightline;
+using testing::HasSubstr;
+using testing::Not;
 namespace fs = std::filesystem;
 
 long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
@@ -280,6 +283,18 @@ TEST(Check, SaysWhichCornersOfARegionAreRoundedOff) {
   EXPECT_NE(check.out.find("couple[0] camera: corners of abs, norm are rounded off over 0.001 (m, rad)\n"),
             std::string::npos)
       << check.out;
+}
+
+TEST(Check, WarnsOfAnObstacleFasterThanTheBarrierReckonsWith) {
+  const fs::path folder = fresh_folder();
+  std::string text = read_file(fs::path(SIGHTLINE_SOURCE_DIR) / "scenarios/paper_7_3_ours.toml");
+  const std::string words = "the barrier reckons with speed_max";
+  EXPECT_THAT(sightline("check scenarios/paper_7_3_ours.toml", folder).out, Not(HasSubstr(words)));
+  text.replace(text.find("speed_max = 0.3"), 15, "speed_max = 0.2");
+  std::ofstream(folder / "fast.toml") << text;
+  const auto done = sightline("check " + (folder / "fast.toml").string(), folder);
+  EXPECT_EQ(done.code, 0);
+  EXPECT_THAT(done.out, HasSubstr("warning     hand moves at up to 0.3 m/s, " + words + " = 0.2 m/s"));
 }
 
 TEST(Check, NeitherPipeNorFolderNorHugeFileHoldsItUp) {
