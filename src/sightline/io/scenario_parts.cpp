@@ -142,7 +142,7 @@ RelaxedBarrier read_barrier(const TomlTable& at, double C::*bound, std::string_v
   double mu = RelaxedBarrier{limit}.mu, delta = RelaxedBarrier{limit}.delta;
   at.read({{bound_name, &(limit.*bound)}, {"mu", &mu}, {"delta", &delta}});
   return at.checked([&] {
-    const RelaxedBarrier barrier{limit, mu, delta};
+    RelaxedBarrier barrier{limit, mu, delta};
     barrier.check();
     return barrier;
   });
