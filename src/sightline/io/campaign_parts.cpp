@@ -10,6 +10,7 @@
 
 #include "sightline/io/evasion_parts.hpp"
 #include "sightline/io/scenario_numbers.hpp"
+#include "sightline/io/scenario_parts.hpp"
 
 namespace sightline {
 namespace {
@@ -69,11 +70,12 @@ class PlanReader {
 
   StartDraw read_start(const TomlTable& at) {
     at.expect_only({"agent", "around", "range", "bearing", "height", "heading", "v"});
-    StartDraw start{.agent = body(at, "agent", true),
-                    .around = body(at, "around", false),
-                    .range = distribution(at, "range", not_negative("0 to 1e9 m")),
-                    .bearing = distribution(at, "bearing", any_number("finite [rad]")),
-                    .height = distribution(at, "height", any_number("finite [m]"))};
+    StartDraw start{
+        .agent = read_name(at, "agent", team_, Among::robots, "a robot"),
+        .around = read_name(at, "around", team_, Among::bodies, "a robot, a target or an obstacle"),
+        .range = distribution(at, "range", not_negative("0 to 1e9 m")),
+        .bearing = distribution(at, "bearing", any_number("finite [rad]")),
+        .height = distribution(at, "height", any_number("finite [m]"))};
     if (start.agent == start.around) at.refuse("around", "another body than agent");
     if (at.has("heading")) start.heading = distribution(at, "heading", any_number("finite [rad]"));
     if (at.has("v")) start.velocity = distribution(at, "v", any_number("finite [m/s]"));
@@ -109,20 +111,6 @@ class PlanReader {
   }
 
  private:
-  std::string body(const TomlTable& at, std::string_view key, bool is_agent) const {
-    std::vector<std::string_view> known;
-    for (int i = 0; i < team_.bodies(); ++i) {
-      if (!is_agent || team_.is_agent(BodyId{i})) known.push_back(team_.name(BodyId{i}));
-    }
-    const std::string expected = is_agent ? "a robot" : "a robot, a target or an obstacle";
-    std::string name = at.text(key, expected);
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
-      at.refuse(key, fmt::format("{}, the nearest is \"{}\"", expected,
-                                 nearest(shortened(name, shown_size), known)));
-    }
-    return name;
-  }
-
   std::string position_key(const std::string& name, int i) const {
     if (team_.is_agent(team_.find(name))) return fmt::format("agent.{}.start.p[{}]", name, i);
     const std::string target = fmt::format("target.{}.p[{}]", name, i);

@@ -1,28 +1,9 @@
 #include "sightline/io/evasion_parts.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
+#include "sightline/io/scenario_parts.hpp"
 
 namespace sightline {
 namespace {
-
-enum class Kind { robot, other };
-
-std::string name_of(const TomlTable& at, std::string_view key, const Team& team, Kind kind) {
-  const std::string_view expected = kind == Kind::robot ? "a robot" : "another body";
-  std::string name = at.text(key, expected);
-  std::vector<std::string_view> known;
-  for (int i = 0; i < team.bodies(); ++i) {
-    if (kind == Kind::other || team.is_agent(BodyId{i})) known.push_back(team.name(BodyId{i}));
-  }
-  if (std::find(known.begin(), known.end(), name) == known.end()) {
-    constexpr std::size_t shown_size = 60;
-    at.refuse(
-        key, fmt::format("{}, the nearest is \"{}\"", expected, nearest(shortened(name, shown_size), known)));
-  }
-  return name;
-}
 
 EvasionColumns read_columns(const TomlTable& at) {
   EvasionColumns columns;
@@ -46,9 +27,9 @@ EvasionPlan read_evasion(const TomlTable& at, const Team& team) {
            {"d_max", &plan.d_max, length},
            {"alpha", &plan.alpha, positive("> 0 rad")}},
           {"agent", "target", "obstacle", "published"});
-  plan.agent = name_of(at, "agent", team, Kind::robot);
-  plan.target = name_of(at, "target", team, Kind::other);
-  plan.obstacle = name_of(at, "obstacle", team, Kind::other);
+  plan.agent = read_name(at, "agent", team, Among::robots, "a robot");
+  plan.target = read_name(at, "target", team, Among::bodies, "another body");
+  plan.obstacle = read_name(at, "obstacle", team, Among::bodies, "another body");
   if (at.has("published")) plan.published = read_columns(at.table("published"));
   return plan;
 }

@@ -256,6 +256,15 @@ constexpr std::array solvers = {
 
 }  // namespace
 
+std::string read_name(const TomlTable& at, std::string_view key, const Team& team, Among among,
+                      std::string_view expected) {
+  std::vector<std::string_view> known;
+  for (int i = 0; i < team.bodies(); ++i) {
+    if (among == Among::bodies || team.is_agent(BodyId{i})) known.push_back(team.name(BodyId{i}));
+  }
+  return std::string(at.word(key, known, expected));
+}
+
 Model read_robot(const TomlTable& agent) {
   return find(robots, agent.word("robot", names(robots)))(agent.table_or_empty("parameters"));
 }

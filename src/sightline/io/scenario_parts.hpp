@@ -38,6 +38,13 @@ struct Observer {
   std::optional<SensorMount> mount;  ///< of its [agent.NAME.sensor]
 };
 
+/// Which bodies of a team are meant.
+enum class Among { robots, bodies };
+
+/// The name under `key` of one of them; `expected` says what they are.
+std::string read_name(const TomlTable& at, std::string_view key, const Team& team, Among among,
+                      std::string_view expected);
+
 /// `robot` and `parameters` of [agent.NAME].
 Model read_robot(const TomlTable& agent);
 

@@ -127,7 +127,11 @@ std::string TomlTable::text(std::string_view key, std::string_view expected) con
 }
 
 std::string_view TomlTable::word(std::string_view key, std::span<const std::string_view> known) const {
-  const std::string expected = fmt::format("one of \"{}\"", fmt::join(known, "\", \""));
+  return word(key, known, fmt::format("one of \"{}\"", fmt::join(known, "\", \"")));
+}
+
+std::string_view TomlTable::word(std::string_view key, std::span<const std::string_view> known,
+                                 std::string_view expected) const {
   const std::string given = text(key, expected);
   const auto found = std::find(known.begin(), known.end(), given);
   if (found == known.end()) {

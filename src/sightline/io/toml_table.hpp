@@ -78,6 +78,9 @@ class TomlTable {
   std::string text(std::string_view key, std::string_view expected) const;
   /// The text, one of `known`.
   std::string_view word(std::string_view key, std::span<const std::string_view> known) const;
+  /// The same, where `expected` says what the words are.
+  std::string_view word(std::string_view key, std::span<const std::string_view> known,
+                        std::string_view expected) const;
   Vec3<double> vec3(std::string_view key) const;
   /// An array of numbers; of this length, or of any where `length` is `any_length`.
   std::vector<double> numbers(std::string_view key, std::size_t length,
