@@ -28,7 +28,7 @@ mutants=(
   'share of a member doubled|barrier.cpp|options_.share \* spare|2 * options_.share * spare'
   'step not looked ahead|barrier.cpp|const EscapeShape left = plans_.left(touch);|const EscapeShape left = touch.shape;'
   'cuts left out|barrier.cpp|    add_cuts(self, there, rows);||'
-  'floor turned into a ceiling|barrier.cpp|{{0, 0, 1}, 0.0, {}, least, Wall::floor}|{{0, 0, -1}, 0.0, {}, least, Wall::floor}'
+  'floor turned into a ceiling|barrier.cpp|of_wall({0, 0, 1}, 0.0, least, Wall::floor)|of_wall({0, 0, -1}, 0.0, least, Wall::floor)'
 )
 
 fail() { echo "mutants.sh: $1" >&2; exit 2; }
