@@ -60,17 +60,14 @@ Ocp::Ocp(Team team, const Horizon& horizon) : team_(std::move(team)), horizon_(h
   for (std::size_t i = 0; i < taken.size(); ++i) {
     if (taken[i]) continue;
     const Coupling& first = team_.couplings()[i];
-    std::vector<const Coupling*> alike;
+    std::vector<const Coupling*> same;
     for (std::size_t j = i; j < taken.size(); ++j) {
       const Coupling& c = team_.couplings()[j];
-      if (taken[j] || c.between.first != first.between.first || c.between.second != first.between.second ||
-          c.felt_by != first.felt_by) {
-        continue;
-      }
-      alike.push_back(&c);
+      if (taken[j] || !alike(c, first)) continue;
+      same.push_back(&c);
       taken[j] = true;
     }
-    pairs_.push_back(trace_pair(alike));
+    pairs_.push_back(trace_pair(same));
   }
 }
 
@@ -192,7 +189,7 @@ double stage_cost(const Team& team, double t, std::span<const double> x, std::sp
                                   {input(body), agent.R.size()}, agent.u_ref, agent.R);
   }
   for (const Constraint& c : team.constraints()) {
-    cost += c.term.weight * c.term.potential(sight(c.agent), sight(c.agent), t);
+    cost += c.ramp.at(t) * c.term.weight * c.term.potential(sight(c.agent), sight(c.agent), t);
   }
   for (const BarrierTerm& b : team.barriers()) {
     const Model& model = team.model(b.agent);
@@ -201,7 +198,8 @@ double stage_cost(const Team& team, double t, std::span<const double> x, std::sp
                       std::span<const double>(input(b.agent), static_cast<std::size_t>(model.nu())));
   }
   for (const Coupling& c : team.couplings()) {
-    cost += c.term.weight * c.term.potential(sight(c.between.first), sight(c.between.second), t);
+    cost +=
+        c.ramp.at(t) * c.term.weight * c.term.potential(sight(c.between.first), sight(c.between.second), t);
   }
   return cost;
 }

@@ -43,7 +43,7 @@ struct AgentFormula {
   std::vector<Entry> hessian;   ///< row and column in z, both triangles, output of `second`
 };
 
-/// The couplings between one pair of bodies that are felt by the same agents, z = (x_a, u_a, x_b, u_b):
+/// The couplings between one pair of bodies that are alike, at their whole weights, z = (x_a, u_a, x_b, u_b):
 ///
 ///   inputs    z, t
 ///   first     l_z for each variable in `gradient`
@@ -88,7 +88,7 @@ class Ocp {
   std::vector<std::shared_ptr<const Program>> programs_;
 };
 
-/// l(x, u, t) of the whole team with all weights, masked or not, at the stacked states and inputs.
+/// l(x, u, t) of the whole team with the weights it has at t, masked or not, at the stacked states and inputs.
 double stage_cost(const Team& team, double t, std::span<const double> x, std::span<const double> u);
 
 }  // namespace sightline

@@ -114,6 +114,21 @@ void Team::check_weight(const Weighted& term) const {
   }
 }
 
+/// Names are of terms that last; one that fades out makes room for the next.
+void Team::check_new_name(std::string_view called) const {
+  if (called.empty()) return;
+  const auto has_it = [&](const auto& term) { return term.name == called && term.ramp.to > 0; };
+  if (std::any_of(couplings_.begin(), couplings_.end(), has_it) ||
+      std::any_of(constraints_.begin(), constraints_.end(), has_it)) {
+    refuse("the name \"{}\" is given to two couplings or constraints, expected one of a name", called);
+  }
+}
+
+bool alike(const Coupling& a, const Coupling& b) {
+  return a.between.first == b.between.first && a.between.second == b.between.second &&
+         a.felt_by == b.felt_by && a.ramp == b.ramp;
+}
+
 void Team::couple(const Weighted& term, Between between) {
   std::vector<AgentId> all;
   for (const BodyId body : {between.first, between.second}) {
@@ -124,6 +139,12 @@ void Team::couple(const Weighted& term, Between between) {
 }
 
 void Team::couple(const Weighted& term, Between between, std::vector<AgentId> felt_by) {
+  couple({.term = term, .between = between, .felt_by = std::move(felt_by)});
+}
+
+void Team::couple(Coupling coupling) {
+  const auto& [term, between, felt_by, called, ramp] = coupling;
+  check_new_name(called);
   check_body(between.first);
   check_body(between.second);
   check_weight(term);
@@ -146,17 +167,23 @@ void Team::couple(const Weighted& term, Between between, std::vector<AgentId> fe
              name(between.first), name(between.second));
     }
   }
-  couplings_.push_back({term, between, std::move(felt_by)});
+  couplings_.push_back(std::move(coupling));
 }
 
 void Team::constrain(const Weighted& term, AgentId agent) {
+  constrain(Constraint{.term = term, .agent = agent});
+}
+
+void Team::constrain(Constraint constraint) {
+  const auto& [term, agent, called, ramp] = constraint;
+  check_new_name(called);
   check_body(agent);
   check_weight(term);
   if (!is_agent(agent)) refuse("\"{}\" is not controlled, expected a robot", name(agent));
   if (term.potential.is_pair()) {
     refuse("{} lies between two bodies, expected a potential of one robot", term.potential.name());
   }
-  constraints_.push_back({term, agent});
+  constraints_.push_back(std::move(constraint));
 }
 
 void Team::constrain(const RelaxedBarrier& barrier, AgentId agent) {

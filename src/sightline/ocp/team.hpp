@@ -12,6 +12,7 @@
 #include "sightline/model/model.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/potential/potential.hpp"
+#include "sightline/potential/ramp.hpp"
 #include "sightline/potential/reference.hpp"
 #include "sightline/potential/relaxed_barrier.hpp"
 
@@ -73,12 +74,19 @@ struct Coupling {
   Weighted term;
   Between between;
   std::vector<AgentId> felt_by;
+  std::string name{};  ///< for events to speak of it
+  Ramp ramp{};
 };
+
+/// Whether one formula serves both: the same bodies, felt by the same agents, by the same part.
+bool alike(const Coupling& a, const Coupling& b);
 
 /// A potential of one robot alone, with its weight.
 struct Constraint {
   Weighted term;
   AgentId agent;
+  std::string name{};  ///< for events to speak of it
+  Ramp ramp{};
 };
 
 /// A limit c(x, u) <= 0 of one robot, kept by a barrier in its stage cost.
@@ -132,8 +140,10 @@ class Team {
   /// Couples two bodies; felt by all robots of `between`, or by those listed.
   void couple(const Weighted& term, Between between);
   void couple(const Weighted& term, Between between, std::vector<AgentId> felt_by);
+  void couple(Coupling coupling);
   /// A potential that one robot feels by itself.
   void constrain(const Weighted& term, AgentId agent);
+  void constrain(Constraint constraint);
   /// A limit of one robot's state and input.
   void constrain(const RelaxedBarrier& barrier, AgentId agent);
 
@@ -171,6 +181,7 @@ class Team {
   BodyId enter(std::string name, const Model& model, int agent);
   void check_body(BodyId body) const;
   void check_weight(const Weighted& term) const;
+  void check_new_name(std::string_view name) const;
 
   std::vector<Entry> bodies_;
   std::vector<Agent> agents_;

@@ -56,4 +56,27 @@ Pose<double> Steps::operator()(double t) const {
   return {p[i], direction(heading, i)};
 }
 
+Reference Reference::between(const Reference& from, const Reference& to, const Ramp& ramp) {
+  if (from.length_ != 0 && to.length_ != 0 && from.length_ != to.length_) {
+    throw std::invalid_argument(
+        fmt::format("a reference has {} numbers, the next {}, expected as many", from.length_, to.length_));
+  }
+  Reference mixed;
+  mixed.length_ = std::max(from.length_, to.length_);
+  mixed.constant_ = false;
+  mixed.write_ = [a = from.write_, b = to.write_, ramp](const Times& times, const Model& model,
+                                                        const Target& x) {
+    std::array<double, max_states> x_a, x_b;
+    const auto n = static_cast<std::size_t>(model.nx());
+    for (int k = 0; k < times.n; ++k) {
+      const double t = times.at(k), part = ramp.at(t);
+      a({t, 0.0, 1}, model, {x_a.data(), 0, 1});
+      b({t, 0.0, 1}, model, {x_b.data(), 0, 1});
+      for (std::size_t i = 0; i < n; ++i) x_a[i] += part * (x_b[i] - x_a[i]);
+      x.put(k, x_a.data(), model.nx());
+    }
+  };
+  return mixed;
+}
+
 }  // namespace sightline

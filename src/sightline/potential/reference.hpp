@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sightline/model/model.hpp"
+#include "sightline/potential/ramp.hpp"
 
 namespace sightline {
 
@@ -107,6 +108,10 @@ class Reference {
         }),
         length_(state.size()),
         constant_(true) {}
+
+  /// From one reference to another: (1 - ramp) x*_from + ramp x*_to.
+  /// @throws std::invalid_argument where both are whole states of unlike lengths
+  static Reference between(const Reference& from, const Reference& to, const Ramp& ramp);
 
   /// Whether x* is the same at all times.
   bool is_constant() const { return constant_; }

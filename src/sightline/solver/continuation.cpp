@@ -29,6 +29,18 @@ ContinuationOptions checked(const ContinuationOptions &o) {
   return o;
 }
 
+/// A root is followed, of a problem that stays what it is.
+Ocp with_steady_weights(Ocp ocp) {
+  const auto moves = [](const auto &term) { return term.ramp != Ramp{}; };
+  const Team &team = ocp.team();
+  if (std::any_of(team.couplings().begin(), team.couplings().end(), moves) ||
+      std::any_of(team.constraints().begin(), team.constraints().end(), moves)) {
+    throw std::invalid_argument(
+        "a weight of the team moves over time, expected the solver newton_riccati, which can follow it");
+  }
+  return ocp;
+}
+
 double largest(std::span<const double> values) noexcept {
   double m = 0.0;
   for (const double v : values) m = std::max(m, std::fabs(v));
@@ -38,7 +50,7 @@ double largest(std::span<const double> values) noexcept {
 }  // namespace
 
 Continuation::Continuation(Ocp ocp, const ContinuationOptions &options)
-    : ocp_(std::move(ocp)),
+    : ocp_(with_steady_weights(std::move(ocp))),
       options_(checked(options)),
       N_(ocp_.horizon().N),
       nx_(ocp_.nx()),

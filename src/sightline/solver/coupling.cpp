@@ -43,6 +43,8 @@ struct Slot {
   bool a_feels = true, b_feels = true;
   int pairs = 0;
   const PosePotential* potential = nullptr;   // of all pairs, if one
+  Ramp ramp{};                                // of all pairs
+  double part = 1.0;                          // of the weights in force
   bool in_place = false;                      // evaluated over lanes of agents
   bool assigns_c = false, assigns_y = false;  // the first to write there
   std::vector<PackFormula<W>> formulas;       // the potential's derivatives, to be added up
@@ -73,6 +75,12 @@ class LaneCouplings final : public Couplings {
   }
 
   void set_time(int k, double t) noexcept override { time_[0][k] = t; }
+  void set_weights(double t) noexcept override {
+    for (std::vector<Batch>* batches : {&relative_, &general_}) {
+      for (Batch& batch : *batches) batch.points.set_part(batch.pairs[0]->ramp.at(t));
+    }
+    for (Slot<W>& slot : slots_) slot.part = slot.ramp.at(t);
+  }
   void set_body(int body, int k, const Sight<double>& sight) noexcept override {
     std::array<double, sight_size> s;
     write_sight(sight, s);
@@ -132,8 +140,8 @@ class LaneCouplings final : public Couplings {
     for (Batch& b : batches) {
       const PosePotential& p = b.pairs[0]->potential;
       if (p.derivatives == pair.potential.derivatives && p.others == pair.potential.others &&
-          p.variables == pair.potential.variables && b.pairs[0]->ends.a_feels == pair.ends.a_feels &&
-          b.pairs[0]->ends.b_feels == pair.ends.b_feels &&
+          p.variables == pair.potential.variables && b.pairs[0]->ramp == pair.ramp &&
+          b.pairs[0]->ends.a_feels == pair.ends.a_feels && b.pairs[0]->ends.b_feels == pair.ends.b_feels &&
           b.pairs[0]->ends.a_is_agent == pair.ends.a_is_agent &&
           b.pairs[0]->ends.b_is_agent == pair.ends.b_is_agent) {
         return b;
@@ -164,6 +172,7 @@ class LaneCouplings final : public Couplings {
       s.a_feels = pair.ends.a_feels;
       s.b_feels = pair.ends.b_feels;
       s.potential = potential;
+      s.ramp = pair.ramp;
       slots_.push_back(std::move(s));
       slot = slots_.end() - 1;
     }
@@ -316,6 +325,10 @@ class LaneCouplings final : public Couplings {
       for (std::size_t o = 1; o < slot.formulas.size(); ++o) {
         slot.formulas[o].run(in.data(), more.data());
         for (int i = 0; i < relative_outputs; ++i) add(&out[at(i * W)], L::load(&more[at(i * W)]));
+      }
+      if (slot.part != 1.0) {
+        for (int i = 0; i < relative_outputs; ++i)
+          (L(slot.part) * L::load(&out[at(i * W)])).store(&out[at(i * W)]);
       }
       double* const c_a = c + part_a.c + k * part_a.nc() * W;
       double* const c_b = c + part_b.c + k * part_b.nc() * W;

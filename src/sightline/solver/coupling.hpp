@@ -21,6 +21,8 @@ class Couplings {
 
   /// Time [s] and Sight (8) of a body that is not controlled, at stage k.
   virtual void set_time(int k, double t) noexcept = 0;
+  /// Time of the update [s]: the weights have the part of it all along the horizon.
+  virtual void set_weights(double t) noexcept = 0;
   virtual void set_body(int body, int k, const Sight<double>& sight) noexcept = 0;
 
   /// Gradients and Hessians of all potentials, times h, at s; c is overwritten.

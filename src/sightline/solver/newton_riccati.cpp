@@ -132,6 +132,7 @@ void NewtonRiccati::set_time(double time) noexcept {
     }
   }
   for (int k = 0; k < N; ++k) couplings_->set_time(k, time + k * h);
+  couplings_->set_weights(time);
   for (int b = 0; b < team.bodies(); ++b) {
     if (team.is_agent(BodyId{b})) continue;
     Sight<double> sight = team.model(BodyId{b}).sight(&x_now_[at(team.state_offset(BodyId{b}))], nullptr);

@@ -68,10 +68,16 @@ class Points {
       for (std::size_t i = 0; i < out_.all().size(); i += W)
         (Lane<W>::load(&out_.all()[i]) + Lane<W>::load(&more_.all()[i])).store(&out_.all()[i]);
     }
+    if (part_ == 1.0) return;
+    for (std::size_t i = 0; i < out_.all().size(); i += W)
+      (Lane<W>(part_) * Lane<W>::load(&out_.all()[i])).store(&out_.all()[i]);
   }
 
   void evaluate() noexcept { value_.run(in_[0], values_[0], packs_); }
-  double value(int point) const { return values_[0][point]; }
+  double value(int point) const { return part_ * values_[0][point]; }
+
+  /// The part of the weights that is in force.
+  void set_part(double part) noexcept { part_ = part; }
 
  private:
   int inputs() const { return potential_.derivatives.inputs(); }
@@ -85,6 +91,7 @@ class Points {
   std::vector<PackFormula<W>> others_;  // whose derivatives are added
   Rows in_, out_, more_, values_;
   int packs_ = 0;
+  double part_ = 1.0;
 };
 
 }  // namespace sightline

@@ -206,10 +206,7 @@ std::vector<BodyPotential> trace_potentials(const Ocp& ocp, const IsCompiled& is
     std::vector<const Weighted*> terms;
     for (std::size_t j = i; j < taken.size(); ++j) {
       const Coupling& c = team.couplings()[j];
-      if (taken[j] || c.between.first != first.between.first || c.between.second != first.between.second ||
-          c.felt_by != first.felt_by) {
-        continue;
-      }
+      if (taken[j] || !alike(c, first)) continue;
       terms.push_back(&c.term);
       taken[j] = true;
     }
@@ -219,17 +216,24 @@ std::vector<BodyPotential> trace_potentials(const Ocp& ocp, const IsCompiled& is
     const BodyId a = first.between.first, b = first.between.second;
     const Ends ends{team.is_agent(a), team.is_agent(b), feels(a), feels(b)};
     for (PosePotential& p : trace_terms(terms, h, ends, is_compiled))
-      list.push_back({agent_of[at(a.index)], agent_of[at(b.index)], a.index, b.index, ends, std::move(p)});
+      list.push_back(
+          {agent_of[at(a.index)], agent_of[at(b.index)], a.index, b.index, ends, std::move(p), first.ramp});
   }
-  for (std::size_t a = 0; a < ocp.agent_bodies().size(); ++a) {
+  std::vector<bool> constrained(team.constraints().size(), false);
+  for (std::size_t i = 0; i < constrained.size(); ++i) {
+    if (constrained[i]) continue;
+    const Constraint& first = team.constraints()[i];
     std::vector<const Weighted*> terms;
-    for (const Constraint& c : team.constraints()) {
-      if (c.agent == ocp.agent_bodies()[a]) terms.push_back(&c.term);
+    for (std::size_t j = i; j < constrained.size(); ++j) {
+      const Constraint& c = team.constraints()[j];
+      if (constrained[j] || c.agent != first.agent || c.ramp != first.ramp) continue;
+      terms.push_back(&c.term);
+      constrained[j] = true;
     }
-    if (terms.empty()) continue;
     const Ends ends{true, false, true, false};
+    const int body = first.agent.index;
     for (PosePotential& p : trace_terms(terms, h, ends, is_compiled))
-      list.push_back({static_cast<int>(a), -1, ocp.agent_bodies()[a].index, -1, ends, std::move(p)});
+      list.push_back({agent_of[at(body)], -1, body, -1, ends, std::move(p), first.ramp});
   }
   return list;
 }

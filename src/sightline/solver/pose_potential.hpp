@@ -62,12 +62,13 @@ PosePotential trace_potential(std::span<const Weighted* const> terms, double h, 
 /// Whether a program was printed and compiled.
 using IsCompiled = std::function<bool(const Program&)>;
 
-/// Potentials between two bodies that are felt alike, by index in the team.
+/// Potentials between two bodies that are alike, by index in the team.
 struct BodyPotential {
   int a = -1, b = -1;  ///< agents, or -1: not controlled
   int body_a = -1, body_b = -1;
   Ends ends;
   PosePotential potential;
+  Ramp ramp{};
 };
 
 /// The potentials of a team, pair by pair and robot by robot. The terms of a pair are one program if that was

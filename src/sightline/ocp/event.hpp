@@ -1,0 +1,150 @@
+/// Teams that change in flight: what is to happen, and when. A script is data; `Roster` says what becomes of the
+/// team, `Watch` when. docs/events.md.
+///
+/// Bodies are those of one Team that has all there will ever be. A run is in one stage at a time; it begins in
+/// "start". An event is armed in its stage only, or in all; once it has happened it is over until its stage is
+/// entered anew, unless it repeats.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "sightline/ocp/team.hpp"
+
+namespace sightline {
+
+// When.
+
+/// At this time of the run.
+struct AtTime {
+  double t = 0.0;  ///< [s], >= 0
+};
+/// So long after its stage began; of an event of all stages, after the run began.
+struct AfterTime {
+  double delay = 0.0;  ///< [s], >= 0
+};
+/// A message from outside, by its name; what comes while nothing waits for it is lost.
+struct Signal {
+  std::string name;
+};
+
+/// What a condition looks at.
+struct DistanceOf {
+  BodyId a, b;  ///< of their positions [m]
+};
+struct ViewAngleOf {
+  BodyId observer, target;
+  SensorMount mount{};  ///< angle between the sensor's axis and the target, (71) [rad]
+};
+/// How far a limit is broken, in its unit: > 0 outside.
+struct ExcessOf {
+  Potential potential;  ///< one that states a limit
+  BodyId a, b;          ///< the same body twice for a potential of one
+};
+/// How old what is known of a body is [s].
+struct AgeOf {
+  BodyId body;
+};
+using Measure = std::variant<DistanceOf, ViewAngleOf, ExcessOf, AgeOf>;
+
+/// The measure is beyond the threshold, and has been for `dwell`. It ends to hold where it comes back by more than
+/// `hysteresis`.
+struct Condition {
+  enum class Side { above, below };
+  Measure measure;
+  Side side = Side::above;
+  double threshold = 0.0;
+  double hysteresis = 0.0;  ///< in the measure's unit, >= 0
+  double dwell = 0.0;       ///< [s], >= 0
+};
+
+using Trigger = std::variant<AtTime, AfterTime, Signal, Condition>;
+
+// What.
+
+/// What a robot does that no controller steers any more.
+enum class Afterwards {
+  vanish,  ///< it is nowhere
+  hold,    ///< it brakes and stays; the others go on feeling what they felt of it
+  land,    ///< it brakes and sinks to the ground
+};
+struct RemoveBody {
+  BodyId body;
+  Afterwards afterwards = Afterwards::vanish;  ///< of a robot; others vanish
+};
+/// Where it stands at the start; with the couplings it has, as far as their other ends are there.
+struct AddBody {
+  BodyId body;
+};
+struct AddCoupling {
+  Coupling coupling;
+};
+struct AddConstraint {
+  Constraint constraint;
+};
+/// A coupling or constraint, by its name.
+struct RemoveTerm {
+  std::string name;
+};
+/// What is left out stays.
+struct RetuneTerm {
+  std::string name;
+  std::optional<double> weight{};
+  std::optional<Potential> potential{};
+};
+struct RetuneAgent {
+  AgentId agent;
+  std::optional<std::vector<double>> Q{}, R{}, Q_f{}, u_ref{};
+  std::optional<InputLimits> limits{};
+};
+struct SetReference {
+  AgentId agent;
+  Reference reference;
+};
+/// The robot observes another body from now on: its couplings with a sensor, and those that hold it to what it
+/// observed, go over; keep-outs stay, and the new target gets the same if it has none.
+struct Observe {
+  AgentId observer;
+  BodyId target;
+};
+using Action = std::variant<RemoveBody, AddBody, AddCoupling, AddConstraint, RemoveTerm, RetuneTerm,
+                            RetuneAgent, SetReference, Observe>;
+
+inline constexpr std::string_view first_stage = "start";
+
+struct TeamEvent {
+  std::string name;
+  Trigger trigger;
+  std::vector<Action> actions{};
+  std::string stage{};           ///< armed in this one; empty: in all
+  std::string enter{};           ///< the stage that begins with it; empty: the present one goes on
+  bool repeat = false;           ///< of a condition or a signal: as often as it comes about
+  std::optional<double> ramp{};  ///< of the weights that change [s], >= 0; none: ramp_of()
+};
+
+/// The time over which an event's weights change [s]: what it says; else 1 s where an observer changes its target,
+/// else 0.
+double ramp_of(const TeamEvent& event);
+
+struct Script {
+  std::vector<TeamEvent> events;
+  bool empty() const { return events.empty(); }
+};
+
+/// What is wrong with an event of a script, a sentence.
+struct ScriptFault {
+  std::size_t event;
+  std::string sentence;
+};
+
+class Roster;
+
+/// What can be known without a flight: numbers out of range, a stage that nothing enters, stages that could follow
+/// each other in no time, two events at one time that contradict each other, what is not there removed or what
+/// is there added.
+std::vector<ScriptFault> faults_of(const Script& script, const Roster& roster);
+
+}  // namespace sightline

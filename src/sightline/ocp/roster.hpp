@@ -1,0 +1,63 @@
+/// Who is there now, and what couples them: what events change, and the Team that comes of it.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "sightline/ocp/event.hpp"
+
+namespace sightline {
+
+enum class Presence : std::uint8_t {
+  absent,   ///< nowhere
+  steered,  ///< a robot of the team
+  hold,     ///< there, but no robot of the team: one that brakes and stays, or what nobody here controls
+  land,     ///< a robot that brakes and sinks
+};
+
+class Roster {
+ public:
+  /// @param all       every body there will ever be, and what couples them at first
+  /// @param presence  of each body; those that are missing are there: robots steered, the others on hold
+  explicit Roster(Team all, std::vector<Presence> presence = {});
+
+  /// Makes one change at time t [s]; weights move over `ramp` [s].
+  /// @return why it cannot be, a sentence: then nothing was changed; else empty
+  std::string apply(const Action& action, double t, double ramp);
+
+  /// The robots that are steered, and what they feel, at time t and on. Bodies are in the order of all(); a robot
+  /// that is not steered is an obstacle to those that feel it. Terms that have faded away are left out.
+  /// @throws std::invalid_argument where no robot is left
+  Team team(double t) const;
+  /// When the last weight that moves at t comes to rest [s]; minus infinity where none moves.
+  double at_rest_from(double t) const;
+
+  const Team& all() const { return all_; }
+  const std::vector<Presence>& presence() const { return presence_; }
+  Presence presence(BodyId body) const { return presence_[static_cast<std::size_t>(body.index)]; }
+  /// Whether a coupling or constraint of that name is in force or fading in.
+  bool has_term(std::string_view name) const;
+
+ private:
+  struct Change;
+  /// A robot on its way from a reference to its present one.
+  struct Turn {
+    AgentId agent;
+    Reference from;
+    Ramp ramp;
+  };
+
+  std::size_t place(AgentId id) const;  // in agents_
+  Reference reference(AgentId id, double t) const;
+
+  Team all_;                         // bodies alone
+  std::vector<Agent> agents_;        // as tuned now
+  std::vector<Coupling> couplings_;  // ids of all_
+  std::vector<Constraint> constraints_;
+  std::vector<Turn> turns_;
+  std::vector<Presence> presence_;
+};
+
+}  // namespace sightline
