@@ -6,6 +6,7 @@
 
 #include "cli/commands.hpp"
 #include "sightline/advise/potential_page.hpp"
+#include "sightline/io/closed_loop.hpp"
 #include "sightline/io/scenario.hpp"
 #include "sightline/io/version.hpp"
 #include "sightline/potential/finite.hpp"
@@ -66,14 +67,14 @@ std::string warnings_of_speeds(const Scenario& scenario) {
 int check(const std::filesystem::path& scenario) {
   try {
     const Scenario read = read_scenario(scenario);
-    make_solver(read.solver, read.team, read.horizon);
+    (void)Controls(read);
     std::string remarks;
     const std::vector<std::string> faults = look_at_regions(read, remarks);
     for (const std::string& fault : faults) fmt::print(stderr, "{}\n", fault);
     if (!faults.empty()) return 2;
     fmt::print("ok\n{}{}{}{}", summary(read), remarks, warnings_of(read.team), warnings_of_speeds(read));
     return 0;
-  } catch (const ScenarioError& error) {
+  } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 2;
   }

@@ -32,6 +32,7 @@ Scenario read(const RunOptions& options) {
   // Simulated time waits for a solver: the log is the same on any machine.
   if (auto* newton = std::get_if<NewtonRiccatiOptions>(&scenario.solver.options); newton && !options.realtime)
     newton->deadline = 0.0;
+  check_solvers(scenario);
   return scenario;
 }
 
@@ -65,11 +66,11 @@ struct Flight {
 /// Flies the scenario under its solver; leaves run.mcap, timing.csv and summary.json in the folder.
 Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock) {
   // All memory is taken here, before the first period.
-  const auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
-  const Controllers controllers = {*solver};
+  const Controls controls(scenario);
+  const Controllers controllers = controls.controllers();
   const Sample prototype = sized_sample(scenario.team, controllers);
   Ring<Sample> ring(ring_capacity(prototype), prototype);
-  ClosedLoop loop(scenario, controllers, clock, ring, allocations);
+  ClosedLoop loop(scenario, controllers, clock, ring, allocations, controls.succession());
 
   Progress progress(scenario.simulation.duration);
   Log log(scenario, folder, controllers, ring, [&](double time) { progress.show(time); });

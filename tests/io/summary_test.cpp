@@ -70,7 +70,7 @@ TEST(Summary, ABearingObservesAndSlopesOnDistanceAreLimits) {
   team.couple(1.0 * TooNear{.d_min = 0.7}, Between{observer, target});
   team.couple(1.0 * Bearing{.alpha = 0.3, .mount = {.pitch = 0.25}}, Between{observer, target});
   team.couple(1.0 * TooFar{.d_max = 1.9}, Between{observer, target});
-  const std::vector<Observation> found = observations(team);
+  const std::vector<Observation> found = observations(team.couplings());
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].observer, observer);
   EXPECT_EQ(std::tie(found[0].alpha, found[0].d_min, found[0].d_max, found[0].mount.pitch),

@@ -37,7 +37,7 @@ BodyId body_of(const Team& team, std::string_view name) {
 }
 
 SensorMount mount_of(const Team& team, BodyId agent, BodyId target) {
-  for (const Observation& pair : observations(team)) {
+  for (const Observation& pair : observations(team.couplings())) {
     if (pair.observer == agent && pair.target == target) return pair.mount;
   }
   throw std::invalid_argument(fmt::format("evasion: no coupling by which \"{}\" sees \"{}\", expected one",

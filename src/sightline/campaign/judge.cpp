@@ -22,7 +22,7 @@ std::string_view to_string(Outcome outcome) {
 
 Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
     : team_(scenario.team), plan_(plan), period_(scenario.horizon.dt), sample_(std::move(sample)) {
-  for (const Observation& pair : observations(team_)) views_.push_back({pair});
+  for (const Observation& pair : observations(team_.couplings())) views_.push_back({pair});
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
     if (!team_.is_agent(body)) continue;

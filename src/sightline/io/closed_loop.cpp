@@ -1,5 +1,9 @@
 #include "sightline/io/closed_loop.hpp"
 
+#include <fmt/format.h>
+
+#include <stdexcept>
+
 #include "sightline/io/safety_parts.hpp"
 
 namespace sightline {
@@ -13,8 +17,37 @@ std::optional<Guard> guard_of(const Scenario& scenario) {
 
 }  // namespace
 
+void check_solvers(const Scenario& scenario) {
+  constexpr std::string_view follows = "newton_riccati";
+  if (!changes_in_flight(scenario)) return;
+  std::vector<std::string> names = scenario.simulation.compare;
+  names.insert(names.begin(), scenario.solver.name);
+  for (const std::string& name : names) {
+    if (name == follows) continue;
+    throw std::invalid_argument(fmt::format(
+        "the team changes in flight, which the solver {} cannot follow, expected {}", name, follows));
+  }
+}
+
+Controls::Controls(const Scenario& scenario) {
+  check_solvers(scenario);
+  if (!changes_in_flight(scenario)) {
+    solver_ = make_solver(scenario.solver, scenario.team, scenario.horizon);
+    return;
+  }
+  succession_ = std::make_unique<Succession>(
+      Roster(scenario.team, scenario.presence), scenario.script,
+      [horizon = scenario.horizon, options = std::get<NewtonRiccatiOptions>(scenario.solver.options)](
+          Team team) { return std::make_unique<NewtonRiccati>(Ocp(std::move(team), horizon), options); });
+}
+
+Controllers Controls::controllers() const {
+  if (succession_) return {*succession_->present().solver};
+  return {*solver_};
+}
+
 ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock,
-                       Sink<Sample>& sink, std::int64_t (*allocations)() noexcept)
+                       Sink<Sample>& sink, std::int64_t (*allocations)() noexcept, Succession* succession)
     : plant_(scenario.team, scenario.x0, plant_options(scenario)),
       sensor_(scenario.team, sensor_options(scenario)),
       guard_(guard_of(scenario)),
@@ -24,6 +57,8 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers,
              .path_interval = scenario.log.paths,
              .allocations = allocations,
              .guard = guard_ ? &*guard_ : nullptr,
-             .late_plans = scenario.simulation.late_plans}) {}
+             .late_plans = scenario.simulation.late_plans,
+             .succession = succession,
+             .signals = scenario.simulation.signals}) {}
 
 }  // namespace sightline

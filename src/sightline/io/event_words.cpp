@@ -24,9 +24,21 @@ bool is_of_a_body(std::string_view kind) {
          kind == to_string(EventKind::input_refused);
 }
 
-std::string event_words(std::string_view kind, double value, const std::function<std::string(int)>& name) {
-  if (!is_of_a_body(kind) || !(value >= 0 && value < 1e9)) return fmt::format("{} {}", kind, value);
-  const std::string body = name(static_cast<int>(value));
+bool is_of_the_script(std::string_view kind) {
+  return kind == to_string(EventKind::event_happened) || kind == to_string(EventKind::event_in_force) ||
+         kind == to_string(EventKind::event_ignored);
+}
+
+std::string event_words(std::string_view kind, double value, const EventNames& names) {
+  const bool counts = value >= 0 && value < 1e9;
+  if (is_of_the_script(kind) && counts) {
+    const std::string event = names.of_event(static_cast<int>(value));
+    if (kind == to_string(EventKind::event_happened)) return fmt::format("event \"{}\" happens", event);
+    if (kind == to_string(EventKind::event_in_force)) return fmt::format("event \"{}\" in force", event);
+    return fmt::format("event \"{}\" ignored: it cannot be", event);
+  }
+  if (!is_of_a_body(kind) || !counts) return fmt::format("{} {}", kind, value);
+  const std::string body = names.of_body(static_cast<int>(value));
   if (kind == to_string(EventKind::input_refused)) return fmt::format("{} {}", kind, body);
   if (kind.starts_with(measurement)) {
     return fmt::format("{}: measurement refused, {}", body, kind.substr(measurement.size()));

@@ -80,8 +80,9 @@ double turn_rate(const Model& model, const double* x, const double* u) {
 }
 
 // What a report must know of the team.
-std::string team_json(const Team& team) {
-  Json json = {{"bodies", Json::array()}, {"pairs", Json::array()}};
+std::string team_json(const Scenario& scenario) {
+  const Team& team = scenario.team;
+  Json json = {{"bodies", Json::array()}, {"pairs", Json::array()}, {"events", Json::array()}};
   for (int i = 0; i < team.bodies(); ++i) {
     const BodyId body{i};
     Json entry = {{"name", team.name(body)},
@@ -95,7 +96,7 @@ std::string team_json(const Team& team) {
     }
     json["bodies"].push_back(std::move(entry));
   }
-  for (const Observation& pair : observations(team)) {
+  for (const Observation& pair : observations(all_couplings(scenario))) {
     json["pairs"].push_back({{"observer", pair.observer.index},
                              {"target", pair.target.index},
                              {"pitch", pair.mount.pitch},
@@ -104,6 +105,7 @@ std::string team_json(const Team& team) {
                              {"d_min", pair.d_min},
                              {"d_max", pair.d_max}});
   }
+  for (const TeamEvent& event : scenario.script.events) json["events"].push_back(event.name);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -246,7 +248,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
                                {"seed", fmt::format("{}", scenario.simulation.seed)},
                                {"period", fmt::format("{}", period_)},
                                {"controllers", fmt::format("{}", controllers)},
-                               {"team", team_json(team_)}});
+                               {"team", team_json(scenario)}});
   const auto ros = [&](const RosSchema& schema) { return mcap_.schema(schema.name, "ros2msg", schema.text); };
   const auto json = [&](std::string_view name,
                         std::initializer_list<std::pair<const char*, std::string_view>> properties) {
@@ -329,6 +331,7 @@ void Log::Files::add_body(BodyChannels& channels, const Sample& sample) {
   begin_text(sample.time);
   put(text_, "x", {x, nx});
   send_text(channels.state, sample.time);
+  if (sample.presence[size(channels.body.index)] == Presence::absent) return;
   add_pose(channels.pose, model, x, sample.time);
   if (channels.measured) add_pose(*channels.measured, model, sample.measured.data() + offset, sample.time);
   if (!all_finite({x, nx}) || !all_finite({u, size(model.nu())})) return;
@@ -380,7 +383,9 @@ void Log::Files::add_path(BodyChannels& channels, const Sample& sample) {
 }
 
 void Log::Files::add_reference(BodyChannels& channels, double time) {
-  const Agent& agent = team_.agent(channels.body);
+  const Agent* const steered = summary_.agent(channels.body);
+  if (steered == nullptr) return;
+  const Agent& agent = *steered;
   x_ref_.resize(agent.Q.size());
   agent.x_ref(time, agent.model, x_ref_);
   const Pose<double> pose = agent.model.sight(x_ref_.data(), no_input_.data());
@@ -393,7 +398,7 @@ void Log::Files::add_reference(BodyChannels& channels, double time) {
 }
 
 void Log::Files::add_records(const Sample& sample) {
-  const double cost = stage_cost(team_, sample.time, sample.x, sample.u);
+  const double cost = summary_.stage_cost();
   for (std::size_t c = 0; c < solvers_.size(); ++c) {
     const SolverRecord& record = sample.solvers[c];
     begin_text(sample.time);

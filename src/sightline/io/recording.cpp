@@ -59,6 +59,7 @@ void read_team(const json& team, Recording& run) {
     }
     run.pairs.push_back(pair);
   }
+  run.script = team.value("events", std::vector<std::string>{});
 }
 
 // Each step is the shorter way round; what is not a number is stepped over.

@@ -66,6 +66,7 @@ struct Recording {
   std::vector<Pair> pairs;
   std::vector<Controller> controllers;
   std::vector<Event> events;
+  std::vector<std::string> script;      ///< names of the scenario's [[event]]s
   std::vector<double> solve_us;         ///< measured, all controllers together, one a row of timing.csv
   std::vector<Comparison> comparisons;  ///< in the order of the solvers' names
   bool complete = true;                 ///< false: the log ends in the middle, the run was killed

@@ -385,7 +385,11 @@ std::string event_table(const Recording& r) {
       const auto at = static_cast<std::size_t>(body);
       return at < r.bodies.size() ? r.bodies[at].name : fmt::format("body {}", body);
     };
-    table += row(fmt::format("{:.2f} s", event.time), event_words(event.kind, event.value, name));
+    const auto script = [&](int index) {
+      const auto at = static_cast<std::size_t>(index);
+      return at < r.script.size() ? r.script[at] : fmt::format("event {}", index);
+    };
+    table += row(fmt::format("{:.2f} s", event.time), event_words(event.kind, event.value, {name, script}));
   }
   if (r.events.size() > events_max) table += row("…", "more in run.mcap");
   return table + "</table>\n</details>\n";

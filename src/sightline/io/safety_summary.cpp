@@ -37,9 +37,13 @@ SafetySummary::SafetySummary(const Scenario& scenario) {
 }
 
 void SafetySummary::add(double time, std::span<const Sight<double>> sights,
-                        std::span<const BarrierRecord> barriers) {
+                        std::span<const Presence> presence, std::span<const BarrierRecord> barriers) {
   ++samples_;
+  const auto is_there = [&](BodyId body) {
+    return presence[static_cast<std::size_t>(body.index)] != Presence::absent;
+  };
   for (Pair& pair : pairs_) {
+    if (!is_there(pair.a) || !is_there(pair.b)) continue;
     const Vec3<double> r =
         sights[static_cast<std::size_t>(pair.a.index)].p - sights[static_cast<std::size_t>(pair.b.index)].p;
     const double distance2 = dot(r, r);

@@ -16,8 +16,9 @@ class SafetySummary {
  public:
   explicit SafetySummary(const Scenario& scenario);
 
-  /// @param sights  true ones of all bodies at `time` [s]
-  void add(double time, std::span<const Sight<double>> sights, std::span<const BarrierRecord> barriers);
+  /// @param sights  true ones of all bodies at `time` [s]; those that are absent do not count
+  void add(double time, std::span<const Sight<double>> sights, std::span<const Presence> presence,
+           std::span<const BarrierRecord> barriers);
 
   /// Two bodies, of which one is a robot, that have a hard distance.
   struct Pair {

@@ -327,6 +327,12 @@ PlantOptions plant_options(const Scenario& scenario) {
   return options;
 }
 
+bool changes_in_flight(const Scenario& scenario) {
+  const auto& presence = scenario.presence;
+  return !scenario.script.empty() ||
+         std::find(presence.begin(), presence.end(), Presence::absent) != presence.end();
+}
+
 SensorOptions sensor_options(const Scenario& scenario) {
   SensorOptions options{.seed = scenario.simulation.seed,
                         .noise = scenario.simulation.disturbances.noise,

@@ -18,6 +18,7 @@
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/run/guard.hpp"
+#include "sightline/run/loop.hpp"
 #include "sightline/sim/fault.hpp"
 #include "sightline/sim/plant.hpp"
 #include "sightline/sim/sensor.hpp"
@@ -43,6 +44,7 @@ struct Simulation {
   Disturbances disturbances{};
   std::vector<Fault> faults{};  ///< of measurements
   std::vector<LatePlan> late_plans{};
+  std::vector<TimedSignal> signals{};  ///< from outside, to events
 };
 
 /// What keeps the robots from harm, besides the solver.
@@ -88,6 +90,8 @@ struct Scenario {
   std::vector<BodyId> obstacles;
   std::vector<Stranger> strangers;  ///< targets, then obstacles
   std::vector<double> x0;           ///< states of all bodies at the start (team.nx())
+  std::vector<Presence> presence;   ///< of the bodies at the start; those that are missing are there
+  Script script{};                  ///< what changes the team in flight; `team` has all there will ever be
   Simulation simulation{};
   std::optional<Safety> safety{};
   LogOptions log{};
@@ -104,6 +108,9 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file);
 /// The simulated world of a scenario, and what its controllers see of it.
 PlantOptions plant_options(const Scenario& scenario);
 SensorOptions sensor_options(const Scenario& scenario);
+
+/// Whether robots come, go or are coupled anew in flight: then a Succession steers.
+bool changes_in_flight(const Scenario& scenario);
 
 /// The names of all solvers.
 std::vector<std::string_view> solver_names();

@@ -12,14 +12,10 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "sightline/io/event_words.hpp"
 #include "sightline/io/version.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/region.hpp"
-#include "sightline/potential/sensor_cone.hpp"
-#include "sightline/potential/slope.hpp"
 
 namespace sightline {
 namespace {
@@ -63,44 +59,18 @@ double counted(double value) { return std::isfinite(value) ? value : none; }
 bool tracks_position(const Agent& agent) { return weighs(agent, {"p_"}); }
 bool tracks_heading(const Agent& agent) { return weighs(agent, {"d_", "psi"}); }
 
-std::vector<Observation> observations(const Team& team) {
-  std::vector<Observation> found;
-  const auto same = [](const Observation& o, BodyId a, BodyId b) { return o.observer == a && o.target == b; };
-  for (const Coupling& c : team.couplings()) {
-    const BodyId a = c.between.first, b = c.between.second;
-    const Potential& potential = c.term.potential;
-    const auto* cone = potential.as<SensorCone>();
-    const auto* bearing = potential.as<Bearing>();
-    const auto* region = potential.as<Region>();
-    const bool known =
-        std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); });
-    if (known) continue;
-    if (cone != nullptr) found.push_back({a, b, potential, cone->mount, cone->alpha, none, none});
-    if (bearing != nullptr) found.push_back({a, b, potential, bearing->mount, bearing->alpha, none, none});
-    if (region != nullptr && region->is_view())
-      found.push_back({a, b, potential, region->mount(), none, none, none});
-  }
-  // A distance has no direction. fmax and fmin pass over what is not a number.
-  for (const Coupling& c : team.couplings()) {
-    const BodyId a = c.between.first, b = c.between.second;
-    for (Observation& o : found) {
-      if (!same(o, a, b) && !same(o, b, a)) continue;
-      if (const auto* near = c.term.potential.as<KeepOut>()) o.d_min = std::fmax(o.d_min, near->d_min);
-      if (const auto* far = c.term.potential.as<Cohesion>()) o.d_max = std::fmin(o.d_max, far->d_max);
-      if (const auto* near = c.term.potential.as<TooNear>()) o.d_min = std::fmax(o.d_min, near->d_min);
-      if (const auto* far = c.term.potential.as<TooFar>()) o.d_max = std::fmin(o.d_max, far->d_max);
-    }
-  }
-  return found;
-}
-
 Summary::Summary(const Scenario& scenario, std::size_t controllers)
-    : scenario_(scenario), safety_(scenario), period_(scenario.horizon.dt), least_distance2_(infinity) {
+    : scenario_(scenario),
+      present_(scenario),
+      safety_(scenario),
+      period_(scenario.horizon.dt),
+      least_distance2_(infinity) {
   const Team& team = scenario_.team;
-  for (const Observation& pair : observations(team)) {
+  const std::vector<Coupling> couplings = all_couplings(scenario_);
+  for (const Observation& pair : observations(couplings)) {
     views_.push_back({pair, infinity, -infinity, -infinity, none, none});
   }
-  for (const Coupling& c : team.couplings()) {
+  for (const Coupling& c : couplings) {
     add_limit(c.term.potential, c.between.first, c.between.second);
   }
   for (const Constraint& c : team.constraints()) add_limit(c.term.potential, c.agent, c.agent);
@@ -108,6 +78,8 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
     if (team.is_agent(BodyId{i})) robots_.push_back({BodyId{i}});
   }
   sights_.resize(static_cast<std::size_t>(team.bodies()));
+  presence_.assign(sights_.size(), Presence::steered);
+  find_what_is_in_force();
   const double solves = scenario_.simulation.duration / period_ * static_cast<double>(controllers);
   solve_us_.reserve(static_cast<std::size_t>(std::clamp(solves, 0.0, solves_reserved)) + 1);
 }
@@ -120,12 +92,45 @@ void Summary::add_limit(const Potential& potential, BodyId a, BodyId b) {
   limits_.push_back({fmt::format("{} {}", potential.name(), who), potential, a, b, none});
 }
 
+/// Views and limits of what is not in force do not count.
+void Summary::find_what_is_in_force() {
+  const std::vector<Coupling> couplings = present_.couplings();
+  const std::vector<Constraint> constraints = present_.constraints();
+  const std::vector<Observation> observed = observations(couplings);
+  for (View& view : views_) {
+    const auto now = std::find_if(observed.begin(), observed.end(), [&](const Observation& o) {
+      return o.observer == view.pair.observer && o.target == view.pair.target;
+    });
+    const bool was_in_force = std::exchange(view.in_force, now != observed.end());
+    if (view.in_force) view.pair.potential = now->potential;
+    if (view.in_force && !was_in_force) view.in_since = view.out_since = none;
+  }
+  const auto retake = [](Limit& limit, const Potential& potential) {
+    if (potential.name() != limit.potential.name()) return;
+    limit.in_force = true;
+    limit.potential = potential;
+  };
+  for (Limit& limit : limits_) {
+    limit.in_force = false;
+    for (const Coupling& c : couplings) {
+      if (c.between.first == limit.a && c.between.second == limit.b) retake(limit, c.term.potential);
+    }
+    for (const Constraint& c : constraints) {
+      if (c.agent == limit.a && c.agent == limit.b) retake(limit, c.term.potential);
+    }
+    if (!limit.in_force) limit.broken_since = none;
+  }
+}
+
 void Summary::add(const Sample& sample) {
   const Team& team = scenario_.team;
+  if (present_.follow(sample)) find_what_is_in_force();
+  std::copy(sample.presence.begin(), sample.presence.end(), presence_.begin());
   ++updates_;
   end_ = sample.time + period_;
   if (!all_finite(sample.x) || !all_finite(sample.u) || !all_finite(sample.raw_u)) ++not_finite_;
-  cost_ += period_ * stage_cost(team, sample.time, sample.x, sample.u);
+  stage_cost_ = present_.cost(sample);
+  cost_ += period_ * stage_cost_;
   for (int i = 0; i < team.bodies(); ++i) {
     const BodyId body{i};
     sights_[static_cast<std::size_t>(i)] = team.model(body).sight(sample.x.data() + team.state_offset(body),
@@ -137,7 +142,7 @@ void Summary::add(const Sample& sample) {
   add_views(sample.time);
   add_limits(sample.time);
   add_solvers(sample);
-  safety_.add(sample.time, sights_, sample.barriers);
+  safety_.add(sample.time, sights_, presence_, sample.barriers);
 }
 
 void Summary::add_inputs(const Sample& sample) {
@@ -157,7 +162,9 @@ void Summary::add_inputs(const Sample& sample) {
 
 void Summary::add_robots(const Sample& sample) {
   for (Robot& robot : robots_) {
-    const Agent& agent = scenario_.team.agent(robot.body);
+    const Agent* const steered = present_.agent(robot.body);
+    if (steered == nullptr) continue;
+    const Agent& agent = *steered;
     const double* u = sample.u.data() + scenario_.team.input_offset(robot.body);
     for (std::size_t i = 0; i < agent.R.size(); ++i) robot.energy += period_ * agent.R[i] * u[i] * u[i];
     if (!tracks_position(agent) || sample.time < scenario_.simulation.rms_from - same_time) continue;
@@ -176,6 +183,7 @@ void Summary::add_places() {
       const BodyId other{i};
       // Two robots once; a robot and what is not controlled, whichever stands first.
       if (other == robot.body || (team.is_agent(other) && i < robot.body.index)) continue;
+      if (!is_there(robot.body) || !is_there(other)) continue;
       const Vec3<double> r = sight(robot.body).p - sight(other).p;
       least_distance2_ = std::min(least_distance2_, dot(r, r));
     }
@@ -184,6 +192,7 @@ void Summary::add_places() {
 
 void Summary::add_views(double time) {
   for (View& view : views_) {
+    if (!view.in_force) continue;
     const Sight<double>&observer = sight(view.pair.observer), &target = sight(view.pair.target);
     const double angle = view_angle(view.pair.mount, observer, target.p);
     const bool seen = view.pair.potential.violation(observer, target, time) <= 0;
@@ -202,6 +211,8 @@ void Summary::add_views(double time) {
 
 void Summary::add_limits(double time) {
   for (Limit& limit : limits_) {
+    if (!limit.in_force) continue;
+    ++limit.counted;
     const double excess = limit.potential.violation(sight(limit.a), sight(limit.b), time);
     if (excess <= 0) {
       limit.broken_since = none;
@@ -232,7 +243,7 @@ std::vector<std::string> Summary::out_of_view() const {
   const Team& team = scenario_.team;
   std::vector<std::string> sentences;
   for (const View& view : views_) {
-    if (end_ - view.out_since >= lost_after - same_time) {
+    if (view.in_force && end_ - view.out_since >= lost_after - same_time) {
       sentences.push_back(fmt::format("{} has not seen {} since {:.2f} s", team.name(view.pair.observer),
                                       team.name(view.pair.target), view.out_since));
     }
@@ -269,11 +280,15 @@ SummaryValues Summary::values() const {
     v.robots.push_back({name(robot.body), robot.errors > 0 ? std::sqrt(mean_square) : none, robot.energy});
   }
   for (const Limit& limit : limits_) {
-    v.limits.push_back({limit.name, share(limit.broken, updates_), limit.longest, limit.worst});
+    v.limits.push_back({limit.name, share(limit.broken, limit.counted), limit.longest, limit.worst});
   }
   for (const Event& event : events_) {
-    v.events.push_back({event.time, event_words(to_string(event.kind), event.value,
-                                                [&](int body) { return name(BodyId{body}); })});
+    v.events.push_back(
+        {event.time, event_words(to_string(event.kind), event.value,
+                                 {[&](int body) { return name(BodyId{body}); },
+                                  [&](int place) {
+                                    return scenario_.script.events[static_cast<std::size_t>(place)].name;
+                                  }})});
   }
   return v;
 }

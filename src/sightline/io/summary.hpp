@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/io/present_team.hpp"
 #include "sightline/io/safety_summary.hpp"
 #include "sightline/io/scenario.hpp"
 #include "sightline/potential/potential.hpp"
@@ -19,19 +20,6 @@ namespace sightline {
 /// Whether the agent's Q asks for a place, or for a heading: only then a reference is one to be judged by.
 bool tracks_position(const Agent& agent);
 bool tracks_heading(const Agent& agent);
-
-/// An observer and what its sensor is to see, by the first coupling with a sensor cone or a region that is a
-/// view.
-struct Observation {
-  BodyId observer, target;
-  Potential potential;
-  SensorMount mount;
-  double alpha;         ///< limit of the view angle [rad]; not a number for a region
-  double d_min, d_max;  ///< tightest of the couplings between the two [m]; not a number where none states it
-};
-
-/// All observations of a team, in the order of its couplings.
-std::vector<Observation> observations(const Team& team);
 
 /// The numbers of a run. Not a number: there was nothing to compute it from.
 struct SummaryValues {
@@ -91,6 +79,9 @@ class Summary {
   /// Samples with a state or an input, applied or raw, that is not finite; whether there is none.
   std::int64_t not_finite() const { return not_finite_; }
   bool finite() const { return not_finite_ == 0; }
+  /// Of the last sample: its stage cost, and a robot that is steered, as it is tuned; else none.
+  double stage_cost() const { return stage_cost_; }
+  const Agent* agent(BodyId robot) const { return present_.agent(robot); }
   /// The hard distances, and what the barrier did.
   const SafetySummary& safety() const { return safety_; }
   /// Whether some observer did not see its target during all of the last 2 s.
@@ -104,6 +95,7 @@ class Summary {
     double nearest, farthest, angle_max;  // after settle [m], [rad]
     double out_since, in_since;           // begin of the present stretch [s]; NaN in the other
     std::int64_t settled = 0, seen = 0;   // samples after settle, and those of them in view
+    bool in_force = true;
   };
   struct Limit {
     std::string name;
@@ -111,7 +103,8 @@ class Summary {
     BodyId a, b;
     double broken_since;  // [s]; NaN while it holds
     double longest = 0.0, worst = 0.0;
-    std::int64_t broken = 0;
+    std::int64_t broken = 0, counted = 0;
+    bool in_force = true;
   };
   struct Robot {
     BodyId body;
@@ -121,6 +114,10 @@ class Summary {
 
   const Sight<double>& sight(BodyId body) const { return sights_[static_cast<std::size_t>(body.index)]; }
   void add_limit(const Potential& potential, BodyId a, BodyId b);
+  void find_what_is_in_force();
+  bool is_there(BodyId body) const {
+    return presence_[static_cast<std::size_t>(body.index)] != Presence::absent;
+  }
   void add_inputs(const Sample& sample);
   void add_robots(const Sample& sample);
   void add_places();
@@ -129,6 +126,8 @@ class Summary {
   void add_solvers(const Sample& sample);
 
   Scenario scenario_;
+  PresentTeam present_;
+  std::vector<Presence> presence_;
   SafetySummary safety_;
   double period_;  // [s]
   std::vector<View> views_;
@@ -139,7 +138,7 @@ class Summary {
 
   std::int64_t updates_ = 0, not_finite_ = 0, input_violations_ = 0, allocations_ = 0;
   double end_ = 0.0;  // of the last period [s]
-  double cost_ = 0.0, max_abs_input_ = 0.0, least_distance2_;
+  double cost_ = 0.0, stage_cost_ = 0.0, max_abs_input_ = 0.0, least_distance2_;
   std::array<std::int64_t, status_count> statuses_{};
   std::vector<double> solve_us_;
   std::vector<Event> events_;

@@ -37,6 +37,9 @@ class Roster {
   const Team& all() const { return all_; }
   const std::vector<Presence>& presence() const { return presence_; }
   Presence presence(BodyId body) const { return presence_[static_cast<std::size_t>(body.index)]; }
+  /// Those in force or fading, of bodies that are there or not.
+  const std::vector<Coupling>& couplings() const { return couplings_; }
+  const std::vector<Constraint>& constraints() const { return constraints_; }
   /// Whether a coupling or constraint of that name is in force or fading in.
   bool has_term(std::string_view name) const;
 

@@ -52,6 +52,7 @@ Guard::Guard(const Team& team, const GuardOptions& options)
       believed_(static_cast<std::size_t>(team.nx())),
       ages_(options_.bodies.size()),
       before_(static_cast<std::size_t>(team.nu())),
+      presence_(options_.bodies.size(), Presence::steered),
       oldest_(options.supervisor.value_or(SupervisorOptions{}).times.hold_after) {
   events_.reserve(3 * options_.bodies.size());
   if (options_.barrier == BarrierMode::off) return;
@@ -94,6 +95,10 @@ std::span<const double> Guard::believe(double t, std::span<const double> measure
   return believed_;
 }
 
+void Guard::set_presence(std::span<const Presence> presence) noexcept {
+  std::copy(presence.begin(), presence.end(), presence_.begin());
+}
+
 void Guard::filter(double t, std::span<const double> plan_ages, std::span<double> u) noexcept {
   if (supervisor_) {
     supervisor_->command(t, plan_ages, u);
@@ -134,12 +139,13 @@ void Guard::keep_distance(std::size_t robot, double t, std::span<double> u) noex
   BarrierRecord& record = records_[robot];
   const bool was_in_conflict = record.conflict;
   record = {};
-  // Neither for a robot on the ground, nor without knowing where it is, nor from a body that is nowhere.
-  if (rung == Rung::grounded || !std::isfinite(ages_[index(of.body)])) return;
+  // Neither for a robot on the ground or absent, nor without knowing where it is, nor from a body that is nowhere.
+  if (rung == Rung::grounded || !is_there(of.body) || !std::isfinite(ages_[index(of.body)])) return;
   std::size_t count = 0;
   for (int i = 0; i < team_.bodies(); ++i) {
-    if (BodyId{i} != of.body && std::isfinite(ages_[index(BodyId{i})])) {
-      neighbours_[count++] = neighbour_of(of.body, BodyId{i}, before_);
+    const BodyId other{i};
+    if (other != of.body && is_there(other) && std::isfinite(ages_[index(other)])) {
+      neighbours_[count++] = neighbour_of(of.body, other, before_);
     }
   }
   team_.agent(of.body).limits.at(t, of.u_min, of.u_max);

@@ -53,6 +53,11 @@ class Guard {
   /// @param plan_ages  of each body [s]; those of no robot do not count
   void filter(double t, std::span<const double> plan_ages, std::span<double> u) noexcept;
 
+  /// Bodies that are absent keep nobody away, and nobody keeps away from them; all are there at first.
+  void set_presence(std::span<const Presence> presence) noexcept;
+  /// Of what is believed of each body at the last believe() [s].
+  std::span<const double> ages() const noexcept { return ages_; }
+
   /// Of this period.
   std::span<const Event> events() const noexcept { return events_; }
   /// One for each robot; empty without a barrier.
@@ -68,6 +73,7 @@ class Guard {
     std::vector<double> u_min, u_max, reported;
   };
   static std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
+  bool is_there(BodyId body) const noexcept { return presence_[index(body)] != Presence::absent; }
 
   Neighbour neighbour_of(BodyId robot, BodyId other, std::span<const double> u) const noexcept;
   void keep_distance(std::size_t robot, double t, std::span<double> u) noexcept;
@@ -78,6 +84,7 @@ class Guard {
   std::optional<Supervisor> supervisor_;
   std::vector<Robot> robots_;  // none without a barrier
   std::vector<double> believed_, ages_, before_;
+  std::vector<Presence> presence_;
   double oldest_;  // age that the barrier reckons with [s]
   std::vector<Neighbour> neighbours_;
   std::vector<BarrierRecord> records_;

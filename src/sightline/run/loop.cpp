@@ -50,6 +50,7 @@ Sample sized_sample(const Team& plant, const Controllers& controllers) {
   sample.raw_u.resize(nu);
   sample.solvers.resize(controllers.size());
   sample.barriers.resize(plant.agents().size());
+  sample.presence.resize(size(plant.bodies()));
   sample.path.resize(size(horizon.N + 1) * nx);
   sample.path_step = horizon.h();
   return sample;
@@ -69,19 +70,25 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
       plan_ages_(planned_at_.size()),
       spare_(sized_sample(plant.team(), controllers)) {
   for (const LatePlan& late : options_.late_plans) late.check();
+  for (int i = 0; i < plant.team().bodies(); ++i) {
+    presence_.push_back(plant.team().is_agent(BodyId{i}) ? Presence::steered : Presence::hold);
+  }
+  std::stable_sort(options_.signals.begin(), options_.signals.end(),
+                   [](const TimedSignal& a, const TimedSignal& b) { return a.at < b.at; });
   for (Solver& solver : controllers) {
-    const Team& team = solver.ocp().team();
     const double dt = solver.ocp().horizon().dt;
     if (std::abs(dt - options_.period) > 1e-9) {
       refuse("controller {}: horizon.period = {}, expected the loop's {}", controllers_.size(), dt,
              options_.period);
     }
-    Controller controller{.solver = &solver, .members = {}, .states = {}, .plan = {}};
-    controller.states.resize(size(team.nx()));
-    controller.plan.resize(size(team.nu()));
-    for (int i = 0; i < team.bodies(); ++i)
-      controller.members.push_back(match(team, BodyId{i}, controllers_.size()));
-    controllers_.push_back(std::move(controller));
+    controllers_.emplace_back(plant.team(), solver, controllers_.size());
+  }
+  if (options_.succession != nullptr) {
+    if (controllers.size() != 1 || &controllers[0].get() != options_.succession->present().solver.get()) {
+      refuse("a team that changes has {} controllers, expected the present solver of its succession alone",
+             controllers.size());
+    }
+    take_presence();
   }
   check_steered();
   const Sample* item = sink.claim();
@@ -93,52 +100,25 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
   events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size() + 3 * planned_at_.size());
 
   // Before any good command the robots hold their u*, within their limits.
-  for (const Controller& controller : controllers_) {
-    for (const Member& m : controller.members) {
-      if (m.limits == nullptr) continue;
-      const std::vector<double>& u_ref = plant.team().agent(m.body).u_ref;
-      const auto u_min = std::span(u_min_).first(m.nu), u_max = std::span(u_max_).first(m.nu);
-      m.limits->at(0.0, u_min, u_max);
-      for (std::size_t i = 0; i < m.nu; ++i) u_[m.plant_u + i] = std::clamp(u_ref[i], u_min[i], u_max[i]);
-    }
+  for (int i = 0; i < plant.team().bodies(); ++i) {
+    if (plant.team().is_agent(BodyId{i})) rest(BodyId{i}, 0.0);
   }
 }
 
-Loop::Member Loop::match(const Team& team, BodyId body, std::size_t controller) const {
-  const Team& world = plant_.team();
-  const std::string_view name = team.name(body);
-  const BodyId found = world.find(name);
-  if (found.index < 0)
-    refuse("controller {}: \"{}\" is not in the plant, expected one of its bodies", controller, name);
-  const Model &model = team.model(body), &real = world.model(found);
-  Member member{.body = found,
-                .nx = size(model.nx()),
-                .nu = size(model.nu()),
-                .plant_x = size(world.state_offset(found)),
-                .plant_u = size(world.input_offset(found)),
-                .ocp_x = size(team.state_offset(body)),
-                .ocp_u = size(team.input_offset(body)),
-                .limits = nullptr};
-  if (team.is_agent(body)) {
-    if (!world.is_agent(found)) {
-      refuse("controller {}: \"{}\" is an obstacle of the plant, expected a robot", controller, name);
-    }
-    if (model.name() != real.name() || model.nx() != real.nx() || model.nu() != real.nu()) {
-      refuse("controller {}: \"{}\" is of model {} ({} states), expected the plant's {} ({})", controller,
-             name, model.name(), model.nx(), real.name(), real.nx());
-    }
-    member.limits = &team.agent(body).limits;
-  } else if (world.is_agent(found)) {
-    member.nx = 0;
-  }
-  return member;
+/// A robot's u*, within its limits.
+void Loop::rest(BodyId robot, double t) noexcept {
+  const Agent& agent = plant_.team().agent(robot);
+  const std::size_t nu = agent.u_ref.size(), from = size(plant_.team().input_offset(robot));
+  const auto u_min = std::span(u_min_).first(nu), u_max = std::span(u_max_).first(nu);
+  agent.limits.at(t, u_min, u_max);
+  for (std::size_t i = 0; i < nu; ++i) u_[from + i] = std::clamp(agent.u_ref[i], u_min[i], u_max[i]);
 }
 
 void Loop::check_steered() const {
   const Team& world = plant_.team();
   std::vector<int> steered_by(size(world.bodies()), -1);
   for (std::size_t c = 0; c < controllers_.size(); ++c) {
-    for (const Member& m : controllers_[c].members) {
+    for (const Controller::Member& m : controllers_[c].members) {
       if (m.limits == nullptr) continue;
       int& other = steered_by[size(m.body.index)];
       if (other >= 0) {
@@ -148,7 +128,7 @@ void Loop::check_steered() const {
     }
   }
   for (int i = 0; i < world.bodies(); ++i) {
-    if (world.is_agent(BodyId{i}) && steered_by[size(i)] < 0) {
+    if (presence_[size(i)] == Presence::steered && steered_by[size(i)] < 0) {
       refuse("\"{}\" is steered by no controller, expected one whose team has it", world.name(BodyId{i}));
     }
   }
@@ -181,7 +161,9 @@ LoopOutcome Loop::run() noexcept {
     Sample& sample = slot != nullptr ? *slot : spare_;
     sample.has_path = k >= next_path;
     if (sample.has_path) next_path = (k / path_every + 1) * path_every;
+    if (options_.succession != nullptr) change_team(t);
     std::copy(plant_.x().begin(), plant_.x().end(), sample.x.begin());
+    std::copy(presence_.begin(), presence_.end(), sample.presence.begin());
     update(t, sensor_.measure(t, plant_.x()), sample);
     ++outcome_.updates;
 
@@ -217,8 +199,9 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
   if (sample.has_path) {
     for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = believed[i % believed.size()];
   }
-  for (std::size_t c = 0; c < controllers_.size(); ++c) {
-    Controller& controller = controllers_[c];
+  const std::span<Controller> asked = controllers();
+  for (std::size_t c = 0; c < asked.size(); ++c) {
+    Controller& controller = asked[c];
     const std::int64_t before = count();
     const Solution solution = ask(controller, t, believed);
     command(static_cast<int>(c), controller, solution, t, sample);
@@ -230,10 +213,16 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
     controller.status = solution.status;
     if (sample.has_path) write_path(controller, solution, sample);
   }
+  drift(t, believed);
   if (options_.guard != nullptr) guard(t, sample);
   std::copy(u_.begin(), u_.end(), sample.u.begin());
   sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
   outcome_.max_allocations = std::max(outcome_.max_allocations, count() - before_all);
+  if (options_.succession == nullptr) return;
+  options_.succession->look(t, believed, u_,
+                            options_.guard != nullptr ? options_.guard->ages() : std::span<const double>{});
+  for (const Event& event : options_.succession->events()) tell(event);
+  options_.succession->clear_events();
 }
 
 /// An update; while a late one is at work, what the plan before has for now.
@@ -244,7 +233,7 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
   if (options_.guard != nullptr && !options_.guard->knows_all()) {
     solution.status = Status::invalid_state;
   } else if (!controller.at_work) {
-    gather(controller, believed);
+    controller.gather(plant_.team(), believed, u_);
     controller.asked_at = t;
     const auto late = std::find_if(options_.late_plans.begin(), options_.late_plans.end(),
                                    [&](const LatePlan& l) { return l.strikes(t); });
@@ -268,6 +257,43 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
   return solution;
 }
 
+/// Signals, and a change that was asked for a period ago.
+void Loop::change_team(double t) noexcept {
+  constexpr double same_time = 1e-9;
+  Succession& succession = *options_.succession;
+  for (; signalled_ < options_.signals.size() && options_.signals[signalled_].at <= t + same_time;
+       ++signalled_) {
+    (void)succession.signal(options_.signals[signalled_].name);
+  }
+  if (succession.swap(t, plant_.x(), u_, clock_.waits_for_log())) take_presence();
+}
+
+/// Who is there, as the succession has it now.
+void Loop::take_presence() noexcept {
+  const std::vector<Presence>& presence = options_.succession->present().presence;
+  std::copy(presence.begin(), presence.end(), presence_.begin());
+  plant_.set_presence(presence_);
+  if (options_.guard != nullptr) options_.guard->set_presence(presence_);
+  for (int i = 0; i < plant_.team().bodies(); ++i) {
+    const BodyId body{i};
+    if (presence_[size(i)] == Presence::absent && plant_.team().is_agent(body)) rest(body, plant_.time());
+  }
+}
+
+std::span<Controller> Loop::controllers() noexcept {
+  if (options_.succession == nullptr) return controllers_;
+  return {&*options_.succession->present().controller, 1};
+}
+
+/// Robots that nobody steers brake.
+void Loop::drift(double t, std::span<const double> believed) noexcept {
+  if (options_.succession == nullptr) return;
+  for (Drifter& drifter : options_.succession->present().drifters) {
+    drifter.steer(t, believed, u_min_, u_max_, u_);
+    planned_at_[size(drifter.body.index)] = t;
+  }
+}
+
 /// Lets the guard make of the controllers' inputs what is applied.
 void Loop::guard(double t, Sample& sample) noexcept {
   for (std::size_t i = 0; i < plan_ages_.size(); ++i) plan_ages_[i] = t - planned_at_[i];
@@ -277,25 +303,12 @@ void Loop::guard(double t, Sample& sample) noexcept {
   std::copy(records.begin(), records.end(), sample.barriers.begin());
 }
 
-void Loop::gather(Controller& controller, std::span<const double> measured) noexcept {
-  for (const Member& m : controller.members) {
-    double* to = &controller.states[m.ocp_x];
-    if (m.nx > 0) {
-      std::copy_n(&measured[m.plant_x], m.nx, to);
-      continue;
-    }
-    const Sight<double> seen = plant_.team().model(m.body).sight(&measured[m.plant_x], &u_[m.plant_u]);
-    to[0] = seen.p.x, to[1] = seen.p.y, to[2] = seen.p.z;
-    to[3] = seen.v.x, to[4] = seen.v.y, to[5] = seen.v.z;
-  }
-}
-
 void Loop::command(int index, const Controller& controller, const Solution& solution, double t,
                    Sample& sample) noexcept {
   const std::size_t nu = size(controller.solver->ocp().nu());
-  for (const Member& m : controller.members) {
+  for (const Controller::Member& m : controller.members) {
     if (m.limits == nullptr) continue;
-    const std::span<double> held = std::span(u_).subspan(m.plant_u, m.nu);
+    const std::span<double> held = std::span(u_).subspan(m.world_u, m.nu);
     const auto u_min = std::span(u_min_).first(m.nu), u_max = std::span(u_max_).first(m.nu);
     m.limits->at(t, u_min, u_max);
     bool good = solution.u.size() == nu;
@@ -306,7 +319,7 @@ void Loop::command(int index, const Controller& controller, const Solution& solu
     for (std::size_t i = 0; i < m.nu; ++i) {
       if (good) held[i] = solution.u[m.ocp_u + i];
       held[i] = std::clamp(held[i], u_min[i], u_max[i]);
-      sample.raw_u[m.plant_u + i] = solution.raw_u.size() == nu ? solution.raw_u[m.ocp_u + i] : held[i];
+      sample.raw_u[m.world_u + i] = solution.raw_u.size() == nu ? solution.raw_u[m.ocp_u + i] : held[i];
     }
     const bool planned = solution.status == Status::converged || solution.status == Status::iteration_limit;
     if (good && planned) planned_at_[size(m.body.index)] = controller.asked_at;
@@ -328,9 +341,9 @@ void Loop::write_path(const Controller& controller, const Solution& solution, Sa
     const std::size_t stage = std::min(static_cast<std::size_t>(at), N - 1);
     const double w = at - static_cast<double>(stage);
     const double *from = &solution.x[stage * nx], *to = from + nx;
-    for (const Member& m : controller.members) {
+    for (const Controller::Member& m : controller.members) {
       for (std::size_t q = 0; q < m.nx; ++q) {
-        sample.path[i * world_nx + m.plant_x + q] = (1 - w) * from[m.ocp_x + q] + w * to[m.ocp_x + q];
+        sample.path[i * world_nx + m.world_x + q] = (1 - w) * from[m.ocp_x + q] + w * to[m.ocp_x + q];
       }
     }
   }

@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "sightline/run/clock.hpp"
+#include "sightline/run/controller.hpp"
 #include "sightline/run/guard.hpp"
 #include "sightline/run/ring.hpp"
 #include "sightline/run/sample.hpp"
+#include "sightline/run/succession.hpp"
 #include "sightline/sim/fault.hpp"
 #include "sightline/sim/plant.hpp"
 #include "sightline/sim/sensor.hpp"
@@ -20,6 +22,12 @@ namespace sightline {
 
 /// Solvers of one loop, each with its own Ocp.
 using Controllers = std::vector<std::reference_wrapper<Solver>>;
+
+/// A message from outside, as a simulation sends it.
+struct TimedSignal {
+  double at = 0.0;  ///< [s], >= 0
+  std::string name;
+};
 
 struct LoopOptions {
   double duration = 60.0;      ///< [s]; round(duration / period) periods
@@ -33,6 +41,9 @@ struct LoopOptions {
   /// believed and commands applied as they are.
   Guard* guard = nullptr;
   std::vector<LatePlan> late_plans{};  ///< injected
+  /// Changes the team in flight; then its present solver is the only controller. None: the team stays.
+  Succession* succession = nullptr;
+  std::vector<TimedSignal> signals{};  ///< sent to it
 };
 
 /// What became of a run.
@@ -49,9 +60,7 @@ struct LoopOutcome {
 /// A sample with all its vectors sized for a loop: the prototype of its sink's items.
 Sample sized_sample(const Team& plant, const Controllers& controllers);
 
-/// Runs controllers against a plant. Bodies are matched by name: what a controller's team calls a robot is a
-/// robot of the plant, and what it calls an obstacle may be one of the plant's obstacles, or a robot that
-/// another controller steers and this one sees as position and velocity.
+/// Runs controllers against a plant.
 ///
 /// Period k, at t = k period: the sensor's measurement goes to each controller in turn; of a robot whose
 /// command is not finite or not within its limits the last good one is applied instead, and an event tells
@@ -71,31 +80,16 @@ class Loop {
   LoopOutcome run() noexcept;
 
  private:
-  /// A body as the plant and as a controller's Ocp know it.
-  struct Member {
-    BodyId body;         // of the plant
-    std::size_t nx, nu;  // copied as they are; nx = 0: a robot seen as position and velocity
-    std::size_t plant_x, plant_u;
-    std::size_t ocp_x, ocp_u;
-    const InputLimits* limits;  // nullptr: not steered by this controller
-  };
-  struct Controller {
-    Solver* solver;
-    std::vector<Member> members;
-    std::vector<double> states;  // what the solver is given (its nx)
-    std::vector<double> plan;    // inputs of a plan that is late or goes on (its nu)
-    Status status{};
-    bool at_work = false;                  // on a late update
-    double asked_at = 0.0, done_at = 0.0;  // begin of the last update, end of a late one [s]
-  };
-
-  Member match(const Team& team, BodyId body, std::size_t controller) const;
   void check_steered() const;
 
   void update(double t, std::span<const double> measured, Sample& sample) noexcept;
   Solution ask(Controller& controller, double t, std::span<const double> believed) noexcept;
   void guard(double t, Sample& sample) noexcept;
-  void gather(Controller& controller, std::span<const double> measured) noexcept;
+  void change_team(double t) noexcept;
+  void take_presence() noexcept;
+  void rest(BodyId robot, double t) noexcept;
+  std::span<Controller> controllers() noexcept;
+  void drift(double t, std::span<const double> believed) noexcept;
   void command(int index, const Controller& controller, const Solution& solution, double t,
                Sample& sample) noexcept;
   void write_path(const Controller& controller, const Solution& solution, Sample& sample) noexcept;
@@ -106,8 +100,10 @@ class Loop {
   Clock& clock_;
   Sink<Sample>& sink_;
   LoopOptions options_;
-  std::vector<Controller> controllers_;
-  std::vector<double> u_;  // applied, all robots of the plant; always within limits
+  std::vector<Controller> controllers_;  // of a team that stays
+  std::vector<Presence> presence_;       // of the plant's bodies
+  std::size_t signalled_ = 0;            // signals sent
+  std::vector<double> u_;                // applied, all robots of the plant; always within limits
   std::vector<double> u_min_, u_max_;
   std::vector<double> planned_at_, plan_ages_;  // of each body: time and age of its last good plan [s]
   std::vector<Event> events_;                   // not yet in a sample

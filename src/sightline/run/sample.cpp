@@ -20,7 +20,11 @@ std::string_view to_string(EventKind kind) {
                                                                "measurement_jump",
                                                                "measurement_frozen",
                                                                "measurement_time",
-                                                               "barrier_conflict"};
+                                                               "barrier_conflict",
+                                                               "event_happened",
+                                                               "event_in_force",
+                                                               "event_ignored",
+                                                               "team_late"};
   return names[static_cast<std::size_t>(kind)];
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/ocp/roster.hpp"
 #include "sightline/solver/solver.hpp"
 
 namespace sightline {
@@ -34,8 +35,13 @@ enum class EventKind : std::uint8_t {
   measurement_frozen,
   measurement_time,
   barrier_conflict,  ///< no command keeps all hard distances; value: the body
+  // An event of the script; value: its index.
+  event_happened,  ///< its trigger did
+  event_in_force,  ///< the team is what it made of it, or its stage has begun
+  event_ignored,   ///< it could not be, the team stays; told once
+  team_late,       ///< the next team was not ready in time; value: periods
 };
-inline constexpr int event_kinds = 18;
+inline constexpr int event_kinds = 22;
 std::string_view to_string(EventKind kind);
 
 struct Event {
@@ -70,6 +76,7 @@ struct Sample {
   std::vector<double> raw_u;              ///< the solvers' inputs before their clamp (nu)
   std::vector<SolverRecord> solvers;      ///< one for each controller
   std::vector<BarrierRecord> barriers{};  ///< one for each robot
+  std::vector<Presence> presence{};       ///< of each body
   bool has_path = false;
   std::vector<double> path;  ///< predicted states (N+1 x nx), where has_path
   double path_step = 0.0;    ///< time between two predicted states [s]

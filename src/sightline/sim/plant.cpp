@@ -42,7 +42,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
     const BodyId body{i};
     const Part& part = parts_.emplace_back(
         Part{team_.model(body), static_cast<std::size_t>(team_.state_offset(body)),
-             static_cast<std::size_t>(team_.input_offset(body)), team_.is_agent(body) ? robots++ : -1});
+             static_cast<std::size_t>(team_.input_offset(body)), team_.is_agent(body) ? robots++ : -1, true});
     if (!part.model.normalise(&z_[part.x])) {
       throw std::invalid_argument(fmt::format(
           "the start of \"{}\" is not a state, expected finite numbers and a heading other than (0, 0)",
@@ -97,11 +97,18 @@ bool Plant::step(std::span<const double> u, double dt) noexcept {
   return finite;
 }
 
+void Plant::set_presence(std::span<const Presence> presence) noexcept {
+  assert(presence.size() == parts_.size() && "one for each body");
+  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].there = presence[i] != Presence::absent;
+}
+
 void Plant::set_accelerations() noexcept {
   for (const Part& part : parts_) {
     if (part.robot < 0) continue;
     const auto robot = static_cast<std::size_t>(part.robot);
-    p_[robot] = part.model.sight(&z_[part.x], &u_[part.u]).p;
+    constexpr double nowhere = 1e6;  // [m]
+    p_[robot] = part.there ? part.model.sight(&z_[part.x], &u_[part.u]).p
+                           : Vec3<double>{nowhere * part.robot, nowhere, 0.0};
     acceleration_[robot] = disturbances_.wind;
     if (gusts_) acceleration_[robot] = acceleration_[robot] + gusts_->acceleration(part.robot);
   }
@@ -116,6 +123,10 @@ void Plant::integrate(std::span<const double> u, double s) noexcept {
       u_[lag.input] = z[lag.state];
     }
     for (const Part& part : parts_) {
+      if (!part.there) {
+        std::fill_n(&rate[part.x], part.model.nx(), 0.0);
+        continue;
+      }
       part.model.f(&z[part.x], u_.data() + part.u, &rate[part.x]);
       if (pushed_ && part.robot >= 0) {
         part.model.push(&z[part.x], acceleration_[static_cast<std::size_t>(part.robot)], &rate[part.x]);

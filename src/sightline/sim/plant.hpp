@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sightline/math/integrate.hpp"
-#include "sightline/ocp/team.hpp"
+#include "sightline/ocp/roster.hpp"
 #include "sightline/sim/disturbance.hpp"
 #include "sightline/sim/motion.hpp"
 
@@ -37,6 +37,9 @@ class Plant {
   /// @return false where a state is no longer finite
   bool step(std::span<const double> u, double dt) noexcept;
 
+  /// Bodies that are absent rest where they are, and disturb nobody; all are there at first.
+  void set_presence(std::span<const Presence> presence) noexcept;
+
   const Team& team() const { return team_; }
   std::span<const double> x() const noexcept { return std::span(z_).first(nx_); }
   double time() const noexcept { return time_; }
@@ -46,6 +49,7 @@ class Plant {
     Model model;
     std::size_t x, u;  // offsets
     int robot;         // index among the robots, or -1
+    bool there = true;
   };
   struct YawLag {
     std::size_t input, state;

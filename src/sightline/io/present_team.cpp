@@ -1,0 +1,146 @@
+#include "sightline/io/present_team.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sightline/potential/bearing.hpp"
+#include "sightline/potential/distance.hpp"
+#include "sightline/potential/region.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/slope.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+std::size_t size(int n) { return static_cast<std::size_t>(n); }
+
+}  // namespace
+
+std::vector<Observation> observations(std::span<const Coupling> couplings) {
+  std::vector<Observation> found;
+  const auto same = [](const Observation& o, BodyId a, BodyId b) { return o.observer == a && o.target == b; };
+  for (const Coupling& c : couplings) {
+    const BodyId a = c.between.first, b = c.between.second;
+    const Potential& potential = c.term.potential;
+    const auto* cone = potential.as<SensorCone>();
+    const auto* bearing = potential.as<Bearing>();
+    const auto* region = potential.as<Region>();
+    const bool known =
+        std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); });
+    if (known) continue;
+    if (cone != nullptr) found.push_back({a, b, potential, cone->mount, cone->alpha, none, none});
+    if (bearing != nullptr) found.push_back({a, b, potential, bearing->mount, bearing->alpha, none, none});
+    if (region != nullptr && region->is_view())
+      found.push_back({a, b, potential, region->mount(), none, none, none});
+  }
+  // A distance has no direction. fmax and fmin pass over what is not a number.
+  for (const Coupling& c : couplings) {
+    const BodyId a = c.between.first, b = c.between.second;
+    for (Observation& o : found) {
+      if (!same(o, a, b) && !same(o, b, a)) continue;
+      if (const auto* near = c.term.potential.as<KeepOut>()) o.d_min = std::fmax(o.d_min, near->d_min);
+      if (const auto* far = c.term.potential.as<Cohesion>()) o.d_max = std::fmin(o.d_max, far->d_max);
+      if (const auto* near = c.term.potential.as<TooNear>()) o.d_min = std::fmax(o.d_min, near->d_min);
+      if (const auto* far = c.term.potential.as<TooFar>()) o.d_max = std::fmin(o.d_max, far->d_max);
+    }
+  }
+  return found;
+}
+
+std::vector<Coupling> all_couplings(const Scenario& scenario) {
+  std::vector<Coupling> all = scenario.team.couplings();
+  if (scenario.script.empty()) return all;
+  const std::vector<Presence> everybody(size(scenario.team.bodies()), Presence::steered);
+  Roster roster(scenario.team, everybody);
+  for (const TeamEvent& event : scenario.script.events) {
+    for (const Action& action : event.actions) {
+      if (std::holds_alternative<RemoveBody>(action)) continue;
+      (void)roster.apply(action, 0.0, 0.0);
+      for (const Coupling& c : roster.couplings()) {
+        const auto same = [&](const Coupling& other) {
+          return other.between.first == c.between.first && other.between.second == c.between.second &&
+                 other.term.potential.name() == c.term.potential.name();
+        };
+        if (std::none_of(all.begin(), all.end(), same)) all.push_back(c);
+      }
+    }
+  }
+  return all;
+}
+
+PresentTeam::PresentTeam(const Scenario& scenario)
+    : script_(scenario.script), roster_(scenario.team, scenario.presence) {
+  compose(0.0);
+}
+
+void PresentTeam::compose(double t) {
+  team_ = roster_.team(t);
+  world_.clear();
+  for (int i = 0; i < team_.bodies(); ++i) world_.push_back(roster_.all().find(team_.name(BodyId{i})));
+  x_.resize(size(team_.nx()));
+  u_.resize(size(team_.nu()));
+}
+
+bool PresentTeam::follow(const Sample& sample) {
+  bool changed = false;
+  for (int i = 0; i < sample.event_count; ++i) {
+    const Event& event = sample.events[size(i)];
+    if (event.kind != EventKind::event_in_force) continue;
+    const TeamEvent& what = script_.events[static_cast<std::size_t>(event.value)];
+    for (const Action& action : what.actions) (void)roster_.apply(action, event.time, ramp_of(what));
+    changed = true;
+  }
+  if (changed) compose(sample.time);
+  return changed;
+}
+
+std::vector<Coupling> PresentTeam::couplings() const {
+  std::vector<Coupling> list;
+  const auto is_there = [&](BodyId body) { return roster_.presence(body) != Presence::absent; };
+  for (const Coupling& c : roster_.couplings()) {
+    const bool felt = std::any_of(c.felt_by.begin(), c.felt_by.end(), [&](AgentId agent) {
+      return roster_.presence(agent) == Presence::steered;
+    });
+    if (c.ramp.to > 0 && felt && is_there(c.between.first) && is_there(c.between.second)) list.push_back(c);
+  }
+  return list;
+}
+
+std::vector<Constraint> PresentTeam::constraints() const {
+  std::vector<Constraint> list;
+  for (const Constraint& c : roster_.constraints()) {
+    if (c.ramp.to > 0 && roster_.presence(c.agent) == Presence::steered) list.push_back(c);
+  }
+  return list;
+}
+
+const Agent* PresentTeam::agent(BodyId robot) const {
+  const auto found = std::find(world_.begin(), world_.end(), robot);
+  if (found == world_.end()) return nullptr;
+  const BodyId body{static_cast<int>(found - world_.begin())};
+  return team_.is_agent(body) ? &team_.agent(body) : nullptr;
+}
+
+double PresentTeam::cost(const Sample& sample) {
+  const Team& all = roster_.all();
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i}, in_world = world_[size(i)];
+    const double* const x = &sample.x[size(all.state_offset(in_world))];
+    const double* const u = sample.u.data() + all.input_offset(in_world);
+    double* const to = &x_[size(team_.state_offset(body))];
+    if (team_.is_agent(body) == all.is_agent(in_world)) {
+      std::copy_n(x, team_.model(body).nx(), to);
+      std::copy_n(u, team_.model(body).nu(), u_.begin() + team_.input_offset(body));
+    } else {
+      const Sight<double> seen = all.model(in_world).sight(x, u);
+      to[0] = seen.p.x, to[1] = seen.p.y, to[2] = seen.p.z;
+      to[3] = seen.v.x, to[4] = seen.v.y, to[5] = seen.v.z;
+    }
+  }
+  return stage_cost(team_, sample.time, x_, u_);
+}
+
+}  // namespace sightline

@@ -1,0 +1,89 @@
+#include "sightline/run/controller.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace sightline {
+namespace {
+
+template <class... Args>
+[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
+  throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
+}
+
+std::size_t size(int n) { return static_cast<std::size_t>(n); }
+
+Controller::Member match(const Team& world, const Team& team, BodyId body, std::size_t controller) {
+  const std::string_view name = team.name(body);
+  const BodyId found = world.find(name);
+  if (found.index < 0)
+    refuse("controller {}: \"{}\" is not in the plant, expected one of its bodies", controller, name);
+  const Model &model = team.model(body), &real = world.model(found);
+  Controller::Member member{.body = found,
+                            .nx = size(model.nx()),
+                            .nu = size(model.nu()),
+                            .world_x = size(world.state_offset(found)),
+                            .world_u = size(world.input_offset(found)),
+                            .ocp_x = size(team.state_offset(body)),
+                            .ocp_u = size(team.input_offset(body)),
+                            .limits = nullptr};
+  if (team.is_agent(body)) {
+    if (!world.is_agent(found)) {
+      refuse("controller {}: \"{}\" is an obstacle of the plant, expected a robot", controller, name);
+    }
+    if (model.name() != real.name() || model.nx() != real.nx() || model.nu() != real.nu()) {
+      refuse("controller {}: \"{}\" is of model {} ({} states), expected the plant's {} ({})", controller,
+             name, model.name(), model.nx(), real.name(), real.nx());
+    }
+    member.limits = &team.agent(body).limits;
+  } else if (world.is_agent(found)) {
+    member.nx = 0;
+  }
+  return member;
+}
+
+}  // namespace
+
+Controller::Controller(const Team& world, Solver& given, std::size_t number) : solver(&given) {
+  const Team& team = given.ocp().team();
+  states.resize(size(team.nx()));
+  plan.resize(size(team.nu()));
+  for (int i = 0; i < team.bodies(); ++i) members.push_back(match(world, team, BodyId{i}, number));
+}
+
+void Controller::gather(const Team& world, std::span<const double> x, std::span<const double> u) noexcept {
+  for (const Member& m : members) {
+    double* const to = &states[m.ocp_x];
+    if (m.nx > 0) {
+      std::copy_n(&x[m.world_x], m.nx, to);
+      continue;
+    }
+    const Sight<double> seen = world.model(m.body).sight(&x[m.world_x], &u[m.world_u]);
+    to[0] = seen.p.x, to[1] = seen.p.y, to[2] = seen.p.z;
+    to[3] = seen.v.x, to[4] = seen.v.y, to[5] = seen.v.z;
+  }
+}
+
+Drifter::Drifter(const Team& world, BodyId robot, bool lands)
+    : body(robot),
+      x(size(world.state_offset(robot))),
+      u(size(world.input_offset(robot))),
+      nx(size(world.model(robot).nx())),
+      nu(size(world.model(robot).nu())),
+      model(world.model(robot)),
+      limits(world.agent(robot).limits),
+      brake(model, world.agent(robot).u_ref, brake_time),
+      sink_speed(lands ? landing_speed : 0.0) {}
+
+void Drifter::steer(double t, std::span<const double> believed, std::span<double> u_min,
+                    std::span<double> u_max, std::span<double> u_world) noexcept {
+  const std::span<const double> state = believed.subspan(x, nx);
+  const std::span<double> input = u_world.subspan(u, nu);
+  limits.at(t, u_min.first(nu), u_max.first(nu));
+  const bool above = model.sight(state.data(), input.data()).p.z > ground;
+  brake(state, {0.0, 0.0, above ? -sink_speed : 0.0}, u_min.first(nu), u_max.first(nu), input);
+}
+
+}  // namespace sightline

@@ -1,0 +1,59 @@
+/// A solver as the loop sees it: which bodies of the world its team means, and what it is given. And robots that
+/// no solver steers.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "sightline/safety/brake.hpp"
+#include "sightline/solver/solver.hpp"
+
+namespace sightline {
+
+/// Bodies are matched by name: what the solver's team calls a robot is a robot of the world, and what it calls an
+/// obstacle may be one of the world's obstacles, or a robot that it does not steer and sees as position and
+/// velocity.
+struct Controller {
+  /// A body as the world and as the solver's Ocp know it.
+  struct Member {
+    BodyId body;         // of the world
+    std::size_t nx, nu;  // copied as they are; nx = 0: a robot seen as position and velocity
+    std::size_t world_x, world_u;
+    std::size_t ocp_x, ocp_u;
+    const InputLimits* limits;  // nullptr: not steered by this solver
+  };
+
+  Solver* solver;
+  std::vector<Member> members{};
+  std::vector<double> states{};  ///< what the solver is given (its nx)
+  std::vector<double> plan{};    ///< inputs of a plan that is late or goes on (its nu)
+  Status status{};
+  bool at_work = false;                  ///< on a late update
+  double asked_at = 0.0, done_at = 0.0;  ///< begin of the last update, end of a late one [s]
+
+  /// @param number  for the refusals
+  /// @throws std::invalid_argument where the world has not what the solver's team knows, or as another model
+  Controller(const Team& world, Solver& given, std::size_t number);
+
+  /// What the solver is given, from the states and inputs of the world.
+  void gather(const Team& world, std::span<const double> x, std::span<const double> u) noexcept;
+};
+
+/// A robot that no solver steers: it brakes and stays, or sinks to the ground.
+struct Drifter {
+  BodyId body;
+  std::size_t x, u, nx, nu;  // offsets and lengths in the world
+  Model model;
+  InputLimits limits;
+  Brake brake;
+  double sink_speed;  ///< [m/s]
+
+  static constexpr double landing_speed = 0.3, brake_time = 0.4, ground = 0.0;
+  Drifter(const Team& world, BodyId robot, bool lands);
+
+  /// Writes its input into those of the world; the limits are work space of nu at least.
+  void steer(double t, std::span<const double> believed, std::span<double> u_min, std::span<double> u_max,
+             std::span<double> u_world) noexcept;
+};
+
+}  // namespace sightline

@@ -1,0 +1,208 @@
+#include "sightline/run/succession.hpp"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace sightline {
+namespace {
+
+constexpr double same_time = 1e-9;
+constexpr double never = std::numeric_limits<double>::infinity();
+constexpr int converging_steps = 30;
+
+std::size_t size(int n) { return static_cast<std::size_t>(n); }
+
+const Script& checked(const Script& script, const Roster& roster) {
+  const std::vector<ScriptFault> faults = faults_of(script, roster);
+  if (faults.empty()) return script;
+  const std::string& name = script.events[faults[0].event].name;
+  throw std::invalid_argument(fmt::format("event {}{}: {}", faults[0].event,
+                                          name.empty() ? "" : fmt::format(" \"{}\"", name),
+                                          faults[0].sentence));
+}
+
+Phase phase_of(std::unique_ptr<NewtonRiccati> solver, const Roster& roster) {
+  Phase phase{.solver = std::move(solver), .controller = {}, .presence = roster.presence()};
+  phase.controller.emplace(roster.all(), *phase.solver, 0);
+  for (int i = 0; i < roster.all().bodies(); ++i) {
+    const BodyId body{i};
+    const Presence presence = roster.presence(body);
+    if (!roster.all().is_agent(body) || presence == Presence::steered || presence == Presence::absent)
+      continue;
+    phase.drifters.emplace_back(roster.all(), body, presence == Presence::land);
+  }
+  return phase;
+}
+
+void nap() noexcept {
+  constexpr timespec how_long = {0, 100'000};  // 0.1 ms
+  ::nanosleep(&how_long, nullptr);
+}
+
+}  // namespace
+
+Succession::Succession(Roster start, const Script& script, MakeSolver make)
+    : world_(start.all()),
+      script_(checked(script, start)),
+      watch_(script_, world_),
+      make_(std::move(make)),
+      settles_at_(never),
+      ignored_(script_.events.size(), 0),
+      roster_(std::move(start)),
+      next_settles_at_(never) {
+  present_ = phase_of(make_(roster_.team(0.0)), roster_);
+  const Horizon& horizon = present_.solver->ocp().horizon();
+  period_ = horizon.dt;
+  request_.x.resize(size(world_.nx()));
+  request_.u.resize(size(world_.nu()));
+  request_.plan.resize(size(horizon.N) * size(world_.nu()));
+  request_.events.reserve(script_.events.size());
+  refused_.reserve(script_.events.size());
+  told_.reserve(3 * script_.events.size() + 4);
+  thread_ = std::thread([this] { work(); });
+}
+
+Succession::~Succession() {
+  stop_.store(true, std::memory_order_release);
+  thread_.join();
+}
+
+void Succession::tell(double t, EventKind kind, std::size_t event) noexcept {
+  if (told_.size() < told_.capacity()) told_.push_back({t, kind, 0, static_cast<double>(event)});
+}
+
+bool Succession::swap(double t, std::span<const double> x, std::span<const double> u, bool wait) noexcept {
+  if (!pending_) return false;
+  while (wait && hand_.load(std::memory_order_acquire) == Hand::thread) nap();
+  if (hand_.load(std::memory_order_acquire) == Hand::thread) return false;
+  pending_ = false;
+  for (const std::size_t event : request_.events) {
+    const bool refused = std::find(refused_.begin(), refused_.end(), event) != refused_.end();
+    if (refused && ignored_[event] != 0) continue;
+    if (refused) ignored_[event] = 1;
+    tell(t, refused ? EventKind::event_ignored : EventKind::event_in_force, event);
+  }
+  if (!next_.solver) return false;
+  if (const double late = t - request_.t - period_; late > same_time) {
+    tell(t, EventKind::team_late, static_cast<std::size_t>(std::llround(late / period_)));
+  }
+  next_.controller->status = present_.controller->status;
+  std::swap(present_, next_);
+  settles_at_ = next_settles_at_;
+  // Its memory comes to this core outside of the update.
+  present_.controller->gather(world_, x, u);
+  (void)present_.solver->kkt(t, present_.controller->states);
+  return true;
+}
+
+void Succession::look(double t, std::span<const double> x, std::span<const double> u,
+                      std::span<const double> ages) noexcept {
+  if (pending_) return;
+  const std::span<const std::size_t> happening =
+      watch_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_.presence});
+  const bool settles = t + period_ >= settles_at_ - same_time;
+  if (happening.empty() && !settles) return;
+  if (settles) settles_at_ = never;
+  request_.t = t;
+  request_.events.clear();
+  for (const std::size_t event : happening) {
+    tell(t, EventKind::event_happened, event);
+    request_.events.push_back(event);
+  }
+  std::copy(x.begin(), x.end(), request_.x.begin());
+  std::copy(u.begin(), u.end(), request_.u.begin());
+  const std::size_t nu = size(present_.solver->ocp().nu());
+  for (int k = 0; k < present_.solver->ocp().horizon().N; ++k) {
+    present_.solver->plan(k, std::span(request_.plan).subspan(size(k) * nu, nu));
+  }
+  pending_ = true;
+  hand_.store(Hand::thread, std::memory_order_release);
+}
+
+void Succession::work() noexcept {
+  while (!stop_.load(std::memory_order_acquire)) {
+    if (hand_.load(std::memory_order_acquire) == Hand::control) {
+      nap();
+      continue;
+    }
+    try {
+      prepare();
+    } catch (const std::exception&) {  // no memory, a team without a solver: the team stays
+      next_ = {};
+      refused_ = request_.events;
+    }
+    hand_.store(Hand::control, std::memory_order_release);
+  }
+}
+
+void Succession::prepare() {
+  next_ = {};  // what left
+  refused_.clear();
+  const double t = request_.t + period_;
+  bool changes = request_.events.empty();  // weights that came to rest
+  for (const std::size_t event : request_.events) {
+    Roster trial = roster_;
+    const TeamEvent& what = script_.events[event];
+    const bool accepted = std::all_of(what.actions.begin(), what.actions.end(), [&](const Action& action) {
+      return trial.apply(action, t, ramp_of(what)).empty();
+    });
+    if (!accepted) {
+      refused_.push_back(event);
+      continue;
+    }
+    roster_ = std::move(trial);
+    changes = changes || !what.actions.empty();
+  }
+  const double settled = roster_.at_rest_from(t);
+  next_settles_at_ = settled > t ? settled : never;
+  if (!changes) return;
+  next_ = phase_of(make_(roster_.team(t)), roster_);
+  give_plan(*next_.solver);
+  const std::vector<double> states = predicted(*next_.controller);
+  for (int i = 0; i < converging_steps; ++i) {
+    if (next_.solver->solve(t, states).status != Status::iteration_limit) break;
+  }
+}
+
+/// Robots of both teams go on with their plan, others begin at u*.
+void Succession::give_plan(NewtonRiccati& solver) const {
+  const Team &before = present_.solver->ocp().team(), &team = solver.ocp().team();
+  std::vector<double> u(size(team.nu()));
+  for (int k = 0; k < solver.ocp().horizon().N; ++k) {
+    for (const BodyId body : solver.ocp().agent_bodies()) {
+      const std::vector<double>& u_ref = team.agent(body).u_ref;
+      const auto to = u.begin() + team.input_offset(body);
+      const BodyId same = before.find(team.name(body));
+      if (same.index < 0 || !before.is_agent(same)) {
+        std::copy(u_ref.begin(), u_ref.end(), to);
+        continue;
+      }
+      const auto from = request_.plan.begin() + k * before.nu() + before.input_offset(same);
+      std::copy_n(from, u_ref.size(), to);
+    }
+    solver.set_plan(k, u);
+  }
+}
+
+/// The solver's states one period after the request.
+std::vector<double> Succession::predicted(const Controller& controller) const {
+  std::vector<double> x = request_.x;
+  for (int i = 0; i < world_.bodies(); ++i) {
+    const BodyId body{i};
+    const double* const u = world_.is_agent(body) ? &request_.u[size(world_.input_offset(body))] : nullptr;
+    if (next_.presence[size(i)] == Presence::absent) continue;
+    world_.model(body).step(&x[size(world_.state_offset(body))], u, period_);
+    (void)world_.model(body).normalise(&x[size(world_.state_offset(body))]);
+  }
+  Controller copy = controller;
+  copy.gather(world_, x, request_.u);
+  return copy.states;
+}
+
+}  // namespace sightline

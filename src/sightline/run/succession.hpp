@@ -1,0 +1,113 @@
+/// Teams that follow one another in flight: the next team's solver is made and converged on a thread of its own, and
+/// takes over one period after the event that asks for it.
+///
+///   period k      the loop's update; then look(): an event happens, the thread is told
+///   meanwhile     the thread changes the roster, makes the Team, its Ocp and solver, gives it the plan of the
+///                 robots that both teams have, and takes up to 30 steps on the state predicted for period k + 1
+///   period k + 1  swap(): pointers change hands; the solver that leaves goes back to the thread, which frees it
+///
+/// In simulated time the loop waits for the thread, so that a run is the same whatever the threads do; a steady
+/// clock goes on under the team there is until the next is ready, and tells it. In the control path nothing
+/// allocates, locks or throws.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/watch.hpp"
+#include "sightline/run/controller.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/solver/newton_riccati.hpp"
+
+namespace sightline {
+
+/// Who steers, who drifts, who is there.
+struct Phase {
+  std::unique_ptr<NewtonRiccati> solver;
+  std::optional<Controller> controller;
+  std::vector<Drifter> drifters{};
+  std::vector<Presence> presence{};
+};
+
+class Succession {
+ public:
+  using MakeSolver = std::function<std::unique_ptr<NewtonRiccati>(Team)>;
+
+  /// @param make  of teams of this horizon; called on the thread
+  /// @throws std::invalid_argument for a script that has faults_of(), the first of them
+  Succession(Roster start, const Script& script, MakeSolver make);
+  ~Succession();
+  Succession(const Succession&) = delete;
+  Succession& operator=(const Succession&) = delete;
+
+  /// Of the team there is now. The loop takes the first one from here.
+  Phase& present() noexcept { return present_; }
+  const Phase& present() const noexcept { return present_; }
+  /// Every body there will ever be.
+  const Team& world() const noexcept { return world_; }
+
+  /// Any thread: hands over an event's signal. @return whether the script has one of that name
+  bool signal(std::string_view name) noexcept { return watch_.signal(name); }
+
+  // The control thread, each period.
+
+  /// Whether a change was asked for that is not made yet.
+  bool is_pending() const noexcept { return pending_; }
+  /// Lets the pending change take place if it is ready, or once it is.
+  /// @param x  states of the world now, that the new solver's memory is warmed with
+  /// @return whether the team is another one now
+  bool swap(double t, std::span<const double> x, std::span<const double> u, bool wait) noexcept;
+  /// After the update at t, whose plan the next solver goes on from: asks for what happens now.
+  /// @param ages  of what is known of each body [s]; empty: all is new
+  void look(double t, std::span<const double> x, std::span<const double> u,
+            std::span<const double> ages) noexcept;
+  /// Since the last call of either; what happened, what took effect.
+  std::span<const Event> events() const noexcept { return told_; }
+  void clear_events() noexcept { told_.clear(); }
+
+ private:
+  enum class Hand { control, thread };  // whose the request and the next phase are
+
+  struct Request {
+    double t = 0.0;
+    std::vector<double> x, u;  // of the world
+    std::vector<double> plan;  // [stage][input of the present team]
+    std::vector<std::size_t> events;
+  };
+
+  void work() noexcept;
+  void prepare();
+  void give_plan(NewtonRiccati& solver) const;
+  std::vector<double> predicted(const Controller& controller) const;
+  void tell(double t, EventKind kind, std::size_t event) noexcept;
+
+  Team world_;
+  Script script_;
+  Watch watch_;
+  MakeSolver make_;
+  double period_ = 0.0;
+  Phase present_;
+  bool pending_ = false;
+  double settles_at_;          // when the weights come to rest that move now [s]
+  std::vector<char> ignored_;  // [event]: told already
+  std::vector<Event> told_;
+
+  // Handed to and fro.
+  std::atomic<Hand> hand_{Hand::control};
+  std::atomic<bool> stop_{false};
+  Roster roster_;
+  Request request_;
+  std::vector<std::size_t> refused_;  // events
+  Phase next_;                        // no solver: the team stays
+  double next_settles_at_;
+  std::thread thread_;
+};
+
+}  // namespace sightline
