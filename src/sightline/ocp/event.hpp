@@ -30,6 +30,11 @@ struct AfterTime {
 struct Signal {
   std::string name;
 };
+/// One as a simulation sends it.
+struct TimedSignal {
+  double at = 0.0;  ///< [s], >= 0
+  std::string name;
+};
 
 /// What a condition looks at.
 struct DistanceOf {

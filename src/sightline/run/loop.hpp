@@ -23,12 +23,6 @@ namespace sightline {
 /// Solvers of one loop, each with its own Ocp.
 using Controllers = std::vector<std::reference_wrapper<Solver>>;
 
-/// A message from outside, as a simulation sends it.
-struct TimedSignal {
-  double at = 0.0;  ///< [s], >= 0
-  std::string name;
-};
-
 struct LoopOptions {
   double duration = 60.0;      ///< [s]; round(duration / period) periods
   double period = 0.01;        ///< [s], that of each controller's horizon

@@ -1,0 +1,55 @@
+#include "sightline/run/controller.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sightline/ocp/roster.hpp"
+#include "sightline/sim/plant.hpp"
+#include "sightline/solver/newton_riccati.hpp"
+#include "tests/support/event_team.hpp"
+
+namespace sightline {
+namespace {
+
+TEST(Controller, ARobotThatItsTeamSeesAsAnObstacleIsGivenAsPlaceAndVelocity) {
+  const Team world = event_team(3);
+  Roster roster(world);
+  ASSERT_EQ(roster.apply(RemoveBody{BodyId{1}, Afterwards::hold}, 0.0, 0.0), "");
+  NewtonRiccati solver(roster.team(0.0), Horizon{});
+  Controller controller(world, solver, 0);
+  const std::vector<double> x = event_start(world), u(static_cast<std::size_t>(world.nu()), 0.5);
+  controller.gather(world, x, u);
+  const Team& team = solver.ocp().team();
+  ASSERT_EQ(controller.states.size(), static_cast<std::size_t>(team.nx()));
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i}, real = world.find(team.name(body));
+    const Sight<double> seen = team.model(body).sight(
+        &controller.states[static_cast<std::size_t>(team.state_offset(body))], u.data());
+    const Sight<double> is = world.model(real).sight(&x[static_cast<std::size_t>(world.state_offset(real))],
+                                                     &u[static_cast<std::size_t>(world.input_offset(real))]);
+    EXPECT_EQ(norm(seen.p - is.p), 0.0);
+    EXPECT_LT(norm(seen.v - is.v), 1e-12);
+  }
+}
+
+TEST(Drifter, HoldsOrSinksToTheGroundAndStaysThere) {
+  for (const bool lands : {false, true}) {
+    const Team world = event_team(2);
+    std::vector<double> x = event_start(world);
+    x[5] = 1.2, x[6] = -0.7;  // flies fast when it is left alone
+    Plant plant(world, x);
+    Drifter drifter(world, BodyId{0}, lands);
+    std::vector<double> u(static_cast<std::size_t>(world.nu())), low(4), high(4);
+    for (int k = 0; k < 1500; ++k) {
+      drifter.steer(0.01 * k, plant.x(), low, high, u);
+      for (const double input : std::span(u).first(4)) EXPECT_LE(std::abs(input), 1.0);
+      ASSERT_TRUE(plant.step(u, 0.01));
+    }
+    const Sight<double> there = world.model(BodyId{0}).sight(plant.x().data(), u.data());
+    EXPECT_LT(norm(there.v), 0.01);
+    EXPECT_NEAR(there.p.z, lands ? 0.0 : 1.0, lands ? 0.02 : 0.3);
+  }
+}
+
+}  // namespace
+}  // namespace sightline

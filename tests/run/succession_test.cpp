@@ -1,0 +1,173 @@
+#include "sightline/run/succession.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "tests/support/event_team.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/succession_flight.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+
+TeamEvent at(double t, Action action, double ramp = 0.0) {
+  return {.name = "", .trigger = AtTime{t}, .actions = {std::move(action)}, .ramp = ramp};
+}
+
+const Event* event_of(const FlownPeriod& period, EventKind kind) {
+  for (const Event& event : period.events) {
+    if (event.kind == kind) return &event;
+  }
+  return nullptr;
+}
+
+std::size_t period_of(const SuccessionFlight& flight, EventKind kind) {
+  for (std::size_t k = 0; k < flight.flown.size(); ++k) {
+    if (event_of(flight.flown[k], kind) != nullptr) return k;
+  }
+  return flight.flown.size();
+}
+
+double largest_jump(const SuccessionFlight& flight, std::size_t from, std::size_t to, std::size_t first,
+                    std::size_t n) {
+  double jump = 0.0;
+  for (std::size_t k = from; k < to; ++k) {
+    for (std::size_t i = first; i < first + n; ++i) {
+      jump = std::max(jump, std::abs(flight.flown[k].u[i] - flight.flown[k - 1].u[i]));
+    }
+  }
+  return jump;
+}
+
+TEST(Succession, TheTeamChangesExactlyOnePeriodAfterTheTrigger) {
+  const Team all = event_team(3);
+  const SuccessionFlight flight =
+      fly_script(all, event_start(all), {{at(0.5, RemoveBody{BodyId{2}, Afterwards::hold})}}, 1.0);
+  EXPECT_EQ(period_of(flight, EventKind::event_happened), 50U);
+  EXPECT_EQ(period_of(flight, EventKind::event_in_force), 51U);
+  EXPECT_EQ(flight.flown[50].presence[2], Presence::steered);
+  EXPECT_EQ(flight.flown[51].presence[2], Presence::hold);
+  EXPECT_EQ(period_of(flight, EventKind::team_late), flight.flown.size());
+}
+
+TEST(Succession, AScriptInWhichNothingHappensFliesAsTheSolverAlone) {
+  const Team all = event_team(4);
+  const std::vector<double> x0 = event_start(all);
+  const SuccessionFlight flight = fly_script(all, x0, {{at(9.0, RemoveBody{BodyId{2}})}}, 1.0);
+  NewtonRiccati solver(all, Horizon{});
+  Plant plant(all, x0);
+  for (const FlownPeriod& period : flight.flown) {
+    const auto u = solver.step(period.time, plant.x());
+    ASSERT_TRUE(std::equal(u.begin(), u.end(), period.u.begin())) << period.time;
+    ASSERT_TRUE(plant.step(u, 0.01));
+  }
+}
+
+TEST(Succession, TheNextTeamIsAtItsOptimumFromItsFirstUpdateOn) {
+  const Team all = event_team(5, 2);
+  for (const Action& action :
+       std::initializer_list<Action>{RemoveBody{BodyId{4}}, RetuneTerm{.name = "sees3", .weight = 0.8},
+                                     Observe{AgentId{BodyId{2}}, BodyId{0}}}) {
+    const SuccessionFlight flight =
+        fly_script(all, event_start(all, 2), {{at(3.0, action, 1.0)}}, 5.0, {}, true);
+    const std::size_t swap = period_of(flight, EventKind::event_in_force);
+    ASSERT_EQ(swap, 301U);
+    EXPECT_LE(flight.flown[swap + 3].kkt, 1e-4);
+    EXPECT_LE(largest_jump(flight, swap, swap + 120, 0, flight.flown[0].u.size()), 0.3);
+  }
+}
+
+TEST(Succession, RobotsTwoCouplingsAwayDoNotNotice) {
+  const Team all = event_team(6);
+  const std::vector<double> x0 = event_start(all);
+  const SuccessionFlight quiet = fly_script(all, x0, {{at(99.0, RemoveBody{BodyId{5}})}}, 5.0);
+  const SuccessionFlight flight =
+      fly_script(all, x0, {{at(3.0, RemoveBody{BodyId{5}, Afterwards::hold})}}, 5.0);
+  for (std::size_t k = 0; k < flight.flown.size(); ++k) {
+    for (std::size_t i = 0; i < 4U * 4U; ++i) {
+      ASSERT_LT(std::abs(flight.flown[k].u[i] - quiet.flown[k].u[i]), 0.02) << flight.flown[k].time;
+    }
+  }
+}
+
+TEST(Succession, WhatCannotBeIsToldOnceAndTheTeamStays) {
+  const Team all = event_team(3);
+  TeamEvent again{.name = "", .trigger = Signal{"again"}, .actions = {AddBody{BodyId{1}}}};
+  again.repeat = true;
+  const SuccessionFlight flight =
+      fly_script(all, event_start(all), {{again}}, 1.0, {}, false,
+                 {{0.2, "again"}, {0.4, "again"}, {0.6, "again"}, {0.7, "nobody"}});
+  int happened = 0, ignored = 0, in_force = 0;
+  for (const FlownPeriod& period : flight.flown) {
+    for (const Event& event : period.events) {
+      happened += event.kind == EventKind::event_happened;
+      ignored += event.kind == EventKind::event_ignored;
+      in_force += event.kind == EventKind::event_in_force;
+    }
+  }
+  EXPECT_EQ(happened, 3);
+  EXPECT_EQ(ignored, 1);
+  EXPECT_EQ(in_force, 0);
+}
+
+TEST(Succession, ARobotThatIsAbsentRestsAndOneThatComesIsSteered) {
+  const Team all = event_team(3);
+  const std::vector<double> x0 = event_start(all);
+  const SuccessionFlight flight = fly_script(all, x0, {{at(1.0, AddBody{BodyId{2}}, 1.0)}}, 4.0,
+                                             {Presence::steered, Presence::steered, Presence::absent}, true);
+  const std::size_t of_it = 14;
+  for (std::size_t k = 0; k <= 101; ++k) {
+    for (std::size_t i = 0; i < 7; ++i) ASSERT_EQ(flight.flown[k].x[of_it + i], x0[of_it + i]);
+    ASSERT_EQ(flight.flown[k].presence[2], k <= 100 ? Presence::absent : Presence::steered);
+  }
+  EXPECT_NE(flight.flown[200].x[of_it], x0[of_it]);
+  EXPECT_LE(largest_jump(flight, 101, 300, 0, 12), 0.3);
+}
+
+TEST(Succession, SameScriptSameFlightBitForBit) {
+  const Team all = event_team(5, 2);
+  const Script script{{at(0.5, Observe{AgentId{BodyId{2}}, BodyId{0}}, 1.0),
+                       at(0.8, RemoveBody{BodyId{4}}, 0.5), at(1.2, AddBody{BodyId{4}}, 0.3)}};
+  const SuccessionFlight a = fly_script(all, event_start(all, 2), script, 2.5);
+  const SuccessionFlight b = fly_script(all, event_start(all, 2), script, 2.5);
+  ASSERT_EQ(a.flown.size(), b.flown.size());
+  for (std::size_t k = 0; k < a.flown.size(); ++k) {
+    ASSERT_EQ(a.flown[k].x, b.flown[k].x);
+    ASSERT_EQ(a.flown[k].u, b.flown[k].u);
+  }
+}
+
+TEST(Succession, OnASteadyClockTheLoopNeverWaits) {
+  const Team all = event_team(3);
+  Succession succession(Roster(all), {{at(0.05, RetuneTerm{.name = "sees1", .weight = 0.5}, 0.1)}},
+                        newton_riccati_of(Horizon{}));
+  Plant plant(all, event_start(all));
+  Sensor sensor(all);
+  SteadyClock clock;
+  const Controllers controllers = {*succession.present().solver};
+  KeepSamples sink(sized_sample(all, controllers));
+  Loop loop(plant, sensor, controllers, clock, sink, {.duration = 1.0, .succession = &succession});
+  const LoopOutcome outcome = loop.run();
+  EXPECT_TRUE(outcome.finite);
+  int in_force = 0;
+  for (const FlownPeriod& period : sink.flown)
+    in_force += event_of(period, EventKind::event_in_force) != nullptr;
+  EXPECT_EQ(in_force, 1);
+}
+
+TEST(Succession, AScriptWithFaultsIsRefusedWithTheEvent) {
+  const auto made = [](TeamEvent event) {
+    return refusal_of([&] { Succession(Roster(event_team(2)), {{event}}, newton_riccati_of(Horizon{})); });
+  };
+  EXPECT_THAT(made(at(1.0, AddBody{BodyId{1}})), HasSubstr("event 0: at = 1: \"uav1\" is there already"));
+  TeamEvent named = at(-1.0, RemoveTerm{"sees1"});
+  named.name = "early";
+  EXPECT_THAT(made(named), HasSubstr("event 0 \"early\": at = -1"));
+}
+
+}  // namespace
+}  // namespace sightline

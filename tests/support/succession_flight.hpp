@@ -1,0 +1,89 @@
+/// Flights of a team that changes, as the loop flies them, kept in memory.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "sightline/run/loop.hpp"
+#include "sightline/run/succession.hpp"
+
+namespace sightline {
+
+/// What one period left.
+struct FlownPeriod {
+  double time = 0.0;
+  std::vector<double> x, u;
+  std::vector<Presence> presence;
+  SolverRecord solver;
+  double kkt = 0.0;
+  std::vector<Event> events;
+};
+
+/// Keeps all samples; the loop is never held up.
+class KeepSamples final : public Sink<Sample> {
+ public:
+  explicit KeepSamples(Sample prototype) : sample_(std::move(prototype)) {}
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override {
+    flown.push_back({sample_.time,
+                     sample_.x,
+                     sample_.u,
+                     sample_.presence,
+                     sample_.solvers[0],
+                     0.0,
+                     {sample_.events.begin(), sample_.events.begin() + sample_.event_count}});
+    if (after) after(flown.back());
+  }
+  void close() noexcept override {}
+
+  std::vector<FlownPeriod> flown;
+  std::function<void(FlownPeriod&)> after;
+
+ private:
+  Sample sample_;
+};
+
+inline Succession::MakeSolver newton_riccati_of(const Horizon& horizon,
+                                                const NewtonRiccatiOptions& options = {}) {
+  return [horizon, options](Team team) {
+    return std::make_unique<NewtonRiccati>(Ocp(std::move(team), horizon), options);
+  };
+}
+
+struct SuccessionFlight {
+  std::vector<FlownPeriod> flown;
+  LoopOutcome outcome;
+};
+
+/// @param with_kkt  evaluates the optimality of each update, outside of it
+inline SuccessionFlight fly_script(const Team& all, const std::vector<double>& x0, const Script& script,
+                                   double duration, std::vector<Presence> presence = {},
+                                   bool with_kkt = false, std::vector<TimedSignal> signals = {}) {
+  const Horizon horizon;
+  Succession succession(Roster(all, std::move(presence)), script, newton_riccati_of(horizon));
+  Plant plant(all, x0, {.period = horizon.dt});
+  Sensor sensor(all, {.period = horizon.dt});
+  SimulatedClock clock;
+  const Controllers controllers = {*succession.present().solver};
+  KeepSamples sink(sized_sample(all, controllers));
+  if (with_kkt) {
+    sink.after = [&](FlownPeriod& period) {
+      Controller& controller = *succession.present().controller;
+      controller.gather(all, period.x, period.u);
+      period.kkt = succession.present().solver->kkt(period.time, controller.states);
+    };
+  }
+  Loop loop(plant, sensor, controllers, clock, sink,
+            {.duration = duration,
+             .period = horizon.dt,
+             .path_interval = 0.0,
+             .succession = &succession,
+             .signals = std::move(signals)});
+  SuccessionFlight flight;
+  flight.outcome = loop.run();
+  flight.flown = std::move(sink.flown);
+  return flight;
+}
+
+}  // namespace sightline
