@@ -203,7 +203,8 @@ TEST(Roster, AnyOrderOfChangesGivesATeamThatIsSound) {
       }
       const double rest = roster.at_rest_from(t);
       if (rest < t) continue;
-      for (const Coupling& c : roster.team(rest).couplings()) EXPECT_EQ(c.ramp, Ramp{});
+      const Team settled = roster.team(rest);
+      for (const Coupling& c : settled.couplings()) EXPECT_EQ(c.ramp, Ramp{});
     }
   }
 }

@@ -50,6 +50,20 @@ struct Flight {
   double t = 0.0, nearest = 1e9, lowest = 1e9;
 };
 
+TEST(Guard, KeepsOffNobodyWhoIsAbsent) {
+  for (const bool absent : {false, true}) {
+    Flight flight({.barrier = BarrierMode::on});
+    if (absent) {
+      flight.guard.set_presence(std::vector{Presence::steered, Presence::absent, Presence::hold});
+    }
+    for (int k = 0; k < 400; ++k) {
+      flight.step();
+      EXPECT_FALSE(absent && flight.guard.barriers()[1].active);
+    }
+    EXPECT_EQ(flight.nearest < 0.6, absent) << flight.nearest;
+  }
+}
+
 TEST(Guard, WithNeitherSupervisorNorBarrierAllStaysBitForBit) {
   Flight flight({});
   for (int k = 0; k < 100; ++k) {

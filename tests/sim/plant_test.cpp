@@ -193,6 +193,24 @@ TEST(Plant, TheInputGainScalesWhatTheInputsDo) {
   EXPECT_THAT(weak.x(), testing::ElementsAreArray(model.x()));
 }
 
+TEST(Plant, WhatIsAbsentRestsWhereItIsAndDisturbsNobody) {
+  const Disturbances wakes{.airflow = {.amplitude = 2.0, .distance = 1.5, .frequency = 0.5}};
+  const Numbers near = {0, 0, 1, 1, 0, 0, 0, /**/ 0.5, 0, 1, 1, 0, 0.3, 0};
+  Plant alone(two_robots(), near, {.disturbances = wakes});
+  const std::vector<Presence> presence = {Presence::steered, Presence::absent};
+  alone.set_presence(presence);
+  for (int k = 0; k < 100; ++k) {
+    Numbers u(8, 0.0);
+    u[4] = 1.0;
+    ASSERT_TRUE(alone.step(u, dt));
+  }
+  for (std::size_t i = 0; i < near.size(); ++i) EXPECT_EQ(alone.x()[i], near[i]) << "no wake, no motion";
+  alone.set_presence(std::vector<Presence>(2, Presence::steered));
+  ASSERT_TRUE(alone.step(Numbers(8, 0.0), dt));
+  EXPECT_NE(alone.x()[7], near[7]);
+  EXPECT_NE(alone.x()[0], near[0]);
+}
+
 TEST(Plant, AStateThatIsNoLongerFiniteIsTold) {
   Plant plant(two_robots(), apart);
   Numbers u(8, 0.0);
