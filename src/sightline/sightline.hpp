@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sightline/ocp/ocp.hpp"
+#include "sightline/ocp/shape.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"

@@ -9,9 +9,11 @@
 #include <unordered_map>
 
 #include "sightline/io/campaign_parts.hpp"
+#include "sightline/io/coupling_parts.hpp"
 #include "sightline/io/motion_parts.hpp"
 #include "sightline/io/safety_parts.hpp"
 #include "sightline/io/scenario_parts.hpp"
+#include "sightline/io/shape_parts.hpp"
 #include "sightline/io/toml_table.hpp"
 
 namespace sightline {
@@ -23,8 +25,8 @@ class Reader {
   Reader(const TomlDocument& document, Scenario& scenario) : root_(document), scenario_(scenario) {}
 
   void read() {
-    root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "constrain", "event",
-                       "simulation", "safety", "log", "campaign"});
+    root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "constrain",
+                       "event", "simulation", "safety", "log", "campaign"});
     if (root_.has("event")) root_.refuse("event", "no [[event]]: this version has no events yet");
     read_horizon();
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
@@ -33,7 +35,8 @@ class Reader {
     read_agents();
     read_bodies("target", scenario_.targets);
     read_bodies("obstacle", scenario_.obstacles);
-    read_couplings();
+    read_couplings(root_, observers_, scenario_.team);
+    read_shapes(root_, observers_, scenario_.team);
     read_constraints();
     scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);
     if (const auto options = guard_options(scenario_)) {
@@ -222,16 +225,6 @@ class Reader {
     bodies_[name] = at.checked(add);
   }
 
-  BodyId body(const TomlTable& at, std::string_view key, std::size_t i, const std::string& name) const {
-    const auto found = bodies_.find(name);
-    if (found != bodies_.end()) return found->second;
-    std::vector<std::string_view> known;
-    for (int b = 0; b < scenario_.team.bodies(); ++b) known.push_back(scenario_.team.name(BodyId{b}));
-    at.refuse(
-        key, i,
-        fmt::format("a known name, the nearest is \"{}\"", nearest(shortened(name, name_size_max), known)));
-  }
-
   /// The robot named under `agent`.
   AgentId agent_of(const TomlTable& at) const {
     const std::string name = at.text("agent", "the name of a robot");
@@ -243,38 +236,6 @@ class Reader {
                                      nearest(shortened(name, name_size_max), known)));
     }
     return AgentId{found->second};
-  }
-
-  Observer observer(BodyId body) const {
-    const auto i = static_cast<std::size_t>(body.index);  // agents come first
-    return i < observers_.size() ? observers_[i] : Observer{std::string(scenario_.team.name(body)), {}};
-  }
-
-  void read_couplings() {
-    for (const TomlTable& at : root_.tables("couple")) {
-      at.expect_only({"potential", "between", "felt_by", "weight"});
-      const std::vector<std::string> ends = at.texts("between", 2, "names");
-      const Between between = {body(at, "between", 0, ends[0]), body(at, "between", 1, ends[1])};
-      if (between.first == between.second) at.refuse("between", "two different bodies");
-      const Weighted term = read_potential(at, observer(between.first));
-      if (!at.has("felt_by")) {
-        at.checked([&] { scenario_.team.couple(term, between); });
-        continue;
-      }
-      std::vector<AgentId> feeling;
-      const std::vector<std::string> names = at.texts("felt_by", TomlTable::any_length, "names");
-      for (std::size_t i = 0; i < names.size(); ++i) {
-        const AgentId agent{body(at, "felt_by", i, names[i])};
-        if (!scenario_.team.is_agent(agent) || (agent != between.first && agent != between.second)) {
-          at.refuse("felt_by", i, fmt::format("a robot of between = [\"{}\", \"{}\"]", ends[0], ends[1]));
-        }
-        if (std::find(feeling.begin(), feeling.end(), agent) != feeling.end()) {
-          at.refuse("felt_by", i, "each robot once");
-        }
-        feeling.push_back(agent);
-      }
-      at.checked([&] { scenario_.team.couple(term, between, feeling); });
-    }
   }
 
   void read_constraints() {
@@ -290,14 +251,14 @@ class Reader {
         at.checked([&] { scenario_.team.constrain(barrier, agent); });
         continue;
       }
-      const Weighted term = read_potential(at, observer(agent));
+      const Weighted term = read_potential(at, observer_of(scenario_.team, observers_, agent));
       at.checked([&] { scenario_.team.constrain(term, agent); });
     }
   }
 
   TomlTable root_;
   Scenario& scenario_;
-  std::vector<Observer> observers_;  // of the agents, in their order
+  Observers observers_;
   std::unordered_map<std::string, BodyId> bodies_;
 };
 

@@ -134,6 +134,10 @@ constexpr std::array potentials = {
     Named<ReadPotential>{"sensor", read_own},
 };
 
+double read_weight(const TomlTable& at) {
+  return at.has("weight") ? at.number("weight", not_negative(">= 0")) : 1.0;
+}
+
 // --- limits ---
 
 template <class C>
@@ -272,8 +276,12 @@ Model read_robot(const TomlTable& agent) {
 Weighted read_potential(const TomlTable& at, const Observer& observer) {
   const TomlTable choice = at.table("potential");
   const std::string_view name = choice.choice(names(potentials));
-  const double weight = at.has("weight") ? at.number("weight", not_negative(">= 0")) : 1.0;
-  return {weight, find(potentials, name)(choice.table(name), observer)};
+  return {read_weight(at), find(potentials, name)(choice.table(name), observer)};
+}
+
+Weighted read_weighted(const TomlTable& at, const Observer& observer) {
+  const std::string_view name = at.choice(names(potentials), {"weight"});
+  return {read_weight(at), find(potentials, name)(at.table(name), observer)};
 }
 
 RelaxedBarrier read_limit(const TomlTable& at) {

@@ -51,6 +51,9 @@ Model read_robot(const TomlTable& agent);
 /// `potential = { NAME = {...} }` of [[couple]] or [[constrain]]; its `weight`.
 Weighted read_potential(const TomlTable& at, const Observer& observer);
 
+/// `{ NAME = {...}, weight = ... }`, an entry of a list of potentials.
+Weighted read_weighted(const TomlTable& at, const Observer& observer);
+
 /// `limit = { NAME = {...} }` of [[constrain]].
 RelaxedBarrier read_limit(const TomlTable& at);
 

@@ -92,10 +92,16 @@ void TomlTable::read(std::initializer_list<Field> fields,
   }
 }
 
-std::string_view TomlTable::choice(std::span<const std::string_view> known) const {
-  expect_only(known);
-  if (table_->size() != 1) refuse(fmt::format("exactly one of {}", fmt::join(known, ", ")));
-  return table_->begin()->first.str();
+std::string_view TomlTable::choice(std::span<const std::string_view> known,
+                                   std::initializer_list<std::string_view> others) const {
+  std::vector<std::string_view> all(known.begin(), known.end());
+  all.insert(all.end(), others);
+  expect_only(all);
+  const auto has_key = [&](std::string_view key) { return has(key); };
+  if (std::count_if(known.begin(), known.end(), has_key) != 1) {
+    refuse(fmt::format("exactly one of {}", fmt::join(known, ", ")));
+  }
+  return *std::find_if(known.begin(), known.end(), has_key);
 }
 
 double TomlTable::number_at(const toml::node& node, const std::string& at, const Range& range) const {

@@ -70,8 +70,9 @@ class TomlTable {
   void expect_only(std::initializer_list<std::string_view> known) const { expect_only(std::span(known)); }
   /// Reads numbers that have defaults; refuses keys that are neither in `fields` nor in `others`.
   void read(std::initializer_list<Field> fields, std::initializer_list<std::string_view> others = {}) const;
-  /// The only key of a table that chooses one of several.
-  std::string_view choice(std::span<const std::string_view> known) const;
+  /// The only key of a table that chooses one of several; `others` may stand beside it.
+  std::string_view choice(std::span<const std::string_view> known,
+                          std::initializer_list<std::string_view> others = {}) const;
 
   double number(std::string_view key, const Range& range = any_number()) const;
   std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high) const;

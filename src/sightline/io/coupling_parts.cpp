@@ -1,0 +1,70 @@
+#include "sightline/io/coupling_parts.hpp"
+
+#include <fmt/format.h>
+
+#include "sightline/ocp/shape.hpp"
+
+namespace sightline {
+namespace {
+
+/// The robots named under `felt_by`, each once and one of `between`.
+std::vector<AgentId> read_feeling(const TomlTable& at, Between between, const Team& team) {
+  std::vector<AgentId> agents;
+  for (const BodyId body : bodies_named(at, "felt_by", TomlTable::any_length, team)) {
+    const AgentId agent{body};
+    if (!team.is_agent(agent) || (agent != between.first && agent != between.second)) {
+      at.refuse("felt_by", agents.size(),
+                fmt::format("a robot of between = [\"{}\", \"{}\"]", team.name(between.first),
+                            team.name(between.second)));
+    }
+    if (std::find(agents.begin(), agents.end(), agent) != agents.end()) {
+      at.refuse("felt_by", agents.size(), "each robot once");
+    }
+    agents.push_back(agent);
+  }
+  return agents;
+}
+
+}  // namespace
+
+Observer observer_of(const Team& team, const Observers& observers, BodyId body) {
+  const auto i = static_cast<std::size_t>(body.index);  // agents come first
+  return i < observers.size() ? observers[i] : Observer{std::string(team.name(body)), {}};
+}
+
+BodyId body_named(const TomlTable& at, std::string_view key, std::size_t i, std::string_view name,
+                  const Team& team) {
+  if (const BodyId body = team.find(name); body.index >= 0) return body;
+  std::vector<std::string_view> known;
+  for (int b = 0; b < team.bodies(); ++b) known.push_back(team.name(BodyId{b}));
+  at.refuse(
+      key, i,
+      fmt::format("a known name, the nearest is \"{}\"", nearest(shortened(name, name_size_max), known)));
+}
+
+std::vector<BodyId> bodies_named(const TomlTable& at, std::string_view key, std::size_t length,
+                                 const Team& team) {
+  std::vector<BodyId> bodies;
+  for (const std::string& name : at.texts(key, length, "names")) {
+    bodies.push_back(body_named(at, key, bodies.size(), name, team));
+  }
+  return bodies;
+}
+
+Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& observers) {
+  at.expect_only({"potential", "between", "felt_by", "weight"});
+  const std::vector<BodyId> ends = bodies_named(at, "between", 2, team);
+  const Between between = {ends[0], ends[1]};
+  if (between.first == between.second) at.refuse("between", "two different bodies");
+  return {read_potential(at, observer_of(team, observers, between.first)), between,
+          at.has("felt_by") ? read_feeling(at, between, team) : feeling(team, between, FeltBy::both)};
+}
+
+void read_couplings(const TomlTable& root, const Observers& observers, Team& team) {
+  for (const TomlTable& at : root.tables("couple")) {
+    const Coupling coupling = read_coupling(at, team, observers);
+    at.checked([&] { team.couple(coupling.term, coupling.between, coupling.felt_by); });
+  }
+}
+
+}  // namespace sightline

@@ -1,0 +1,14 @@
+/// Shapes of a team, [[shape]]: many couplings in one table.
+#pragma once
+
+#include "sightline/io/coupling_parts.hpp"
+
+namespace sightline {
+
+/// Most couplings that one shape expands to.
+inline constexpr std::size_t shape_couplings_max = 100'000;
+
+/// Expands all of [[shape]] to couplings of the team.
+void read_shapes(const TomlTable& root, const Observers& observers, Team& team);
+
+}  // namespace sightline

@@ -1,0 +1,71 @@
+#include "sightline/ocp/shape.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace sightline {
+namespace {
+
+void check_once(std::string_view shape, const std::vector<BodyId>& bodies) {
+  for (auto body = bodies.begin(); body != bodies.end(); ++body) {
+    if (std::find(bodies.begin(), body, *body) == body) continue;
+    throw std::invalid_argument(
+        fmt::format("body {} stands twice in the {}, expected each body once", body->index, shape));
+  }
+}
+
+}  // namespace
+
+std::vector<Between> chain(const std::vector<BodyId>& bodies) {
+  check_once("chain", bodies);
+  std::vector<Between> pairs;
+  for (std::size_t i = 1; i < bodies.size(); ++i) pairs.push_back({bodies[i], bodies[i - 1]});
+  return pairs;
+}
+
+std::vector<Between> ring(const std::vector<BodyId>& bodies) {
+  check_once("ring", bodies);
+  std::vector<Between> pairs = chain(bodies);
+  if (bodies.size() > 1) pairs.push_back({bodies.front(), bodies.back()});
+  return pairs;
+}
+
+std::vector<Between> star(BodyId centre, const std::vector<BodyId>& observers) {
+  std::vector<BodyId> all = {centre};
+  all.insert(all.end(), observers.begin(), observers.end());
+  check_once("star", all);
+  std::vector<Between> pairs;
+  for (const BodyId observer : observers) pairs.push_back({observer, centre});
+  return pairs;
+}
+
+std::vector<Between> all_pairs(const std::vector<BodyId>& bodies) {
+  check_once("pairs", bodies);
+  std::vector<Between> pairs;
+  for (auto first = bodies.begin(); first != bodies.end(); ++first) {
+    for (auto second = first + 1; second != bodies.end(); ++second) pairs.push_back({*first, *second});
+  }
+  return pairs;
+}
+
+std::vector<AgentId> feeling(const Team& team, Between pair, FeltBy felt_by) {
+  std::vector<AgentId> agents;
+  if (team.is_agent(pair.first)) agents.push_back(AgentId{pair.first});
+  if (felt_by == FeltBy::both && team.is_agent(pair.second)) agents.push_back(AgentId{pair.second});
+  return agents;
+}
+
+void couple(Team& team, const TermsOf& terms_of, std::span<const Between> pairs, FeltBy felt_by) {
+  for (const Between pair : pairs) {
+    for (const Weighted& term : terms_of(pair)) team.couple(term, pair, feeling(team, pair, felt_by));
+  }
+}
+
+void couple(Team& team, const std::vector<Weighted>& terms, std::span<const Between> pairs, FeltBy felt_by) {
+  const TermsOf same = [&](Between) { return terms; };
+  couple(team, same, pairs, felt_by);
+}
+
+}  // namespace sightline

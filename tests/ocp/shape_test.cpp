@@ -1,0 +1,145 @@
+#include "sightline/ocp/shape.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "sightline/potential/distance.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+#include "tests/support/chain_team.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace sightline {
+namespace {
+
+/// The first `n` bodies of a team.
+std::vector<BodyId> first(int n) {
+  std::vector<BodyId> bodies;
+  for (int i = 0; i < n; ++i) bodies.push_back(BodyId{i});
+  return bodies;
+}
+
+/// The pairs as numbers, ordered and each once.
+std::set<std::pair<int, int>> numbers(const std::vector<Between>& pairs) {
+  std::set<std::pair<int, int>> set;
+  for (const Between& pair : pairs) set.emplace(pair.first.index, pair.second.index);
+  return set;
+}
+
+Team robots(int n) {
+  Team team;
+  for (int i = 0; i < n; ++i) team.add(Multirotor{});
+  return team;
+}
+
+TEST(Shape, a_chain_of_n_has_n_minus_1_pairs_each_body_observes_the_one_before) {
+  for (int n = 1; n < 40; ++n) {
+    const auto pairs = chain(first(n));
+    ASSERT_EQ(static_cast<int>(pairs.size()), n - 1);
+    for (int i = 1; i < n; ++i) {
+      EXPECT_EQ(pairs[static_cast<std::size_t>(i) - 1].first, BodyId{i});
+      EXPECT_EQ(pairs[static_cast<std::size_t>(i) - 1].second, BodyId{i - 1});
+    }
+  }
+}
+
+TEST(Shape, in_a_ring_each_body_observes_once_and_is_observed_once) {
+  for (int n = 2; n < 40; ++n) {
+    const auto pairs = ring(first(n));
+    std::set<int> observers, targets;
+    for (const Between& pair : pairs) {
+      EXPECT_NE(pair.first, pair.second);
+      observers.insert(pair.first.index);
+      targets.insert(pair.second.index);
+    }
+    EXPECT_EQ(static_cast<int>(pairs.size()), n);
+    EXPECT_EQ(static_cast<int>(observers.size()), n);
+    EXPECT_EQ(static_cast<int>(targets.size()), n);
+  }
+  EXPECT_TRUE(ring(first(1)).empty());
+}
+
+TEST(Shape, in_a_star_all_observe_the_centre) {
+  for (int n = 1; n < 40; ++n) {
+    const auto pairs = star(BodyId{n}, first(n));
+    ASSERT_EQ(static_cast<int>(pairs.size()), n);
+    for (int i = 0; i < n; ++i) {
+      EXPECT_EQ(pairs[static_cast<std::size_t>(i)].first, BodyId{i});
+      EXPECT_EQ(pairs[static_cast<std::size_t>(i)].second, BodyId{n});
+    }
+  }
+}
+
+TEST(Shape, all_pairs_are_every_two_bodies_once) {
+  for (int n = 1; n < 40; ++n) {
+    const auto pairs = all_pairs(first(n));
+    EXPECT_EQ(static_cast<int>(pairs.size()), n * (n - 1) / 2);
+    EXPECT_EQ(numbers(pairs).size(), pairs.size());
+    for (const Between& pair : pairs) EXPECT_LT(pair.first.index, pair.second.index);
+  }
+}
+
+TEST(Shape, a_body_that_stands_twice_is_refused) {
+  const std::vector<BodyId> twice = {BodyId{0}, BodyId{1}, BodyId{0}};
+  EXPECT_EQ(refusal_of([&] { chain(twice); }), "body 0 stands twice in the chain, expected each body once");
+  EXPECT_EQ(refusal_of([&] { ring(twice); }), "body 0 stands twice in the ring, expected each body once");
+  EXPECT_EQ(refusal_of([&] { star(BodyId{1}, first(2)); }),
+            "body 1 stands twice in the star, expected each body once");
+  EXPECT_EQ(refusal_of([&] { all_pairs(twice); }),
+            "body 0 stands twice in the pairs, expected each body once");
+}
+
+TEST(Shape, an_expanded_chain_is_the_chain_coupled_by_hand) {
+  for (const bool joint : {false, true}) {
+    const Team by_hand = chain(6, joint ? paper::Variant::joint : paper::Variant::masked);
+    Team team = robots(6);
+    couple(team, {0.4 * SensorCone{}, 0.4 * KeepOut{}, 0.4 * Cohesion{}}, chain(first(6)),
+           joint ? FeltBy::both : FeltBy::observer);
+    ASSERT_EQ(team.couplings().size(), by_hand.couplings().size());
+    for (std::size_t i = 0; i < team.couplings().size(); ++i) {
+      const Coupling &a = team.couplings()[i], &b = by_hand.couplings()[i];
+      EXPECT_EQ(a.term.weight, b.term.weight);
+      EXPECT_EQ(a.term.potential.name(), b.term.potential.name());
+      EXPECT_EQ(a.between.first, b.between.first);
+      EXPECT_EQ(a.between.second, b.between.second);
+      EXPECT_EQ(a.felt_by, b.felt_by);
+    }
+  }
+}
+
+TEST(Shape, a_coupling_felt_by_both_is_felt_by_the_robots_alone) {
+  Team team = robots(2);
+  const BodyId rock = team.add(Obstacle{"rock"});
+  couple(team, {1.0 * KeepOut{}}, all_pairs(first(3)), FeltBy::both);
+  ASSERT_EQ(team.couplings().size(), 3U);
+  for (const Coupling& coupling : team.couplings()) {
+    EXPECT_EQ(coupling.felt_by.size(), coupling.between.second == rock ? 1U : 2U);
+  }
+}
+
+TEST(Shape, what_nobody_would_feel_is_refused_as_a_coupling_is) {
+  Team team = robots(1);
+  team.add(Obstacle{"rock"});
+  team.add(Obstacle{"tree"});
+  const std::vector<Between> pairs = {{BodyId{1}, BodyId{0}}, {BodyId{1}, BodyId{2}}};
+  EXPECT_EQ(
+      refusal_of([&] { couple(team, {1.0 * KeepOut{}}, pairs, FeltBy::both); }),
+      "the coupling keep_out of \"rock\" and \"tree\" is felt by nobody, expected at least one robot of the "
+      "two");
+}
+
+TEST(Shape, each_pair_has_the_terms_of_its_own_observer) {
+  Team team = robots(5);
+  const TermsOf terms_of = [](Between pair) {
+    SensorCone cone;
+    cone.mount.pitch = 0.1 * pair.first.index;
+    return std::vector<Weighted>{1.0 * cone};
+  };
+  couple(team, terms_of, ring(first(5)), FeltBy::observer);
+  for (const Coupling& coupling : team.couplings()) {
+    EXPECT_EQ(coupling.term.potential.mount()->pitch, 0.1 * coupling.between.first.index);
+  }
+}
+
+}  // namespace
+}  // namespace sightline
