@@ -35,11 +35,9 @@ Observer observer_of(const Team& team, const Observers& observers, BodyId body) 
 BodyId body_named(const TomlTable& at, std::string_view key, std::size_t i, std::string_view name,
                   const Team& team) {
   if (const BodyId body = team.find(name); body.index >= 0) return body;
-  std::vector<std::string_view> known;
-  for (int b = 0; b < team.bodies(); ++b) known.push_back(team.name(BodyId{b}));
-  at.refuse(
-      key, i,
-      fmt::format("a known name, the nearest is \"{}\"", nearest(shortened(name, name_size_max), known)));
+  at.refuse(key, i,
+            fmt::format("a known name, the nearest is \"{}\"",
+                        nearest(shortened(name, name_size_max), body_names(team, Among::bodies))));
 }
 
 std::vector<BodyId> bodies_named(const TomlTable& at, std::string_view key, std::size_t length,
@@ -51,19 +49,25 @@ std::vector<BodyId> bodies_named(const TomlTable& at, std::string_view key, std:
   return bodies;
 }
 
+std::string read_term_name(const TomlTable& at) {
+  return at.has("name") ? read_label(at, "name") : std::string();
+}
+
 Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& observers) {
-  at.expect_only({"potential", "between", "felt_by", "weight"});
+  at.expect_only({"name", "potential", "between", "felt_by", "weight"});
   const std::vector<BodyId> ends = bodies_named(at, "between", 2, team);
   const Between between = {ends[0], ends[1]};
   if (between.first == between.second) at.refuse("between", "two different bodies");
-  return {read_potential(at, observer_of(team, observers, between.first)), between,
-          at.has("felt_by") ? read_feeling(at, between, team) : feeling(team, between, FeltBy::both)};
+  return {
+      .term = read_potential(at, observer_of(team, observers, between.first)),
+      .between = between,
+      .felt_by = at.has("felt_by") ? read_feeling(at, between, team) : feeling(team, between, FeltBy::both),
+      .name = read_term_name(at)};
 }
 
 void read_couplings(const TomlTable& root, const Observers& observers, Team& team) {
   for (const TomlTable& at : root.tables("couple")) {
-    const Coupling coupling = read_coupling(at, team, observers);
-    at.checked([&] { team.couple(coupling.term, coupling.between, coupling.felt_by); });
+    at.checked([&, coupling = read_coupling(at, team, observers)] { team.couple(coupling); });
   }
 }
 

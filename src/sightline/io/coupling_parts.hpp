@@ -22,7 +22,10 @@ BodyId body_named(const TomlTable& at, std::string_view key, std::size_t i, std:
 std::vector<BodyId> bodies_named(const TomlTable& at, std::string_view key, std::size_t length,
                                  const Team& team);
 
-/// `potential`, `weight`, `between` and `felt_by` of [[couple]]; without `felt_by` all its robots feel it.
+/// `name` of a coupling or constraint, by which events speak of it; empty where it has none.
+std::string read_term_name(const TomlTable& at);
+
+/// `name`, `potential`, `weight`, `between` and `felt_by` of [[couple]]; without `felt_by` all its robots feel it.
 Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& observers);
 
 /// All of [[couple]].

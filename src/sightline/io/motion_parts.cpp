@@ -96,7 +96,7 @@ Motion read_motion(const TomlTable& body, const FindAgent& agent) {
 }  // namespace
 
 StrangerStart read_stranger(const TomlTable& at, const FindAgent& agent) {
-  at.expect_only({"p", "v", "motion", "velocity", "speed_max", "d_hard"});
+  at.expect_only({"p", "v", "motion", "velocity", "speed_max", "d_hard", "present"});
   StrangerStart read;
   Stranger& stranger = read.stranger;
   std::optional<Vec3<double>> start;

@@ -207,6 +207,24 @@ Region read_file(const TomlTable& at) {
 
 }  // namespace
 
+Region read_inside(const TomlTable& at, std::string_view key) {
+  const TomlValue value = at.value(key, "the limits of a region");
+  if (value.is_table() && value.table().has("file")) return read_file(value.table());
+  Parameters parameters;
+  parameters.read(at.table_or_empty("parameters"));
+  const Limits inside = read_limits(value, parameters.vocabulary());
+  return at.checked([&] { return Region(inside, parameters.list()); });
+}
+
+Region read_formula(const TomlTable& at, std::string_view key) {
+  const TomlValue value = at.value(key, "a formula in quotes");
+  if (!value.is_text()) value.refuse("a formula in quotes");
+  Parameters parameters;
+  parameters.read(at.table_or_empty("parameters"));
+  in_text(value, [&] { return parse_formula(value.text(), parameters.vocabulary()); });
+  return at.checked([&] { return Region(fmt::format("({}) < 0", value.text()), parameters.list()); });
+}
+
 Region read_region(const TomlTable& at) {
   if (at.has("file")) return read_file(at);
   at.expect_only({"file", "inside", "parameters", "slope", "kappa_A", "smooth"});

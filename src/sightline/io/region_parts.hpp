@@ -11,4 +11,10 @@ namespace sightline {
 /// what is said here, and named after it.
 Region read_region(const TomlTable& at);
 
+/// The limits under `key`, with the `parameters` beside it; or the region of a file, `{ file = ... }`.
+Region read_inside(const TomlTable& at, std::string_view key);
+
+/// Where the formula under `key` is at most 0: its violation is the formula's value.
+Region read_formula(const TomlTable& at, std::string_view key);
+
 }  // namespace sightline

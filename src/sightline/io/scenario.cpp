@@ -9,10 +9,13 @@
 #include <unordered_map>
 
 #include "sightline/io/campaign_parts.hpp"
+#include "sightline/io/closed_loop.hpp"
 #include "sightline/io/coupling_parts.hpp"
+#include "sightline/io/event_parts.hpp"
 #include "sightline/io/motion_parts.hpp"
 #include "sightline/io/safety_parts.hpp"
 #include "sightline/io/scenario_parts.hpp"
+#include "sightline/io/script_words.hpp"
 #include "sightline/io/shape_parts.hpp"
 #include "sightline/io/toml_table.hpp"
 
@@ -27,7 +30,6 @@ class Reader {
   void read() {
     root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "constrain",
                        "event", "simulation", "safety", "log", "campaign"});
-    if (root_.has("event")) root_.refuse("event", "no [[event]]: this version has no events yet");
     read_horizon();
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
     read_simulation();
@@ -43,6 +45,8 @@ class Reader {
       root_.table("safety").checked([&] { return Guard(scenario_.team, *options); });
     }
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
+    scenario_.script = read_events(root_, scenario_, observers_);
+    root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
   }
 
  private:
@@ -61,7 +65,8 @@ class Reader {
     at.read({{"duration", &s.duration, positive("> 0 s")},
              {"settle", &s.settle, not_negative(">= 0 s")},
              {"rms_from", &s.rms_from, not_negative(">= 0 s")}},
-            {"seed", "compare", "disturbance", "fault"});
+            {"seed", "compare", "disturbance", "fault", "signal"});
+    s.signals = read_signals(at);
     if (at.has("compare")) read_compare(at);
     if (at.has("seed")) {
       s.seed = static_cast<std::uint64_t>(at.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
@@ -118,7 +123,7 @@ class Reader {
     if (agents.size() > agents_max) root_.refuse("agent", fmt::format("at most {} robots", agents_max));
     for (const auto& [name, at] : agents) {
       at.expect_only({"robot", "parameters", "start", "Q", "R", "Q_f", "u_ref", "u_min", "u_max", "limits",
-                      "reference", "sensor"});
+                      "reference", "sensor", "present"});
       const Model model = read_robot(at);
       const auto nx = static_cast<std::size_t>(model.nx()), nu = static_cast<std::size_t>(model.nu());
       const auto list = [&at = at](std::string_view key, std::size_t n, double missing, const Range& range) {
@@ -145,6 +150,7 @@ class Reader {
       }
       observers_.push_back(observer);
       enter(name, at, [&] { return scenario_.team.add(std::move(agent)); });
+      scenario_.presence.push_back(is_present(at) ? Presence::steered : Presence::absent);
     }
   }
 
@@ -208,8 +214,11 @@ class Reader {
       enter(name, at, [&, &n = name] { return scenario_.team.add(Obstacle{n}); });
       ids.push_back(read.stranger.body = bodies_.at(name));
       scenario_.strangers.push_back(std::move(read.stranger));
+      scenario_.presence.push_back(is_present(at) ? Presence::hold : Presence::absent);
     }
   }
+
+  static bool is_present(const TomlTable& at) { return !at.has("present") || at.boolean("present"); }
 
   /// Adds a body to the team under a name that is fit for a topic and not yet taken.
   template <class Add>
@@ -243,7 +252,7 @@ class Reader {
       if (at.has("limit")) {
         at.expect_only({"agent", "limit"});
       } else {
-        at.expect_only({"agent", "potential", "limit", "weight"});
+        at.expect_only({"name", "agent", "potential", "limit", "weight"});
       }
       const AgentId agent = agent_of(at);
       if (at.has("limit")) {
@@ -252,7 +261,8 @@ class Reader {
         continue;
       }
       const Weighted term = read_potential(at, observer_of(scenario_.team, observers_, agent));
-      at.checked([&] { scenario_.team.constrain(term, agent); });
+      at.checked(
+          [&] { scenario_.team.constrain({.term = term, .agent = agent, .name = read_term_name(at)}); });
     }
   }
 
@@ -323,8 +333,10 @@ std::string summary(const Scenario& scenario) {
        std::round(simulation.duration / horizon.dt), simulation.seed);
   line("team        {} states, {} inputs", team.nx(), team.nu());
   for (const Agent& agent : team.agents()) {
-    line("agent       {}: {}, {} states, {} inputs", agent.name, agent.model.name(), agent.model.nx(),
-         agent.model.nu());
+    const bool present =
+        scenario.presence[static_cast<std::size_t>(team.find(agent.name).index)] != Presence::absent;
+    line("agent       {}: {}, {} states, {} inputs{}", agent.name, agent.model.name(), agent.model.nx(),
+         agent.model.nu(), present ? "" : ", not there at first");
   }
   for (const Stranger& stranger : scenario.strangers) {
     const auto& targets = scenario.targets;
@@ -347,6 +359,7 @@ std::string summary(const Scenario& scenario) {
     line("constrain   limit {} of {}, mu {}, delta {}", term.barrier.limit.name(), team.name(term.agent),
          term.barrier.mu, term.barrier.delta);
   }
+  for (const TeamEvent& event : scenario.script.events) line("event       {}", in_words(event, team));
   if (scenario.safety) text += in_words(*scenario.safety);
   return text + in_words(simulation, team);
 }

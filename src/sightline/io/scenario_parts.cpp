@@ -260,13 +260,24 @@ constexpr std::array solvers = {
 
 }  // namespace
 
-std::string read_name(const TomlTable& at, std::string_view key, const Team& team, Among among,
-                      std::string_view expected) {
+std::vector<std::string_view> body_names(const Team& team, Among among) {
   std::vector<std::string_view> known;
   for (int i = 0; i < team.bodies(); ++i) {
     if (among == Among::bodies || team.is_agent(BodyId{i})) known.push_back(team.name(BodyId{i}));
   }
-  return std::string(at.word(key, known, expected));
+  return known;
+}
+
+std::string read_name(const TomlTable& at, std::string_view key, const Team& team, Among among,
+                      std::string_view expected) {
+  return std::string(at.word(key, body_names(team, among), expected));
+}
+
+std::string read_label(const TomlTable& at, std::string_view key) {
+  const std::string expected = fmt::format("a name of 1 to {} characters on one line", name_size_max);
+  std::string label = at.text(key, expected);
+  if (label.empty() || label.size() > name_size_max || one_line(label) != label) at.refuse(key, expected);
+  return label;
 }
 
 Model read_robot(const TomlTable& agent) {

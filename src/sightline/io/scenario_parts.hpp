@@ -41,9 +41,15 @@ struct Observer {
 /// Which bodies of a team are meant.
 enum class Among { robots, bodies };
 
+/// Their names, in the order of the team.
+std::vector<std::string_view> body_names(const Team& team, Among among);
+
 /// The name under `key` of one of them; `expected` says what they are.
 std::string read_name(const TomlTable& at, std::string_view key, const Team& team, Among among,
                       std::string_view expected);
+
+/// A name under `key` that stands for no body: of an event, a stage, a coupling.
+std::string read_label(const TomlTable& at, std::string_view key);
 
 /// `robot` and `parameters` of [agent.NAME].
 Model read_robot(const TomlTable& agent);

@@ -12,7 +12,7 @@ constexpr std::string_view observer_word = "observer", both_word = "both", all_w
 /// The bodies of a shape, each named once.
 std::vector<BodyId> read_members(const TomlTable& at, std::string_view key, std::size_t least,
                                  const Team& team) {
-  const std::vector<BodyId> bodies = bodies_named(at, key, TomlTable::any_length, team);
+  std::vector<BodyId> bodies = bodies_named(at, key, TomlTable::any_length, team);
   for (auto body = bodies.begin(); body != bodies.end(); ++body) {
     if (std::find(bodies.begin(), body, *body) == body) continue;
     at.refuse(key, static_cast<std::size_t>(body - bodies.begin()), "each body once");

@@ -138,13 +138,14 @@ std::string_view TomlTable::word(std::string_view key, std::span<const std::stri
 
 std::string_view TomlTable::word(std::string_view key, std::span<const std::string_view> known,
                                  std::string_view expected) const {
-  const std::string given = text(key, expected);
-  const auto found = std::find(known.begin(), known.end(), given);
-  if (found == known.end()) {
-    refuse(key,
-           fmt::format("{}, the nearest is \"{}\"", expected, nearest(shortened(given, shown_size), known)));
-  }
-  return *found;
+  return value(key, expected).word(known, expected);
+}
+
+bool TomlTable::boolean(std::string_view key) const {
+  constexpr std::string_view expected = "true or false";
+  const auto* value = need(key, expected).as_boolean();
+  if (value == nullptr) refuse(key, expected);
+  return value->get();
 }
 
 const toml::array& TomlTable::array(std::string_view key, std::size_t length, std::string_view of) const {
@@ -261,6 +262,14 @@ TomlValue TomlTable::value(std::string_view key, std::string_view expected) cons
   return {*document_, need(key, expected), place(key)};
 }
 
+std::string_view TomlValue::word(std::span<const std::string_view> known, std::string_view expected) const {
+  if (!is_text()) refuse(expected);
+  const auto found = std::find(known.begin(), known.end(), text());
+  if (found != known.end()) return *found;
+  if (known.empty()) refuse(fmt::format("{}, there is none", expected));
+  refuse(fmt::format("{}, the nearest is \"{}\"", expected, nearest(shortened(text(), shown_size), known)));
+}
+
 std::vector<TomlValue> TomlValue::items() const {
   std::vector<TomlValue> list;
   for (const toml::node& node : *node_->as_array()) {
@@ -306,10 +315,11 @@ void TomlTable::refuse(std::string_view expected) const {
 }
 
 void TomlTable::refuse_as_said(std::string_view sentence) const {
-  // "potential.field = value, ..." names a key of this table, whose line is nearer than the table's own.
+  // The key's line is nearer than the table's own.
   const std::size_t dot = sentence.find('.'), equals = sentence.find(" = ");
-  if (dot < equals && equals != std::string_view::npos) {
-    const std::string_view key = sentence.substr(dot + 1, equals - dot - 1);
+  if (equals != std::string_view::npos) {
+    const std::size_t begin = dot < equals ? dot + 1 : 0;
+    const std::string_view key = sentence.substr(begin, equals - begin);
     if (const toml::node* node = find(key)) {
       throw ScenarioError(file(), line_of(*node), fmt::format("{}{}", place(key), sentence.substr(equals)));
     }

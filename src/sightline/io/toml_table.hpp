@@ -82,6 +82,7 @@ class TomlTable {
   /// The same, where `expected` says what the words are.
   std::string_view word(std::string_view key, std::span<const std::string_view> known,
                         std::string_view expected) const;
+  bool boolean(std::string_view key) const;
   Vec3<double> vec3(std::string_view key) const;
   /// An array of numbers; of this length, or of any where `length` is `any_length`.
   std::vector<double> numbers(std::string_view key, std::size_t length,
@@ -121,6 +122,8 @@ class TomlTable {
   [[noreturn]] void refuse(std::string_view key, std::size_t i, std::string_view expected) const;
   /// Refuses the table itself, as `path = {...}, expected ...`.
   [[noreturn]] void refuse(std::string_view expected) const;
+  /// Refuses it with a sentence; one that begins with a key, or with `word.key`, at the line of that key.
+  [[noreturn]] void refuse_as_said(std::string_view sentence) const;
 
   static constexpr std::size_t any_length = static_cast<std::size_t>(-1);
 
@@ -138,7 +141,6 @@ class TomlTable {
   double number_at(const toml::node& node, const std::string& place, const Range& range) const;
   [[noreturn]] void refuse_node(const toml::node& node, std::string_view place,
                                 std::string_view expected) const;
-  [[noreturn]] void refuse_as_said(std::string_view sentence) const;
 
   const TomlDocument* document_;
   const toml::table* table_;
@@ -157,6 +159,8 @@ class TomlValue {
   /// Each for a value of that kind; the text as it is meant, not as it is written.
   const std::string& text() const { return node_->as_string()->get(); }
   TomlTable table() const { return {*document_, *node_->as_table(), path_}; }
+  /// The text, one of `known`; `expected` says what they are.
+  std::string_view word(std::span<const std::string_view> known, std::string_view expected) const;
   std::vector<TomlValue> items() const;
   double number(const Range& range = any_number()) const;
 

@@ -1,0 +1,94 @@
+#include "sightline/io/event_parts.hpp"
+
+#include <fmt/format.h>
+
+#include "sightline/io/action_parts.hpp"
+#include "sightline/io/trigger_parts.hpp"
+#include "sightline/ocp/roster.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// The couplings and constraints that there may ever be: the team's, and those that events add.
+void enter_terms(const std::vector<TomlTable>& events, EventScope& scope) {
+  const auto enter = [&](const std::string& name, BodyId observer, bool is_pair) {
+    if (!name.empty()) scope.terms.push_back({name, observer, is_pair});
+  };
+  scope.couplings = scope.team.couplings();
+  for (const Constraint& c : scope.team.constraints()) enter(c.name, c.agent, false);
+  for (const TomlTable& event : events) {
+    if (!event.has("add")) continue;
+    const TomlValue value = event.value("add", "an action");
+    for (const TomlValue& item : value.is_array() ? value.items() : std::vector{value}) {
+      if (!item.is_table()) continue;
+      const TomlTable at = item.table();
+      if (at.has("couple")) scope.couplings.push_back(read_added_coupling(at.table("couple"), scope));
+      if (at.has("constrain")) {
+        const Constraint c = read_added_constraint(at.table("constrain"), scope);
+        enter(c.name, c.agent, false);
+      }
+    }
+  }
+  for (const Coupling& c : scope.couplings) enter(c.name, c.between.first, true);
+}
+
+/// Its own name, or its place in the file.
+std::string read_event_name(const TomlTable& at, const Script& before) {
+  if (!at.has("name")) return fmt::format("event[{}]", before.events.size());
+  std::string name = read_label(at, "name");
+  const auto same = [&](const TeamEvent& other) { return other.name == name; };
+  if (std::any_of(before.events.begin(), before.events.end(), same)) {
+    at.refuse("name", "a name of its own, another event has this one");
+  }
+  return name;
+}
+
+TeamEvent read_event(const TomlTable& at, const EventScope& scope, const Script& before) {
+  TeamEvent event{.name = read_event_name(at, before),
+                  .trigger = read_trigger(at, scope,
+                                          {"name", "stage", "repeat", "enter", "ramp", "remove", "add",
+                                           "retune", "reference", "observe"})};
+  if (at.has("stage")) event.stage = read_label(at, "stage");
+  if (at.has("enter")) event.enter = read_label(at, "enter");
+  if (at.has("repeat")) event.repeat = at.boolean("repeat");
+  if (at.has("ramp")) event.ramp = at.number("ramp", not_negative(">= 0 s"));
+  for (const std::string& key : at.keys()) {
+    if (!is_action(key)) continue;
+    for (Action& action : read_actions(at, key, scope)) event.actions.push_back(std::move(action));
+  }
+  return event;
+}
+
+}  // namespace
+
+std::vector<TimedSignal> read_signals(const TomlTable& simulation) {
+  std::vector<TimedSignal> signals;
+  for (const TomlTable& at : simulation.tables("signal")) {
+    at.expect_only({"at", "name"});
+    TimedSignal& signal = signals.emplace_back();
+    signal.name = read_label(at, "name");
+    signal.at = at.has("at") ? at.number("at", not_negative(">= 0 s")) : never;
+  }
+  std::stable_sort(signals.begin(), signals.end(),
+                   [](const TimedSignal& a, const TimedSignal& b) { return a.at < b.at; });
+  return signals;
+}
+
+Script read_events(const TomlTable& root, const Scenario& scenario, const Observers& observers) {
+  const auto& presence = scenario.presence;
+  if (std::find(presence.begin(), presence.end(), Presence::steered) == presence.end()) {
+    root.refuse("agent", "at least one robot that is present at the start");
+  }
+  EventScope scope{scenario.team, observers, scenario.simulation};
+  const std::vector<TomlTable> tables = root.tables("event");
+  enter_terms(tables, scope);
+  Script script;
+  for (const TomlTable& at : tables) script.events.push_back(read_event(at, scope, script));
+  const std::vector<ScriptFault> faults = faults_of(script, Roster(scenario.team, presence));
+  if (!faults.empty()) tables[faults.front().event].refuse_as_said(faults.front().sentence);
+  return script;
+}
+
+}  // namespace sightline
