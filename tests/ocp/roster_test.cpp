@@ -83,7 +83,7 @@ TEST(Roster, ARetunedWeightGoesOverWithoutAStep) {
     for (const Coupling& c : team.couplings()) {
       if (c.term.potential.as<SensorCone>() != nullptr) weight += c.term.weight * c.ramp.at(t);
     }
-    EXPECT_NEAR(weight, 0.4 + (t - 5.0) / 2.0 * 0.8, 1e-12) << t;
+    EXPECT_NEAR(weight, (Ramp{5.0, 2.0, 0.4, 1.2}.at(t)), 1e-12) << t;
   }
   const Team after = roster.team(7.0);
   EXPECT_EQ(after.couplings().size(), 3U);

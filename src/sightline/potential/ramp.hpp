@@ -3,7 +3,9 @@
 
 namespace sightline {
 
-/// The part of a weight that is in force: on a line from one part to another, held before and after.
+/// The part of a weight that is in force: from one part to another without a kink, held before and after,
+///
+///   from + (to - from) s^2 (3 - 2 s),   s = (t - begin) / duration in [0, 1].
 ///
 /// A solver takes the part of the time it is asked at for its whole horizon: what begins at 0 changes nothing at
 /// first, and what ends at 0 can be left out without a trace.
@@ -15,7 +17,9 @@ struct Ramp {
   /// At time t [s].
   double at(double t) const noexcept {
     if (t >= begin + duration) return to;
-    return t <= begin ? from : from + (to - from) * ((t - begin) / duration);
+    if (t <= begin) return from;
+    const double s = (t - begin) / duration;
+    return from + (to - from) * (s * s * (3.0 - 2.0 * s));
   }
 };
 

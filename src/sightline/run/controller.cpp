@@ -75,6 +75,7 @@ Drifter::Drifter(const Team& world, BodyId robot, bool lands)
       model(world.model(robot)),
       limits(world.agent(robot).limits),
       brake(model, world.agent(robot).u_ref, brake_time),
+      wanted(nu),
       sink_speed(lands ? landing_speed : 0.0) {}
 
 void Drifter::steer(double t, std::span<const double> believed, std::span<double> u_min,
@@ -83,7 +84,11 @@ void Drifter::steer(double t, std::span<const double> believed, std::span<double
   const std::span<double> input = u_world.subspan(u, nu);
   limits.at(t, u_min.first(nu), u_max.first(nu));
   const bool above = model.sight(state.data(), input.data()).p.z > ground;
-  brake(state, {0.0, 0.0, above ? -sink_speed : 0.0}, u_min.first(nu), u_max.first(nu), input);
+  brake(state, {0.0, 0.0, above ? -sink_speed : 0.0}, u_min.first(nu), u_max.first(nu), wanted);
+  for (std::size_t i = 0; i < nu; ++i) {
+    const double most = most_change * 0.5 * (u_max[i] - u_min[i]);
+    input[i] = std::clamp(input[i] + std::clamp(wanted[i] - input[i], -most, most), u_min[i], u_max[i]);
+  }
 }
 
 }  // namespace sightline

@@ -39,16 +39,19 @@ struct Controller {
   void gather(const Team& world, std::span<const double> x, std::span<const double> u) noexcept;
 };
 
-/// A robot that no solver steers: it brakes and stays, or sinks to the ground.
+/// A robot that no solver steers: it brakes and stays, or sinks to the ground. Its command moves by a little each
+/// period, so that those that see it fly by need not jump either.
 struct Drifter {
   BodyId body;
   std::size_t x, u, nx, nu;  // offsets and lengths in the world
   Model model;
   InputLimits limits;
   Brake brake;
+  std::vector<double> wanted;
   double sink_speed;  ///< [m/s]
 
   static constexpr double landing_speed = 0.3, brake_time = 0.4, ground = 0.0;
+  static constexpr double most_change = 0.025;  ///< of an input a period, of the half of its range
   Drifter(const Team& world, BodyId robot, bool lands);
 
   /// Writes its input into those of the world; the limits are work space of nu at least.
