@@ -9,7 +9,10 @@
 #include <set>
 #include <string>
 
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
@@ -30,6 +33,14 @@ int main(int argc, char** argv) {
     generator.add(
         Multirotor{.b_z = 1.11, .b_psi = 1.62, .a_f = -0.51, .b_f = 1.43, .a_s = -0.53, .b_s = 1.47}, seen);
     generator.add(AngleMultirotor{}, seen);
+    generator.add(OmniRover{}, seen);
+    generator.add(OmniRover{.b_psi = 1.11, .a_f = -0.51, .b_f = 1.43, .a_s = -0.53, .b_s = 1.47}, seen);
+    generator.add(Unicycle{}, seen);
+    generator.add(Unicycle{.b_psi = 1.11, .a_f = -0.51, .b_f = 1.43}, seen);
+    generator.add(PointMass{}, seen);
+    generator.add(PointMass{.drag = 0.31}, seen);
+    generator.add(VelocityMultirotor{}, seen);
+    generator.add(VelocityMultirotor{.tau_f = 0.51, .tau_s = 0.53, .tau_z = 0.37, .tau_psi = 0.23}, seen);
   }
   for (const double bound : {1.0, 0.83}) {
     generator.add(Multirotor{}, Seen::pose, {RelaxedBarrier{SpeedLimit{bound}, 0.013, 0.17}});

@@ -1,6 +1,9 @@
 /// All of sightline that a program needs: teams, potentials, solvers, the simulated world.
 #pragma once
 
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/point_mass.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/ocp/shape.hpp"
 #include "sightline/potential/bearing.hpp"

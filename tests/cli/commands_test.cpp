@@ -139,6 +139,22 @@ TEST(Run, ACameraThatIsTextKeepsTheTargetInItsImage) {
   }
 }
 
+TEST(Run, ARoverAndTheMultirotorAboveItAreOneTeam) {
+  const fs::path folder = fresh_folder();
+  const auto run = sightline("run scenarios/ground_and_air.toml -o " + folder.string(), folder);
+  EXPECT_EQ(run.code, 0) << run.err;
+  const json s = json::parse(read_file(folder / "summary.json"));
+  EXPECT_EQ(s.at("allocations_per_update"), 0);
+  EXPECT_EQ(s.at("input_violations"), 0);
+  EXPECT_LE(s.at("pairs").at(0).at("in_view_from").get<double>(), 1.0);
+  const Recording recording = read_recording(folder);
+  const auto &uav = recording.bodies.at(0).p, &rover = recording.bodies.at(1).p;
+  for (std::size_t k = 0; k < rover.size(); ++k) {
+    EXPECT_EQ(rover[k].z, 0.2);
+    if (recording.time.at(k) >= 6.0) EXPECT_NEAR(norm(uav.at(k) - rover[k]), 1.5, 0.5);
+  }
+}
+
 TEST(Run, TheExampleOfASensorOfOneSOwnKeepsItsTargetInView) {
   const auto example = shell("'" SIGHTLINE_EXAMPLES "/own_sensor'", fresh_folder());
   EXPECT_EQ(example.code, 0);

@@ -48,6 +48,33 @@ TEST(ScenarioParts, each_parameter_of_a_robot_reaches_its_rates) {
   EXPECT_EQ(rate, expected);
 }
 
+TEST(ScenarioParts, each_parameter_of_a_robot_on_the_ground_reaches_its_rates) {
+  const std::array<double, 3> u = {0.5, -0.5, 1.0};
+  std::vector<double> x = {0, 0, 2, 1, 0, 1, 1}, rate(7);
+  robot(
+      "robot = \"omni_rover\"\nparameters = { b_psi = 3.0, a_f = -4.0, b_f = 5.0, a_s = -6.0, b_s = 7.0 }\n")
+      .f(x.data(), u.data(), rate.data());
+  EXPECT_EQ(rate, (std::vector<double>{1, 1, 0, 0, 3, -1.5, -2.5}));
+  const std::array<double, 2> w = {0.5, 1.0};
+  x.pop_back(), rate.pop_back();
+  robot("robot = \"unicycle\"\nparameters = { b_psi = 3.0, a_f = -4.0, b_f = 5.0 }\n")
+      .f(x.data(), w.data(), rate.data());
+  EXPECT_EQ(rate, (std::vector<double>{1, 0, 0, 0, 3, -1.5}));
+}
+
+TEST(ScenarioParts, each_parameter_of_a_point_mass_and_of_lags_reaches_the_rates) {
+  const std::array<double, 4> u = {0.5, -0.5, 0.25, 1.0};
+  std::vector<double> x = {0, 0, 2, 1, 2, 4}, rate(6);
+  robot("robot = \"point_mass\"\nparameters = { drag = 0.5 }\n").f(x.data(), u.data(), rate.data());
+  EXPECT_EQ(rate, (std::vector<double>{1, 2, 4, 0, -1.5, -1.75}));
+  x = {0, 0, 2, 1, 0, 1, 1, 1, 2}, rate.resize(9);
+  robot(
+      "robot = \"velocity_multirotor\"\n"
+      "parameters = { tau_f = 0.5, tau_s = 0.25, tau_z = 2.0, tau_psi = 0.125 }\n")
+      .f(x.data(), u.data(), rate.data());
+  EXPECT_EQ(rate, (std::vector<double>{1, 1, 1, 0, 2, -1, -6, -0.375, -8}));
+}
+
 TEST(ScenarioParts, parameters_left_out_are_those_of_the_struct) {
   const Model read = robot("robot = \"multirotor\"\n"), built = Multirotor{};
   const std::array<double, 4> u = {0.5, -0.5, 0.25, 1.0};

@@ -173,12 +173,24 @@ TEST(Scenario, robots_come_first_then_targets_then_obstacles_each_in_the_order_o
 }
 
 TEST(Scenario, a_start_may_have_a_velocity_in_the_vehicle_s_frame) {
-  for (const std::string model : {"multirotor", "angle_multirotor"}) {
+  for (const std::string model : {"multirotor", "angle_multirotor", "omni_rover"}) {
     const Scenario s = parse_scenario(
         "[agent.a]\nrobot = \"" + model + "\"\nstart = { p = [0, 0, 0], heading = 0, v = [0.5, -0.25] }\n",
         "a.toml");
     EXPECT_EQ(std::vector<double>(s.x0.end() - 2, s.x0.end()), (std::vector<double>{0.5, -0.25})) << model;
   }
+}
+
+TEST(Scenario, a_start_gives_each_robot_the_velocity_and_the_height_it_has_as_states) {
+  const auto start = [](const std::string& model, const std::string& rest) {
+    return parse_scenario("[agent.a]\nrobot = \"" + model + "\"\nstart = { p = [1, 2, 3], " + rest + " }\n",
+                          "a.toml")
+        .x0;
+  };
+  EXPECT_EQ(start("point_mass", "v = [0.5, -0.25]"), (std::vector<double>{1, 2, 3, 0.5, -0.25, 0}));
+  EXPECT_EQ(start("unicycle", "heading = 0, v = [0.5, 0]"), (std::vector<double>{1, 2, 3, 1, 0, 0.5}));
+  EXPECT_EQ(start("velocity_multirotor", "heading = 0, v = [0.5, -0.25]"),
+            (std::vector<double>{1, 2, 3, 1, 0, 0.5, -0.25, 0, 0}));
 }
 
 TEST(Scenario, who_feels_a_coupling_defaults_to_all_robots_between) {

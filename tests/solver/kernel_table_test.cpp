@@ -7,7 +7,10 @@
 #include <limits>
 
 #include "examples/own_potential.hpp"
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
@@ -68,6 +71,16 @@ TEST(KernelTable, CompiledAndInterpretedGroupsGiveTheSameBits) {
     expect_same_bits(Multirotor{.b_z = 1.3, .b_psi = 1.21, .a_f = -0.3, .b_f = 1.1, .a_s = -0.35, .b_s = 1.2},
                      seen);
     expect_same_bits(AngleMultirotor{}, seen);
+    expect_same_bits(OmniRover{}, seen);
+    expect_same_bits(OmniRover{.b_psi = 1.21, .a_f = -0.3, .b_f = 1.1, .a_s = -0.35, .b_s = 1.2}, seen);
+    expect_same_bits(OmniRover{.b_psi = 1.21, .a_f = -2.0, .b_f = 1.3, .a_s = -2.0, .b_s = 1.3}, seen);
+    expect_same_bits(Unicycle{}, seen);
+    expect_same_bits(Unicycle{.b_psi = 1.21, .a_f = -0.3, .b_f = 1.1}, seen);
+    expect_same_bits(PointMass{}, seen);
+    expect_same_bits(PointMass{.drag = 0.7}, seen);
+    expect_same_bits(VelocityMultirotor{}, seen);
+    expect_same_bits(VelocityMultirotor::ar_drone(), seen);
+    expect_same_bits(VelocityMultirotor{.tau_f = 0.4, .tau_s = 0.45, .tau_z = 0.6, .tau_psi = 0.15}, seen);
   }
 }
 

@@ -12,7 +12,10 @@
 
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
 #include "tests/support/difference.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
@@ -186,6 +189,10 @@ TEST(Stage, TheTracedRecursionIsTheDenseOne) {
     for (int trial = 0; trial < 5; ++trial) {
       expect_stage_is_the_dense_one(Multirotor{}, seen, random);
       expect_stage_is_the_dense_one(AngleMultirotor{}, seen, random);
+      expect_stage_is_the_dense_one(OmniRover{}, seen, random);
+      expect_stage_is_the_dense_one(Unicycle{}, seen, random);
+      expect_stage_is_the_dense_one(PointMass{.drag = 0.31}, seen, random);
+      expect_stage_is_the_dense_one(VelocityMultirotor{}, seen, random);
     }
   }
 }

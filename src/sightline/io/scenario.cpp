@@ -187,18 +187,24 @@ class Reader {
     const double heading = at.has("heading") ? at.number("heading") : 0.0;
     std::vector<double> x(static_cast<std::size_t>(model.nx()));
     model.at_rest({at.vec3("p"), {cos(heading), sin(heading)}}, x.data());
+    const auto place = [states = model.states()](std::string_view name) {
+      return static_cast<std::size_t>(std::find(states.begin(), states.end(), name) - states.begin());
+    };
+    const auto has = [&](std::string_view name) { return place(name) < model.states().size(); };
+    const bool turns = has("d_x") || has("psi");
+    if (!turns && heading != 0) at.refuse("heading", fmt::format("0, {} has no heading", model.name()));
     if (!at.has("v")) return x;
 
-    // Forward and sideward velocity, where the robot has them as states.
-    const auto state = [&](std::string_view name) {
-      const auto found = std::find(model.states().begin(), model.states().end(), name);
-      if (found == model.states().end())
-        at.refuse("v", fmt::format("no velocity, {} has none", model.name()));
-      return static_cast<std::size_t>(found - model.states().begin());
-    };
+    // Forward and sideward velocity, where the robot has them as states; of G for one that has no heading.
+    const std::string_view forward = turns ? "v_f" : "v_x", sideward = turns ? "v_s" : "v_y";
+    if (!has(forward)) at.refuse("v", fmt::format("no velocity, {} has none", model.name()));
     const std::vector<double> v = at.numbers("v", 2);
-    x[state("v_f")] = v[0];
-    x[state("v_s")] = v[1];
+    x[place(forward)] = v[0];
+    if (has(sideward)) {
+      x[place(sideward)] = v[1];
+    } else if (v[1] != 0) {
+      at.refuse("v", 1, fmt::format("0, {} does not drive sideward", model.name()));
+    }
     return x;
   }
 

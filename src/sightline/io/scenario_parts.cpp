@@ -4,6 +4,9 @@
 #include <fmt/ranges.h>
 
 #include "sightline/io/region_parts.hpp"
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/point_mass.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
@@ -28,10 +31,42 @@ Model read_multirotor(const TomlTable& at) {
   return m;
 }
 
+Model read_omni_rover(const TomlTable& at) {
+  OmniRover m;
+  at.read({{"b_psi", &m.b_psi}, {"a_f", &m.a_f}, {"b_f", &m.b_f}, {"a_s", &m.a_s}, {"b_s", &m.b_s}});
+  return m;
+}
+
+Model read_unicycle(const TomlTable& at) {
+  Unicycle m;
+  at.read({{"b_psi", &m.b_psi}, {"a_f", &m.a_f}, {"b_f", &m.b_f}});
+  return m;
+}
+
+Model read_point_mass(const TomlTable& at) {
+  PointMass m;
+  at.read({{"drag", &m.drag, not_negative(">= 0 1/s")}});
+  return m;
+}
+
+Model read_velocity_multirotor(const TomlTable& at) {
+  VelocityMultirotor m;
+  constexpr Range lag = {1e-3, 1e3, "0.001 to 1000 s"};
+  at.read({{"tau_f", &m.tau_f, lag},
+           {"tau_s", &m.tau_s, lag},
+           {"tau_z", &m.tau_z, lag},
+           {"tau_psi", &m.tau_psi, lag}});
+  return m;
+}
+
 using ReadRobot = Model (*)(const TomlTable& parameters);
 constexpr std::array robots = {
     Named<ReadRobot>{Multirotor::name, read_multirotor<Multirotor>},
     Named<ReadRobot>{AngleMultirotor::name, read_multirotor<AngleMultirotor>},
+    Named<ReadRobot>{OmniRover::name, read_omni_rover},
+    Named<ReadRobot>{Unicycle::name, read_unicycle},
+    Named<ReadRobot>{PointMass::name, read_point_mass},
+    Named<ReadRobot>{VelocityMultirotor::name, read_velocity_multirotor},
 };
 
 // --- potentials ---

@@ -1,0 +1,83 @@
+#include "sightline/model/velocity_multirotor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sightline/model/model.hpp"
+#include "sightline/model/robots.hpp"
+#include "tests/support/error.hpp"
+#include "tests/support/random.hpp"
+
+namespace sightline {
+namespace {
+
+TEST(VelocityMultirotor, EachVelocityFollowsItsCommandWithItsLag) {
+  Random random(1);
+  for (int trial = 0; trial < 100; ++trial) {
+    const auto tau = uniform_array<4>(random, 0.1, 2);
+    const Model model =
+        VelocityMultirotor{.tau_f = tau[0], .tau_s = tau[1], .tau_z = tau[2], .tau_psi = tau[3]};
+    auto x = uniform_array<9>(random, -1, 1);
+    const auto start = x;
+    const auto u = uniform_array<4>(random, -3, 3);
+    for (int step = 0; step < 100; ++step) {
+      model.step(x.data(), u.data(), 0.01);
+      ASSERT_TRUE(model.normalise(x.data()));
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_NEAR(x[5 + i], u[i] + (start[5 + i] - u[i]) * std::exp(-1.0 / tau[i]), 1e-5) << i;
+    }
+  }
+}
+
+TEST(VelocityMultirotor, SettlesAtTheVelocityInVAndTheYawRateItWasTold) {
+  const Model model = VelocityMultirotor{};
+  const std::array<double, 4> u = {1.3, -0.4, 0.7, 0.5};
+  std::array<double, 9> x;
+  model.at_rest({{}, {0.6, 0.8}}, x.data());
+  for (int step = 0; step < 2000; ++step) {
+    model.step(x.data(), u.data(), 0.01);
+    ASSERT_TRUE(model.normalise(x.data()));
+  }
+  const Sight<double> seen = model.sight(x.data(), u.data());
+  const Vec2<double> v_V = rotate<double>({seen.d.x, -seen.d.y}, {seen.v.x, seen.v.y});
+  EXPECT_NEAR(v_V.x, u[0], 1e-9);
+  EXPECT_NEAR(v_V.y, u[1], 1e-9);
+  EXPECT_NEAR(seen.v.z, u[2], 1e-9);
+  std::array<double, 9> rate;
+  model.f(x.data(), u.data(), rate.data());
+  EXPECT_NEAR(x[3] * rate[4] - x[4] * rate[3], u[3], 1e-9);
+}
+
+TEST(VelocityMultirotor, TheArDroneMovesInItsPlaneAsEquation24) {
+  Random random(2);
+  const Multirotor paper;
+  const double fastest = paper.b_f / -paper.a_f;
+  for (int k = 0; k < 1000; ++k) {
+    const auto x = uniform_array<9>(random, -2, 2);
+    const auto u = uniform_array<4>(random, -1, 1);
+    const auto lagged =
+        VelocityMultirotor::ar_drone().f<double>(x, {fastest * u[0], -fastest * u[1], u[2], u[3]});
+    const auto expected = paper.f<double>({x[0], x[1], x[2], x[3], x[4], x[5], x[6]}, u);
+    for (const std::size_t i : {0U, 1U, 5U, 6U}) EXPECT_NEAR(lagged[i], expected[i], 2e-15) << i;
+  }
+}
+
+TEST(VelocityMultirotor, WithoutCommandItCoastsByItsVelocityTimesTheLag) {
+  Random random(4);
+  const VelocityMultirotor robot;
+  const Model model = robot;
+  for (int trial = 0; trial < 20; ++trial) {
+    std::array<double, 9> x;
+    const std::array<double, 4> none{};
+    model.at_rest(random_pose(random, 2), x.data());
+    x[7] = uniform(random, -2, 2);
+    const double expected = x[2] + robot.tau_z * x[7];
+    for (int step = 0; step < 1000; ++step) model.step(x.data(), none.data(), 0.01);
+    EXPECT_NEAR(x[2], expected, 1e-8);
+  }
+}
+
+}  // namespace
+}  // namespace sightline
