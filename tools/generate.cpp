@@ -35,12 +35,14 @@ int main(int argc, char** argv) {
     generator.add(AngleMultirotor{}, seen);
     generator.add(OmniRover{}, seen);
     generator.add(OmniRover{.b_psi = 1.11, .a_f = -0.51, .b_f = 1.43, .a_s = -0.53, .b_s = 1.47}, seen);
+    generator.add(OmniRover{.b_psi = 1.11, .a_f = -0.51, .b_f = 1.43, .a_s = -0.51, .b_s = 1.43}, seen);
     generator.add(Unicycle{}, seen);
     generator.add(Unicycle{.b_psi = 1.11, .a_f = -0.51, .b_f = 1.43}, seen);
     generator.add(PointMass{}, seen);
     generator.add(PointMass{.drag = 0.31}, seen);
     generator.add(VelocityMultirotor{}, seen);
-    generator.add(VelocityMultirotor{.tau_f = 0.51, .tau_s = 0.53, .tau_z = 0.37, .tau_psi = 0.23}, seen);
+    generator.add(VelocityMultirotor{.tau_f = 0.41, .tau_s = 0.41, .tau_z = 0.61, .tau_psi = 0.17}, seen);
+    generator.add(VelocityMultirotor{.tau_f = 0.41, .tau_s = 0.47, .tau_z = 0.61, .tau_psi = 0.17}, seen);
   }
   for (const double bound : {1.0, 0.83}) {
     generator.add(Multirotor{}, Seen::pose, {RelaxedBarrier{SpeedLimit{bound}, 0.013, 0.17}});
