@@ -31,9 +31,9 @@ function(sightline_add_formulas target header)
 #include "sightline/solver/generator.hpp"
 
 int main(int, char** argv) {
-  sightline::Generator generator(sightline::Generator::For::user);
+  sightline::Generator generator;
   sightline_formulas(generator);
-  if (generator.write(argv[1])) return 0;
+  if (sightline::write_text(argv[1], generator.text())) return 0;
   std::fprintf(stderr, "%s: not written, expected a file that can be\n", argv[1]);
   return 1;
 }

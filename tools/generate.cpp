@@ -1,13 +1,9 @@
-/// Prints the compiled functions of models and potentials: kernels.cpp OUT.
+/// Prints the compiled functions of models and potentials: generate FOLDER, one file for each part of them.
 ///
-/// What is printed holds no parameter values, so one function serves all robots of a model. Where a parameter
-/// is such that an operation falls away (a factor of one, two equal constants) the structure is another: each
-/// is printed for its defaults and for parameters that have nothing in common.
-#include <fmt/format.h>
-
+/// What is printed holds no parameter values, so one function serves all robots of a model, at every stage length.
 #include <cstdio>
-#include <set>
-#include <string>
+#include <filesystem>
+#include <vector>
 
 #include "sightline/model/ground_robots.hpp"
 #include "sightline/model/point_mass.hpp"
@@ -21,33 +17,26 @@
 #include "sightline/potential/slope.hpp"
 #include "sightline/solver/generator.hpp"
 
-int main(int argc, char** argv) {
-  using namespace sightline;
-  if (argc != 2) {
-    std::fputs("usage: generate FILE\n", stderr);
-    return 2;
+namespace sightline {
+namespace {
+
+Generator stages_of(const char* part, const std::vector<Model>& models, const std::vector<Seen>& views) {
+  Generator generator(part);
+  for (const Seen seen : views) {
+    for (const Model& model : models) generator.add(model, seen);
   }
-  Generator generator(Generator::For::library);
-  for (const Seen seen : {Seen::pose, Seen::pose_and_motion}) {
-    generator.add(Multirotor{}, seen);
-    generator.add(
-        Multirotor{.b_z = 1.11, .b_psi = 1.62, .a_f = -0.51, .b_f = 1.43, .a_s = -0.53, .b_s = 1.47}, seen);
-    generator.add(AngleMultirotor{}, seen);
-    generator.add(OmniRover{}, seen);
-    generator.add(OmniRover{.b_psi = 1.11, .a_f = -0.51, .b_f = 1.43, .a_s = -0.53, .b_s = 1.47}, seen);
-    generator.add(OmniRover{.b_psi = 1.11, .a_f = -0.51, .b_f = 1.43, .a_s = -0.51, .b_s = 1.43}, seen);
-    generator.add(Unicycle{}, seen);
-    generator.add(Unicycle{.b_psi = 1.11, .a_f = -0.51, .b_f = 1.43}, seen);
-    generator.add(PointMass{}, seen);
-    generator.add(PointMass{.drag = 0.31}, seen);
-    generator.add(VelocityMultirotor{}, seen);
-    generator.add(VelocityMultirotor{.tau_f = 0.41, .tau_s = 0.41, .tau_z = 0.61, .tau_psi = 0.17}, seen);
-    generator.add(VelocityMultirotor{.tau_f = 0.41, .tau_s = 0.47, .tau_z = 0.61, .tau_psi = 0.17}, seen);
-  }
-  for (const double bound : {1.0, 0.83}) {
-    generator.add(Multirotor{}, Seen::pose, {RelaxedBarrier{SpeedLimit{bound}, 0.013, 0.17}});
-    generator.add(Multirotor{}, Seen::pose, {RelaxedBarrier{InputDisc{bound}, 0.013, 0.17}});
-  }
+  return generator;
+}
+
+Generator limits_of_a_multirotor() {
+  Generator generator("multirotor_limits");
+  generator.add(Multirotor{}, Seen::pose, {RelaxedBarrier{SpeedLimit{}}});
+  generator.add(Multirotor{}, Seen::pose, {RelaxedBarrier{InputDisc{}}});
+  return generator;
+}
+
+Generator potentials() {
+  Generator generator("potentials");
   const Weighted cone = 0.4 * SensorCone{}, keep_out = 0.4 * KeepOut{}, cohesion = 0.4 * Cohesion{};
   generator.add({cone, keep_out, cohesion});
   generator.add({cone, keep_out});
@@ -61,5 +50,34 @@ int main(int argc, char** argv) {
   generator.add({bearing, near, far, with});
   generator.add({bearing, near, far});
   for (const Weighted& one : {bearing, near, far, with}) generator.add({one});
-  return generator.write(argv[1]) ? 0 : 1;
+  return generator;
+}
+
+}  // namespace
+}  // namespace sightline
+
+int main(int argc, char** argv) {
+  using namespace sightline;
+  if (argc != 2) {
+    std::fputs("usage: generate FOLDER\n", stderr);
+    return 2;
+  }
+  const std::vector both = {Seen::pose, Seen::pose_and_motion};
+  const std::vector<Generator> parts = {
+      stages_of("multirotor", {Multirotor{}}, {Seen::pose}),
+      stages_of("multirotor_motion", {Multirotor{}}, {Seen::pose_and_motion}),
+      limits_of_a_multirotor(),
+      stages_of("angle_multirotor", {AngleMultirotor{}}, both),
+      stages_of("velocity_multirotor", {VelocityMultirotor{}}, {Seen::pose}),
+      stages_of("velocity_multirotor_motion", {VelocityMultirotor{}}, {Seen::pose_and_motion}),
+      stages_of("ground_robots", {OmniRover{}, Unicycle{}}, both),
+      stages_of("point_mass", {PointMass{}, PointMass{.drag = 0.3}}, both),
+      potentials(),
+  };
+  const std::filesystem::path folder = argv[1];
+  std::filesystem::create_directories(folder);
+  for (const Generator& part : parts) {
+    if (!write_text(folder / (part.part() + ".cpp"), part.text())) return 1;
+  }
+  return write_text(folder / "index.cpp", Generator::index(parts)) ? 0 : 1;
 }

@@ -235,6 +235,43 @@ TEST(Graph, ParametersNeitherFoldNorMeetByTheirValue) {
   EXPECT_NE(graph.number(1.0, x, true), one) << "in another formula";
 }
 
+TEST(Graph, ZerosMayBePartOfTheShapeOfAFormulaWithParameters) {
+  Graph graph;
+  const Term x = graph.input(0);
+  graph.keep_parameters(Zeros::folded);
+  EXPECT_TRUE(graph.is_zero(graph.multiply(graph.number(0.0, x, true), x)));
+  EXPECT_EQ(graph.add(graph.number(-0.0, x, false), x), x);
+  EXPECT_NE(graph.multiply(graph.number(1.0, x, true), x), x);
+  graph.keep_parameters();
+  EXPECT_FALSE(graph.is_zero(graph.number(0.0, x, true)));
+}
+
+TEST(Graph, AfterItsParametersNumbersAreKnownByTheirValueAgain) {
+  Graph graph;
+  const Term x = graph.input(0);
+  graph.keep_parameters();
+  const Term two = graph.number(2.0, x, true);
+  graph.keep_values();
+  EXPECT_EQ(graph.number(2.0, x, true), graph.constant(2.0));
+  EXPECT_NE(graph.number(2.0, x, true), two);
+  graph.keep_parameters();
+  EXPECT_NE(graph.number(2.0, x, true), two) << "of another formula";
+}
+
+TEST(Graph, AParameterByItselfIsNoOther) {
+  Graph graph;
+  const Term one = graph.parameter(1.0), other = graph.parameter(1.0), zero = graph.parameter(0.0);
+  const Term x = graph.input(0);
+  EXPECT_NE(one, other);
+  EXPECT_TRUE(graph.is_parameter(one));
+  EXPECT_FALSE(graph.is_parameter(graph.constant(1.0)));
+  EXPECT_FALSE(graph.is_parameter(x));
+  EXPECT_NE(graph.multiply(one, x), x);
+  EXPECT_FALSE(graph.is_zero(zero));
+  EXPECT_EQ(graph.constant_value(graph.multiply(graph.constant(3.0), -one)), -3.0);
+  EXPECT_NE(graph.multiply(one, graph.reciprocal(one)), graph.constant(1.0)) << "1/c c is 1 for some c alone";
+}
+
 TEST(Graph, ResultsOfParametersAreParametersOfTheirValue) {
   Graph graph;
   graph.keep_parameters();

@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
+
 #include "sightline/model/robots.hpp"
 #include "sightline/potential/distance.hpp"
+#include "tests/support/folder.hpp"
 
 namespace sightline {
 namespace {
@@ -15,7 +19,7 @@ std::size_t count(const std::string& text, const std::string& word) {
 }
 
 TEST(Generator, EachStructureIsPrintedOnce) {
-  Generator generator(Generator::For::user);
+  Generator generator;
   generator.add(Multirotor{}, Seen::pose);
   generator.add(Multirotor{.b_psi = 1.7}, Seen::pose);
   generator.add(AngleMultirotor{}, Seen::pose);
@@ -25,13 +29,38 @@ TEST(Generator, EachStructureIsPrintedOnce) {
   EXPECT_EQ(count(generator.text(), "struct Formula_"), 2u) << "between robots, and around what is not one";
 }
 
-TEST(Generator, AUsersFileRegistersAndTheLibrarysIsAskedFor) {
-  EXPECT_EQ(count(Generator(Generator::For::user).text(), "register_kernels(table)"), 1u);
-  EXPECT_EQ(count(Generator(Generator::For::library).text(), "built_in_kernels()"), 1u);
+TEST(Generator, ARobotIsPrintedOnceWhateverItsParameters) {
+  Generator generator;
+  generator.add(Multirotor{}, Seen::pose);
+  generator.add(Multirotor{.b_z = 0.7, .b_psi = 1.7, .a_f = -0.3, .b_f = 1, .a_s = -2, .b_s = 3}, Seen::pose);
+  EXPECT_EQ(count(generator.text(), "struct Stage_"), 1u);
 }
 
-TEST(Generator, AFileThatCannotBeWrittenIsSaid) {
-  EXPECT_FALSE(Generator(Generator::For::user).write("/no/such/folder/kernels.cpp"));
+TEST(Generator, AUsersFileRegistersAndThePartsOfTheLibraryAreAskedFor) {
+  EXPECT_EQ(count(Generator().text(), "register_kernels(table)"), 1u);
+  const std::vector parts = {Generator("one"), Generator("other")};
+  EXPECT_EQ(count(parts[0].text(), "register_kernels(table)"), 0u);
+  const std::string index = Generator::index(parts);
+  EXPECT_EQ(count(index, "built_in_kernels()"), 1u);
+  for (const Generator& g : parts) {
+    const std::string declared = "const KernelTable& " + g.part() + "_kernels(const KernelTable* next)";
+    EXPECT_EQ(count(index, declared + ";"), 1u);
+    EXPECT_EQ(count(g.text(), declared + " {"), 1u);
+    EXPECT_EQ(count(index, "first = &" + g.part() + "_kernels(first);"), 1u);
+  }
+}
+
+TEST(Generator, AFileThatHoldsTheTextIsLeftAsItIs) {
+  const std::string path = test::fresh_folder() / "kernels.cpp";
+  ASSERT_TRUE(write_text(path, "one"));
+  std::filesystem::last_write_time(path,
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
+  const auto written = std::filesystem::last_write_time(path);
+  EXPECT_TRUE(write_text(path, "one"));
+  EXPECT_EQ(std::filesystem::last_write_time(path), written);
+  EXPECT_TRUE(write_text(path, "two"));
+  EXPECT_NE(std::filesystem::last_write_time(path), written);
+  EXPECT_FALSE(write_text("/no/such/folder/kernels.cpp", "one"));
 }
 
 }  // namespace

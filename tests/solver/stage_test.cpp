@@ -16,6 +16,7 @@
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/potential/limits.hpp"
 #include "tests/support/difference.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
@@ -209,15 +210,85 @@ TEST(Stage, APivotBelowItsFloorIsDoubted) {
   }
 }
 
-TEST(Stage, ParametersAreConstantsOfOneStructure) {
-  const auto of = [](double b_psi, double length) {
-    return trace_stage(
-        Multirotor{.b_z = 1.1, .b_psi = b_psi, .a_f = -0.51, .b_f = 1.43, .a_s = -0.53, .b_s = 1.47}, length,
-        Seen::pose);
+/// Numbers that often meet each other, h, 1 and their reciprocals, with either sign; never zero.
+double any_number(Random& random) {
+  const std::array few = {1.0, 2.0, 0.5, 0.05, 20.0, 0.1};
+  const double number = random() % 2 == 0 ? few[random() % few.size()] : uniform(random, 0.001, 30);
+  return random() % 4 == 0 ? -number : number;
+}
+
+/// The programs of a model at random parameters and stage lengths are one, but for their constants.
+template <class Draw>
+void expect_one_structure(Draw&& draw) {
+  Random random(7);
+  for (const Seen seen : {Seen::pose, Seen::pose_and_motion}) {
+    const StagePrograms first = trace_stage(draw(random), h, seen);
+    for (int trial = 0; trial < 200; ++trial) {
+      const StagePrograms other = trace_stage(draw(random), std::abs(any_number(random)), seen);
+      ASSERT_EQ(structure(other), structure(first)) << trial;
+      ASSERT_EQ(other.sizes, first.sizes);
+    }
+  }
+}
+
+TEST(Stage, NoParameterAndNoStageLengthChangesTheStructureOfAModel) {
+  expect_one_structure([](Random& r) {
+    return Multirotor{any_number(r), any_number(r), any_number(r),
+                      any_number(r), any_number(r), any_number(r)};
+  });
+  expect_one_structure([](Random& r) {
+    return AngleMultirotor{any_number(r), any_number(r), any_number(r),
+                           any_number(r), any_number(r), any_number(r)};
+  });
+  expect_one_structure([](Random& r) {
+    return OmniRover{any_number(r), any_number(r), any_number(r), any_number(r), any_number(r)};
+  });
+  expect_one_structure([](Random& r) { return Unicycle{any_number(r), any_number(r), any_number(r)}; });
+  expect_one_structure([](Random& r) { return PointMass{any_number(r)}; });
+  expect_one_structure([](Random& r) {
+    return VelocityMultirotor{any_number(r), any_number(r), any_number(r), any_number(r)};
+  });
+}
+
+TEST(Stage, NoParameterOfABarrierChangesTheStructure) {
+  Random random(8);
+  const auto positive = [&] { return std::abs(any_number(random)); };
+  const auto of = [&](const Limit& limit) {
+    return structure(trace_stage(Multirotor{}, positive(), Seen::pose,
+                                 std::array{RelaxedBarrier{limit, positive(), positive()}}));
   };
-  EXPECT_EQ(structure(of(1.6, 0.05)), structure(of(1.3, 0.02)));
-  EXPECT_NE(structure(of(1.6, 0.05)), structure(trace_stage(AngleMultirotor{}, 0.05, Seen::pose)));
-  EXPECT_EQ(of(1.6, 0.05).sizes, of(1.3, 0.02).sizes);
+  const auto speed = of(SpeedLimit{}), disc = of(InputDisc{});
+  EXPECT_NE(speed, disc);
+  for (int trial = 0; trial < 200; ++trial) {
+    ASSERT_EQ(of(SpeedLimit{positive()}), speed);
+    ASSERT_EQ(of(InputDisc{positive()}), disc);
+  }
+}
+
+TEST(Stage, AParameterOfZeroIsOfAnotherShape) {
+  const auto of = [](const Model& model) { return structure(trace_stage(model, h, Seen::pose)); };
+  EXPECT_NE(of(PointMass{}), of(PointMass{.drag = 0.1}));
+  EXPECT_NE(of(Multirotor{}), of(Multirotor{.a_f = 0.0}));
+  EXPECT_NE(of(Multirotor{}), of(AngleMultirotor{}));
+}
+
+/// A unit is c (1/c), which is 1 for some c alone; as a number it made the structure one of its value.
+TEST(Stage, AnInputThatMovesOneStateIsAColumnOfTheIdentityAtEveryStageLength) {
+  Random random(9);
+  for (int trial = 0; trial < 200; ++trial) {
+    const double length = uniform(random, 0.001, 0.2), tau = uniform(random, 0.05, 3);
+    const StagePrograms p = trace_stage(VelocityMultirotor{tau, tau, tau, tau}, length, Seen::pose);
+    std::vector<double> in(at(size_of(p.precondition_forward.inputs)), 0.0);
+    const int k_at = place(p.precondition_forward.inputs, "k");
+    for (int a = 0; a < 4; ++a) in[at(k_at + a)] = -1.0;
+    const std::vector<double> out = evaluate(p.precondition_forward.program, in);
+    const int du_at = place(p.precondition_forward.outputs, "du"),
+              y_at = place(p.precondition_forward.outputs, "y_out");
+    for (int a = 0; a < 4; ++a) {
+      EXPECT_LE(relative_error(out[at(du_at + a)], tau / length), 1e-15);
+      EXPECT_EQ(out[at(y_at + 5 + a)], 1.0);
+    }
+  }
 }
 
 }  // namespace

@@ -54,9 +54,9 @@ Term Graph::parameter(const Factors& factors, double value) {
 }
 
 Term Graph::number(double value, Term other, bool factor) {
-  if (formula_ == 0) return constant(value);
+  if (formula_ == 0 || (value == 0 && zeros_ == Zeros::folded)) return constant(value);
   const auto [entry, added] = numbers_.try_emplace({formula_, other.node, factor, value});
-  if (added) entry->second = parameter({1.0, {leaves_++}}, value);
+  if (added) entry->second = parameter(value);
   return entry->second;
 }
 
@@ -67,7 +67,7 @@ Term Graph::of_constant(Op op, Term a, double value) {
 /// A constant that comes out of an operation on parameters.
 Term Graph::result(const Node& operation, double value) {
   const auto [entry, added] = results_.try_emplace(operation);
-  if (added) entry->second = parameter({1.0, {leaves_++}}, value);
+  if (added) entry->second = parameter(value);
   return entry->second;
 }
 

@@ -51,6 +51,12 @@ struct Node {
   bool operator==(const Node&) const = default;
 };
 
+/// What a zero is among numbers that are parameters.
+enum class Zeros {
+  kept,    ///< a parameter as any: a formula of one shape stays one graph
+  folded,  ///< a part of the shape: what it meets is not there
+};
+
 /// The graph; nodes are in an order in which operands come first.
 class Graph {
  public:
@@ -76,7 +82,14 @@ class Graph {
   /// Opens a formula whose numbers are parameters: none folds away by its value, none is another by its value,
   /// so formulas of one shape are one graph whatever their numbers. Only a number that meets one term twice in
   /// one way, and in one formula, is the same parameter.
-  void keep_parameters() { ++formula_; }
+  void keep_parameters(Zeros zeros = Zeros::kept) {
+    formula_ = ++formulas_;
+    zeros_ = zeros;
+  }
+  /// Ends it: numbers fold away, and are known by their value, again.
+  void keep_values() { formula_ = 0; }
+  /// A number of its own, which folds nothing away whatever its value.
+  Term parameter(double value) { return parameter({1.0, {leaves_++}}, value); }
   /// A number of the formula that meets `other`, as a factor or as a summand.
   Term number(double value, Term other, bool factor);
 
@@ -88,6 +101,9 @@ class Graph {
   /// Value of a constant term, its sign included.
   double constant_value(Term t) const { return t.negative ? -node(t).value : node(t).value; }
   bool is_zero(Term t) const { return is_number(t, 0.0); }
+
+  /// Whether a term is a constant that is not known by its value.
+  bool is_parameter(Term t) const { return is_constant(t) && node(t).a.node >= 0; }
 
   const Node& node(Term t) const { return nodes_[static_cast<std::size_t>(t.node)]; }
   std::span<const Node> nodes() const { return nodes_; }
@@ -102,7 +118,6 @@ class Graph {
   using Factors = std::pair<double, std::vector<int>>;
 
   Term unique(const Node& node);
-  bool is_parameter(Term t) const { return is_constant(t) && node(t).a.node >= 0; }
   bool is_number(Term t, double value) const {
     return is_constant(t) && !is_parameter(t) && node(t).value == value;
   }
@@ -114,7 +129,8 @@ class Graph {
   Term product_of_constants(Term a, Term b);
 
   bool draw_constants_ = true;
-  int formula_ = 0;                                             // 0: numbers are known by their value
+  int formulas_ = 0, formula_ = 0;  // 0: numbers are known by their value
+  Zeros zeros_ = Zeros::kept;
   std::map<std::tuple<int, int, bool, double>, Term> numbers_;  // [formula, other, factor, value]
   std::map<Factors, int> names_;                                // node of a parameter
   std::map<int, Factors> factors_;                              // and back

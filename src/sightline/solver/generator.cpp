@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+#include <fstream>
+#include <sstream>
 
 namespace sightline {
 namespace {
 
-constexpr double h = 0.05;  // any stage length that meets no other constant gives the same structure
+constexpr double h = 0.05;  // any: it is a parameter
 
 /// Prints a function as a member of the struct that the lines before it have opened.
 std::string member(const BlockProgram& p, std::string_view name) {
@@ -20,6 +21,16 @@ std::string member(const BlockProgram& p, std::string_view name) {
 std::string list(std::string_view type, std::string_view name, const std::string& rows) {
   return fmt::format("constexpr std::array<{}, {}> {} = {{{{\n{}}}}};\n", type,
                      std::count(rows.begin(), rows.end(), '\n'), name, rows);
+}
+
+std::string head() {
+  return "// Printed by the generator; not to be edited.\n#include \"sightline/solver/kernel_table.hpp\"\n\n"
+         "namespace sightline {\n";
+}
+
+/// Of the function that puts a part in front of the others.
+std::string declaration(std::string_view part) {
+  return fmt::format("const KernelTable& {}_kernels(const KernelTable* next)", part);
 }
 
 }  // namespace
@@ -65,25 +76,40 @@ void Generator::add(const PosePotential& potential, std::string_view potential_n
 }
 
 std::string Generator::text() const {
-  return "// Printed by the generator; not to be edited.\n#include <array>\n\n#include "
-         "\"sightline/solver/kernel_table.hpp\"\n\n"
-         "namespace sightline {\nnamespace {\n\n" +
-         functions_ + list("StageKernel", "stage_kernels", stage_rows_) +
-         list("FormulaKernel", "formula_kernels", formula_rows_) + "\n" +
-         (for_library_
-              ? "}  // namespace\n\nconst KernelTable& built_in_kernels() {\n"
-                "  static const KernelTable table{stage_kernels, formula_kernels};\n  return table;\n}\n\n"
-              : "KernelTable table{stage_kernels, formula_kernels};\n"
-                "[[maybe_unused]] const bool registered = register_kernels(table);\n\n}  // namespace\n") +
-         "}  // namespace sightline\n";
+  std::string text = "#include <array>\n\n" + head() + "namespace {\n\n" + functions_ +
+                     list("StageKernel", "stage_kernels", stage_rows_) +
+                     list("FormulaKernel", "formula_kernels", formula_rows_) + "\n";
+  if (part_.empty()) {
+    text +=
+        "KernelTable table{stage_kernels, formula_kernels};\n"
+        "[[maybe_unused]] const bool registered = register_kernels(table);\n\n}  // namespace\n";
+  } else {
+    text += fmt::format(
+        "}}  // namespace\n\n{};\n{} {{\n  static const KernelTable table{{stage_kernels, formula_kernels, "
+        "next}};\n  return table;\n}}\n",
+        declaration(part_), declaration(part_));
+  }
+  return text + "}  // namespace sightline\n";
 }
 
-bool Generator::write(const char* path) const {
-  std::FILE* const file = std::fopen(path, "w");
-  if (file == nullptr) return false;
-  const std::string all = text();
-  const bool written = std::fwrite(all.data(), 1, all.size(), file) == all.size();
-  return std::fclose(file) == 0 && written;
+std::string Generator::index(std::span<const Generator> parts) {
+  std::string text = head(), chain;
+  for (const Generator& g : parts) {
+    text += declaration(g.part()) + ";\n";
+    chain += fmt::format("  first = &{}_kernels(first);\n", g.part());
+  }
+  return text + "\nconst KernelTable& built_in_kernels() {\n  const KernelTable* first = nullptr;\n" + chain +
+         "  return *first;\n}\n\n}  // namespace sightline\n";
+}
+
+bool write_text(const std::string& path, std::string_view text) {
+  std::ostringstream there;
+  there << std::ifstream(path, std::ios::binary).rdbuf();
+  if (!text.empty() && there.view() == text) return true;
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  return file.good();
 }
 
 }  // namespace sightline

@@ -1,10 +1,12 @@
-/// Collects models and potentials and prints their compiled functions as one C++ file, for `KernelTable`.
+/// Collects models and potentials and prints their compiled functions as a C++ file, for `KernelTable`.
 #pragma once
 
 #include <cstdint>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sightline/solver/pose_potential.hpp"
@@ -14,12 +16,13 @@ namespace sightline {
 
 class Generator {
  public:
-  /// What the file is for.
-  enum class For {
-    library,  ///< the library's own functions
-    user,     ///< functions that join them before main
-  };
-  explicit Generator(For whom) : for_library_(whom == For::library) {}
+  /// Functions that join the library's before main.
+  Generator() = default;
+  /// A part of the library's own functions, which `index` names.
+  explicit Generator(std::string part) : part_(std::move(part)) {}
+
+  /// The file that makes one table of the library's parts, built_in_kernels().
+  static std::string index(std::span<const Generator> parts);
 
   /// The stage programs of a model with these barriers, in this order.
   void add(const Model& model, Seen seen, const std::vector<RelaxedBarrier>& barriers = {});
@@ -29,15 +32,18 @@ class Generator {
 
   /// The file.
   std::string text() const;
-  /// @return whether the file could be written
-  [[nodiscard]] bool write(const char* path) const;
+  const std::string& part() const { return part_; }
 
  private:
   void add(const PosePotential& potential, std::string_view name);
 
-  bool for_library_;
+  std::string part_;  // none: a user's
   std::set<std::uint64_t> known_;
   std::string functions_, stage_rows_, formula_rows_;
 };
+
+/// Writes a file unless it holds this text already, so that nothing is built again for it.
+/// @return whether it holds it now
+[[nodiscard]] bool write_text(const std::string& path, std::string_view text);
 
 }  // namespace sightline

@@ -2,101 +2,16 @@
 
 #include <algorithm>
 #include <cassert>
+#include <map>
 
 #include "sightline/formula/derive.hpp"
 #include "sightline/potential/tracking.hpp"
+#include "sightline/solver/riccati.hpp"
 
 namespace sightline {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-template <class S>
-class Matrix {
- public:
-  Matrix(int rows, int columns) : columns_(columns), entries_(at(rows * columns), S(0.0)) {}
-  S& operator()(int i, int j) { return entries_[at(i * columns_ + j)]; }
-  const S& operator()(int i, int j) const { return entries_[at(i * columns_ + j)]; }
-
- private:
-  int columns_;
-  std::vector<S> entries_;
-};
-
-/// Linear-quadratic stage, and what its elimination gives.
-template <class S>
-struct RiccatiStage {
-  int nx, nu;
-  Matrix<S> A{nx, nx}, B{nx, nu};                     // y_next = A y + B du
-  Matrix<S> Q{nx, nx}, G{nu, nx}, R{nu, nu};          // Phi_xx, Phi_ux, Phi_uu
-  std::vector<S> r = std::vector<S>(at(nu), S(0.0));  // Phi_u
-  Matrix<S> L{nu, nu}, K{nu, nx}, Y{nu, nx}, Z{nu, nx};
-  std::vector<S> inverse_D = r, k = r, y = r, z = r;
-  Matrix<S> PA{nx, nx};
-
-  /// Eliminates du for the cost-to-go P and the costate increment e of the next stage:
-  /// R + B'PB = L D L', K = L^-T D^-1 L^-1 (G + B'PA), k likewise; pivots are at least `floor`. An input with
-  /// an infinite R does not move: the inverse of its pivot is zero, and with it all of its row.
-  void eliminate(const Matrix<S>& P, const std::vector<S>& e, const std::vector<double>& floor, S& doubt) {
-    Matrix<S> PB(nx, nu);
-    for (int i = 0; i < nx; ++i) {
-      for (int j = 0; j < nx; ++j)
-        for (int q = 0; q < nx; ++q) PA(i, j) += P(i, q) * A(q, j);
-    }
-    for (int i = 0; i < nx; ++i) {
-      for (int b = 0; b < nu; ++b)
-        for (int q = 0; q < nx; ++q) PB(i, b) += P(i, q) * B(q, b);
-    }
-    for (int a = 0; a < nu; ++a) {
-      for (int b = 0; b <= a; ++b)
-        for (int q = 0; q < nx; ++q) R(a, b) += B(q, a) * PB(q, b);
-      for (int j = 0; j < nx; ++j)
-        for (int q = 0; q < nx; ++q) G(a, j) += B(q, a) * PA(q, j);
-      for (int q = 0; q < nx; ++q) r[at(a)] += B(q, a) * e[at(q)];
-    }
-    for (int a = 0; a < nu; ++a) {
-      doubt = maximum(floor[at(a)] - R(a, a), doubt);
-      inverse_D[at(a)] = 1.0 / maximum(R(a, a), S(floor[at(a)]));
-      for (int b = a + 1; b < nu; ++b) L(b, a) = R(b, a) * inverse_D[at(a)];
-      for (int b = a + 1; b < nu; ++b)
-        for (int c = a + 1; c <= b; ++c) R(b, c) -= L(b, a) * R(c, a);
-    }
-    for (int j = 0; j < nx; ++j) {
-      for (int a = 0; a < nu; ++a) {
-        Y(a, j) = G(a, j);
-        for (int b = 0; b < a; ++b) Y(a, j) -= L(a, b) * Y(b, j);
-        Z(a, j) = Y(a, j) * inverse_D[at(a)];
-      }
-    }
-    for (int a = 0; a < nu; ++a) {
-      y[at(a)] = r[at(a)];
-      for (int b = 0; b < a; ++b) y[at(a)] -= L(a, b) * y[at(b)];
-      z[at(a)] = y[at(a)] * inverse_D[at(a)];
-    }
-    for (int a = nu - 1; a >= 0; --a) {
-      for (int j = 0; j < nx; ++j) {
-        K(a, j) = Z(a, j);
-        for (int b = a + 1; b < nu; ++b) K(a, j) -= L(b, a) * K(b, j);
-      }
-      k[at(a)] = z[at(a)];
-      for (int b = a + 1; b < nu; ++b) k[at(a)] -= L(b, a) * k[at(b)];
-    }
-  }
-
-  /// Entry (i, j) of the cost-to-go of this stage.
-  S cost_to_go(int i, int j) const {
-    S s = Q(i, j);
-    for (int q = 0; q < nx; ++q) s += A(q, i) * PA(q, j);
-    for (int a = 0; a < nu; ++a) s -= Y(a, i) * Z(a, j);
-    return s;
-  }
-  S costate_increment(int j, const std::vector<S>& e) const {
-    S s = 0.0;
-    for (int q = 0; q < nx; ++q) s += A(q, j) * e[at(q)];
-    for (int a = 0; a < nu; ++a) s -= Z(a, j) * y[at(a)];
-    return s;
-  }
-};
 
 /// Builds one block program.
 class Tracer {
@@ -128,16 +43,24 @@ class Tracer {
   std::vector<Term> outputs_;
 };
 
-/// F = x + h f and s of a model, recorded.
+/// A number that comes from outside: no value of it changes the operations.
+Symbol parameter(Graph& graph, double value) { return Symbol(graph, graph.parameter(value)); }
+
+/// F = x + h f and s of a model, recorded. Its numbers but for zeros are parameters, and so is h.
 struct Flow {
   std::vector<Symbol> F, s;
+  Sight<Symbol> sight;
 };
 
-Flow record(const Model& model, double h, Seen seen, std::span<const Symbol> x, std::span<const Symbol> u) {
-  Flow flow{std::vector<Symbol>(x.size()), std::vector<Symbol>(at(sight_size))};
+Flow record(Graph& graph, const Model& model, const Symbol& h, Seen seen, std::span<const Symbol> x,
+            std::span<const Symbol> u) {
+  Flow flow{std::vector<Symbol>(x.size()), std::vector<Symbol>(at(sight_size)), {}};
+  graph.keep_parameters(Zeros::folded);
   model.f(x, u, flow.F);
+  flow.sight = model.sight(x, u);
+  graph.keep_values();
   for (std::size_t i = 0; i < x.size(); ++i) flow.F[i] = x[i] + h * flow.F[i];
-  write_sight(model.sight(x, u), flow.s);
+  write_sight(flow.sight, flow.s);
   flow.s.resize(at(seen_size(seen)));
   return flow;
 }
@@ -155,28 +78,26 @@ struct Linearisation {
   std::vector<Term> stored;
 };
 
-/// What each step of an input is measured in, du = unit dv: where an input moves one state alone, by a
-/// constant, in what it moves, so that its column of B is a column of the identity; elsewhere in itself.
-std::vector<double> units(Graph& graph, const Linearisation& l, const StageSizes& n) {
-  std::vector<double> list(at(n.nu), 1.0);
+/// Measures each step of an input, du = unit dv: where an input moves one state alone, by a constant, in what it
+/// moves, so that its column of B is a column of the identity; elsewhere in itself. @return the units
+std::vector<Symbol> measure(Graph& graph, Linearisation& l, const StageSizes& n) {
+  std::vector<Symbol> units(at(n.nu), Symbol(1.0));
   for (int a = 0; a < n.nu; ++a) {
     bool constants = true;
-    std::vector<double> moved;
+    std::vector<int> moved;
     for (int i = 0; i < n.nx; ++i) {
       const Term entry = l.B(i, a).in(graph);
       constants &= graph.is_constant(entry);
-      if (!graph.is_zero(entry)) moved.push_back(graph.constant_value(entry));
+      if (!graph.is_zero(entry)) moved.push_back(i);
     }
     for (int i = 0; i < n.ns; ++i) constants &= graph.is_constant(l.J_u(i, a).in(graph));
-    if (constants && moved.size() == 1) list[at(a)] = 1.0 / moved[0];
+    if (!constants || moved.size() != 1) continue;
+    Symbol& entry = l.B(moved[0], a);
+    units[at(a)] = 1.0 / entry;
+    entry = 1.0;
+    for (int i = 0; i < n.ns; ++i) l.J_u(i, a) *= units[at(a)];
   }
-  return list;
-}
-
-void scale_columns(Matrix<Symbol>& m, int rows, std::span<const double> factors) {
-  for (int i = 0; i < rows; ++i) {
-    for (std::size_t a = 0; a < factors.size(); ++a) m(i, static_cast<int>(a)) *= factors[a];
-  }
+  return units;
 }
 
 std::vector<Term> terms(Graph& graph, std::span<const Symbol> symbols) {
@@ -186,7 +107,8 @@ std::vector<Term> terms(Graph& graph, std::span<const Symbol> symbols) {
 }
 
 Symbol symbol(Graph& graph, Term t) {
-  return graph.is_constant(t) ? Symbol(graph.constant_value(t)) : Symbol(graph, t);
+  const bool known = graph.is_constant(t) && !graph.is_parameter(t);
+  return known ? Symbol(graph.constant_value(t)) : Symbol(graph, t);
 }
 
 Linearisation linearise(Graph& graph, const Flow& flow, std::span<const Symbol> x,
@@ -219,9 +141,10 @@ class StageTracer {
       : model_(model), h_(h), seen_(seen), barriers_(barriers) {
     sizes_ = {.nx = model.nx(), .nu = model.nu(), .ns = seen_size(seen), .stored = 0};
     const auto x = plain_.inputs("x", sizes_.nx), u = plain_.inputs("u", sizes_.nu);
-    linear_ = linearise(plain_.graph, record(model, h, seen, x, u), x, u);
+    const Symbol length = parameter(plain_.graph, h);
+    linear_ = linearise(plain_.graph, record(plain_.graph, model, length, seen, x, u), x, u);
     sizes_.stored = static_cast<int>(linear_.stored.size());
-    units_ = units(plain_.graph, linear_, sizes_);
+    units_ = measure(plain_.graph, linear_, sizes_);
   }
 
   StagePrograms trace() {
@@ -246,10 +169,11 @@ class StageTracer {
     const std::vector<Symbol> e(carry.begin() + 1 + nx, carry.begin() + 1 + 2 * nx);
 
     // Phi and its derivatives: those of the cost, and along the flow A, B, J once more.
-    const Flow flow = record(model_, h_, seen_, x, u);
+    const Symbol h = parameter(graph, h_);
+    const Flow flow = record(graph, model_, h, seen_, x, u);
     Linearisation l = linearise(graph, flow, x, u);
     const Symbol cost =
-        0.5 * tracking_cost<Symbol>(x, x_ref, Q, u, u_ref, R) + h_ * sum_of(barriers_, model_, x, u);
+        0.5 * tracking_cost<Symbol>(x, x_ref, Q, u, u_ref, R) + h * cost_of_limits(graph, flow.sight, x, u);
     Symbol along = 0.0;
     for (int i = 0; i < nx; ++i) along += lambda[at(i)] * flow.F[at(i)];
     for (int i = 0; i < ns; ++i) along += coupling[at(i)] * flow.s[at(i)];
@@ -270,21 +194,20 @@ class StageTracer {
       for (int q = 0; q < nx; ++q) slope += lambda[at(q)] * (i < nx ? l.A(q, i) : l.B(q, i - nx));
       first.push_back(slope);
     }
-    scale_columns(l.B, nx, units_);
-    scale_columns(l.J_u, ns, units_);
+    const std::vector<Symbol> units = measure(graph, l, sizes_);
     RiccatiStage<Symbol> stage{.nx = nx, .nu = nu};
     stage.A = l.A;
     stage.B = l.B;
     for (int i = 0; i < nx; ++i)
       for (int j = 0; j < nx; ++j) stage.Q(i, j) = second(i, j);
-    std::vector<double> floor;
+    std::vector<Symbol> floor;
     for (int a = 0; a < nu; ++a) {
-      const double unit = units_[at(a)];
+      const Symbol& unit = units[at(a)];
       for (int j = 0; j < nx; ++j) stage.G(a, j) = unit * second(nx + a, j);
-      for (int b = 0; b < nu; ++b) stage.R(a, b) = unit * units_[at(b)] * second(nx + a, nx + b);
+      for (int b = 0; b < nu; ++b) stage.R(a, b) = unit * units[at(b)] * second(nx + a, nx + b);
       stage.R(a, a) = unit * unit * (second(nx + a, nx + a) + rho) + held[at(a)];
       stage.r[at(a)] = unit * first[at(nx + a)];
-      floor.push_back(unit * unit * pivot_floor * h_);
+      floor.push_back(unit * unit * (pivot_floor * h));
     }
     add_couplings(stage, l, part(coupling, ns, ns * (ns + 1) / 2));
     Matrix<Symbol> P(nx, nx);
@@ -315,6 +238,19 @@ class StageTracer {
     return t.finish();
   }
 
+  /// The sum of the barriers, each with parameters of its own.
+  Symbol cost_of_limits(Graph& graph, const Sight<Symbol>& sight, std::span<const Symbol> x,
+                        std::span<const Symbol> u) const {
+    Symbol sum = 0.0;
+    for (const RelaxedBarrier& barrier : barriers_) {
+      graph.keep_parameters(Zeros::folded);
+      const Symbol cost = barrier(sight, x, u);
+      graph.keep_values();
+      sum += cost;
+    }
+    return sum;
+  }
+
   /// Adds J' H J, H the Hessian of the potentials with respect to s.
   void add_couplings(RiccatiStage<Symbol>& stage, const Linearisation& l, std::span<const Symbol> H) const {
     const int nx = sizes_.nx, nu = sizes_.nu, ns = sizes_.ns;
@@ -343,36 +279,42 @@ class StageTracer {
 
   /// The gain block as a sweep reads it.
   struct Gain {
-    std::vector<Symbol> inverse_D;
+    std::vector<Symbol> inverse_D, units;
     Matrix<Symbol> L, K, A, B, J_x, J_u;
   };
   Gain gain(Tracer& t) const {
     const int nx = sizes_.nx, nu = sizes_.nu, ns = sizes_.ns;
     const auto block = t.inputs("gain", sizes_.gain());
     auto next = block.begin();
-    Gain g{{}, {nu, nu}, {nu, nx}, {nx, nx}, {nx, nu}, {ns, nx}, {ns, nu}};
+    Gain g{{}, {}, {nu, nu}, {nu, nx}, {nx, nx}, {nx, nu}, {ns, nx}, {ns, nu}};
     for (int a = 0; a < nu; ++a) g.inverse_D.push_back(*next++);
     for (int a = 0; a < nu; ++a)
       for (int b = 0; b < a; ++b) g.L(a, b) = *next++;
     for (int j = 0; j < nx; ++j)
       for (int a = 0; a < nu; ++a) g.K(a, j) = *next++;
     const std::vector<Symbol> stored(next, block.end());
-    const auto fill = [&](Matrix<Symbol>& to, Matrix<Symbol> from, int rows, int columns) {
+    std::map<int, Symbol> parameters;
+    const auto there = [&](const Symbol& entry) { return reread(t.graph, entry, stored, parameters); };
+    const auto fill = [&](Matrix<Symbol>& to, const Matrix<Symbol>& from, int rows, int columns) {
       for (int i = 0; i < rows; ++i)
-        for (int j = 0; j < columns; ++j) to(i, j) = reread(t.graph, from(i, j), stored);
+        for (int j = 0; j < columns; ++j) to(i, j) = there(from(i, j));
     };
     fill(g.A, linear_.A, nx, nx);
     fill(g.B, linear_.B, nx, nu);
     fill(g.J_x, linear_.J_x, ns, nx);
     fill(g.J_u, linear_.J_u, ns, nu);
-    scale_columns(g.B, nx, units_);
-    scale_columns(g.J_u, ns, units_);
+    for (const Symbol& unit : units_) g.units.push_back(there(unit));
     return g;
   }
-  /// An entry of the linearisation in another graph, out of the stored ones.
-  Symbol reread(Graph& graph, const Symbol& entry, const std::vector<Symbol>& stored) const {
+  /// An entry of the linearisation in another graph, out of the stored ones and the parameters met so far.
+  Symbol reread(Graph& graph, const Symbol& entry, const std::vector<Symbol>& stored,
+                std::map<int, Symbol>& parameters) const {
     Graph& plain = const_cast<Graph&>(plain_.graph);
     const Term t = entry.in(plain);
+    if (plain.is_parameter(t)) {
+      if (!parameters.contains(t.node)) parameters[t.node] = parameter(graph, plain.node(t).value);
+      return t.negative ? -parameters[t.node] : parameters[t.node];
+    }
     if (plain.is_constant(t)) return plain.constant_value(t);
     const auto found =
         std::find_if(linear_.stored.begin(), linear_.stored.end(), [&](Term s) { return s.node == t.node; });
@@ -425,7 +367,7 @@ class StageTracer {
       std::array<Symbol, 3> s = {k[at(a)], 0.0, 0.0};  // three sums side by side
       for (int j = 0; j < nx; ++j) s[at(j % 3)] += g.K(a, j) * y[at(j)];
       dv.push_back(-((s[0] + s[1]) + s[2]));
-      t.output(units_[at(a)] * dv.back());
+      t.output(g.units[at(a)] * dv.back());
     }
     const auto product = [&](const Matrix<Symbol>& M_x, const Matrix<Symbol>& M_u, int rows) {
       for (int i = 0; i < rows; ++i) {
@@ -449,7 +391,7 @@ class StageTracer {
   StageSizes sizes_;
   Tracer plain_;
   Linearisation linear_{{0, 0}, {0, 0}, {0, 0}, {0, 0}, {}};
-  std::vector<double> units_;
+  std::vector<Symbol> units_;
 };
 
 }  // namespace
@@ -457,7 +399,7 @@ class StageTracer {
 BlockProgram trace_step(const Model& model, double h, Seen seen) {
   Tracer t;
   const auto x = t.inputs("x", model.nx()), u = t.inputs("u", model.nu());
-  const Flow flow = record(model, h, seen, x, u);
+  const Flow flow = record(t.graph, model, parameter(t.graph, h), seen, x, u);
   t.block("F");
   t.output(flow.F);
   t.block("s");

@@ -1,7 +1,8 @@
 /// One stage of the Newton step, traced once from a model: six short programs that know nothing of matrices.
 ///
-/// The Riccati stage is written once, as dense loops over any scalar. Run on the recording scalar, zeros and
-/// constants of A, B, J fold away, and what is left is the sparse code one would have written by hand.
+/// The Riccati stage (riccati.hpp) is written once, as dense loops over any scalar. Run on the recording scalar, zeros
+/// of A, B, J fold away, and what is left is the sparse code one would have written by hand. The model's numbers and
+/// h are parameters: but for a parameter that is zero, no value of them changes the programs.
 /// Derivation: docs/equations.md, 11.
 #pragma once
 
