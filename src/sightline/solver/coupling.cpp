@@ -4,7 +4,7 @@
 #include <array>
 
 #include "sightline/formula/derive.hpp"
-#include "sightline/solver/points.hpp"
+#include "sightline/solver/pair_batch.hpp"
 
 namespace sightline {
 namespace {
@@ -26,12 +26,6 @@ template <class L>
 [[gnu::always_inline]] inline L row_of_five(const L* H, int i, const L* v) {
   return fma(H[upper(i, 4)], v[4], fma(H[upper(i, 3)], v[3], row_of_three(H, i, v)));
 }
-
-/// Equal potentials over many pairs of bodies.
-struct Batch {
-  std::vector<const BodyPotential*> pairs;
-  Points points;
-};
 
 /// Pairs of relative potentials whose agents stand in two groups, each lane used once: one product for all of
 /// them.
@@ -59,8 +53,7 @@ class LaneCouplings final : public Couplings {
   LaneCouplings(std::span<const BodyPotential> pairs, const Layout& layout, int bodies, KernelChoice choice)
       : layout_(layout),
         first_(pairs.data()),
-        bodies_(sight_size * bodies, layout.stages),
-        time_(1, layout.stages) {
+        surroundings_{Rows(sight_size * bodies, layout.stages), Rows(1, layout.stages)} {
     for (const BodyPotential& pair : pairs) add(pair, choice);
     // Against the order of a chain, so that each slot but one finds its second group written.
     std::sort(slots_.begin(), slots_.end(),
@@ -68,23 +61,23 @@ class LaneCouplings final : public Couplings {
     for (Slot<W>& slot : slots_) settle(slot, choice);
     find_first_writers();
     find_slots_of_pairs();
-    for (Batch& b : general_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
-    for (Batch& b : relative_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
+    for (PairBatch& b : general_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
+    for (PairBatch& b : relative_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
     lone_pair_ = W == 2 && pairs.size() == 1 && slots_.size() == 1 && layout.groups.size() == 1 &&
                  layout.groups[0].ns == relative;
   }
 
-  void set_time(int k, double t) noexcept override { time_[0][k] = t; }
+  void set_time(int k, double t) noexcept override { surroundings_.time[0][k] = t; }
   void set_weights(double t) noexcept override {
-    for (std::vector<Batch>* batches : {&relative_, &general_}) {
-      for (Batch& batch : *batches) batch.points.set_part(batch.pairs[0]->ramp.at(t));
+    for (std::vector<PairBatch>* batches : {&relative_, &general_}) {
+      for (PairBatch& batch : *batches) batch.points.set_part(batch.pairs[0]->ramp.at(t));
     }
     for (Slot<W>& slot : slots_) slot.part = slot.ramp.at(t);
   }
   void set_body(int body, int k, const Sight<double>& sight) noexcept override {
     std::array<double, sight_size> s;
     write_sight(sight, s);
-    for (int i = 0; i < sight_size; ++i) bodies_[body * sight_size + i][k] = s[at(i)];
+    for (int i = 0; i < sight_size; ++i) surroundings_.bodies[body * sight_size + i][k] = s[at(i)];
   }
 
   void evaluate(const double* s, double* c) noexcept override {
@@ -98,21 +91,21 @@ class LaneCouplings final : public Couplings {
     }
     for (std::size_t b = 0; b < relative_.size(); ++b) {
       if (in_place_[b]) continue;
-      gather(relative_[b], s);
+      relative_[b].gather(layout_, surroundings_, s);
       relative_[b].points.derive();
       scatter_relative(relative_[b], slots_of_[b], c);
     }
-    for (Batch& batch : general_) {
-      gather(batch, s);
+    for (PairBatch& batch : general_) {
+      batch.gather(layout_, surroundings_, s);
       batch.points.derive();
-      scatter_general(batch, c);
+      batch.scatter(layout_, c);
     }
   }
 
   void values(const double* s, std::span<double> sums) noexcept override {
-    for (std::vector<Batch>* batches : {&relative_, &general_}) {
-      for (Batch& batch : *batches) {
-        gather(batch, s);
+    for (std::vector<PairBatch>* batches : {&relative_, &general_}) {
+      for (PairBatch& batch : *batches) {
+        batch.gather(layout_, surroundings_, s);
         batch.points.evaluate();
         int point = 0;
         for (const BodyPotential* pair : batch.pairs) {
@@ -131,21 +124,14 @@ class LaneCouplings final : public Couplings {
       std::fill_n(y + part.s, layout_.stages * part.ns * W, 0.0);
     }
     for (const Slot<W>& slot : slots_) product(slot, z, y);
-    for (const Batch& batch : general_) product_general(batch, z, y);
+    for (const PairBatch& batch : general_) batch.product(layout_, z, y);
   }
 
  private:
   /// One formula for all pairs; relative ones are told apart by their slots too.
-  Batch& batch_of(std::vector<Batch>& batches, const BodyPotential& pair, KernelChoice choice) {
-    for (Batch& b : batches) {
-      const PosePotential& p = b.pairs[0]->potential;
-      if (p.derivatives == pair.potential.derivatives && p.others == pair.potential.others &&
-          p.variables == pair.potential.variables && b.pairs[0]->ramp == pair.ramp &&
-          b.pairs[0]->ends.a_feels == pair.ends.a_feels && b.pairs[0]->ends.b_feels == pair.ends.b_feels &&
-          b.pairs[0]->ends.a_is_agent == pair.ends.a_is_agent &&
-          b.pairs[0]->ends.b_is_agent == pair.ends.b_is_agent) {
-        return b;
-      }
+  PairBatch& batch_of(std::vector<PairBatch>& batches, const BodyPotential& pair, KernelChoice choice) {
+    for (PairBatch& b : batches) {
+      if (b.suits(pair)) return b;
     }
     batches.push_back({{}, Points(pair.potential, choice)});
     return batches.back();
@@ -156,7 +142,7 @@ class LaneCouplings final : public Couplings {
       batch_of(general_, pair, choice).pairs.push_back(&pair);
       return;
     }
-    Batch& batch = batch_of(relative_, pair, choice);
+    PairBatch& batch = batch_of(relative_, pair, choice);
     const PosePotential* const potential = batch.pairs.empty() ? &pair.potential : &batch.pairs[0]->potential;
     batch.pairs.push_back(&pair);
     const Layout::Place a = layout_.place(pair.a), b = layout_.place(pair.b);
@@ -206,8 +192,8 @@ class LaneCouplings final : public Couplings {
       if (slot.a_feels) begin_as_zeros(slot.group_a, in_c, zeros_in_c_);
       if (slot.b_feels) begin_as_zeros(slot.group_b, in_c, zeros_in_c_);
     }
-    for (const std::vector<Batch>* batches : {&relative_, &general_}) {
-      for (const Batch& batch : *batches) {
+    for (const std::vector<PairBatch>* batches : {&relative_, &general_}) {
+      for (const PairBatch& batch : *batches) {
         for (const BodyPotential* pair : batch.pairs) {
           for (const int agent : {pair->a, pair->b}) {
             if (agent < 0) continue;
@@ -222,7 +208,7 @@ class LaneCouplings final : public Couplings {
   }
 
   void find_slots_of_pairs() {
-    for (const Batch& batch : relative_) {
+    for (const PairBatch& batch : relative_) {
       std::vector<int>& list = slots_of_.emplace_back();
       for (const BodyPotential* pair : batch.pairs) {
         const Layout::Place a = layout_.place(pair->a), b = layout_.place(pair->b);
@@ -251,37 +237,7 @@ class LaneCouplings final : public Couplings {
     }
   }
 
-  void gather(Batch& batch, const double* s) noexcept {
-    const int N = layout_.stages;
-    const PosePotential& potential = batch.pairs[0]->potential;
-    int point = 0;
-    for (const BodyPotential* pair : batch.pairs) {
-      const Layout::View a = pair->a >= 0 ? layout_.s(pair->a) : Layout::View{};
-      const Layout::View b = pair->b >= 0 ? layout_.s(pair->b) : Layout::View{};
-      if (potential.relative) {
-        for (int k = 0; k < N; ++k, ++point) {
-          for (int i = 0; i < 3; ++i) batch.points.in(point, i) = s[a(k, i)] - s[b(k, i)];
-          for (int i = 3; i < relative; ++i) batch.points.in(point, i) = s[a(k, i)];
-        }
-        continue;
-      }
-      for (std::size_t i = 0; i < potential.variables.size(); ++i) {
-        const int v = potential.variables[i];
-        const bool of_b = v >= sight_size;
-        const int agent = of_b ? pair->b : pair->a, body = of_b ? pair->body_b : pair->body_a;
-        const int component = of_b ? v - sight_size : v;
-        for (int k = 0; k < N; ++k) {
-          batch.points.in(point + k, static_cast<int>(i)) = v == PosePotential::time_variable ? time_[0][k]
-                                                            : agent >= 0
-                                                                ? s[(of_b ? b : a)(k, component)]
-                                                                : bodies_[body * sight_size + component][k];
-        }
-      }
-      point += N;
-    }
-  }
-
-  void scatter_relative(const Batch& batch, const std::vector<int>& slots, double* c) noexcept {
+  void scatter_relative(const PairBatch& batch, const std::vector<int>& slots, double* c) noexcept {
     int point = 0;
     for (std::size_t p = 0; p < batch.pairs.size(); ++p) {
       const BodyPotential& pair = *batch.pairs[p];
@@ -436,57 +392,10 @@ class LaneCouplings final : public Couplings {
     }
   }
 
-  void scatter_general(const Batch& batch, double* c) noexcept {
-    const PosePotential& potential = batch.pairs[0]->potential;
-    const int N = layout_.stages;
-    int first = 0;
-    for (const BodyPotential* pair : batch.pairs) {
-      const auto add = [&](bool of_b, const auto& index, int output, bool negative) {
-        const int agent = of_b ? pair->b : pair->a;
-        const Layout::View view = layout_.c(agent);
-        const int entry = index(layout_.part(agent).ns);
-        for (int k = 0; k < N; ++k) {
-          const double value = *batch.points.out(first + k, output);
-          c[view(k, entry)] += negative ? -value : value;
-        }
-      };
-      for (const auto& g : potential.gradient) {
-        const bool of_b = g.variable >= sight_size;
-        add(
-            of_b, [&](int) { return g.variable - (of_b ? sight_size : 0); }, g.output, g.negative);
-      }
-      for (const auto& h : potential.own) {
-        const bool of_b = h.row >= sight_size;
-        const int from = of_b ? sight_size : 0;
-        add(
-            of_b, [&](int ns) { return ns + upper_index(h.row - from, h.column - from, ns); }, h.output,
-            h.negative);
-      }
-      first += N;
-    }
-  }
-
-  void product_general(const Batch& batch, const double* z, double* y) const noexcept {
-    const PosePotential& potential = batch.pairs[0]->potential;
-    int first = 0;
-    for (const BodyPotential* pair : batch.pairs) {
-      for (const auto& h : potential.cross) {
-        const Layout::View a = layout_.s(pair->a), b = layout_.s(pair->b);
-        const int i = h.row, j = h.column - sight_size;
-        for (int k = 0; k < layout_.stages; ++k) {
-          const double value = *batch.points.out(first + k, h.output), entry = h.negative ? -value : value;
-          if (pair->ends.a_feels) y[a(k, i)] += entry * z[b(k, j)];
-          if (pair->ends.b_feels) y[b(k, j)] += entry * z[a(k, i)];
-        }
-      }
-      first += layout_.stages;
-    }
-  }
-
   const Layout layout_;
   const BodyPotential* first_;
-  Rows bodies_, time_;
-  std::vector<Batch> general_, relative_;
+  Surroundings surroundings_;
+  std::vector<PairBatch> general_, relative_;
   std::vector<std::vector<int>> slots_of_;    // [relative batch][pair]
   std::vector<char> in_place_;                // [relative batch]
   std::vector<int> zeros_in_c_, zeros_in_y_;  // groups
