@@ -12,6 +12,7 @@
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
+#include "sightline/potential/pass_right.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/potential/slope.hpp"
 #include "tests/support/difference.hpp"
@@ -77,7 +78,7 @@ class PotentialLaws : public testing::Test {
   Random random_{1};
 };
 using Potentials = testing::Types<SensorCone, KeepOut, Cohesion, AltitudeBand, Geofence, Bearing, TooNear,
-                                  TooFar, RelativeVelocity>;
+                                  TooFar, RelativeVelocity, PassRight>;
 TYPED_TEST_SUITE(PotentialLaws, Potentials);
 
 /// The laws of those made from inequalities by a step.

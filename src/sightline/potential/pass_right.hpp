@@ -1,0 +1,50 @@
+/// Keeps robots apart that pass each other, each on its right: what meets head on does not stand still.
+/// docs/equations.md, 14.
+#pragma once
+
+#include "sightline/potential/slope.hpp"
+
+namespace sightline {
+
+/// Pushes two robots apart as TooNear does, from where each has the other a little to its left.
+///
+///   l = softplus(kappa (d_min - D_e)) / kappa,   D_e = |p_a - p_b - (delta/2) J (d_a - d_b)|,   J (x, y) = (-y, x)
+///
+/// J d is the left of a robot that looks along d: head on, each is pushed to its right; where ways cross, the one
+/// that comes from the right is held up less; robots that look one way see each other where they are. They pass
+/// d_min - delta apart on the right and d_min + delta on the left.
+///
+/// Surprise: it is the heading that says where a robot is bound for, so give the heading a reference.
+struct PassRight {
+  double d_min = 1.0;   ///< [m], > 0
+  double delta = 0.2;   ///< [m], >= 0 and < d_min; 0: TooNear
+  double kappa = 10.0;  ///< sharpness of the bend at d_min [1/m], > 0
+
+  static constexpr std::string_view name = "pass_right";
+
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const {
+    require(d_min > 0, name, "d_min", d_min, "> 0 m");
+    require(delta >= 0 && delta < d_min, name, "delta", delta, "0 m to below d_min");
+    require(kappa > 0, name, "kappa", kappa, "> 0 1/m");
+  }
+
+  template <class S>
+  S operator()(const Sight<S>& a, const Sight<S>& b) const {
+    const Vec3<S> none = {S(0.0), S(0.0), S(0.0)};
+    return (1.0 / kappa) * softplus(kappa * (d_min - detail::distance_with_slope(moved(a, b), none)));
+  }
+
+  /// How much too near: d_min - D_e [m].
+  double violation(const Sight<double>& a, const Sight<double>& b) const { return d_min - norm(moved(a, b)); }
+
+ private:
+  template <class S>
+  Vec3<S> moved(const Sight<S>& a, const Sight<S>& b) const {
+    const Vec3<S> r = a.p - b.p;
+    const double half = 0.5 * delta;
+    return {r.x + half * (a.d.y - b.d.y), r.y - half * (a.d.x - b.d.x), r.z};
+  }
+};
+
+}  // namespace sightline
