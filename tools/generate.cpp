@@ -13,6 +13,7 @@
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
+#include "sightline/potential/pass_right.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/potential/slope.hpp"
 #include "sightline/solver/generator.hpp"
@@ -50,6 +51,7 @@ Generator potentials() {
   generator.add({bearing, near, far, with});
   generator.add({bearing, near, far});
   for (const Weighted& one : {bearing, near, far, with}) generator.add({one});
+  for (const Weighted& one : {keep_out, near, 0.4 * PassRight{}}) generator.add_swarm(one);
   return generator;
 }
 

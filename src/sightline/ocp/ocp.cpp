@@ -201,6 +201,12 @@ double stage_cost(const Team& team, double t, std::span<const double> x, std::sp
     cost +=
         c.ramp.at(t) * c.term.weight * c.term.potential(sight(c.between.first), sight(c.between.second), t);
   }
+  std::vector<Sight<double>> seen;
+  for (const Swarm& swarm : team.swarms()) {
+    seen.clear();
+    for (const AgentId agent : swarm.agents) seen.push_back(sight(agent));
+    cost += swarm.cost(seen, t);
+  }
   return cost;
 }
 

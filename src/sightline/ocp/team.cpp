@@ -170,6 +170,19 @@ void Team::couple(Coupling coupling) {
   couplings_.push_back(std::move(coupling));
 }
 
+void Team::keep_apart(const Weighted& term, std::vector<AgentId> agents, double radius, int capacity) {
+  for (const AgentId agent : agents) {
+    check_body(agent);
+    if (!is_agent(agent)) refuse("\"{}\" is not controlled, expected a robot", name(agent));
+    if (std::count(agents.begin(), agents.end(), agent) > 1) {
+      refuse("agents names \"{}\" twice, expected each robot once", name(agent));
+    }
+  }
+  Swarm swarm{.term = term, .agents = std::move(agents), .radius = radius, .capacity = capacity};
+  swarm.check();
+  swarms_.push_back(std::move(swarm));
+}
+
 void Team::constrain(const Weighted& term, AgentId agent) {
   constrain(Constraint{.term = term, .agent = agent});
 }

@@ -95,6 +95,28 @@ struct BarrierTerm {
   AgentId agent;
 };
 
+/// One potential between all of some robots that are near each other.
+///
+/// The potential lies between any two of these robots that are nearer than `radius`, and both feel it. It is a
+/// function of the difference of their poses alone, l(p_a - p_b, d_a - d_b), and next to nothing at the radius
+/// and beyond, so that a pair that comes or goes makes no step.
+struct Swarm {
+  Weighted term;
+  std::vector<AgentId> agents;  ///< at least two, each once; a pair's a is the earlier of the list
+  double radius = 2.5;          ///< [m], > 0
+  int capacity = 256;           ///< pairs at one time, >= 1; of more, the nearest count
+
+  /// Weighted value and slope [1/m] that the potential may have at the radius.
+  static constexpr double negligible = 1e-3;
+
+  /// Checks all but what the robots are.
+  /// @throws std::invalid_argument naming what is out of its range
+  void check() const;
+
+  /// l of the weighted potential between all pairs that are nearer than the radius, of robots seen like this.
+  double cost(std::span<const Sight<double>> robots, double t) const;
+};
+
 /// Options of an agent of a known model, as a program writes them.
 template <class M>
 struct AgentOptions {
@@ -141,6 +163,9 @@ class Team {
   void couple(const Weighted& term, Between between);
   void couple(const Weighted& term, Between between, std::vector<AgentId> felt_by);
   void couple(Coupling coupling);
+  /// A potential between all pairs of these robots that are nearer than `radius` [m], felt by both; of more than
+  /// `capacity` pairs the nearest count.
+  void keep_apart(const Weighted& term, std::vector<AgentId> agents, double radius, int capacity);
   /// A potential that one robot feels by itself.
   void constrain(const Weighted& term, AgentId agent);
   void constrain(Constraint constraint);
@@ -158,6 +183,7 @@ class Team {
 
   const std::vector<Agent>& agents() const { return agents_; }
   const std::vector<Coupling>& couplings() const { return couplings_; }
+  const std::vector<Swarm>& swarms() const { return swarms_; }
   const std::vector<Constraint>& constraints() const { return constraints_; }
   const std::vector<BarrierTerm>& barriers() const { return barriers_; }
   /// Those of one robot, in the order of adding.
@@ -186,6 +212,7 @@ class Team {
   std::vector<Entry> bodies_;
   std::vector<Agent> agents_;
   std::vector<Coupling> couplings_;
+  std::vector<Swarm> swarms_;
   std::vector<Constraint> constraints_;
   std::vector<BarrierTerm> barriers_;
   int nx_ = 0, nu_ = 0;

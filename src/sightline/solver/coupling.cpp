@@ -4,6 +4,7 @@
 #include <array>
 
 #include "sightline/formula/derive.hpp"
+#include "sightline/solver/neighbourhood.hpp"
 #include "sightline/solver/pair_batch.hpp"
 
 namespace sightline {
@@ -50,7 +51,8 @@ class LaneCouplings final : public Couplings {
   using L = Lane<W>;
 
  public:
-  LaneCouplings(std::span<const BodyPotential> pairs, const Layout& layout, int bodies, KernelChoice choice)
+  LaneCouplings(std::span<const BodyPotential> pairs, const Layout& layout, int bodies, KernelChoice choice,
+                std::span<const SwarmPotential> swarms)
       : layout_(layout),
         first_(pairs.data()),
         surroundings_{Rows(sight_size * bodies, layout.stages), Rows(1, layout.stages)} {
@@ -59,12 +61,13 @@ class LaneCouplings final : public Couplings {
     std::sort(slots_.begin(), slots_.end(),
               [](const Slot<W>& a, const Slot<W>& b) { return a.group_a > b.group_a; });
     for (Slot<W>& slot : slots_) settle(slot, choice);
-    find_first_writers();
+    for (const SwarmPotential& swarm : swarms) swarms_.emplace_back(swarm, layout_, choice);
+    find_first_writers(swarms);
     find_slots_of_pairs();
     for (PairBatch& b : general_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
     for (PairBatch& b : relative_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
-    lone_pair_ = W == 2 && pairs.size() == 1 && slots_.size() == 1 && layout.groups.size() == 1 &&
-                 layout.groups[0].ns == relative;
+    lone_pair_ = W == 2 && swarms.empty() && pairs.size() == 1 && slots_.size() == 1 &&
+                 layout.groups.size() == 1 && layout.groups[0].ns == relative;
   }
 
   void set_time(int k, double t) noexcept override { surroundings_.time[0][k] = t; }
@@ -100,6 +103,7 @@ class LaneCouplings final : public Couplings {
       batch.points.derive();
       batch.scatter(layout_, c);
     }
+    for (Neighbourhood& swarm : swarms_) swarm.evaluate(s, c);
   }
 
   void values(const double* s, std::span<double> sums) noexcept override {
@@ -125,6 +129,22 @@ class LaneCouplings final : public Couplings {
     }
     for (const Slot<W>& slot : slots_) product(slot, z, y);
     for (const PairBatch& batch : general_) batch.product(layout_, z, y);
+    for (const Neighbourhood& swarm : swarms_) swarm.product(z, y);
+  }
+
+  void find_neighbours(const double* s) noexcept override {
+    for (Neighbourhood& swarm : swarms_) swarm.find(s);
+  }
+  Neighbours neighbours() const noexcept override {
+    Neighbours all;
+    for (const Neighbourhood& swarm : swarms_) {
+      all.pairs += static_cast<int>(swarm.pairs().size());
+      all.left_out += swarm.left_out();
+    }
+    return all;
+  }
+  void swarm_values(const double* s, std::span<double> of_agents) noexcept override {
+    for (Neighbourhood& swarm : swarms_) swarm.values(s, of_agents);
   }
 
  private:
@@ -171,12 +191,18 @@ class LaneCouplings final : public Couplings {
   }
 
   /// Where a slot is the first to write, it need not add; other parts that are written to begin as zeros.
-  void find_first_writers() {
+  void find_first_writers(std::span<const SwarmPotential> swarms) {
     std::vector<bool> in_c(layout_.groups.size(), false), in_y(in_c);
     const auto begin_as_zeros = [](int group, std::vector<bool>& written, std::vector<int>& zeros) {
       if (!written[at(group)]) zeros.push_back(group);
       written[at(group)] = true;
     };
+    for (const SwarmPotential& swarm : swarms) {
+      for (const int agent : swarm.agents) {
+        begin_as_zeros(layout_.place(agent).group, in_c, zeros_in_c_);
+        begin_as_zeros(layout_.place(agent).group, in_y, zeros_in_y_);
+      }
+    }
     // Slots leave out stage 0, others do not.
     const bool slots_alone = general_.empty();
     const bool all_in_place = std::all_of(in_place_.begin(), in_place_.end(), [](char c) { return c != 0; });
@@ -400,16 +426,18 @@ class LaneCouplings final : public Couplings {
   std::vector<char> in_place_;                // [relative batch]
   std::vector<int> zeros_in_c_, zeros_in_y_;  // groups
   std::vector<Slot<W>> slots_;
+  std::vector<Neighbourhood> swarms_;
   bool lone_pair_ = false;
 };
 
 }  // namespace
 
 std::unique_ptr<Couplings> make_couplings(std::span<const BodyPotential> pairs, const Layout& layout,
-                                          int bodies, KernelChoice choice) {
+                                          int bodies, KernelChoice choice,
+                                          std::span<const SwarmPotential> swarms) {
   if (layout.width == native_width)
-    return std::make_unique<LaneCouplings<native_width>>(pairs, layout, bodies, choice);
-  return std::make_unique<LaneCouplings<2>>(pairs, layout, bodies, choice);
+    return std::make_unique<LaneCouplings<native_width>>(pairs, layout, bodies, choice, swarms);
+  return std::make_unique<LaneCouplings<2>>(pairs, layout, bodies, choice, swarms);
 }
 
 }  // namespace sightline

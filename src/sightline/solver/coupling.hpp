@@ -12,6 +12,7 @@
 #include "sightline/solver/kernel_table.hpp"
 #include "sightline/solver/layout.hpp"
 #include "sightline/solver/pose_potential.hpp"
+#include "sightline/solver/solver.hpp"
 
 namespace sightline {
 
@@ -25,16 +26,24 @@ class Couplings {
   virtual void set_weights(double t) noexcept = 0;
   virtual void set_body(int body, int k, const Sight<double>& sight) noexcept = 0;
 
+  /// Takes the pairs of swarms that come near each other along s for those that count from now on.
+  virtual void find_neighbours(const double* s) noexcept = 0;
+  /// Pairs that count, and pairs that should but found no room.
+  virtual Neighbours neighbours() const noexcept = 0;
+
   /// Gradients and Hessians of all potentials, times h, at s; c is overwritten.
   virtual void evaluate(const double* s, double* c) noexcept = 0;
   /// Each potential's sum along the horizon, times h, at s; one number for each entry of the list it was made
   /// of.
   virtual void values(const double* s, std::span<double> sums) noexcept = 0;
+  /// of_agents += what the pairs of each agent's swarms cost along the horizon, times h, at s.
+  virtual void swarm_values(const double* s, std::span<double> of_agents) noexcept = 0;
   /// y = C z, with the Hessian blocks of the last `evaluate`.
   virtual void product(const double* z, double* y) const noexcept = 0;
 };
 
 std::unique_ptr<Couplings> make_couplings(std::span<const BodyPotential> pairs, const Layout& layout,
-                                          int bodies, KernelChoice choice);
+                                          int bodies, KernelChoice choice,
+                                          std::span<const SwarmPotential> swarms = {});
 
 }  // namespace sightline

@@ -14,7 +14,7 @@ constexpr int deepest = 4;          // beyond it a cascade is searched along at 
 }  // namespace
 
 Descent::Descent(std::span<const BodyPotential> potentials, const Layout& layout, const InfluenceGraph& graph)
-    : layout_(layout), values_(potentials.size()) {
+    : layout_(layout), values_(potentials.size()), of_swarms_(layout.agents.size()) {
   const int agents = static_cast<int>(layout.agents.size()), all = static_cast<int>(potentials.size());
   if (graph.kind == Influence::mutual) {
     Unit& team = units_.emplace_back();
@@ -22,6 +22,7 @@ Descent::Descent(std::span<const BodyPotential> potentials, const Layout& layout
     team.potentials.resize(potentials.size());
     std::iota(team.agents.begin(), team.agents.end(), 0);
     std::iota(team.potentials.begin(), team.potentials.end(), 0);
+    share_ = 0.5;
     return;
   }
   const bool in_order = graph.kind == Influence::cascade && graph.depth <= deepest;
@@ -56,9 +57,12 @@ void Descent::move(const Unit& unit, double alpha, const double* start, const do
 void Descent::pay(Groups& groups, Couplings& couplings, const double* u, double* s) noexcept {
   groups.roll_out(u, s);
   couplings.values(s, values_);
+  std::fill(of_swarms_.begin(), of_swarms_.end(), 0.0);
+  couplings.swarm_values(s, of_swarms_);
   for (Unit& unit : units_) {
     unit.cost = 0.0;
-    for (const int a : unit.agents) unit.cost += groups.own_cost(u, a);
+    for (const int a : unit.agents)
+      unit.cost += groups.own_cost(u, a) + share_ * of_swarms_[static_cast<std::size_t>(a)];
     for (const int p : unit.potentials) unit.cost += values_[static_cast<std::size_t>(p)];
   }
 }

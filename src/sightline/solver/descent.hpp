@@ -40,6 +40,8 @@ class Descent {
   const Layout& layout_;
   std::vector<Unit> units_;
   std::vector<double> values_;
+  std::vector<double> of_swarms_;  // of each agent
+  double share_ = 1.0;             // of a pair's cost that each of the two pays
   int levels_ = 1;
   bool sure_ = true, fell_ = false;
 };

@@ -59,11 +59,15 @@ void Generator::add(const std::vector<Weighted>& terms) {
   if (terms.at(0).potential.is_pair())
     kinds.insert(kinds.end(), {{}, {.b_feels = false}, {.a_feels = false}});
   for (const Ends& ends : kinds)
-    add(trace_potential(pointers, h, ends, Numbers::parameters), terms[0].potential.name());
+    add(trace_potential(pointers, h, ends, Numbers::parameters).derivatives, terms[0].potential.name());
 }
 
-void Generator::add(const PosePotential& potential, std::string_view potential_name) {
-  const Program& program = potential.derivatives;
+void Generator::add_swarm(const Weighted& term) {
+  const SwarmPotential swarm = trace_swarm(term, h, Numbers::parameters);
+  for (const Program* program : {&swarm.value, &swarm.derivatives}) add(*program, term.potential.name());
+}
+
+void Generator::add(const Program& program, std::string_view potential_name) {
   const std::uint64_t key = structure(program);
   if (!known_.insert(key).second) return;
   const std::string name = fmt::format("Formula_{:016x}", key);

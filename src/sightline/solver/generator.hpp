@@ -29,13 +29,15 @@ class Generator {
   /// The sum of potentials between two bodies, or of one robot, whatever their numbers and their order; felt by
   /// both ends, by either, and where the second is not controlled.
   void add(const std::vector<Weighted>& terms);
+  /// A swarm's potential, whatever its numbers.
+  void add_swarm(const Weighted& term);
 
   /// The file.
   std::string text() const;
   const std::string& part() const { return part_; }
 
  private:
-  void add(const PosePotential& potential, std::string_view name);
+  void add(const Program& program, std::string_view potential_name);
 
   std::string part_;  // none: a user's
   std::set<std::uint64_t> known_;

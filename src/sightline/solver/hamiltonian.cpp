@@ -1,6 +1,7 @@
 #include "sightline/solver/hamiltonian.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace sightline {
 
@@ -26,6 +27,9 @@ Hamiltonian::Hamiltonian(const Ocp& ocp)
       stage_rate_(at(1, nx_)),
       H_z_(at(1, nx_ + nu_)) {
   const Team& team = ocp.team();
+  if (!team.swarms().empty()) {
+    throw std::invalid_argument("this solver knows no keep_apart, expected newton_riccati");
+  }
   for (int i = 0; i < team.bodies(); ++i) {
     x_at_.push_back(team.state_offset(BodyId{i}));
     u_at_.push_back(team.input_offset(BodyId{i}));

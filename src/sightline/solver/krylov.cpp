@@ -47,7 +47,8 @@ constexpr double sharper = 0.01;
 
 }  // namespace
 
-InfluenceGraph influence_graph(std::span<const BodyPotential> potentials, int agents) {
+InfluenceGraph influence_graph(std::span<const BodyPotential> potentials, int agents,
+                               std::span<const SwarmPotential> swarms) {
   std::vector<std::pair<int, int>> arrows;  // from the seen to the one that feels
   bool all_mutual = true, any = false;
   for (const BodyPotential& p : potentials) {
@@ -56,6 +57,13 @@ InfluenceGraph influence_graph(std::span<const BodyPotential> potentials, int ag
     all_mutual &= p.ends.a_feels && p.ends.b_feels;
     if (p.ends.a_feels) arrows.emplace_back(p.b, p.a);
     if (p.ends.b_feels) arrows.emplace_back(p.a, p.b);
+  }
+  for (const SwarmPotential& swarm : swarms) {
+    any = true;
+    for (std::size_t i = 1; i < swarm.agents.size(); ++i) {
+      arrows.emplace_back(swarm.agents[i - 1], swarm.agents[i]);
+      arrows.emplace_back(swarm.agents[i], swarm.agents[i - 1]);
+    }
   }
   if (!any) return {Influence::none, 0, std::vector<int>(static_cast<std::size_t>(agents), 0)};
   if (all_mutual) return {Influence::mutual, 0, {}};

@@ -28,7 +28,8 @@ struct InfluenceGraph {
   std::vector<int> depth_of{};  ///< of each agent of a cascade: arrows of the longest path to it
 };
 
-InfluenceGraph influence_graph(std::span<const BodyPotential> potentials, int agents);
+InfluenceGraph influence_graph(std::span<const BodyPotential> potentials, int agents,
+                               std::span<const SwarmPotential> swarms = {});
 
 class Krylov {
  public:

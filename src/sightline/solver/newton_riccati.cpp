@@ -54,9 +54,11 @@ NewtonRiccati::NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options)
       options_(checked(options)),
       potentials_(
           trace_potentials(ocp_, [](const Program& p) { return find_formula(p, native_width) != nullptr; })),
+      swarms_(trace_swarms(ocp_, [](const Program& p) { return find_formula(p, native_width) != nullptr; })),
       groups_(ocp_, potentials_, options_.kernels),
-      influence_(influence_graph(potentials_, static_cast<int>(ocp_.agents().size()))),
-      couplings_(make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels)),
+      influence_(influence_graph(potentials_, static_cast<int>(ocp_.agents().size()), swarms_)),
+      couplings_(
+          make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels, swarms_)),
       krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop),
       descent_(potentials_, groups_.layout(), influence_),
       u_vectors_(9, groups_.layout().u_length),
@@ -272,6 +274,7 @@ NewtonRiccati::Step NewtonRiccati::newton_step() noexcept {
   };
   for (int attempt = 0; attempt < attempts; ++attempt) {
     groups_.roll_out(u_, s_);
+    if (attempt == 0) couplings_->find_neighbours(s_);
     couplings_->evaluate(s_, c_[0]);
     if (late()) {
       std::copy_n(u_, groups_.layout().u_length, u_before_);
@@ -403,6 +406,7 @@ Solution NewtonRiccati::solve(double time, std::span<const double> states) noexc
           .status = status,
           .residual = step.residual,
           .iterations = iterations,
+          .neighbours = couplings_->neighbours(),
           .elapsed = std::chrono::duration<double>(Clock::now() - begin_).count()};
 }
 
@@ -453,6 +457,7 @@ double NewtonRiccati::kkt(double time, std::span<const double> states) noexcept 
     has_plan_ = planned;
   }
   groups_.roll_out(u_, s_);
+  couplings_->find_neighbours(s_);
   couplings_->evaluate(s_, c_[0]);
   groups_.differentiate(u_, held_, c_[0], H_u_);
   const Proposal at_u = examine();

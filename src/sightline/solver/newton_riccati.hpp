@@ -84,6 +84,7 @@ class NewtonRiccati final : public Solver {
   Ocp ocp_;
   NewtonRiccatiOptions options_;
   std::vector<BodyPotential> potentials_;
+  std::vector<SwarmPotential> swarms_;
   Groups groups_;
   InfluenceGraph influence_;
   std::unique_ptr<Couplings> couplings_;

@@ -1,6 +1,7 @@
 #include "sightline/solver/pose_potential.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <optional>
 
@@ -234,6 +235,38 @@ std::vector<BodyPotential> trace_potentials(const Ocp& ocp, const IsCompiled& is
     const int body = first.agent.index;
     for (PosePotential& p : trace_terms(terms, h, ends, is_compiled))
       list.push_back({agent_of[at(body)], -1, body, -1, ends, std::move(p), first.ramp});
+  }
+  return list;
+}
+
+SwarmPotential trace_swarm(const Weighted& term, double h, Numbers numbers) {
+  constexpr int n = PosePotential::relative_size;
+  Graph graph;
+  const std::vector<int> variables = range(n);
+  const Term l = record(graph, std::array{&term}, h, variables, numbers);
+  const std::vector<int> seen = occurring(graph, l, n);
+  SwarmPotential p;
+  p.sees_headings = std::any_of(seen.begin(), seen.end(), [](int v) { return v >= 3; });
+  p.value = Program(graph, std::vector{l}, n);
+  const Derivatives d = derive(graph, l, inputs(graph, n));
+  std::vector<Term> outputs = d.first;
+  outputs.insert(outputs.end(), d.second.begin(), d.second.end());
+  p.derivatives = Program(graph, outputs, n);
+  return p;
+}
+
+std::vector<SwarmPotential> trace_swarms(const Ocp& ocp, const IsCompiled& is_compiled) {
+  std::vector<SwarmPotential> list;
+  const std::vector<BodyId>& bodies = ocp.agent_bodies();
+  for (const Swarm& swarm : ocp.team().swarms()) {
+    const double h = ocp.horizon().h();
+    SwarmPotential p = trace_swarm(swarm.term, h, Numbers::parameters);
+    if (!is_compiled || !is_compiled(p.derivatives)) p = trace_swarm(swarm.term, h, Numbers::known);
+    for (const AgentId agent : swarm.agents)
+      p.agents.push_back(static_cast<int>(std::find(bodies.begin(), bodies.end(), agent) - bodies.begin()));
+    p.radius = swarm.radius;
+    p.capacity = swarm.capacity;
+    list.push_back(std::move(p));
   }
   return list;
 }

@@ -75,4 +75,18 @@ struct BodyPotential {
 /// compiled; else they fall into those that were, and a rest with its numbers known.
 std::vector<BodyPotential> trace_potentials(const Ocp& ocp, const IsCompiled& is_compiled = {});
 
+/// h times the weighted potential of a swarm, over the difference of two poses (p_a - p_b, d_a - d_b), 5 numbers;
+/// `derivatives` gives the gradient (5) and the upper triangle of the Hessian (15) for a, and for b its mirror image:
+/// the gradient negated, the same Hessian, and between the two the Hessian negated.
+struct SwarmPotential {
+  std::vector<int> agents;  ///< in the order of the team's agents
+  double radius = 0.0;
+  int capacity = 0;
+  bool sees_headings = false;
+  Program value, derivatives;
+};
+
+SwarmPotential trace_swarm(const Weighted& term, double h, Numbers numbers);
+std::vector<SwarmPotential> trace_swarms(const Ocp& ocp, const IsCompiled& is_compiled = {});
+
 }  // namespace sightline

@@ -22,6 +22,12 @@ inline constexpr int status_count = 5;
 
 std::string_view to_string(Status status);
 
+/// Pairs of swarms.
+struct Neighbours {
+  int pairs = 0;     ///< that come near each other along the plan and are kept apart
+  int left_out = 0;  ///< that should be, but found no room
+};
+
 /// The outcome of one update. The spans are the solver's own memory, valid until its next call.
 struct Solution {
   std::span<const double> u;      ///< inputs to apply now, of all agents (nu)
@@ -30,8 +36,9 @@ struct Solution {
   Status status = Status::iteration_limit;
   double residual =
       0.0;  ///< infinity norm of the optimality conditions at the point that was linearised [per s]
-  int iterations = 0;    ///< of the Krylov method
-  double elapsed = 0.0;  ///< wall time of the update [s]
+  int iterations = 0;       ///< of the Krylov method
+  Neighbours neighbours{};  ///< of the team's swarms
+  double elapsed = 0.0;     ///< wall time of the update [s]
 };
 
 /// A solver of one Ocp. `solve` does not throw, allocate, lock or print. One thread at a time.
