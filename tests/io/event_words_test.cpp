@@ -26,6 +26,7 @@ TEST(EventWords, WhatHappensToABodyNamesIt) {
 TEST(EventWords, WhatHappensToNoBodyHasItsNumber) {
   EXPECT_EQ(words(EventKind::missed_period, 3), "missed_period 3");
   EXPECT_EQ(words(EventKind::samples_dropped, 7), "samples_dropped 7");
+  EXPECT_EQ(words(EventKind::pairs_left_out, 4), "4 near pairs more than there is room for");
 }
 
 TEST(EventWords, ANumberThatIsNoBodyIsToldAsItIs) {

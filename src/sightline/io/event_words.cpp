@@ -37,6 +37,9 @@ std::string event_words(std::string_view kind, double value, const EventNames& n
     if (kind == to_string(EventKind::event_in_force)) return fmt::format("event \"{}\" in force", event);
     return fmt::format("event \"{}\" ignored: it cannot be", event);
   }
+  if (kind == to_string(EventKind::pairs_left_out)) {
+    return fmt::format("{} near pairs more than there is room for", value);
+  }
   if (!is_of_a_body(kind) || !counts) return fmt::format("{} {}", kind, value);
   const std::string body = names.of_body(static_cast<int>(value));
   if (kind == to_string(EventKind::input_refused)) return fmt::format("{} {}", kind, body);

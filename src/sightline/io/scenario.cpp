@@ -12,6 +12,7 @@
 #include "sightline/io/closed_loop.hpp"
 #include "sightline/io/coupling_parts.hpp"
 #include "sightline/io/event_parts.hpp"
+#include "sightline/io/keep_apart_parts.hpp"
 #include "sightline/io/motion_parts.hpp"
 #include "sightline/io/safety_parts.hpp"
 #include "sightline/io/scenario_parts.hpp"
@@ -28,7 +29,7 @@ class Reader {
   Reader(const TomlDocument& document, Scenario& scenario) : root_(document), scenario_(scenario) {}
 
   void read() {
-    root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "constrain",
+    root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart", "constrain",
                        "event", "simulation", "safety", "log", "campaign"});
     read_horizon();
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
@@ -39,6 +40,7 @@ class Reader {
     read_bodies("obstacle", scenario_.obstacles);
     read_couplings(root_, observers_, scenario_.team);
     read_shapes(root_, observers_, scenario_.team);
+    for (const TomlTable& at : root_.tables("keep_apart")) read_keep_apart(at, scenario_.team);
     read_constraints();
     scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);
     if (const auto options = guard_options(scenario_)) {
@@ -356,6 +358,10 @@ std::string summary(const Scenario& scenario) {
     line("couple      {} {} between {} and {}, felt by {}", coupling.term.weight,
          coupling.term.potential.name(), team.name(coupling.between.first),
          team.name(coupling.between.second), feeling);
+  }
+  for (const Swarm& swarm : team.swarms()) {
+    line("keep_apart  {} {} between pairs of {} robots within {} m, at most {} at one time",
+         swarm.term.weight, swarm.term.potential.name(), swarm.agents.size(), swarm.radius, swarm.capacity);
   }
   for (const Constraint& constraint : team.constraints()) {
     line("constrain   {} {} of {}", constraint.term.weight, constraint.term.potential.name(),

@@ -11,6 +11,7 @@
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
+#include "sightline/potential/pass_right.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/potential/slope.hpp"
 
@@ -114,6 +115,11 @@ Potential read_too_near(const TomlTable& at, const Observer&) {
   at.read({{"d_min", &near.d_min}, {"kappa", &near.kappa}});
   return at.checked([&] { return Potential(near); });
 }
+Potential read_pass_right(const TomlTable& at, const Observer&) {
+  PassRight pass;
+  at.read({{"d_min", &pass.d_min}, {"delta", &pass.delta}, {"kappa", &pass.kappa}});
+  return at.checked([&] { return Potential(pass); });
+}
 Potential read_too_far(const TomlTable& at, const Observer&) {
   TooFar far;
   at.read({{"d_max", &far.d_max}, {"kappa", &far.kappa}});
@@ -161,6 +167,7 @@ constexpr std::array potentials = {
     Named<ReadPotential>{Cohesion::name, read_cohesion},
     Named<ReadPotential>{Bearing::name, read_bearing},
     Named<ReadPotential>{TooNear::name, read_too_near},
+    Named<ReadPotential>{PassRight::name, read_pass_right},
     Named<ReadPotential>{TooFar::name, read_too_far},
     Named<ReadPotential>{RelativeVelocity::name, read_relative_velocity},
     Named<ReadPotential>{AltitudeBand::name, read_altitude_band},

@@ -231,6 +231,7 @@ void Summary::add_solvers(const Sample& sample) {
     ++statuses_[static_cast<std::size_t>(record.status)];
     solve_us_.push_back(record.solve_us);
     allocations += record.allocations;
+    pairs_ = std::max(pairs_, record.pairs);
   }
   allocations_ = std::max(allocations_, allocations);
   for (int i = 0; i < sample.event_count; ++i) {
@@ -269,6 +270,7 @@ SummaryValues Summary::values() const {
   v.not_finite = not_finite_;
   v.input_violations = input_violations_;
   v.max_abs_input = max_abs_input_;
+  v.pairs_active_max = pairs_;
   v.min_distance = counted(std::sqrt(least_distance2_));
   for (const View& view : views_) {
     v.pairs.push_back({name(view.pair.observer), name(view.pair.target), counted(view.nearest),
@@ -314,6 +316,7 @@ std::string Summary::json() const {
   json["input_violations"] = v.input_violations;
   json["max_abs_input"] = v.max_abs_input;
   json["min_distance"] = v.min_distance;
+  if (!scenario_.team.swarms().empty()) json["pairs_active_max"] = v.pairs_active_max;
   for (const char* list : {"pairs", "agents", "limits", "events"}) json[list] = Json::array();
   for (const auto& pair : v.pairs) {
     json["pairs"].push_back({{"observer", pair.observer},
@@ -417,6 +420,8 @@ std::vector<SummaryLine> lines_of(const Json& s) {
                                    words(s.at("input_violations"), "")));
   if (s.at("not_finite") != 0) add("not finite", words(s.at("not_finite"), "updates"));
   add("least distance", words(s.at("min_distance"), "m"));
+  if (s.contains("pairs_active_max"))
+    add("pairs kept apart", fmt::format("at most {} at one time", words(s.at("pairs_active_max"), "")));
   for (const Json& pair : s.at("pairs")) {
     const Json &from = pair.at("in_view_from"), &distance = pair.at("distance");
     add(fmt::format("{} sees {}", name(pair.at("observer")), name(pair.at("target"))),

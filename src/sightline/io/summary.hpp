@@ -57,6 +57,7 @@ struct SummaryValues {
   std::int64_t not_finite = 0;                        ///< samples with a state or an input that is not
   std::int64_t input_violations = 0;                  ///< components of the raw u beyond their limit
   double max_abs_input = 0.0;                         ///< of the raw u
+  int pairs_active_max = 0;                           ///< most pairs of swarms in one update
   double min_distance = 0.0;                          ///< of a robot to any other body, all of the run [m]
   std::vector<Pair> pairs;
   std::vector<Robot> robots;
@@ -137,6 +138,7 @@ class Summary {
   std::vector<double> x_ref_, u_min_, u_max_;
 
   std::int64_t updates_ = 0, not_finite_ = 0, input_violations_ = 0, allocations_ = 0;
+  int pairs_ = 0;
   double end_ = 0.0;  // of the last period [s]
   double cost_ = 0.0, stage_cost_ = 0.0, max_abs_input_ = 0.0, least_distance2_;
   std::array<std::int64_t, status_count> statuses_{};

@@ -313,6 +313,13 @@ Team Roster::team(double t) const {
     c.ramp = settled(c.ramp, t);
     team.constrain(std::move(c));
   }
+  for (const Swarm& swarm : all_.swarms()) {
+    std::vector<AgentId> flying;
+    for (const AgentId agent : swarm.agents) {
+      if (steered(agent)) flying.push_back(AgentId{id[index(agent)]});
+    }
+    if (flying.size() >= 2) team.keep_apart(swarm.term, std::move(flying), swarm.radius, swarm.capacity);
+  }
   for (const BarrierTerm& b : all_.barriers()) {
     if (steered(b.agent)) team.constrain(b.barrier, AgentId{id[index(b.agent)]});
   }

@@ -28,6 +28,7 @@ struct Controller {
   std::vector<double> states{};  ///< what the solver is given (its nx)
   std::vector<double> plan{};    ///< inputs of a plan that is late or goes on (its nu)
   Status status{};
+  int left_out = 0;                      ///< pairs of swarms, at the last update
   bool at_work = false;                  ///< on a late update
   double asked_at = 0.0, done_at = 0.0;  ///< begin of the last update, end of a late one [s]
 

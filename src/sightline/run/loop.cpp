@@ -205,12 +205,17 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
     const std::int64_t before = count();
     const Solution solution = ask(controller, t, believed);
     command(static_cast<int>(c), controller, solution, t, sample);
-    sample.solvers[c] = {solution.status, solution.residual, solution.iterations, 1e6 * solution.elapsed,
-                         count() - before};
+    sample.solvers[c] = {solution.status,        solution.residual, solution.iterations,
+                         1e6 * solution.elapsed, count() - before,  solution.neighbours.pairs};
     if (outcome_.updates > 0 && solution.status != controller.status) {
       tell({t, EventKind::solver_status, static_cast<int>(c), static_cast<double>(solution.status)});
     }
     controller.status = solution.status;
+    const int left_out = solution.neighbours.left_out;
+    if (left_out > 0 && controller.left_out == 0) {
+      tell({t, EventKind::pairs_left_out, static_cast<int>(c), static_cast<double>(left_out)});
+    }
+    controller.left_out = left_out;
     if (sample.has_path) write_path(controller, solution, sample);
   }
   drift(t, believed);
@@ -250,6 +255,7 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
     solution.residual = late.residual;
     solution.iterations = late.iterations;
     solution.elapsed = late.elapsed;
+    solution.neighbours = late.neighbours;
   } else if (controller.at_work) {
     solver.planned(t, controller.plan);
     solution.status = Status::deadline;

@@ -24,7 +24,8 @@ std::string_view to_string(EventKind kind) {
                                                                "event_happened",
                                                                "event_in_force",
                                                                "event_ignored",
-                                                               "team_late"};
+                                                               "team_late",
+                                                               "pairs_left_out"};
   return names[static_cast<std::size_t>(kind)];
 }
 

@@ -40,8 +40,9 @@ enum class EventKind : std::uint8_t {
   event_in_force,  ///< the team is what it made of it, or its stage has begun
   event_ignored,   ///< it could not be, the team stays; told once
   team_late,       ///< the next team was not ready in time; value: periods
+  pairs_left_out,  ///< more pairs of a swarm came near than there is room for; value: how many more
 };
-inline constexpr int event_kinds = 22;
+inline constexpr int event_kinds = 23;
 std::string_view to_string(EventKind kind);
 
 struct Event {
@@ -58,6 +59,7 @@ struct SolverRecord {
   int iterations = 0;
   double solve_us = 0.0;         ///< measured; goes into timing.csv alone
   std::int64_t allocations = 0;  ///< on the control thread, state in to command out
+  int pairs = 0;                 ///< of swarms, that were kept apart
 };
 
 /// What the barrier did to one robot's command in one update.
