@@ -11,6 +11,7 @@
 #include "sightline/solver/cgmres.hpp"
 #include "sightline/solver/cmscgmres.hpp"
 #include "sightline/solver/newton_riccati.hpp"
+#include "sightline/solver/partition.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/paper_team.hpp"
@@ -54,7 +55,21 @@ void expect_same_bits(const std::vector<double>& a, const std::vector<double>& b
 template <class S>
 class AnySolver : public testing::Test {};
 
-using Solvers = testing::Types<Cgmres, Cmscgmres, NewtonRiccati>;
+/// A partitioned solver whose robots plan each by itself.
+struct EachByItself : PartitionedSolver {
+  EachByItself(const Team& team, const Horizon& horizon)
+      : PartitionedSolver(Ocp(team, horizon), each(team)) {}
+
+  static Partition each(const Team& team) {
+    Partition parts;
+    for (int i = 0; i < team.bodies(); ++i) {
+      if (team.is_agent(BodyId{i})) parts.push_back({AgentId{{i}}});
+    }
+    return parts;
+  }
+};
+
+using Solvers = testing::Types<Cgmres, Cmscgmres, NewtonRiccati, EachByItself>;
 TYPED_TEST_SUITE(AnySolver, Solvers);
 
 TYPED_TEST(AnySolver, GivesInputsAndAPredictionFromTheMeasuredState) {

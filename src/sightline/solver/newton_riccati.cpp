@@ -82,6 +82,10 @@ NewtonRiccati::NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options)
       x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)) {
   for (const BodyId body : ocp_.agent_bodies()) x_at_.push_back(ocp_.team().state_offset(body));
   for (const Agent& agent : ocp_.team().agents()) limits_move_ |= agent.limits.times().size() > 1;
+  predictions_.resize(at(ocp_.team().bodies()));
+  for (int b = 0; b < ocp_.team().bodies(); ++b) {
+    if (!ocp_.team().is_agent(BodyId{b})) predictions_[at(b)].sights.reserve(at(ocp_.horizon().N + 1));
+  }
 }
 
 bool NewtonRiccati::late() const noexcept {
@@ -138,6 +142,10 @@ void NewtonRiccati::set_time(double time) noexcept {
   for (int b = 0; b < team.bodies(); ++b) {
     if (team.is_agent(BodyId{b})) continue;
     Sight<double> sight = team.model(BodyId{b}).sight(&x_now_[at(team.state_offset(BodyId{b}))], nullptr);
+    if (const Prediction& told = predictions_[at(b)]; told.holds(time, sight.p)) {
+      for (int k = 0; k < N; ++k) couplings_->set_body(b, k, told.at(time, k));
+      continue;
+    }
     for (int k = 0; k < N; ++k) {
       couplings_->set_body(b, k, sight);
       sight.p = sight.p + h * sight.v;
@@ -164,7 +172,17 @@ void NewtonRiccati::restart() noexcept {
   started_ = has_plan_ = false;
   std::fill_n(plan_, groups_.layout().u_length, 0.0);
   std::fill(x_out_.begin(), x_out_.end(), 0.0);
+  for (Prediction& told : predictions_) told.sights.clear();
   plan_time_ = 0.0;
+}
+
+void NewtonRiccati::set_prediction(const Prediction& told) noexcept {
+  assert(!ocp_.team().is_agent(told.who) && "a robot of one's own is planned, not told");
+  Prediction& to = predictions_[at(told.who.index)];
+  assert(told.sights.size() <= to.sights.capacity() && "no more sights than a horizon has");
+  to.time = told.time;
+  to.h = told.h;
+  to.sights.assign(told.sights.begin(), told.sights.end());
 }
 
 NewtonRiccati::Proposal NewtonRiccati::examine() const noexcept {
@@ -331,8 +349,16 @@ void NewtonRiccati::write_states() noexcept {
   for (int b = 0; b < team.bodies(); ++b) {
     if (team.is_agent(BodyId{b})) continue;
     const std::size_t from = at(team.state_offset(BodyId{b}));
+    const Prediction& told = predictions_[at(b)];
+    const bool is_told = told.holds(time_, {x_now_[from], x_now_[from + 1], x_now_[from + 2]});
     for (int k = 0; k <= N; ++k) {
       double* const to = &x_out_[from + at(k * ocp_.nx())];
+      if (is_told && k > 0) {
+        const Sight<double> s = told.at(time_, k);
+        to[0] = s.p.x, to[1] = s.p.y, to[2] = s.p.z;
+        to[3] = s.v.x, to[4] = s.v.y, to[5] = s.v.z;
+        continue;
+      }
       for (std::size_t i = 0; i < 3; ++i) {
         to[i] = x_now_[from + i] + k * ocp_.horizon().h() * x_now_[from + 3 + i];
         to[3 + i] = x_now_[from + 3 + i];

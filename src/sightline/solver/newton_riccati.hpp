@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sightline/solver/descent.hpp"
+#include "sightline/solver/prediction.hpp"
 #include "sightline/solver/solver.hpp"
 
 namespace sightline {
@@ -51,6 +52,10 @@ class NewtonRiccati final : public Solver {
   /// Goes on from the plan of another team's solver: agents that both have, by name, get their inputs of it, the
   /// others keep what is planned for them here. Neither allocates nor blocks; the stages must be as many.
   void take_over(const NewtonRiccati& before) noexcept;
+
+  /// What a body that is not controlled will do, in place of the velocity it has: for updates within a horizon of the
+  /// time told while it is about there, or until another is told. Of N + 1 sights at most; without any, nothing is told any more.
+  void set_prediction(const Prediction& told) noexcept;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -101,7 +106,8 @@ class NewtonRiccati final : public Solver {
   double *u_, *du_, *held_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
   double *s_, *ds_;
   double plan_time_ = 0.0;
-  std::vector<int> x_at_;  // of each agent in the stacked state
+  std::vector<int> x_at_;                // of each agent in the stacked state
+  std::vector<Prediction> predictions_;  // of each body; room for N + 1 sights of those not controlled
   std::vector<double> x_now_, limits_, u_out_, raw_u_, x_out_;
 };
 

@@ -1,0 +1,198 @@
+#include "sightline/solver/part.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "cli/allocations.hpp"
+#include "tests/support/chain_team.hpp"
+#include "tests/support/closed_loop.hpp"
+#include "tests/support/error.hpp"
+#include "tests/support/random_team.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr Horizon horizon{.N = 12};
+constexpr NewtonRiccatiOptions converging{
+    .max_newton_steps = 200, .tolerance = 1e-9, .max_krylov = 200, .krylov_stop = 0};
+
+AgentId robot(const Team& team, const std::string& name) { return AgentId{team.find(name)}; }
+
+TEST(Part, HasItsRobotsAndThoseItIsCoupledWithAndFeelsItsOwnEndsAlone) {
+  const auto part = [](paper::Variant variant) {
+    const Team whole = chain(8, variant);
+    return part_of(whole, std::vector{robot(whole, "uav3"), robot(whole, "uav2")});
+  };
+  const Team masked = part(paper::Variant::masked), joint = part(paper::Variant::joint);
+  EXPECT_EQ(masked.agents().size(), 2u);
+  EXPECT_EQ(masked.bodies(), 3) << "uav2 watches uav1, which is not steered here";
+  EXPECT_FALSE(masked.is_agent(masked.find("uav1")));
+  EXPECT_EQ(masked.couplings().size(), 6u);
+  EXPECT_EQ(joint.agents().size(), 2u);
+  EXPECT_EQ(joint.bodies(), 4) << "and uav3 feels uav4";
+  EXPECT_EQ(joint.couplings().size(), 9u);
+  for (const Coupling& c : joint.couplings()) {
+    for (const AgentId agent : c.felt_by) EXPECT_TRUE(joint.is_agent(agent));
+  }
+}
+
+TEST(Part, WhatIsNoPartIsRefusedInWords) {
+  Team whole = chain(2, paper::Variant::masked);
+  const BodyId tree = whole.add(Obstacle{.name = "tree"});
+  EXPECT_EQ(refusal_of([&] { (void)part_of(whole, {}); }), "a part has no robot, expected at least one");
+  EXPECT_EQ(refusal_of([&] { (void)part_of(whole, std::vector{AgentId{tree}}); }),
+            "a part names body 2, expected a robot of the team");
+  EXPECT_EQ(refusal_of([&] { (void)part_of(whole, std::vector{AgentId{{7}}}); }),
+            "a part names body 7, expected a robot of the team");
+}
+
+TEST(Part, ToldTheVelocityThatABodyHasItFliesTheSameBits) {
+  Random random(1);
+  for (int trial = 0; trial < 20; ++trial) {
+    Team team = random_team(random, 2, Feeling::anyone);
+    team.add(Obstacle{.name = "ball"});
+    team.couple(1.0 * KeepOut{}, Between{team.find("uav0"), team.find("ball")});
+    NewtonRiccati plain(team, horizon), told(team, horizon);
+    const std::vector<double> x = random_states(random, team, 2.0);
+    for (int update = 0; update < 5; ++update) {
+      const double t = 0.01 * update;
+      for (int b = 0; b < team.bodies(); ++b) {
+        if (team.is_agent(BodyId{b})) continue;
+        Prediction prediction{.who = {b}, .time = t, .h = horizon.h()};
+        Sight<double> s =
+            team.model(BodyId{b}).sight(&x[static_cast<std::size_t>(team.state_offset(BodyId{b}))], nullptr);
+        for (int k = 0; k <= horizon.N; ++k) {
+          prediction.sights.push_back(s);
+          s.p = s.p + horizon.h() * s.v;
+        }
+        told.set_prediction(prediction);
+      }
+      const Solution a = plain.solve(t, x), b = told.solve(t, x);
+      for (std::size_t i = 0; i < a.u.size(); ++i) EXPECT_TRUE(same_bits(a.u[i], b.u[i])) << trial;
+      EXPECT_TRUE(same_bits(a.residual, b.residual));
+    }
+  }
+}
+
+/// Parts of one robot each that plan and tell what a solver of the whole team found.
+std::vector<std::unique_ptr<Part>> parts_at(const NewtonRiccati& whole, double time,
+                                            const std::vector<double>& x) {
+  const Ocp& ocp = whole.ocp();
+  std::vector<std::unique_ptr<Part>> parts;
+  std::vector<double> u(static_cast<std::size_t>(ocp.nu()));
+  for (const BodyId body : ocp.agent_bodies()) {
+    auto part = std::make_unique<Part>(ocp.team(), ocp.horizon(), std::vector{AgentId{body}});
+    for (int k = 0; k < ocp.horizon().N; ++k) {
+      whole.plan(k, u);
+      part->set_plan(k, std::span(u).subspan(static_cast<std::size_t>(ocp.team().input_offset(body))));
+    }
+    part->look_ahead(time, x);
+    parts.push_back(std::move(part));
+  }
+  for (const auto& teller : parts) {
+    for (const auto& other : parts) {
+      if (other == teller) continue;
+      for (const Prediction& told : teller->told()) other->hear(told);
+    }
+  }
+  return parts;
+}
+
+TEST(Part, GivenTheOthersOptimalTrajectoriesItsOptimumIsThatOfTheWhole) {
+  Random random(2);
+  int converged = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const Team team =
+        random_team(random, 2 + trial % 3, trial % 2 == 0 ? Feeling::everyone : Feeling::anyone);
+    NewtonRiccati whole(team, horizon, converging);
+    const std::vector<double> x = random_states(random, team, 2.0);
+    if (whole.solve(0.3, x).status != Status::converged) continue;
+    ++converged;
+    for (const auto& part : parts_at(whole, 0.3, x)) EXPECT_LE(part->kkt(0.3, x), 1e-8) << trial;
+  }
+  EXPECT_GE(converged, 36);
+}
+
+TEST(Part, WithoutWordFromTheOthersItsOptimumIsAnother) {
+  const Team team = chain(3, paper::Variant::joint);
+  NewtonRiccati whole(team, horizon, converging);
+  const std::vector<double> x = chain_start(3);
+  ASSERT_EQ(whole.solve(0.3, x).status, Status::converged);
+  const auto parts = parts_at(whole, 0.3, x);
+  parts[1]->restart();
+  std::vector<double> u(12);
+  for (int k = 0; k < horizon.N; ++k) {
+    whole.plan(k, u);
+    parts[1]->set_plan(k, std::span(u).subspan(4));
+  }
+  EXPECT_GE(parts[1]->kkt(0.3, x), 1e-3);
+}
+
+TEST(Part, ItTellsWhereItsPlanLeads) {
+  const Team team = chain(4, paper::Variant::joint);
+  Part part(team, horizon, std::vector{robot(team, "uav1"), robot(team, "uav2")});
+  const std::vector<double> x = chain_start(4);
+  const Solution solution = part.solve(0.2, x);
+  ASSERT_EQ(part.told().size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Prediction& told = part.told()[i];
+    EXPECT_EQ(team.name(told.who), i == 0 ? "uav1" : "uav2");
+    EXPECT_EQ(told.time, 0.2);
+    ASSERT_EQ(told.sights.size(), 13u);
+    const BodyId here = part.ocp().team().find(team.name(told.who));
+    const std::size_t nx = static_cast<std::size_t>(part.ocp().nx());
+    for (std::size_t k = 0; k < 13; ++k) {
+      const std::size_t at = k * nx + static_cast<std::size_t>(part.ocp().team().state_offset(here));
+      EXPECT_EQ(told.sights[k].p.x, solution.x[at]);
+      EXPECT_EQ(told.sights[k].d.y, solution.x[at + 4]);
+    }
+  }
+  const double before = part.told()[0].sights[12].p.x;
+  std::vector<double> moved = x;
+  moved[7] += 0.5;
+  part.look_ahead(0.2, moved);
+  EXPECT_NEAR(part.told()[0].sights[12].p.x, before + 0.5, 1e-9);
+}
+
+TEST(Part, AMessageThatCannotBeMeantForItIsLeft) {
+  const Team team = chain(3, paper::Variant::joint);
+  Part part(team, horizon, std::vector{robot(team, "uav1")}),
+      untold(team, horizon, std::vector{robot(team, "uav1")});
+  const Sight<double> elsewhere = {{{0.3, 0.2, 0.6}, {1, 0}}, {1, 1, 1}};
+  const Prediction good{.who = robot(team, "uav0"), .time = 0.0, .h = horizon.h(), .sights = {13, elsewhere}};
+  std::vector<Prediction> bad(6, good);
+  bad[0].who = robot(team, "uav1");
+  bad[1].who = BodyId{3};
+  bad[2].who = BodyId{-1};
+  bad[3].sights[4].p.y = std::numeric_limits<double>::infinity();
+  bad[4].sights.resize(14);
+  bad[5].h = 0.0;
+  for (const Prediction& message : bad) part.hear(message);
+  const std::vector<double> x = chain_start(3);
+  const std::vector<double> a(part.solve(0.0, x).u.begin(), part.solve(0.0, x).u.end());
+  const std::vector<double> b(untold.solve(0.0, x).u.begin(), untold.solve(0.0, x).u.end());
+  EXPECT_EQ(a, b);
+  part.hear(good);
+  EXPECT_NE(part.solve(0.0, x).u[0], untold.solve(0.0, x).u[0]) << "a good one is heard";
+}
+
+TEST(Part, SolvingTellingAndHearingAllocateNothing) {
+  const Team team = chain(4, paper::Variant::joint);
+  Part a(team, horizon, std::vector{robot(team, "uav0"), robot(team, "uav2")}),
+      b(team, horizon, std::vector{robot(team, "uav1"), robot(team, "uav3")});
+  const std::vector<double> x = chain_start(4);
+  const std::int64_t before = cli::allocations();
+  for (int k = 0; k < 20; ++k) {
+    a.solve(0.01 * k, x);
+    for (const Prediction& told : a.told()) b.hear(told);
+    b.solve(0.01 * k, x);
+    for (const Prediction& told : b.told()) a.hear(told);
+  }
+  EXPECT_EQ(cli::allocations() - before, 0);
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,187 @@
+#include "sightline/solver/partition.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "cli/allocations.hpp"
+#include "tests/support/chain_team.hpp"
+#include "tests/support/closed_loop.hpp"
+#include "tests/support/error.hpp"
+#include "tests/support/random_team.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr Horizon horizon{};
+constexpr ExchangeOrder orders[] = {ExchangeOrder::jacobi, ExchangeOrder::gauss_seidel};
+
+/// Neighbours of the chain together, as many parts as are asked for.
+Partition even_parts(const Team& team, int parts) {
+  Partition partition(static_cast<std::size_t>(parts));
+  const int robots = static_cast<int>(team.agents().size());
+  for (int i = 0; i < robots; ++i)
+    partition[static_cast<std::size_t>(i * parts / robots)].push_back(AgentId{{i}});
+  return partition;
+}
+
+TEST(Partition, IsReadByTheNamesOfRobots) {
+  const Team team = chain(4, paper::Variant::masked);
+  const Partition two = read_partition(" uav0 ,uav2|uav1,  uav3 ", team);
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_EQ(two[0], (std::vector{AgentId{{0}}, AgentId{{2}}}));
+  EXPECT_EQ(two[1], (std::vector{AgentId{{1}}, AgentId{{3}}}));
+  EXPECT_EQ(read_partition("uav0,uav1,uav2,uav3", team).size(), 1u);
+}
+
+TEST(Partition, WhatPutsARobotNowhereOrTwiceIsRefusedInWords) {
+  Team team = chain(3, paper::Variant::masked);
+  team.add(Obstacle{.name = "tree"});
+  const auto refusal = [&](const char* text) {
+    return refusal_of([&] { (void)read_partition(text, team); });
+  };
+  EXPECT_EQ(refusal("uav0 | uav1"), "the partition leaves out \"uav2\", expected every robot in one part");
+  EXPECT_EQ(refusal("uav0, uav2 | uav1, uav2"),
+            "the partition names \"uav2\" twice, expected every robot in one part");
+  EXPECT_EQ(
+      refusal("uav0 | uv1 | uav2"),
+      "partition = \"uav0 | uv1 | uav2\": \"uv1\" is no robot of the team, expected one such as \"uav1\"");
+  EXPECT_EQ(refusal("uav0, tree | uav1, uav2"),
+            "partition = \"uav0, tree | uav1, uav2\": \"tree\" is no robot of the team, expected one such as "
+            "\"uav0\"");
+  EXPECT_EQ(refusal("uav0 | | uav1, uav2"),
+            "partition = \"uav0 | | uav1, uav2\" has a part without robots, expected at least one in each");
+  EXPECT_EQ(refusal(""), "partition = \"\" has a part without robots, expected at least one in each");
+  EXPECT_NE(refusal("uav0,,uav1,uav2"), "");
+}
+
+TEST(Partition, OptionsOutOfRangeAreRefusedInWords) {
+  const Team team = chain(2, paper::Variant::masked);
+  const Partition all = {{AgentId{{0}}, AgentId{{1}}}};
+  const auto make = [&](const Partition& partition, int exchanges) {
+    return refusal_of([&] { PartitionedSolver(Ocp(team, horizon), partition, {.exchanges = exchanges}); });
+  };
+  EXPECT_EQ(make(all, 1), "");
+  EXPECT_EQ(make(all, 0), "exchanges = 0, expected 1 to 1000");
+  EXPECT_EQ(make(all, 1001), "exchanges = 1001, expected 1 to 1000");
+  EXPECT_EQ(make({}, 1), "the partition has no part, expected at least one");
+  EXPECT_EQ(make({{AgentId{{0}}}, {}}, 1),
+            "the partition has a part without robots, expected at least one in each");
+  EXPECT_EQ(make({{AgentId{{2}}}}, 1), "the partition names body 2, expected a robot of the team");
+  EXPECT_EQ(refusal_of([] { (void)exchange_order("gauss"); }),
+            "order = \"gauss\", expected jacobi or gauss_seidel");
+  for (const ExchangeOrder order : orders) EXPECT_EQ(exchange_order(to_string(order)), order);
+}
+
+TEST(Partition, ATeamInOnePartFliesTheSameBitsAsUndivided) {
+  for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
+    const Team team = chain(5, variant);
+    NewtonRiccati whole(team, horizon);
+    PartitionedSolver one(Ocp(team, horizon), even_parts(team, 1));
+    fly(whole, chain_start(5), 200, [&](double t, const std::vector<double>& x, const Solution& s) {
+      const Solution part = one.solve(t, x);
+      for (std::size_t i = 0; i < s.u.size(); ++i) ASSERT_TRUE(same_bits(part.u[i], s.u[i])) << t;
+      EXPECT_EQ(part.iterations, s.iterations);
+    });
+  }
+}
+
+TEST(Partition, ItsResidualIsThatOfTheWholeTeam) {
+  const Team team = chain(4, paper::Variant::joint);
+  PartitionedSolver parts(Ocp(team, horizon), even_parts(team, 2));
+  NewtonRiccati whole(team, horizon);
+  std::vector<double> u(16);
+  fly(parts, chain_start(4), 30, [&](double t, const std::vector<double>& x, const Solution& s) {
+    for (int k = 0; k < horizon.N; ++k) {
+      parts.plan(k, u);
+      whole.set_plan(k, u);
+    }
+    EXPECT_EQ(s.residual, whole.kkt(t, x));
+    EXPECT_EQ(s.residual, parts.kkt(t, x));
+    EXPECT_EQ(s.status, s.residual <= 1e-6 ? Status::converged : Status::iteration_limit);
+  });
+}
+
+/// Closed-loop cost of 10 s from a start in formation.
+double cost_of(Solver& solver, const std::vector<double>& start) {
+  double cost = 0.0;
+  fly(solver, start, 1000, [&](double t, const std::vector<double>& x, const Solution& s) {
+    cost += horizon.dt * stage_cost(solver.ocp().team(), t, x, s.u);
+  });
+  return cost;
+}
+
+TEST(Partition, AChainOfEightInPartsFliesWithinOnePercentOfTheCostOfTheWholeByOneExchangeAnUpdate) {
+  for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
+    const Team team = chain(8, variant);
+    const std::vector<double> start = chain_start(8);
+    NewtonRiccati whole(team, horizon);
+    const double best = cost_of(whole, start);
+    for (const int parts : {2, 4}) {
+      for (const ExchangeOrder order : orders) {
+        PartitionedSolver solver(Ocp(team, horizon), even_parts(team, parts), {.order = order});
+        EXPECT_NEAR(cost_of(solver, start), best, 0.01 * best)
+            << parts << " parts, " << to_string(order)
+            << (variant == paper::Variant::joint ? ", joint" : ", masked");
+      }
+    }
+  }
+}
+
+TEST(Partition, AMaskedChainSolvedFromItsHeadTakesOneExchangeToBeTheCascade) {
+  const Team team = chain(6, paper::Variant::masked);
+  PartitionedSolver parts(Ocp(team, horizon), even_parts(team, 6));
+  NewtonRiccati whole(team, horizon);
+  double worst = 0.0;
+  fly(whole, chain_start(6), 300, [&](double t, const std::vector<double>& x, const Solution& s) {
+    const std::vector<double> expected(s.u.begin(), s.u.end());
+    const Solution part = parts.solve(t, x);
+    for (std::size_t i = 0; t > 1.0 && i < expected.size(); ++i)
+      worst = std::max(worst, std::fabs(part.u[i] - expected[i]));
+  });
+  EXPECT_LE(worst, 1e-4);
+}
+
+TEST(Partition, APlanPutInIsThePlanAndTheNextUpdateBeginsThere) {
+  const Team team = chain(4, paper::Variant::joint);
+  NewtonRiccati whole(team, horizon,
+                      {.max_newton_steps = 50, .tolerance = 1e-9, .max_krylov = 100, .krylov_stop = 0});
+  const std::vector<double> x = chain_start(4);
+  ASSERT_EQ(whole.solve(0.0, x).status, Status::converged);
+  PartitionedSolver parts(Ocp(team, horizon), even_parts(team, 2));
+  std::vector<double> u(16), v(16);
+  for (int k = 0; k < horizon.N; ++k) {
+    whole.plan(k, u);
+    parts.set_plan(k, u);
+  }
+  for (int k = 0; k < horizon.N; ++k) {
+    whole.plan(k, u);
+    parts.plan(k, v);
+    EXPECT_EQ(u, v);
+  }
+  EXPECT_LE(parts.kkt(0.0, x), 1e-8);
+  parts.tell_all(0.0, x);
+  EXPECT_LE(parts.solve(0.0, x).residual, 1e-8) << "nothing is left to better";
+}
+
+TEST(Partition, NoUpdateAllocates) {
+  Random random(4);
+  for (int trial = 0; trial < 4; ++trial) {
+    const Team team = random_team(random, 4, Feeling::anyone);
+    Partition each;
+    const Ocp ocp(team, horizon);
+    for (const BodyId body : ocp.agent_bodies()) each.push_back({AgentId{body}});
+    PartitionedSolver solver(ocp, each, {.order = orders[trial % 2], .exchanges = 2});
+    for (int k = 0; k < 6; ++k) {
+      std::vector<double> x = random_states(random, team, k < 3 ? 3.0 : 30.0);
+      if (k == 4) x[0] = std::nan("");
+      const std::int64_t before = cli::allocations();
+      solver.solve(0.01 * k, x);
+      EXPECT_EQ(cli::allocations() - before, 0) << trial << " " << k;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,80 @@
+#include "sightline/solver/sweeps.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/chain_team.hpp"
+#include "tests/support/closed_loop.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr Horizon horizon{};
+
+Partition pieces(int robots, int parts) {
+  Partition partition(static_cast<std::size_t>(parts));
+  for (int i = 0; i < robots; ++i)
+    partition[static_cast<std::size_t>(i * parts / robots)].push_back(AgentId{{i}});
+  return partition;
+}
+
+/// The chain after a second of flight, and a partitioned solver that knows nothing yet.
+std::vector<Sweep> sweeps_of(paper::Variant variant, int parts, ExchangeOrder order, int rounds) {
+  const Team team = chain(8, variant);
+  NewtonRiccati whole(team, horizon);
+  const std::vector<double> x = fly(whole, chain_start(8), 100);
+  PartitionedSolver solver(Ocp(team, horizon), pieces(8, parts), {.order = order});
+  std::vector<double> u(static_cast<std::size_t>(team.nu()));
+  for (int k = 0; k < horizon.N; ++k) {
+    whole.plan(0, u);  // a plan that is not the optimum
+    solver.set_plan(k, u);
+  }
+  return sweep(solver, 1.0, x, rounds);
+}
+
+TEST(Sweeps, RoundByRoundPartsComeToTheOptimumOfTheWhole) {
+  for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
+    for (const int parts : {2, 4, 8}) {
+      for (const ExchangeOrder order : {ExchangeOrder::jacobi, ExchangeOrder::gauss_seidel}) {
+        const std::vector<Sweep> sweeps = sweeps_of(variant, parts, order, 40);
+        ASSERT_EQ(sweeps.size(), 40u);
+        const auto where = ::testing::Message() << parts << " parts, " << to_string(order);
+        EXPECT_LE(sweeps.back().input, 1e-7) << where;
+        EXPECT_LE(std::abs(sweeps.back().cost), 1e-9) << where;
+        EXPECT_LE(sweeps.back().kkt, 1e-7) << where;
+        for (std::size_t i = 3; i < sweeps.size(); ++i) {
+          if (sweeps[i - 2].input < 1e-7) break;
+          EXPECT_LT(sweeps[i].input, sweeps[i - 2].input) << where << ", round " << i + 1;
+        }
+      }
+    }
+  }
+}
+
+TEST(Sweeps, InGaussSeidelOrderErrorsShrinkFasterThanInJacobiOrder) {
+  const auto jacobi = sweeps_of(paper::Variant::joint, 4, ExchangeOrder::jacobi, 8);
+  const auto seidel = sweeps_of(paper::Variant::joint, 4, ExchangeOrder::gauss_seidel, 8);
+  ASSERT_EQ(jacobi.size(), seidel.size());
+  EXPECT_LT(seidel.back().input, 0.5 * jacobi.back().input);
+}
+
+TEST(Sweeps, TheCostOfAPlanIsTheIntegralOfItsStagesAndItsEnd) {
+  Team team;
+  auto options = paper::target();
+  options.Q_f = {1, 0, 0, 0, 0, 0, 0};
+  options.x_ref = std::array<double, 7>{1, 0, 0, 1, 0, 0, 0};
+  options.Q = {2, 0, 0, 0, 0, 0, 0};
+  options.R = {3, 1, 1, 1};
+  team.add(Multirotor{}, options);
+  const Ocp ocp(team, horizon);
+  const std::vector<double> rest = {0, 0, 0, 1, 0, 0, 0}, still(80, 0.0);
+  EXPECT_NEAR(horizon_cost(ocp, 0.0, rest, still), 2 * horizon.T + 1, 1e-12);
+  std::vector<double> turning(80, 0.0);
+  for (std::size_t k = 0; k < 20; ++k) turning[4 * k + 3] = 0.5;
+  EXPECT_NEAR(horizon_cost(ocp, 0.0, rest, turning), 2 * horizon.T + 1 + 0.25 * horizon.T, 1e-12);
+}
+
+}  // namespace
+}  // namespace sightline
