@@ -18,6 +18,10 @@ struct RunOptions {
   std::optional<std::string> solver;
   std::optional<std::uint64_t> seed;
   bool realtime = false;
+  std::optional<std::string>
+      partition;  ///< "a,b | c,d": the parts that plan by themselves; none: one solver for all
+  std::string order = "gauss_seidel";
+  int exchanges = 1;
 };
 
 struct BenchCommand {
@@ -44,8 +48,10 @@ struct CampaignCommand {
 
 /// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.
 int run(const RunOptions& options);
-/// The same for a scenario that is read already.
-int fly(Scenario scenario, const std::filesystem::path& folder, Clock& clock);
+struct PartitionChoice;
+/// The same for a scenario that is read already; its team plans in parts, or, without a choice, as one.
+int fly(Scenario scenario, const std::filesystem::path& folder, Clock& clock,
+        const PartitionChoice* partition = nullptr);
 /// Flies a scenario many times as its [campaign] says; leaves campaign.sqlite and campaign.html. 1 where a run is
 /// not recovered.
 int campaign(const CampaignCommand& command);

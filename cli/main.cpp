@@ -28,6 +28,13 @@ int main(int argc, char** argv) {
   run_command->add_flag("--realtime", run_options.realtime,
                         "Pace by the wall clock; missed periods are events");
 
+  CLI::Option* partition = run_command->add_option("--partition", run_options.partition,
+                                                   "Parts that plan by themselves: \"a,b | c,d\"");
+  run_command->add_option("--order", run_options.order, "Of the parts: jacobi or gauss_seidel [gauss_seidel]")
+      ->needs(partition);
+  run_command->add_option("--exchanges", run_options.exchanges, "Rounds of the parts in an update [1]")
+      ->needs(partition);
+
   std::filesystem::path scenario, folder;
   CLI::App* check_command = app.add_subcommand("check", "Read a scenario and say what it describes");
   check_command->add_option("SCENARIO", scenario, "Scenario file (TOML)")->required();

@@ -6,6 +6,7 @@
 #include "cli/allocations.hpp"
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
+#include "cli/partition.hpp"
 #include "cli/progress.hpp"
 #include "sightline/io/closed_loop.hpp"
 #include "sightline/io/log.hpp"
@@ -63,14 +64,13 @@ struct Flight {
   bool logged;
 };
 
-/// Flies the scenario under its solver; leaves run.mcap, timing.csv and summary.json in the folder.
-Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock) {
+/// Flies the scenario under its controllers; leaves run.mcap, timing.csv and summary.json in the folder.
+Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
+                  const Controllers& controllers, Succession* succession = nullptr) {
   // All memory is taken here, before the first period.
-  const Controls controls(scenario);
-  const Controllers controllers = controls.controllers();
   const Sample prototype = sized_sample(scenario.team, controllers);
   Ring<Sample> ring(ring_capacity(prototype), prototype);
-  ClosedLoop loop(scenario, controllers, clock, ring, allocations, controls.succession());
+  ClosedLoop loop(scenario, controllers, clock, ring, allocations, succession);
 
   Progress progress(scenario.simulation.duration);
   Log log(scenario, folder, controllers, ring, [&](double time) { progress.show(time); });
@@ -86,13 +86,21 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
   return flight;
 }
 
+Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock) {
+  const Controls controls(scenario);
+  return fly_logged(scenario, folder, clock, controls.controllers(), controls.succession());
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
   Scenario scenario;
+  std::optional<PartitionChoice> partition;
   std::filesystem::path folder;
   try {
     scenario = read(options);
+    if (options.partition)
+      partition = read_partition(scenario, *options.partition, options.order, options.exchanges);
     folder = options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output;
     make_folder(folder);
   } catch (const std::exception& error) {
@@ -101,14 +109,33 @@ int run(const RunOptions& options) {
   }
   SimulatedClock simulated;
   SteadyClock steady;
-  return fly(std::move(scenario), folder, options.realtime ? static_cast<Clock&>(steady) : simulated);
+  return fly(std::move(scenario), folder, options.realtime ? static_cast<Clock&>(steady) : simulated,
+             partition ? &*partition : nullptr);
 }
 
-int fly(Scenario scenario, const std::filesystem::path& folder, Clock& clock) {
-  const Flight flight = fly_logged(scenario, folder, clock);
+int fly(Scenario scenario, const std::filesystem::path& folder, Clock& clock,
+        const PartitionChoice* partition) {
+  std::optional<PartitionedFlight> parts;
+  SolverChoice of_whole = scenario.solver;
+  if (partition != nullptr) {
+    parts.emplace(scenario, *partition);
+    std::get<NewtonRiccatiOptions>(of_whole.options).deadline = 0.0;
+    scenario.solver.name = parts->name();
+  }
+  const Flight flight =
+      parts ? fly_logged(scenario, folder, clock, {*parts}) : fly_logged(scenario, folder, clock);
   for (const std::string& fault : flight.faults) say(fault);
 
   std::vector<std::string> summaries = {flight.summary};
+  std::string of_parts;
+  if (parts && flight.logged) {
+    SimulatedClock simulated;
+    scenario.solver = of_whole;
+    const Flight whole = fly_logged(scenario, folder / "whole", simulated);
+    for (const std::string& fault : whole.faults) say(fmt::format("the whole team by one solver: {}", fault));
+    summaries.push_back(whole.summary);
+    of_parts = parts->tell(folder, flight.summary, whole.summary);
+  }
   for (const std::string& name : scenario.simulation.compare) {
     if (!flight.logged) break;
     SimulatedClock simulated;
@@ -132,6 +159,10 @@ int fly(Scenario scenario, const std::filesystem::path& folder, Clock& clock) {
     fmt::print("\n");
     print_table(comparison_lines(summaries));
     fmt::print("\n");
+  }
+  if (!of_parts.empty()) {
+    fmt::print("{}\n", of_parts);
+    fmt::print("{}\n", (folder / "partition.json").native());
   }
   for (const char* file : {"report.html", "run.mcap", "summary.json"})
     fmt::print("{}\n", (folder / file).native());

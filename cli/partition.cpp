@@ -1,0 +1,157 @@
+#include "cli/partition.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "sightline/io/page.hpp"
+#include "sightline/solver/sweeps.hpp"
+
+namespace sightline::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t moments_max = 24;
+constexpr std::size_t times_max = 1'000'000;
+constexpr int rounds = 6;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// What a part plans with.
+NewtonRiccatiOptions solver_of_parts(const Scenario& scenario) {
+  return std::get<NewtonRiccatiOptions>(scenario.solver.options);
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Median and greatest of one number of all moments' sweeps, after so many rounds.
+struct Spread {
+  double median, greatest;
+};
+Spread spread(const std::vector<std::vector<Sweep>>& sweeps, int round, double Sweep::*number) {
+  std::vector<double> sizes;
+  for (const std::vector<Sweep>& s : sweeps) sizes.push_back(std::abs(s[at(round)].*number));
+  return {median(sizes), *std::max_element(sizes.begin(), sizes.end())};
+}
+
+Json as_json(const Spread& s) { return {{"median", s.median}, {"max", s.greatest}}; }
+
+}  // namespace
+
+PartitionChoice read_partition(const Scenario& scenario, const std::string& parts, const std::string& order,
+                               int exchanges) {
+  if (!std::holds_alternative<NewtonRiccatiOptions>(scenario.solver.options)) {
+    throw std::invalid_argument(
+        fmt::format("--partition: solver.name = {}, expected newton_riccati, which parts plan with",
+                    scenario.solver.name));
+  }
+  PartitionChoice choice{.parts = sightline::read_partition(parts, scenario.team),
+                         .order = exchange_order(order),
+                         .exchanges = exchanges};
+  if (exchanges < 1 || exchanges > 1000) {
+    throw std::invalid_argument(fmt::format("exchanges = {}, expected 1 to 1000", exchanges));
+  }
+  return choice;
+}
+
+PartitionedFlight::PartitionedFlight(const Scenario& scenario, const PartitionChoice& choice)
+    : choice_(choice),
+      solver_(Ocp(scenario.team, scenario.horizon), choice.parts,
+              {.order = choice.order, .exchanges = choice.exchanges, .solver = solver_of_parts(scenario)}),
+      moments_(moments_max) {
+  const auto updates =
+      static_cast<std::size_t>(std::llround(scenario.simulation.duration / scenario.horizon.dt));
+  stride_ = std::max<std::size_t>(1, updates / moments_max);
+  part_us_.reserve(std::min(updates, times_max));
+  for (Moment& moment : moments_) {
+    moment.states.resize(at(ocp().nx()));
+    moment.plan.resize(at(ocp().nu()) * at(ocp().horizon().N));
+  }
+}
+
+Solution PartitionedFlight::solve(double time, std::span<const double> states) noexcept {
+  const bool due = updates_ > 0 && updates_ % stride_ == 0 && kept_ < moments_.size();
+  if (due && states.size() == moments_[kept_].states.size()) {
+    Moment& moment = moments_[kept_++];
+    const std::size_t nu = at(ocp().nu());
+    moment.time = time;
+    std::copy(states.begin(), states.end(), moment.states.begin());
+    for (int k = 0; k < ocp().horizon().N; ++k)
+      solver_.plan(k, std::span(moment.plan).subspan(at(k) * nu, nu));
+  }
+  ++updates_;
+  const Solution solution = solver_.solve(time, states);
+  if (part_us_.size() < part_us_.capacity()) part_us_.push_back(1e6 * solver_.slowest());
+  return solution;
+}
+
+std::string PartitionedFlight::tell(const std::filesystem::path& folder, const std::string& summary,
+                                    const std::string& whole) {
+  std::vector<std::vector<Sweep>> sweeps;
+  PartitionedSolver still(ocp(), choice_.parts,
+                          {.order = choice_.order, .exchanges = 1, .solver = {.max_newton_steps = 1}});
+  for (std::size_t i = 0; i < kept_; ++i) {
+    const Moment& moment = moments_[i];
+    const std::size_t nu = at(ocp().nu());
+    still.restart();
+    for (int k = 0; k < ocp().horizon().N; ++k)
+      still.set_plan(k, std::span(moment.plan).subspan(at(k) * nu, nu));
+    std::vector<Sweep> of_moment = sweep(still, moment.time, moment.states, rounds);
+    if (!of_moment.empty()) sweeps.push_back(std::move(of_moment));
+  }
+
+  Json json;
+  for (const std::vector<AgentId>& part : choice_.parts) {
+    Json names = Json::array();
+    for (const AgentId agent : part) names.push_back(ocp().team().name(agent));
+    json["parts"].push_back(std::move(names));
+  }
+  const double cost = Json::parse(summary).at("cost"), whole_cost = Json::parse(whole).at("cost");
+  const double excess = (cost - whole_cost) / whole_cost;
+  const int numbers = (ocp().horizon().N + 1) * sight_size;
+  json["order"] = to_string(choice_.order);
+  json["exchanges"] = choice_.exchanges;
+  json["cost"] = cost;
+  json["whole_cost"] = whole_cost;
+  json["cost_excess"] = excess;
+  json["part_us"] = median(part_us_);
+  json["numbers_told"] = numbers;  // by a robot in an exchange
+  json["moments"] = sweeps.size();
+  json["sweeps"] = Json::array();
+
+  std::string text = fmt::format("{} parts, {} order, exchanges an update: {}\n", solver_.parts(),
+                                 to_string(choice_.order), choice_.exchanges);
+  text += fmt::format("cost {:.6g} s, of the whole team's solver {:.6g} s: {:+.4f} %\n", cost, whole_cost,
+                      100 * excess);
+  text += fmt::format("slowest part {:.1f} us an update, median; a robot tells {} numbers an exchange\n",
+                      median(part_us_), numbers);
+  if (sweeps.empty()) {
+    text += "no moment of the flight has a stationary point to compare with\n";
+  } else {
+    text += fmt::format("\nfrom the optimum of the whole team, at {} moments of the flight\n", sweeps.size());
+    text +=
+        "sweep   |u - u*| median       max    |J - J*|/J* median       max    residual [1/s] median       "
+        "max\n";
+  }
+  for (int round = 0; round < rounds && !sweeps.empty(); ++round) {
+    const Spread input = spread(sweeps, round, &Sweep::input), price = spread(sweeps, round, &Sweep::cost),
+                 kkt = spread(sweeps, round, &Sweep::kkt);
+    json["sweeps"].push_back(
+        {{"sweep", round + 1}, {"input", as_json(input)}, {"cost", as_json(price)}, {"kkt", as_json(kkt)}});
+    text += fmt::format("{:5}   {:15.2e}  {:8.2e}    {:18.2e}  {:8.2e}    {:21.2e}  {:8.2e}\n", round + 1,
+                        input.median, input.greatest, price.median, price.greatest, kkt.median, kkt.greatest);
+  }
+  write_text(folder / "partition.json", json.dump(2) + "\n");
+  return text;
+}
+
+}  // namespace sightline::cli

@@ -1,0 +1,59 @@
+/// A flight whose team plans in parts, `--partition`: its solver, and what is said of it afterwards.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sightline/io/scenario.hpp"
+#include "sightline/solver/partition.hpp"
+
+namespace sightline::cli {
+
+/// The words of the command line, read and checked.
+struct PartitionChoice {
+  Partition parts;
+  ExchangeOrder order = ExchangeOrder::gauss_seidel;
+  int exchanges = 1;
+};
+
+/// @throws std::invalid_argument with a sentence for words that do not fit the scenario
+PartitionChoice read_partition(const Scenario& scenario, const std::string& parts, const std::string& order,
+                               int exchanges);
+
+/// Steers as its partitioned solver does, and keeps some moments of the flight, evenly spread, to look at them later.
+/// Its memory is taken before the flight.
+class PartitionedFlight final : public Solver {
+ public:
+  PartitionedFlight(const Scenario& scenario, const PartitionChoice& choice);
+
+  std::string_view name() const override { return solver_.name(); }
+  const Ocp& ocp() const override { return solver_.ocp(); }
+  Solution solve(double time, std::span<const double> states) noexcept override;
+  double kkt(double time, std::span<const double> states) noexcept override {
+    return solver_.kkt(time, states);
+  }
+  void planned(double time, std::span<double> u) const noexcept override { solver_.planned(time, u); }
+  void restart() noexcept override { solver_.restart(); }
+
+  /// After the flight: at the moments kept, how far rounds are from the optimum of the whole team. Writes
+  /// partition.json into the folder.
+  /// @param summary, whole  summary.json of this flight, and of the same flight under a solver of the whole team
+  /// @return a table for a person
+  std::string tell(const std::filesystem::path& folder, const std::string& summary, const std::string& whole);
+
+ private:
+  struct Moment {
+    double time;
+    std::vector<double> states, plan;  // before the update
+  };
+
+  PartitionChoice choice_;
+  PartitionedSolver solver_;
+  std::vector<Moment> moments_;
+  std::vector<double> part_us_;  // of each update, the slowest part
+  std::size_t kept_ = 0, updates_ = 0, stride_ = 1;
+};
+
+}  // namespace sightline::cli

@@ -1,0 +1,105 @@
+#include "cli/partition.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "tests/support/command.hpp"
+
+namespace sightline::cli {
+namespace {
+
+using nlohmann::json;
+using test::fresh_folder;
+using test::read_file;
+using test::sightline;
+namespace fs = std::filesystem;
+
+const std::string halves = "uav0,uav1,uav2,uav3 | uav4,uav5,uav6,uav7";
+const std::string quarters = "uav0,uav1 | uav2,uav3 | uav4,uav5 | uav6,uav7";
+
+/// chain8 with another duration [s]; joint: every coupling felt by both of its robots.
+fs::path chain8(const fs::path& folder, const std::string& duration, bool joint = false) {
+  std::string text = read_file(SIGHTLINE_SOURCE_DIR "/scenarios/chain8.toml");
+  text = std::regex_replace(text, std::regex("duration = 60.0"), "duration = " + duration);
+  if (joint) text = std::regex_replace(text, std::regex("felt_by[^\n]*\n"), "");
+  const fs::path file = folder / (joint ? "chain8_joint.toml" : "chain8.toml");
+  std::ofstream(file) << text;
+  return file;
+}
+
+TEST(RunInParts, FliesTheChainOfEightWithinOnePercentOfTheCostOfTheWholeByOneExchange) {
+  const fs::path folder = fresh_folder(), out = folder / "out";
+  for (const bool joint : {false, true}) {
+    const fs::path scenario = chain8(folder, "11.0", joint);
+    for (const std::string& parts : {halves, quarters}) {
+      for (const char* order : {"jacobi", "gauss_seidel"}) {
+        if (joint && (parts == halves || order == std::string("gauss_seidel")))
+          continue;  // the hardest of them
+        const auto run = sightline("run " + scenario.string() + " --partition '" + parts + "' --order " +
+                                       order + " -o " + out.string(),
+                                   folder);
+        EXPECT_EQ(run.code, 0) << run.err;
+        const json told = json::parse(read_file(out / "partition.json"));
+        EXPECT_EQ(told.at("parts").size(), parts == halves ? 2u : 4u);
+        EXPECT_EQ(told.at("order"), order);
+        EXPECT_EQ(told.at("exchanges"), 1);
+        EXPECT_LE(std::abs(told.at("cost_excess").get<double>()), 0.01) << parts << " " << order;
+        const json summary = json::parse(read_file(out / "summary.json"));
+        EXPECT_EQ(summary.at("solver"), "partitioned");
+        EXPECT_EQ(summary.at("cost"), told.at("cost"));
+        EXPECT_EQ(summary.at("allocations_per_update"), 0);
+        for (const json& pair : summary.at("pairs")) EXPECT_EQ(pair.at("in_view_fraction"), 1.0) << pair;
+      }
+    }
+  }
+}
+
+TEST(RunInParts, TellsHowFarItIsFromTheOptimumOfTheWholeSweepBySweep) {
+  const fs::path folder = fresh_folder(), out = folder / "out";
+  const auto run = sightline("run " + chain8(folder, "4.0", true).string() + " --partition '" + quarters +
+                                 "' --exchanges 2 -o " + out.string(),
+                             folder);
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_NE(run.out.find("4 parts, gauss_seidel order, exchanges an update: 2\n"), std::string::npos)
+      << run.out;
+  const json told = json::parse(read_file(out / "partition.json"));
+  EXPECT_GE(told.at("moments"), 20);
+  const json& sweeps = told.at("sweeps");
+  ASSERT_GE(sweeps.size(), 4u);
+  for (std::size_t i = 1; i < sweeps.size(); ++i) {
+    EXPECT_EQ(sweeps[i].at("sweep"), i + 1);
+    EXPECT_LT(sweeps[i].at("input").at("median"), sweeps[i - 1].at("input").at("median")) << i;
+  }
+  const auto whole = sightline(
+      "run " + (folder / "chain8_joint.toml").string() + " -o " + (folder / "alone").string(), folder);
+  EXPECT_EQ(whole.code, 0);
+  EXPECT_EQ(read_file(out / "whole" / "run.mcap"), read_file(folder / "alone" / "run.mcap"))
+      << "what it is compared with is the flight without --partition";
+}
+
+TEST(RunInParts, WordsThatDoNotFitEndWithTwoAndASentence) {
+  const fs::path folder = fresh_folder();
+  const std::string run = "run scenarios/chain8.toml -o " + (folder / "out").string() + " ";
+  const auto refusal = [&](const std::string& words) {
+    const auto result = sightline(run + words, folder);
+    EXPECT_EQ(result.code, 2) << words;
+    return result.err;
+  };
+  EXPECT_EQ(refusal("--partition 'uav0,uav1'"),
+            "the partition leaves out \"uav2\", expected every robot in one part\n");
+  EXPECT_EQ(refusal("--partition 'uav0,uaw1'"),
+            "partition = \"uav0,uaw1\": \"uaw1\" is no robot of the team, expected one such as \"uav1\"\n");
+  EXPECT_EQ(refusal("--partition '" + halves + "' --order backwards"),
+            "order = \"backwards\", expected jacobi or gauss_seidel\n");
+  EXPECT_EQ(refusal("--partition '" + halves + "' --exchanges 0"), "exchanges = 0, expected 1 to 1000\n");
+  EXPECT_EQ(refusal("--partition '" + halves + "' --solver cgmres"),
+            "--partition: solver.name = cgmres, expected newton_riccati, which parts plan with\n");
+  EXPECT_NE(refusal("--order jacobi").find("--partition"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder / "out")) << "refused before anything is written";
+}
+
+}  // namespace
+}  // namespace sightline::cli
