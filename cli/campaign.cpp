@@ -14,6 +14,7 @@
 #include "cli/output.hpp"
 #include "sightline/campaign/evasion_page.hpp"
 #include "sightline/campaign/page.hpp"
+#include "sightline/campaign/paired.hpp"
 #include "sightline/campaign/table.hpp"
 #include "sightline/io/page.hpp"
 
@@ -168,6 +169,9 @@ int campaign(const CampaignCommand& command) {
       fmt::print("{}{}: {} runs, seed {}\n", i > 0 ? "\n" : "", scenario.name, input.options.runs,
                  input.options.seed);
       print_lines(campaign_lines(tables.back()));
+      if (i == 0) continue;
+      fmt::print("\n{}, compared with {}\n", scenario.name, tables[0].name);
+      print_lines(energy_lines(tables[0], tables.back()));
     }
     std::vector<EvasionRuns> evasions;
     for (std::size_t i = 0; input.plan.evasion && i < tables.size(); ++i)

@@ -43,7 +43,7 @@ TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
                                           "status_not_finite", "status_invalid_state", "uav0.range",
                                           "uav0.bearing", "uav0.height", "uav0.heading", "uav0.v_f",
                                           "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
-                                          "agent.uav1.reference.circle.rate"));
+                                          "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy"));
   Database::Statement about(database,
                             "SELECT group_concat(value, '|') FROM campaign WHERE key IN "
                             "('scenario', 'seed', 'version', 'duration')");
@@ -76,6 +76,11 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
     EXPECT_EQ(updates, 100);
     for (std::size_t v = 0; v < run.values.size(); ++v)
       EXPECT_EQ(rows.number(9 + status_count + static_cast<int>(v)), run.values[v]);
+    const int last = 9 + status_count + static_cast<int>(run.values.size());
+    ASSERT_EQ(r.energies.size(), 2U);
+    EXPECT_EQ(rows.number(last), r.energies[0]);
+    EXPECT_EQ(rows.number(last + 1), r.energies[1]);
+    EXPECT_NEAR(r.energies[0] + r.energies[1], r.energy, 1e-12);
   }
   EXPECT_FALSE(rows.step());
 }

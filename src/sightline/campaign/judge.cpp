@@ -36,6 +36,7 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
       pairs_.push_back({body, other, hard_distance(scenario, body, other).value_or(plan.d_hard)});
     }
   }
+  result_.energies.resize(robots_.size(), 0.0);
   sights_.resize(static_cast<std::size_t>(team_.bodies()));
   u_min_.resize(u_rest_.size());
   u_max_.resize(u_rest_.size());
@@ -73,7 +74,8 @@ bool Judge::distances_hold() noexcept {
 }
 
 bool Judge::inputs_hold() noexcept {
-  for (const BodyId robot : robots_) {
+  for (std::size_t r = 0; r < robots_.size(); ++r) {
+    const BodyId robot = robots_[r];
     const Agent& agent = team_.agent(robot);
     const std::size_t nu = agent.R.size();
     const double* u = sample_.u.data() + team_.input_offset(robot);
@@ -81,7 +83,9 @@ bool Judge::inputs_hold() noexcept {
     agent.limits.at(sample_.time, low, high);
     for (std::size_t i = 0; i < nu; ++i) {
       if (!(u[i] >= low[i] && u[i] <= high[i])) return false;  // nor what is not a number
-      result_.energy += period_ * agent.R[i] * u[i] * u[i];
+      const double energy = period_ * agent.R[i] * u[i] * u[i];
+      result_.energy += energy;
+      result_.energies[r] += energy;
     }
   }
   return true;

@@ -34,7 +34,8 @@ struct RunResult {
   std::int64_t violations = 0;  ///< periods with an input beyond its limit, or nearer than d_hard where that
                                 ///< could be kept
   std::array<std::int64_t, status_count> statuses{};
-  double energy = 0.0;  ///< sum of dt u'Ru of the applied inputs, all robots [s]
+  double energy = 0.0;             ///< sum of dt u'Ru of the applied inputs, all robots [s]
+  std::vector<double> energies{};  ///< the same of each robot, in the order of the team
 };
 
 /// Takes the samples of a loop and judges them as they come; keeps none. The hard distance of a pair is that of

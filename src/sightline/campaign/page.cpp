@@ -11,13 +11,16 @@
 #include "sightline/campaign/confidence.hpp"
 #include "sightline/campaign/database.hpp"
 #include "sightline/campaign/judge.hpp"
+#include "sightline/campaign/paired.hpp"
 #include "sightline/campaign/success_map.hpp"
+#include "sightline/campaign/table.hpp"
 #include "sightline/io/page.hpp"
 
 namespace sightline {
 namespace {
 
 constexpr int worst_runs = 12;
+constexpr std::size_t robots_max = 8;  // whose energies are told one by one
 
 /// Questions to one table of runs.
 class Runs {
@@ -66,6 +69,17 @@ class Runs {
     return map;
   }
 
+  /// The columns of robots' energies.
+  std::vector<std::string> energies() {
+    std::vector<std::string> names;
+    Database::Statement ask(*database_,
+                            fmt::format("SELECT name FROM pragma_table_info('runs') WHERE name LIKE '_%{}' "
+                                        "ORDER BY cid",
+                                        energy_ending));
+    while (ask.step()) names.push_back(ask.text(0));
+    return names;
+  }
+
   Database& database() { return *database_; }
   const std::string name;
 
@@ -111,6 +125,14 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
       {"least distance", fmt::format("median {}, of all {}; where it could brake at the start {}",
                                      quantile("min_distance", 0.5, "m"), quantile("min_distance", 0.0, "m"),
                                      quantile("iif(could_brake, min_distance, NULL)", 0.0, "m"))});
+  std::vector<std::string> columns = runs.energies();
+  if (columns.size() > robots_max) columns.clear();
+  columns.insert(columns.begin(), "energy");
+  for (const std::string& column : columns) {
+    const std::string quoted = sql_name(column);
+    lines.push_back({column, fmt::format("median {}, 90 % within {} to {}", quantile(quoted, 0.5, "s"),
+                                         quantile(quoted, 0.05, "s"), quantile(quoted, 0.95, "s"))});
+  }
   lines.push_back({"periods with a violation", quantile("(SELECT sum(violations) FROM runs)", 0.0, "")});
   return lines;
 }
@@ -234,6 +256,8 @@ std::vector<CampaignLine> campaign_lines(const CampaignTable& table) {
   return lines_of(runs);
 }
 
+std::vector<std::string> energy_columns(const CampaignTable& table) { return Runs(table).energies(); }
+
 std::string campaign_html(const std::vector<CampaignTable>& tables, const CampaignPlan& plan,
                           const std::string& command, const std::filesystem::path& folder,
                           const std::string& more) {
@@ -251,6 +275,11 @@ std::string campaign_html(const std::vector<CampaignTable>& tables, const Campai
   const std::int64_t bad = first.count("outcome <> 'recovered'");
   if (bad > 0) page += fmt::format("<p class=\"warning\">{} runs were not recovered.</p>\n", bad);
   for (Runs& runs : all) page += fmt::format("<h2>{}</h2>\n", escaped(runs.name)) + table_of(lines_of(runs));
+  for (std::size_t i = 1; i < tables.size(); ++i) {
+    page += fmt::format("<h2>Energy of {}, compared with {}</h2>\n", escaped(tables[i].name),
+                        escaped(first.name)) +
+            table_of(energy_lines(tables[0], tables[i]));
+  }
   page += maps(all, plan) + choices(all, plan);
   std::vector<Drawing> drawings = {
       distribution(all, "time_to_first_view", "Time to first view", "time [s]",

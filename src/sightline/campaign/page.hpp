@@ -29,7 +29,10 @@ struct CampaignLine {
   std::string what, value;
 };
 
-/// The campaign in a few lines: outcomes with their bounds, times and distances.
+/// The campaign in a few lines: outcomes with their bounds, times, distances and energies.
 std::vector<CampaignLine> campaign_lines(const CampaignTable& table);
+
+/// The columns of a table that tell the energy of one robot each, in the order of the team.
+std::vector<std::string> energy_columns(const CampaignTable& table);
 
 }  // namespace sightline

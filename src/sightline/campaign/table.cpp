@@ -30,6 +30,8 @@ RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, 
   }
   for (const std::string& name : drawn_names(plan))
     columns.push_back(fmt::format("{} REAL NOT NULL", sql_name(name)));
+  for (const Agent& agent : scenario.team.agents())
+    columns.push_back(fmt::format("{} REAL NOT NULL", sql_name(agent.name + std::string(energy_ending))));
   marks.resize(columns.size(), "?");
 
   database_.execute("CREATE TABLE campaign(key TEXT PRIMARY KEY, value) WITHOUT ROWID");
@@ -64,6 +66,7 @@ void RunTable::add(const RunDraw& run, const RunResult& result) {
   insert_->bind(i++, result.energy);
   for (const std::int64_t count : result.statuses) insert_->bind(i++, count);
   for (const double value : run.values) insert_->bind(i++, value);
+  for (const double value : result.energies) insert_->bind(i++, value);
   insert_->step();
   if (++waiting_ == rows_at_once) finish();
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sightline/campaign/campaign.hpp"
@@ -14,7 +15,8 @@ namespace sightline {
 /// Writes
 ///
 ///   runs      "index", seed, outcome, min_distance, time_to_first_view, fraction_in_view, could_brake, violations,
-///             energy, a column status_NAME for each Status, and a column for each number drawn, by its name
+///             energy, a column status_NAME for each Status, a column for each number drawn, by its name, and
+///             ROBOT.energy for each robot
 ///   campaign  key, value: scenario, text, seed, duration, version, compiler
 ///
 /// Rows come in the order of the index and go to disk every 256 runs, so that equal campaigns give equal bytes,
@@ -35,6 +37,9 @@ class RunTable {
   std::optional<Database::Statement> insert_;
   int waiting_ = 0;
 };
+
+/// What the column of a robot's energy is called, after its name.
+inline constexpr std::string_view energy_ending = ".energy";
 
 /// The columns of `runs` that do not depend on what is drawn.
 std::vector<std::string> fixed_columns();
