@@ -18,6 +18,7 @@
 
 #include "sightline/io/cdr.hpp"
 #include "sightline/io/mcap.hpp"
+#include "sightline/io/team_json.hpp"
 #include "sightline/io/version.hpp"
 
 namespace sightline {
@@ -77,36 +78,6 @@ double turn_rate(const Model& model, const double* x, const double* u) {
   if (const auto psi = place("psi")) return rate[*psi];
   const auto d_x = place("d_x"), d_y = place("d_y");
   return d_x && d_y ? x[*d_x] * rate[*d_y] - x[*d_y] * rate[*d_x] : 0.0;
-}
-
-// What a report must know of the team.
-std::string team_json(const Scenario& scenario) {
-  const Team& team = scenario.team;
-  Json json = {{"bodies", Json::array()}, {"pairs", Json::array()}, {"events", Json::array()}};
-  for (int i = 0; i < team.bodies(); ++i) {
-    const BodyId body{i};
-    Json entry = {{"name", team.name(body)},
-                  {"robot", team.model(body).name()},
-                  {"kind", team.is_agent(body) ? "agent" : "obstacle"}};
-    if (team.is_agent(body)) {
-      const auto inputs = team.model(body).inputs();
-      const InputLimits& limits = team.agent(body).limits;
-      entry["inputs"] = std::vector<std::string>(inputs.begin(), inputs.end());
-      entry["limits"] = {{"times", limits.times()}, {"u_min", limits.u_min()}, {"u_max", limits.u_max()}};
-    }
-    json["bodies"].push_back(std::move(entry));
-  }
-  for (const Observation& pair : observations(all_couplings(scenario))) {
-    json["pairs"].push_back({{"observer", pair.observer.index},
-                             {"target", pair.target.index},
-                             {"pitch", pair.mount.pitch},
-                             {"offset", pair.mount.offset},
-                             {"alpha", pair.alpha},
-                             {"d_min", pair.d_min},
-                             {"d_max", pair.d_max}});
-  }
-  for (const TeamEvent& event : scenario.script.events) json["events"].push_back(event.name);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 // Appends by write(2); the first failure is kept, and nothing is written after it.

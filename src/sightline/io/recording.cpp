@@ -59,6 +59,15 @@ void read_team(const json& team, Recording& run) {
     }
     run.pairs.push_back(pair);
   }
+  for (const json& entry : team.value("couplings", json::array())) {
+    const Recording::Coupled coupled{entry.at("between").at(0), entry.at("between").at(1),
+                                     entry.at("felt").at(0), entry.at("felt").at(1)};
+    if (coupled.first >= run.bodies.size() || coupled.second >= run.bodies.size()) {
+      refuse("a coupling names body {}, expected one of {}", std::max(coupled.first, coupled.second),
+             run.bodies.size());
+    }
+    run.couplings.push_back(coupled);
+  }
   run.script = team.value("events", std::vector<std::string>{});
 }
 

@@ -37,6 +37,12 @@ struct Recording {
     double alpha = 0.0;  ///< limit of the view angle [rad]
     double d_min = 0.0, d_max = 0.0;
   };
+  /// Two bodies with couplings between them that are felt by the same of them; a body that is no robot feels
+  /// nothing.
+  struct Coupled {
+    std::size_t first = 0, second = 0;  ///< in `bodies`
+    bool first_feels = false, second_feels = false;
+  };
   struct Event {
     double time = 0.0;
     std::string kind;
@@ -64,6 +70,7 @@ struct Recording {
   std::vector<double> cost;  ///< stage cost l, one a period
   std::vector<Body> bodies;
   std::vector<Pair> pairs;
+  std::vector<Coupled> couplings;
   std::vector<Controller> controllers;
   std::vector<Event> events;
   std::vector<std::string> script;      ///< names of the scenario's [[event]]s

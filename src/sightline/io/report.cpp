@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "sightline/io/event_words.hpp"
+#include "sightline/io/graph_figure.hpp"
 #include "sightline/io/page.hpp"
 #include "sightline/io/safety_figure.hpp"
 #include "sightline/io/summary.hpp"
@@ -421,6 +422,7 @@ std::string report_html(const Recording& recording, std::string_view summary) {
   }
   if (!summary.empty()) page += summary_table(summary);
   page += comparison_table(r, summary);
+  for (const Figure& figure : graph_figures(r)) page += page_figure(figure);
   for (const Figure& figure : draw(drawings_of(r))) page += page_figure(figure);
   page += event_table(r);
   page += fmt::format("<details><summary>Scenario</summary>\n<pre>{}</pre>\n</details>\n</body>\n</html>\n",

@@ -1,0 +1,63 @@
+#include "sightline/io/team_json.hpp"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "sightline/io/present_team.hpp"
+
+namespace sightline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Who is coupled with whom, and which of the two feel it; each once.
+Json couplings_json(const std::vector<Coupling>& couplings) {
+  std::set<std::array<int, 4>> known;
+  Json list = Json::array();
+  for (const Coupling& c : couplings) {
+    const auto feels = [&](BodyId body) {
+      return std::any_of(c.felt_by.begin(), c.felt_by.end(), [&](AgentId agent) { return agent == body; });
+    };
+    const BodyId a = c.between.first, b = c.between.second;
+    if (!known.insert({a.index, b.index, feels(a), feels(b)}).second) continue;
+    list.push_back({{"between", {a.index, b.index}}, {"felt", {feels(a), feels(b)}}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string team_json(const Scenario& scenario) {
+  const Team& team = scenario.team;
+  Json json = {{"bodies", Json::array()}, {"pairs", Json::array()}, {"events", Json::array()}};
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    Json entry = {{"name", team.name(body)},
+                  {"robot", team.model(body).name()},
+                  {"kind", team.is_agent(body) ? "agent" : "obstacle"}};
+    if (team.is_agent(body)) {
+      const auto inputs = team.model(body).inputs();
+      const InputLimits& limits = team.agent(body).limits;
+      entry["inputs"] = std::vector<std::string>(inputs.begin(), inputs.end());
+      entry["limits"] = {{"times", limits.times()}, {"u_min", limits.u_min()}, {"u_max", limits.u_max()}};
+    }
+    json["bodies"].push_back(std::move(entry));
+  }
+  const std::vector<Coupling> couplings = all_couplings(scenario);
+  json["couplings"] = couplings_json(couplings);
+  for (const Observation& pair : observations(couplings)) {
+    json["pairs"].push_back({{"observer", pair.observer.index},
+                             {"target", pair.target.index},
+                             {"pitch", pair.mount.pitch},
+                             {"offset", pair.mount.offset},
+                             {"alpha", pair.alpha},
+                             {"d_min", pair.d_min},
+                             {"d_max", pair.d_max}});
+  }
+  for (const TeamEvent& event : scenario.script.events) json["events"].push_back(event.name);
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace sightline
