@@ -12,7 +12,9 @@ namespace sightline {
 namespace {
 
 std::string words(EventKind kind, double value) {
-  return event_words(to_string(kind), value, [](int body) { return fmt::format("uav{}", body); });
+  return event_words(to_string(kind), value,
+                     {.of_body = [](int body) { return fmt::format("uav{}", body); },
+                      .of_event = [](int event) { return fmt::format("e{}", event); }});
 }
 
 TEST(EventWords, WhatHappensToABodyNamesIt) {
@@ -21,6 +23,12 @@ TEST(EventWords, WhatHappensToABodyNamesIt) {
   EXPECT_EQ(words(EventKind::measurement_not_finite, 1), "uav1: measurement refused, not_finite");
   EXPECT_EQ(words(EventKind::barrier_conflict, 2), "uav2: barrier conflict");
   EXPECT_EQ(words(EventKind::input_refused, 3), "input_refused uav3");
+}
+
+TEST(EventWords, WhatTheScriptDoesNamesTheEvent) {
+  EXPECT_EQ(words(EventKind::event_happened, 0), "event \"e0\" happens");
+  EXPECT_EQ(words(EventKind::event_in_force, 3), "event \"e3\" in force");
+  EXPECT_EQ(words(EventKind::event_ignored, 1), "event \"e1\" ignored: it cannot be");
 }
 
 TEST(EventWords, WhatHappensToNoBodyHasItsNumber) {
