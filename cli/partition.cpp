@@ -54,6 +54,9 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
         fmt::format("--partition: solver.name = {}, expected newton_riccati, which parts plan with",
                     scenario.solver.name));
   }
+  if (changes_in_flight(scenario)) {
+    throw std::invalid_argument("--partition: the team changes in flight, expected one that stays");
+  }
   PartitionChoice choice{.parts = sightline::read_partition(parts, scenario.team),
                          .order = exchange_order(order),
                          .exchanges = exchanges};
