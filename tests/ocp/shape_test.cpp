@@ -1,9 +1,11 @@
 #include "sightline/ocp/shape.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 
+#include "sightline/ocp/roster.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/chain_team.hpp"
@@ -139,6 +141,46 @@ TEST(Shape, each_pair_has_the_terms_of_its_own_observer) {
   for (const Coupling& coupling : team.couplings()) {
     EXPECT_EQ(coupling.term.potential.mount()->pitch, 0.1 * coupling.between.first.index);
   }
+}
+
+/// Two that may look, and one to be looked at.
+struct Pursuit {
+  Team team;
+  Script script;
+  AgentId a = team.add(Multirotor{}, {.name = "a"}), b = team.add(Multirotor{}, {.name = "b"});
+  BodyId ball = team.add(Obstacle{"ball"});
+
+  void pursue(const RelayOptions& options) {
+    const TermsOf terms = [](Between) { return std::vector<Weighted>{0.4 * SensorCone{}, 0.4 * Cohesion{}}; };
+    relay(team, script, terms, {a, b}, ball, options);
+  }
+};
+
+TEST(Relay, OneObservesAtATimeAndEachMayTakeOverFromEach) {
+  Pursuit p;
+  p.pursue({.name = "on duty"});
+  EXPECT_EQ(p.team.couplings().size(), 2U);
+  for (const Coupling& c : p.team.couplings()) EXPECT_EQ(c.between.first, p.a);
+  ASSERT_EQ(p.script.events.size(), 2U);
+  EXPECT_TRUE(faults_of(p.script, Roster(p.team)).empty());
+  Roster roster(p.team);
+  for (const std::size_t event : {0U, 1U, 0U, 1U, 0U}) {
+    const TeamEvent& change = p.script.events[event];
+    for (const Action& action : change.actions) ASSERT_EQ(roster.apply(action, 1.0, 0.0), "");
+    const Team team = roster.team(1.0);
+    EXPECT_EQ(team.couplings().size(), 2U);
+    for (const Coupling& c : team.couplings()) EXPECT_EQ(team.name(c.between.first), event == 0 ? "b" : "a");
+  }
+}
+
+TEST(Relay, IsRefusedWithoutANameOrWithARobotTwice) {
+  Pursuit p;
+  EXPECT_THAT(refusal_of([&] { p.pursue({}); }), testing::HasSubstr("no name"));
+  EXPECT_THAT(refusal_of([&] {
+                const TermsOf none = [](Between) { return std::vector<Weighted>{}; };
+                relay(p.team, p.script, none, {p.a, p.a}, p.ball, {.name = "r"});
+              }),
+              testing::HasSubstr("\"a\""));
 }
 
 }  // namespace

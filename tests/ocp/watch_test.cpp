@@ -137,5 +137,43 @@ TEST(Watch, ASignalOfAnotherStageIsLost) {
   EXPECT_THAT(line.look(), ElementsAre(1U));
 }
 
+TEST(Watch, StagesOfUnlikeRegionsGoTheirOwnWays) {
+  const TeamEvent a{.name = "", .trigger = AtTime{0.1}, .stage = "door:open", .enter = "door:shut"};
+  const TeamEvent b{.name = "", .trigger = AtTime{0.2}, .stage = "start", .enter = "later"};
+  const TeamEvent c{.name = "", .trigger = AfterTime{0.2}, .stage = "door:shut", .enter = "door:open"};
+  const Team team = event_team(2);
+  Watch watch({{a, b, c}, {"start", "door:open"}}, team);
+  const std::vector<double> x = event_start(team), u(8);
+  const auto look = [&](double t) {
+    const auto happening = watch.look({t, x, u, {}, {}});
+    return std::vector<std::size_t>(happening.begin(), happening.end());
+  };
+  EXPECT_THAT(look(0.0), IsEmpty());
+  EXPECT_THAT(look(0.1), ElementsAre(0U));
+  EXPECT_EQ(watch.stage("door"), "door:shut");
+  EXPECT_EQ(watch.stage(), "start");
+  EXPECT_THAT(look(0.2), ElementsAre(1U));
+  EXPECT_THAT(look(0.3), ElementsAre(2U)) << "0.2 s after its own stage began";
+  EXPECT_EQ(watch.stage("door"), "door:open");
+  EXPECT_EQ(watch.stage(), "later");
+  EXPECT_EQ(watch.stage("window"), "");
+}
+
+TEST(Watch, ANearerRobotIsNearerThanOneThatIsNotThere) {
+  const Condition nearer{NearerThan{BodyId{1}, BodyId{2}, BodyId{0}}, Condition::Side::above, 0.3};
+  const Team team = event_team(3);
+  std::vector<double> x = event_start(team), u(12);
+  std::vector<Presence> presence(3, Presence::steered);
+  const auto happens = [&] {
+    Watch watch({{when(nearer)}}, team);
+    return !watch.look({0.0, x, u, {}, presence}).empty();
+  };
+  EXPECT_FALSE(happens());  // robot 2 stands behind robot 1
+  presence[1] = Presence::absent;
+  EXPECT_TRUE(happens());
+  presence[2] = Presence::absent;
+  EXPECT_FALSE(happens());
+}
+
 }  // namespace
 }  // namespace sightline

@@ -35,8 +35,8 @@ void enter_terms(const std::vector<TomlTable>& events, EventScope& scope) {
 }
 
 /// Its own name, or its place in the file.
-std::string read_event_name(const TomlTable& at, const Script& before) {
-  if (!at.has("name")) return fmt::format("event[{}]", before.events.size());
+std::string read_event_name(const TomlTable& at, const Script& before, std::size_t place) {
+  if (!at.has("name")) return fmt::format("event[{}]", place);
   std::string name = read_label(at, "name");
   const auto same = [&](const TeamEvent& other) { return other.name == name; };
   if (std::any_of(before.events.begin(), before.events.end(), same)) {
@@ -45,8 +45,8 @@ std::string read_event_name(const TomlTable& at, const Script& before) {
   return name;
 }
 
-TeamEvent read_event(const TomlTable& at, const EventScope& scope, const Script& before) {
-  TeamEvent event{.name = read_event_name(at, before),
+TeamEvent read_event(const TomlTable& at, const EventScope& scope, const Script& before, std::size_t place) {
+  TeamEvent event{.name = read_event_name(at, before, place),
                   .trigger = read_trigger(at, scope,
                                           {"name", "stage", "repeat", "enter", "ramp", "remove", "add",
                                            "retune", "reference", "observe"})};
@@ -84,10 +84,16 @@ Script read_events(const TomlTable& root, const Scenario& scenario, const Observ
   EventScope scope{scenario.team, observers, scenario.simulation};
   const std::vector<TomlTable> tables = root.tables("event");
   enter_terms(tables, scope);
-  Script script;
-  for (const TomlTable& at : tables) script.events.push_back(read_event(at, scope, script));
+  Script script = scenario.script;  // of shapes
+  const std::size_t of_shapes = script.events.size();
+  for (const TomlTable& at : tables) {
+    script.events.push_back(read_event(at, scope, script, script.events.size() - of_shapes));
+  }
   const std::vector<ScriptFault> faults = faults_of(script, Roster(scenario.team, presence));
-  if (!faults.empty()) tables[faults.front().event].refuse_as_said(faults.front().sentence);
+  if (faults.empty()) return script;
+  const auto [event, sentence] = faults.front();
+  if (event < of_shapes) root.refuse("shape", sentence);
+  tables[event - of_shapes].refuse_as_said(sentence);
   return script;
 }
 

@@ -39,7 +39,7 @@ class Reader {
     read_bodies("target", scenario_.targets);
     read_bodies("obstacle", scenario_.obstacles);
     read_couplings(root_, observers_, scenario_.team);
-    read_shapes(root_, observers_, scenario_.team);
+    read_shapes(root_, observers_, scenario_.team, scenario_.script);
     for (const TomlTable& at : root_.tables("keep_apart")) read_keep_apart(at, scenario_.team);
     read_constraints();
     scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);

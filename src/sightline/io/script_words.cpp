@@ -20,6 +20,10 @@ struct MeasureWords {
     return fmt::format("the excess of {} between {} and {}", of.potential.name(), team.name(of.a),
                        team.name(of.b));
   }
+  std::string operator()(const NearerThan& of) const {
+    return fmt::format("what {} is nearer to {} than {}", team.name(of.b), team.name(of.target),
+                       team.name(of.a));
+  }
   std::string operator()(const AgeOf& of) const {
     return fmt::format("the age of what is known of {}", team.name(of.body));
   }

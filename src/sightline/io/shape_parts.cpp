@@ -77,10 +77,43 @@ FeltBy read_felt_by(const TomlTable& at, const std::vector<Between>& pairs, cons
   return FeltBy::observer;
 }
 
-void read_shape(const TomlTable& at, const Observers& observers, Team& team) {
-  const std::string_view name = at.choice(names(shapes), {"potential", "weight", "potentials", "felt_by"});
-  const std::vector<Between> pairs = find(shapes, name)(at, team);
-  const FeltBy felt_by = read_felt_by(at, pairs, team);
+/// `nearest = { target, observers, margin, dwell, ramp }`, and `name`: whoever is nearest observes.
+void read_relay(const TomlTable& shape, const TermsOf& terms_of, Team& team, Script& script) {
+  const TomlTable at = shape.table("nearest", "a table with target and observers");
+  RelayOptions options{.name = shape.has("name") ? read_label(shape, "name") : "nearest"};
+  at.read({{"margin", &options.margin, not_negative(">= 0 m")},
+           {"dwell", &options.dwell, positive("> 0 s")},
+           {"ramp", &options.ramp, not_negative(">= 0 s")}},
+          {"target", "observers"});
+  const BodyId target =
+      team.find(read_name(at, "target", team, Among::bodies, "a robot, target or obstacle"));
+  std::vector<AgentId> observers;
+  for (const BodyId body : read_members(at, "observers", 2, team)) {
+    if (!team.is_agent(body) || body == target) {
+      at.refuse("observers", observers.size(), "a robot other than the target");
+    }
+    observers.push_back(AgentId{body});
+  }
+  if (std::any_of(script.begins.begin(), script.begins.end(),
+                  [&](const std::string& stage) { return region_of(stage) == options.name; })) {
+    shape.refuse("name", "a name of its own, another shape has this one");
+  }
+  shape.checked([&] { relay(team, script, terms_of, observers, target, options); });
+}
+
+void read_shape(const TomlTable& at, const Observers& observers, Team& team, Script& script) {
+  constexpr std::string_view nearest_word = "nearest";
+  const bool is_relay = at.has(nearest_word);
+  std::vector<Between> pairs;
+  FeltBy felt_by = FeltBy::observer;
+  std::string_view name = nearest_word;
+  if (is_relay) {
+    at.expect_only({"name", nearest_word, "potential", "weight", "potentials"});
+  } else {
+    name = at.choice(names(shapes), {"potential", "weight", "potentials", "felt_by"});
+    pairs = find(shapes, name)(at, team);
+    felt_by = read_felt_by(at, pairs, team);
+  }
 
   // One potential as in [[couple]], or a list of them, each with its weight.
   std::vector<TomlTable> list;
@@ -103,13 +136,14 @@ void read_shape(const TomlTable& at, const Observers& observers, Team& team) {
     for (const TomlTable& entry : list) terms.push_back(read_weighted(entry, observer));
     return terms;
   };
+  if (is_relay) return read_relay(at, terms_of, team, script);
   at.checked([&] { couple(team, terms_of, pairs, felt_by); });
 }
 
 }  // namespace
 
-void read_shapes(const TomlTable& root, const Observers& observers, Team& team) {
-  for (const TomlTable& at : root.tables("shape")) read_shape(at, observers, team);
+void read_shapes(const TomlTable& root, const Observers& observers, Team& team, Script& script) {
+  for (const TomlTable& at : root.tables("shape")) read_shape(at, observers, team, script);
 }
 
 }  // namespace sightline

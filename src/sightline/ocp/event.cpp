@@ -40,7 +40,8 @@ struct Subject {
 
 class Examination {
  public:
-  Examination(const Script& script, const Roster& roster) : events_(script.events), roster_(roster) {
+  Examination(const Script& script, const Roster& roster)
+      : events_(script.events), begins_(script.begins), roster_(roster) {
     for (std::size_t i = 0; i < events_.size(); ++i) check_numbers(i);
     check_stages();
     check_cycles();
@@ -75,7 +76,8 @@ class Examination {
     if (!at_least_zero(when->hysteresis)) fault(i, "hysteresis = {}, expected >= 0", when->hysteresis);
     if (!at_least_zero(when->dwell)) fault(i, "dwell = {}, expected >= 0 s", when->dwell);
     if (!std::isfinite(when->threshold)) fault(i, "a threshold of {}, expected a number", when->threshold);
-    const bool positive = !std::holds_alternative<ExcessOf>(when->measure);
+    const bool positive = !std::holds_alternative<ExcessOf>(when->measure) &&
+                          !std::holds_alternative<NearerThan>(when->measure);
     if (positive && when->side == Condition::Side::below && when->threshold <= 0) {
       fault(i, "below = {}, expected > 0: a distance, an angle or an age never is below", when->threshold);
     }
@@ -90,7 +92,7 @@ class Examination {
   }
 
   void check_stages() {
-    std::set<std::string, std::less<>> entered = {std::string(first_stage)}, armed;
+    std::set<std::string, std::less<>> entered(begins_.begin(), begins_.end());
     for (const TeamEvent& event : events_) entered.insert(event.enter);
     for (std::size_t i = 0; i < events_.size(); ++i) {
       const TeamEvent& event = events_[i];
@@ -153,7 +155,8 @@ class Examination {
     std::set<std::string> unforeseen;
     const Subject subject{roster_.all()};
     for (std::size_t i = 0; i < events_.size(); ++i) {
-      const bool at_once = events_[i].stage.empty() || events_[i].stage == first_stage;
+      const bool at_once =
+          events_[i].stage.empty() || std::count(begins_.begin(), begins_.end(), events_[i].stage) > 0;
       if (const auto* at = std::get_if<AtTime>(&events_[i].trigger); at != nullptr && at_once) {
         fixed.push_back({at->t, i});
       } else {
@@ -163,11 +166,11 @@ class Examination {
     std::stable_sort(fixed.begin(), fixed.end(), [](const Fixed& a, const Fixed& b) { return a.t < b.t; });
     Roster trial = roster_;
     std::map<std::string, Fixed> last;
-    std::map<double, std::size_t> entering;
+    std::map<std::pair<double, std::string_view>, std::size_t> entering;
     for (const Fixed& it : fixed) {
       const TeamEvent& event = events_[it.event];
       if (!event.enter.empty()) {
-        const auto [other, first] = entering.emplace(it.t, it.event);
+        const auto [other, first] = entering.emplace(std::pair(it.t, region_of(event.enter)), it.event);
         if (!first && events_[other->second].enter != event.enter) {
           fault(it.event, "at = {}: enter = \"{}\", and at the same time \"{}\", expected one stage", it.t,
                 event.enter, events_[other->second].enter);
@@ -201,11 +204,17 @@ class Examination {
   }
 
   const std::vector<TeamEvent>& events_;
+  const std::vector<std::string>& begins_;
   const Roster& roster_;
   std::vector<ScriptFault> faults_;
 };
 
 }  // namespace
+
+std::string_view region_of(std::string_view stage) {
+  const std::size_t colon = stage.find(':');
+  return colon == std::string_view::npos ? std::string_view() : stage.substr(0, colon);
+}
 
 double ramp_of(const TeamEvent& event) {
   constexpr double of_an_observer = 1.0;

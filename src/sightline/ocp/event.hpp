@@ -3,7 +3,7 @@
 ///
 /// Bodies are those of one Team that has all there will ever be. A run is in one stage at a time; it begins in
 /// "start". An event is armed in its stage only, or in all; once it has happened it is over until its stage is
-/// entered anew, unless it repeats.
+/// entered anew, unless it repeats. Stages "x:a", "x:b" are of their own, beside those of other x and of none.
 #pragma once
 
 #include <optional>
@@ -53,7 +53,11 @@ struct ExcessOf {
 struct AgeOf {
   BodyId body;
 };
-using Measure = std::variant<DistanceOf, ViewAngleOf, ExcessOf, AgeOf>;
+/// How much nearer than a, in its stead, b is to a target [m]; infinite where a is not there.
+struct NearerThan {
+  BodyId a, b, target;
+};
+using Measure = std::variant<DistanceOf, ViewAngleOf, ExcessOf, AgeOf, NearerThan>;
 
 /// The measure is beyond the threshold, and has been for `dwell`. It ends to hold where it comes back by more than
 /// `hysteresis`.
@@ -134,8 +138,12 @@ struct TeamEvent {
 /// else 0.
 double ramp_of(const TeamEvent& event);
 
+/// "x" of a stage "x:a"; empty for one without.
+std::string_view region_of(std::string_view stage);
+
 struct Script {
-  std::vector<TeamEvent> events;
+  std::vector<TeamEvent> events{};
+  std::vector<std::string> begins = {std::string(first_stage)};  ///< the first stage of each region
   bool empty() const { return events.empty(); }
 };
 

@@ -63,6 +63,43 @@ void couple(Team& team, const TermsOf& terms_of, std::span<const Between> pairs,
   }
 }
 
+void relay(Team& team, Script& script, const TermsOf& terms_of, const std::vector<AgentId>& observers,
+           BodyId target, const RelayOptions& options) {
+  if (options.name.empty()) throw std::invalid_argument("a relay has no name, expected one for its stages");
+  std::vector<BodyId> all(observers.begin(), observers.end());
+  all.push_back(target);
+  check_once("relay", all);
+  const auto stage_of = [&](AgentId robot) { return fmt::format("{}:{}", options.name, team.name(robot)); };
+  const auto couplings_of = [&](AgentId robot) {
+    std::vector<Coupling> couplings;
+    for (const Weighted& term : terms_of({robot, target})) {
+      couplings.push_back({.term = term,
+                           .between = {robot, target},
+                           .felt_by = {robot},
+                           .name = fmt::format("{} {}", stage_of(robot), couplings.size())});
+    }
+    return couplings;
+  };
+  script.begins.push_back(stage_of(observers.front()));
+  for (Coupling& coupling : couplings_of(observers.front())) team.couple(std::move(coupling));
+  for (const AgentId on_duty : observers) {
+    for (const AgentId next : observers) {
+      if (next == on_duty) continue;
+      TeamEvent event{
+          .name = fmt::format("{}: {} takes over from {}", options.name, team.name(next), team.name(on_duty)),
+          .trigger = Condition{.measure = NearerThan{on_duty, next, target},
+                               .threshold = options.margin,
+                               .dwell = options.dwell},
+          .stage = stage_of(on_duty),
+          .enter = stage_of(next),
+          .ramp = options.ramp};
+      for (Coupling& coupling : couplings_of(on_duty)) event.actions.push_back(RemoveTerm{coupling.name});
+      for (Coupling& coupling : couplings_of(next)) event.actions.push_back(AddCoupling{std::move(coupling)});
+      script.events.push_back(std::move(event));
+    }
+  }
+}
+
 void couple(Team& team, const std::vector<Weighted>& terms, std::span<const Between> pairs, FeltBy felt_by) {
   const TermsOf same = [&](Between) { return terms; };
   couple(team, same, pairs, felt_by);

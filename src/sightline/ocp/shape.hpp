@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/ocp/event.hpp"
 #include "sightline/ocp/team.hpp"
 
 namespace sightline {
@@ -39,5 +40,19 @@ using TermsOf = std::function<std::vector<Weighted>(Between)>;
 void couple(Team& team, const TermsOf& terms_of, std::span<const Between> pairs, FeltBy felt_by);
 /// The same with equal terms for all pairs.
 void couple(Team& team, const std::vector<Weighted>& terms, std::span<const Between> pairs, FeltBy felt_by);
+
+/// When another robot takes over in a relay.
+struct RelayOptions {
+  std::string name{};   ///< of the relay, its couplings, stages and events
+  double margin = 0.3;  ///< it has to be nearer by so much [m], >= 0
+  double dwell = 1.0;   ///< for so long [s], > 0
+  double ramp = 1.0;    ///< of the weights [s], >= 0
+};
+
+/// The nearest of several robots observes a target, and feels the terms: the first of them at first. Each takes over from
+/// each by an event, in stages "<name>:<robot>".
+/// @throws std::invalid_argument where a name is empty or taken, or as couple()
+void relay(Team& team, Script& script, const TermsOf& terms_of, const std::vector<AgentId>& observers,
+           BodyId target, const RelayOptions& options);
 
 }  // namespace sightline

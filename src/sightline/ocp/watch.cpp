@@ -34,6 +34,12 @@ struct Value {
     if (!is_there(of.a) || !is_there(of.b)) return none();
     return of.potential.violation(sight(of.a), sight(of.b), view.t);
   }
+  double operator()(const NearerThan& of) const {
+    if (!is_there(of.b) || !is_there(of.target)) return none();
+    if (!is_there(of.a)) return std::numeric_limits<double>::infinity();
+    const Vec3<double> target = sight(of.target).p;
+    return norm(sight(of.a).p - target) - norm(sight(of.b).p - target);
+  }
   double operator()(const AgeOf& of) const {
     if (!is_there(of.body)) return none();
     return view.ages.empty() ? 0.0 : view.ages[static_cast<std::size_t>(of.body.index)];
@@ -43,11 +49,12 @@ struct Value {
 }  // namespace
 
 Watch::Watch(const Script& script, const Team& all)
-    : script_(script),
-      all_(all),
-      stages_{""},
-      signals_(script.events.size()),
-      stage_(stage_of(std::string(first_stage))) {
+    : script_(script), all_(all), signals_(script.events.size()) {
+  (void)stage_of("");
+  for (const std::string& first : script_.begins) {
+    const std::size_t stage = stage_of(first);
+    region_of_stage(stage).stage = stage;
+  }
   for (const TeamEvent& event : script_.events) {
     State& state = states_.emplace_back();
     state.stage = stage_of(event.stage);
@@ -60,7 +67,19 @@ std::size_t Watch::stage_of(const std::string& name) {
   const auto found = std::find(stages_.begin(), stages_.end(), name);
   if (found != stages_.end()) return static_cast<std::size_t>(found - stages_.begin());
   stages_.push_back(name);
+  const std::string_view region = region_of(name);
+  const auto known =
+      std::find_if(regions_.begin(), regions_.end(), [&](const Region& r) { return r.name == region; });
+  stage_regions_.push_back(static_cast<std::size_t>(known - regions_.begin()));
+  if (known == regions_.end()) regions_.push_back({.name = std::string(region)});
   return stages_.size() - 1;
+}
+
+std::string_view Watch::stage(std::string_view region) const noexcept {
+  for (const Region& r : regions_) {
+    if (r.name == region) return stages_[r.stage];
+  }
+  return {};
 }
 
 std::span<const std::size_t> Watch::look(const View& view) noexcept {
@@ -68,7 +87,7 @@ std::span<const std::size_t> Watch::look(const View& view) noexcept {
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const State& state = states_[i];
     const bool signalled = signals_[i].exchange(false, std::memory_order_acquire);
-    if (state.over || (state.stage != 0 && state.stage != stage_)) continue;
+    if (state.over || (state.stage != 0 && state.stage != region_of_stage(state.stage).stage)) continue;
     if (std::holds_alternative<Signal>(script_.events[i].trigger) ? signalled : happens(i, view)) {
       happening_.push_back(i);
     }
@@ -76,9 +95,10 @@ std::span<const std::size_t> Watch::look(const View& view) noexcept {
   for (const std::size_t i : happening_) {
     states_[i].over = !script_.events[i].repeat;
     const std::size_t next = states_[i].enter;
-    if (next == 0 || next == stage_) continue;
-    stage_ = next;
-    stage_began_ = view.t;
+    Region& region = region_of_stage(next);
+    if (next == 0 || next == region.stage) continue;
+    region.stage = next;
+    region.began = view.t;
     for (State& state : states_) {
       if (state.stage == next) state.over = state.holds = state.told = false;
     }
@@ -91,7 +111,7 @@ bool Watch::happens(std::size_t event, const View& view) noexcept {
   State& state = states_[event];
   if (const auto* at = std::get_if<AtTime>(&trigger)) return view.t >= at->t - same_time;
   if (const auto* after = std::get_if<AfterTime>(&trigger)) {
-    const double began = state.stage == 0 ? 0.0 : stage_began_;
+    const double began = state.stage == 0 ? 0.0 : region_of_stage(state.stage).began;
     return view.t - began >= after->delay - same_time;
   }
   const auto* when = std::get_if<Condition>(&trigger);

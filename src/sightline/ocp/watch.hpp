@@ -34,7 +34,8 @@ class Watch {
   /// @return whether an event of the script has this signal
   bool signal(std::string_view name) noexcept;
 
-  std::string_view stage() const noexcept { return stages_[stage_]; }
+  /// The present stage of a region; empty where the script has none of it.
+  std::string_view stage(std::string_view region = {}) const noexcept;
 
  private:
   struct State {
@@ -45,7 +46,15 @@ class Watch {
     double since = 0.0;  // when it came to hold [s]
   };
 
+  /// The present stage of those that exclude each other.
+  struct Region {
+    std::string name;
+    std::size_t stage = 0;
+    double began = 0.0;  // [s]
+  };
+
   std::size_t stage_of(const std::string& name);
+  Region& region_of_stage(std::size_t stage) noexcept { return regions_[stage_regions_[stage]]; }
   bool happens(std::size_t event, const View& view) noexcept;
   bool comes_about(const Condition& when, State& state, const View& view) noexcept;
 
@@ -55,8 +64,8 @@ class Watch {
   std::vector<State> states_;
   std::deque<std::atomic<bool>> signals_;  // of each event
   std::vector<std::size_t> happening_;
-  std::size_t stage_;
-  double stage_began_ = 0.0;
+  std::vector<std::size_t> stage_regions_;  // of each stage
+  std::vector<Region> regions_;
 };
 
 }  // namespace sightline
