@@ -8,6 +8,7 @@
 #ifdef SIGHTLINE_BENCH
 #include "bench/barrier.hpp"
 #include "bench/bench.hpp"
+#include "bench/swarm.hpp"
 #endif
 
 namespace sightline::cli {
@@ -20,7 +21,7 @@ int bench(const BenchCommand& command) {
   try {
     solver = solver_named(command.solver);
     for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names())
-      if (!is_barrier_case(name)) cases.push_back(bench_case(name));
+      if (!is_barrier_case(name) && name != swarm_case_name) cases.push_back(bench_case(name));
   } catch (const std::invalid_argument& error) {
     fmt::print(stderr, "sightline bench: {}\n", error.what());
     return 2;
@@ -33,6 +34,10 @@ int bench(const BenchCommand& command) {
         run_barrier_bench(*command.name, {.allocations = allocations, .progress = [](int conflicts) {
                                             fmt::print(stderr, "{} of 500 conflicts\n", conflicts);
                                           }}));
+  }
+  if (command.name == swarm_case_name) {
+    rows = run_swarm_bench({.allocations = allocations,
+                            .progress = [](int pairs) { fmt::print(stderr, "{} pairs at most\n", pairs); }});
   }
   for (const BenchCase& what : cases) {
     fmt::print(stderr, "{}: ", what.name);

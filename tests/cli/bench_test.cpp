@@ -6,6 +6,7 @@
 #include "tests/support/command.hpp"
 #ifdef SIGHTLINE_BENCH
 #include "bench/bench.hpp"
+#include "bench/swarm.hpp"
 #include "bench/ipopt.hpp"
 #include "cli/allocations.hpp"
 #include "tests/support/paper_team.hpp"
@@ -87,6 +88,20 @@ TEST(Bench, EveryCaseFliesNearTheOptimumOfIpopt) {
     EXPECT_EQ(row.ipopt_failed, 0) << name;
     EXPECT_LE(row.ipopt_difference, 1e-6) << name;
     EXPECT_LE(row.input_error_transient, 5e-3) << name;
+  }
+}
+
+TEST(Bench, TheSwarmIsTimedWhereManyPairsAreNear) {
+  int pairs = 0;
+  const std::vector<BenchRow> rows =
+      run_swarm_bench({.allocations = cli::allocations, .progress = [&](int most) { pairs = most; }});
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_GE(pairs, 90);
+  for (const BenchRow& row : rows) {
+    EXPECT_EQ(row.agents, 32);
+    EXPECT_EQ(row.allocations, 0);
+    EXPECT_LE(row.median_us, row.p99_us);
+    EXPECT_LE(row.p99_us, row.max_us);
   }
 }
 

@@ -139,9 +139,9 @@ TEST(ScenarioParts, each_parameter_of_a_slope_sets_its_field) {
   EXPECT_EQ(std::tie(n->d_min, n->kappa), std::make_tuple(2.0, 5.0));
 
   const Weighted pass = potential("potential = { pass_right = { d_min = 2, delta = 0.5, kappa = 5 } }\n");
-  const auto* r = pass.potential.as<PassRight>();
-  ASSERT_NE(r, nullptr);
-  EXPECT_EQ(std::tie(r->d_min, r->delta, r->kappa), std::make_tuple(2.0, 0.5, 5.0));
+  const auto* right = pass.potential.as<PassRight>();
+  ASSERT_NE(right, nullptr);
+  EXPECT_EQ(std::tie(right->d_min, right->delta, right->kappa), std::make_tuple(2.0, 0.5, 5.0));
 
   const Weighted far = potential("potential = { too_far = { d_max = 3, kappa = 6 } }\n");
   const auto* f = far.potential.as<TooFar>();

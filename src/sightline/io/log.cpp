@@ -231,9 +231,17 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
   schemas_.state = json("sightline.State", {{"x", "numbers"}});
   schemas_.input = json("sightline.Input", {{"u", "numbers"}, {"raw", "numbers"}});
   schemas_.reference = json("sightline.Reference", {{"p", "numbers"}, {"d", "numbers"}});
+  constexpr std::string_view record = "sightline.Solver";
   schemas_.solver =
-      json("sightline.Solver",
-           {{"status", "string"}, {"residual", "number"}, {"iterations", "integer"}, {"cost", "number"}});
+      team_.swarms().empty()
+          ? json(
+                record,
+                {{"status", "string"}, {"residual", "number"}, {"iterations", "integer"}, {"cost", "number"}})
+          : json(record, {{"status", "string"},
+                          {"residual", "number"},
+                          {"iterations", "integer"},
+                          {"pairs", "integer"},
+                          {"cost", "number"}});
   schemas_.event =
       json("sightline.Event", {{"kind", "string"}, {"controller", "integer"}, {"value", "number"}});
 
@@ -375,7 +383,9 @@ void Log::Files::add_records(const Sample& sample) {
     begin_text(sample.time);
     fmt::format_to(std::back_inserter(text_), ",\"status\":\"{}\",\"residual\":", to_string(record.status));
     put(text_, record.residual);
-    fmt::format_to(std::back_inserter(text_), ",\"iterations\":{},\"cost\":", record.iterations);
+    fmt::format_to(std::back_inserter(text_), ",\"iterations\":{},", record.iterations);
+    if (!team_.swarms().empty()) fmt::format_to(std::back_inserter(text_), "\"pairs\":{},", record.pairs);
+    text_ += "\"cost\":";
     put(text_, cost);
     send_text(solvers_[c], sample.time);
   }

@@ -24,7 +24,8 @@ namespace sightline {
 ///                   /AGENT/reference           {time, p, d}, each 0.1 s; without p or d where that is free
 ///                   /AGENT/barrier             {time, active, conflict, reserve}, where there is a barrier
 ///                   /solver                    {time, status, residual, iterations, cost}; of several
-///                                              controllers /controller0/solver, ...
+///                                              controllers /controller0/solver, ...; with pairs where robots
+///                                              are kept apart
 ///                   /events                    {time, kind, controller, value}
 ///                 and the words "sightline": scenario, version, compiler, seed, solver, the team.
 ///   timing.csv    measured times [us], allocations and missed periods; a row for each period

@@ -137,6 +137,7 @@ class Rows {
       c.status.resize(rows);
       c.residual.resize(rows);
       c.iterations.resize(rows);
+      if (!c.pairs.empty()) c.pairs.resize(rows);
     }
   }
 
@@ -189,6 +190,7 @@ class Rows {
     controller.status.push_back(values.at("status"));
     controller.residual.push_back(number(values.at("residual")));
     controller.iterations.push_back(values.at("iterations"));
+    if (values.contains("pairs")) controller.pairs.push_back(number(values["pairs"]));
     if (index == 0) run_.cost.push_back(number(values.at("cost")));
   }
   void event(const McapMessage& message) {

@@ -54,6 +54,7 @@ struct Recording {
     std::vector<std::string> status;  ///< one a period
     std::vector<double> residual;
     std::vector<int> iterations;
+    std::vector<double> pairs;  ///< that were kept apart, one a period; empty where there is no keep_apart
   };
 
   /// Another solver's flight of the same scenario, in a folder of its own within the run's.

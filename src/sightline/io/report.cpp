@@ -21,6 +21,7 @@
 #include "sightline/io/page.hpp"
 #include "sightline/io/safety_figure.hpp"
 #include "sightline/io/summary.hpp"
+#include "sightline/io/swarm_figure.hpp"
 
 namespace sightline {
 namespace {
@@ -341,6 +342,7 @@ std::vector<Drawing> drawings_of(const Recording& recording) {
   std::vector<Drawing> drawings;
   for (const Recording::Pair& pair : recording.pairs) add_pair(recording, curves, pair, drawings);
   if (auto safety = safety_drawing(recording)) drawings.push_back(std::move(*safety));
+  if (auto swarm = swarm_drawing(recording)) drawings.push_back(std::move(*swarm));
   add_paths(recording, curves, drawings);
   for (const auto& group : groups_of(Drawing::colours, all)) {
     add_positions(recording, curves, group, all.size(), drawings);
