@@ -6,8 +6,8 @@
 #include "tests/support/command.hpp"
 #ifdef SIGHTLINE_BENCH
 #include "bench/bench.hpp"
-#include "bench/swarm.hpp"
 #include "bench/ipopt.hpp"
+#include "bench/swarm.hpp"
 #include "cli/allocations.hpp"
 #include "tests/support/paper_team.hpp"
 #endif

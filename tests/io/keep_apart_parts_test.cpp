@@ -66,7 +66,7 @@ TEST(KeepApartParts, WhatIsWrongIsRefusedWithItsPlace) {
               testing::HasSubstr("at the radius of 1.2 m"));
   EXPECT_THAT(refusal("agents = \"all\"\npairs_max = 0\n" + rest), testing::HasSubstr("pairs_max = 0"));
   EXPECT_THAT(refusal("agents = \"all\"\nroom = 1\n" + rest), testing::HasSubstr("room"));
-  EXPECT_THAT(refusal("agents = \"all\"\npotential = { bearing = {} }"),
+  EXPECT_THAT(refusal("agents = \"all\"\npotential = { relative_velocity = {} }"),
               testing::HasSubstr("depends on more than"));
 }
 
