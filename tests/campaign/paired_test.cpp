@@ -76,6 +76,7 @@ TEST(Pairing, ComparesRunByRunWhereBothRecovered) {
   const Pairing p = pair_runs(a, b, "energy");
   EXPECT_EQ(p.runs, 30 - 7);
   EXPECT_EQ(p.less, 0);
+  EXPECT_EQ(p.more, p.runs);
   EXPECT_EQ(p.ratio.low, 2.0);
   EXPECT_EQ(p.ratio.median, 2.0);
   EXPECT_EQ(p.difference.median, 26.0);
@@ -98,6 +99,8 @@ TEST(Pairing, LinesTellAllRobotsAndEach) {
   EXPECT_THAT(lines[0].value, HasSubstr("less in 30 of 30 runs that both recovered"));
   EXPECT_EQ(lines[1].what, "uav0.energy");
   EXPECT_EQ(energy_lines(a, a)[0].value, "the same in 30 runs that both recovered");
+  const CampaignTable again = table_of(folder, "again", 30, [](int i) { return (1.0 + i) * (1 + 1e-15); });
+  EXPECT_EQ(energy_lines(a, again)[0].value, "the same in 30 runs that both recovered") << "but for rounding";
   const CampaignTable none = table_of(folder, "none", 30, [](int) { return std::nan(""); });
   EXPECT_EQ(energy_lines(a, none)[0].value, "no run that both recovered");
 }

@@ -13,6 +13,8 @@
 namespace sightline {
 namespace {
 
+constexpr double rounding = 1e-9;  // what differs by less is the same, in another order of sums
+
 /// P(X < k), X binomial of n trials and 1/2.
 double fewer_than(std::size_t k, std::size_t n) {
   return k == 0 ? 0.0 : incomplete_beta(static_cast<double>(n - k + 1), static_cast<double>(k), 0.5);
@@ -32,8 +34,7 @@ std::map<std::int64_t, double> recovered(const CampaignTable& table, std::string
 
 std::string words(const Pairing& p) {
   if (p.runs == 0) return "no run that both recovered";
-  if (p.difference.low == 0 && p.difference.high == 0 && p.less == 0)
-    return fmt::format("the same in {} runs that both recovered", p.runs);
+  if (p.less == 0 && p.more == 0) return fmt::format("the same in {} runs that both recovered", p.runs);
   return fmt::format(
       "{:.3f} of it in the median (95 %: {:.3f} to {:.3f}), difference {:+.3g} s ({:+.3g} to {:+.3g} s), "
       "less in {} "
@@ -65,7 +66,9 @@ Pairing pair_runs(const CampaignTable& a, const CampaignTable& b, std::string_vi
     const auto other = of_b.find(index);
     if (other == of_b.end()) continue;
     ++pairing.runs;
-    pairing.less += other->second < value;
+    const double slack = rounding * std::abs(value);
+    pairing.less += other->second < value - slack;
+    pairing.more += other->second > value + slack;
     differences.push_back(other->second - value);
     if (value > 0) ratios.push_back(other->second / value);
   }

@@ -23,7 +23,8 @@ MedianBounds median_bounds(std::vector<double> values, double confidence = 0.95)
 /// Of a column, b compared with a, in the runs that both recovered.
 struct Pairing {
   std::int64_t runs = 0;    ///< that both recovered; below, nothing of none
-  std::int64_t less = 0;    ///< in which b has less
+  std::int64_t less = 0;    ///< in which b has less, beyond rounding
+  std::int64_t more = 0;    ///< in which b has more
   MedianBounds difference;  ///< b - a
   MedianBounds ratio;       ///< b / a, where a > 0
 };
