@@ -102,13 +102,14 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
   std::vector<std::vector<Sweep>> sweeps;
   PartitionedSolver still(ocp(), choice_.parts,
                           {.order = choice_.order, .exchanges = 1, .solver = {.max_newton_steps = 1}});
+  NewtonRiccati whole_team(ocp(), to_the_end());
   for (std::size_t i = 0; i < kept_; ++i) {
     const Moment& moment = moments_[i];
     const std::size_t nu = at(ocp().nu());
     still.restart();
     for (int k = 0; k < ocp().horizon().N; ++k)
       still.set_plan(k, std::span(moment.plan).subspan(at(k) * nu, nu));
-    std::vector<Sweep> of_moment = sweep(still, moment.time, moment.states, rounds);
+    std::vector<Sweep> of_moment = sweep(still, whole_team, moment.time, moment.states, rounds);
     if (!of_moment.empty()) sweeps.push_back(std::move(of_moment));
   }
 

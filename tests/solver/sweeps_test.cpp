@@ -31,7 +31,8 @@ std::vector<Sweep> sweeps_of(paper::Variant variant, int parts, ExchangeOrder or
     whole.plan(0, u);  // a plan that is not the optimum
     solver.set_plan(k, u);
   }
-  return sweep(solver, 1.0, x, rounds);
+  NewtonRiccati optimum(team, horizon, to_the_end());
+  return sweep(solver, optimum, 1.0, x, rounds);
 }
 
 TEST(Sweeps, RoundByRoundPartsComeToTheOptimumOfTheWhole) {

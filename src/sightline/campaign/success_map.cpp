@@ -94,7 +94,7 @@ std::string to_svg(const SuccessMap& map, const std::string& title) {
   for (int ring = 2; ring <= map.rings; ring += 2) {
     svg += fmt::format(
         "<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"#fff\" stroke=\"#000\" stroke-width=\"2.5\" "
-        "stroke-opacity=\"0.6\" paint-order=\"stroke\">{:g} m</text>\n",
+        "stroke-opacity=\"0.6\" paint-order=\"stroke\">{:.3g} m</text>\n",
         middle + 4, middle - radius * ring / map.rings + 13, map.range_max * ring / map.rings);
   }
   svg += fmt::format(

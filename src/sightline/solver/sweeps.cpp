@@ -46,12 +46,15 @@ double horizon_cost(const Ocp& ocp, double time, std::span<const double> states,
   return cost;
 }
 
-std::vector<Sweep> sweep(PartitionedSolver& solver, double time, std::span<const double> states, int rounds) {
+NewtonRiccatiOptions to_the_end() {
+  return {.max_newton_steps = 20, .tolerance = stationary, .max_krylov = 60, .krylov_stop = 1e-10};
+}
+
+std::vector<Sweep> sweep(PartitionedSolver& solver, NewtonRiccati& whole, double time,
+                         std::span<const double> states, int rounds) {
   constexpr int attempts = 20;
   const Ocp& ocp = solver.ocp();
   const std::size_t nu = at(ocp.nu());
-  NewtonRiccati whole(ocp,
-                      {.max_newton_steps = 20, .tolerance = stationary, .max_krylov = 200, .krylov_stop = 0});
   const std::vector<double> first = plan_of(solver);
   for (int k = 0; k < ocp.horizon().N; ++k) whole.set_plan(k, std::span(first).subspan(at(k) * nu, nu));
   for (int i = 0; i < attempts && whole.kkt(time, states) > stationary; ++i) (void)whole.solve(time, states);

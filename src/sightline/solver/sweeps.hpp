@@ -19,9 +19,14 @@ struct Sweep {
 /// @param u  [stage][input], N x nu
 double horizon_cost(const Ocp& ocp, double time, std::span<const double> states, std::span<const double> u);
 
+/// Options with which a solver goes to the stationary point of the whole team, whatever it takes.
+NewtonRiccatiOptions to_the_end();
+
 /// Round after round at these states. The solver begins from its plan, of which all have told, and is left with the
-/// plan of the last round. u* is the stationary point that a solver of the whole team finds from the same plan.
+/// plan of the last round. u* is the stationary point that `whole`, of the same team and made `to_the_end()`, finds from
+/// the same plan.
 /// @return one entry a round; none where that finds no stationary point
-std::vector<Sweep> sweep(PartitionedSolver& solver, double time, std::span<const double> states, int rounds);
+std::vector<Sweep> sweep(PartitionedSolver& solver, NewtonRiccati& whole, double time,
+                         std::span<const double> states, int rounds);
 
 }  // namespace sightline
