@@ -22,6 +22,8 @@ d_hard = 1.2
                         "a.toml");
 }
 
+const std::vector<Presence> there = {Presence::steered, Presence::steered, Presence::hold};
+
 std::vector<Sight<double>> places(double a, double b, double o) {
   std::vector<Sight<double>> sights(3);
   sights[0].p.x = a, sights[1].p.x = b, sights[2].p.x = o;
@@ -31,9 +33,9 @@ std::vector<Sight<double>> places(double a, double b, double o) {
 TEST(SafetySummary, KeepsTheLeastOfEachHardDistanceAndItsTime) {
   SafetySummary summary(scenario("[safety]\nbarrier = \"on\"\nd_hard = 0.5\n"));
   const std::vector<BarrierRecord> idle(2);
-  summary.add(0.0, places(0, 3, 9), idle);
-  summary.add(0.1, places(0, 0.6, 9), idle);
-  summary.add(0.2, places(0, 4, 5.1), idle);
+  summary.add(0.0, places(0, 3, 9), there, idle);
+  summary.add(0.1, places(0, 0.6, 9), there, idle);
+  summary.add(0.2, places(0, 4, 5.1), there, idle);
   EXPECT_EQ(summary.pairs().size(), 3U);
   const std::vector<std::string> broken = summary.broken();
   ASSERT_EQ(broken.size(), 1U);
@@ -50,9 +52,18 @@ TEST(SafetySummary, KeepsTheLeastOfEachHardDistanceAndItsTime) {
 
 TEST(SafetySummary, ADistanceThatIsJustReachedIsKept) {
   SafetySummary summary(scenario("[safety]\nd_hard = 0.5\n"));
-  summary.add(0.0, places(0, 0.5, 9), {});
+  summary.add(0.0, places(0, 0.5, 9), there, {});
   EXPECT_TRUE(summary.broken().empty());
-  summary.add(0.0, places(0, 0.4999999, 9), {});
+  summary.add(0.0, places(0, 0.4999999, 9), there, {});
+  EXPECT_EQ(summary.broken().size(), 1U);
+}
+
+TEST(SafetySummary, ABodyThatIsNotThereComesNearNobody) {
+  SafetySummary summary(scenario("[safety]\nd_hard = 0.5\n"));
+  const std::vector<Presence> alone = {Presence::steered, Presence::absent, Presence::absent};
+  summary.add(0.0, places(0, 0.1, 0.2), alone, {});
+  EXPECT_TRUE(summary.broken().empty());
+  summary.add(0.1, places(0, 0.1, 9), there, {});
   EXPECT_EQ(summary.broken().size(), 1U);
 }
 
@@ -62,7 +73,7 @@ TEST(SafetySummary, TellsHowOftenTheBarrierActed) {
     std::vector<BarrierRecord> records(2);
     for (int k = 0; k < 8; ++k) {
       records[1] = {.active = k < 2, .conflict = k < 1};
-      summary.add(0.1 * k, places(0, 3, 9), records);
+      summary.add(0.1 * k, places(0, 3, 9), there, records);
     }
     const auto lines = safety_lines(summary.json());
     ASSERT_EQ(lines.size(), 5U);
