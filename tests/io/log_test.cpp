@@ -58,6 +58,7 @@ Sample sized(const Scenario& scenario) {
   sample.solvers.resize(1);
   sample.path.resize(stages * sample.x.size());
   sample.path_step = 0.05;
+  sample.presence.assign(static_cast<std::size_t>(scenario.team.bodies()), Presence::steered);
   return sample;
 }
 
