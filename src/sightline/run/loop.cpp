@@ -38,6 +38,15 @@ const LoopOptions& checked(const LoopOptions& o, const Controllers& controllers)
   return o;
 }
 
+/// Presence where all bodies of a team are there.
+std::vector<Presence> everybody(const Team& team) {
+  std::vector<Presence> presence;
+  for (int i = 0; i < team.bodies(); ++i) {
+    presence.push_back(team.is_agent(BodyId{i}) ? Presence::steered : Presence::hold);
+  }
+  return presence;
+}
+
 }  // namespace
 
 Sample sized_sample(const Team& plant, const Controllers& controllers) {
@@ -50,7 +59,7 @@ Sample sized_sample(const Team& plant, const Controllers& controllers) {
   sample.raw_u.resize(nu);
   sample.solvers.resize(controllers.size());
   sample.barriers.resize(plant.agents().size());
-  sample.presence.resize(size(plant.bodies()));
+  sample.presence = everybody(plant);
   sample.path.resize(size(horizon.N + 1) * nx);
   sample.path_step = horizon.h();
   return sample;
@@ -63,6 +72,7 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
       clock_(clock),
       sink_(sink),
       options_(checked(options, controllers)),
+      presence_(everybody(plant.team())),
       u_(size(plant.team().nu())),
       u_min_(u_.size()),
       u_max_(u_.size()),
@@ -70,9 +80,6 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
       plan_ages_(planned_at_.size()),
       spare_(sized_sample(plant.team(), controllers)) {
   for (const LatePlan& late : options_.late_plans) late.check();
-  for (int i = 0; i < plant.team().bodies(); ++i) {
-    presence_.push_back(plant.team().is_agent(BodyId{i}) ? Presence::steered : Presence::hold);
-  }
   std::stable_sort(options_.signals.begin(), options_.signals.end(),
                    [](const TimedSignal& a, const TimedSignal& b) { return a.at < b.at; });
   for (Solver& solver : controllers) {
