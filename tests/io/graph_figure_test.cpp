@@ -66,6 +66,15 @@ TEST(GraphFigures, say_the_kind_of_influence_that_the_solver_sees) {
   EXPECT_THAT(graph_figures(chain_of(8, false)).at(1).caption, HasSubstr("a cascade of depth 7"));
 }
 
+TEST(GraphFigures, any_two_robots_of_a_swarm_influence_each_other) {
+  Recording r = robots(5);
+  r.swarms = {{0, 2, 3, 4}};
+  EXPECT_EQ(count(graph_figures(r).at(0).svg, "<path d=\"M"), 6 + 2) << "lines, and the heads' own";
+  EXPECT_THAT(influence_words(r), HasSubstr("mutual"));
+  r.couplings.push_back({1, 0, true, false});
+  EXPECT_THAT(influence_words(r), HasSubstr("cyclic"));
+}
+
 TEST(GraphFigures, an_obstacle_is_there_if_a_robot_feels_it_and_robots_always_are) {
   Recording r = robots(3);
   for (const char* name : {"rock", "tree"}) r.bodies.emplace_back().name = name;

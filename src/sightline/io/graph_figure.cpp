@@ -126,8 +126,15 @@ std::string picture(const Recording& r, const std::set<Lean>& leans, std::string
   return svg + "</svg>";
 }
 
-bool is_drawn(const Recording& r, const std::set<Lean>& leans) {
-  return !leans.empty() && shown_bodies(r, leans).size() <= graph_bodies_max;
+/// The couplings, and any two robots of a swarm as if they were near.
+std::vector<Recording::Coupled> all_coupled(const Recording& r) {
+  std::vector<Recording::Coupled> all = r.couplings;
+  for (const std::vector<std::size_t>& robots : r.swarms) {
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) all.push_back({robots[i], robots[j], true, true});
+    }
+  }
+  return all;
 }
 
 }  // namespace
@@ -139,7 +146,7 @@ std::string influence_words(const Recording& recording) {
     if (recording.bodies[i].is_agent) agent[i] = agents++;
   }
   std::vector<BodyPotential> couplings;
-  for (const Recording::Coupled& c : recording.couplings) {
+  for (const Recording::Coupled& c : all_coupled(recording)) {
     BodyPotential& entry = couplings.emplace_back();
     entry.a = agent[c.first];
     entry.b = agent[c.second];
@@ -161,21 +168,22 @@ std::string influence_words(const Recording& recording) {
 }
 
 std::vector<Figure> graph_figures(const Recording& recording) {
+  if (recording.bodies.size() > graph_bodies_max) return {};
   std::set<Lean> observations, feelings;
   for (const Recording::Pair& pair : recording.pairs) observations.emplace(pair.observer, pair.target);
-  for (const Recording::Coupled& c : recording.couplings) {
+  for (const Recording::Coupled& c : all_coupled(recording)) {
     if (c.first_feels) feelings.emplace(c.first, c.second);
     if (c.second_feels) feelings.emplace(c.second, c.first);
   }
   const std::string when = recording.script.empty() ? "" : " All of the run, whatever its events change.";
   const std::string heads = is_dense(feelings) ? " Without heads: both ways." : "";
   std::vector<Figure> figures;
-  if (is_drawn(recording, observations)) {
+  if (!observations.empty()) {
     figures.push_back({"Who observes whom",
                        fmt::format("Arrows: from an observer to what its sensor is kept on.{}", when),
                        picture(recording, observations, "observes", true)});
   }
-  if (is_drawn(recording, feelings)) {
+  if (!feelings.empty()) {
     figures.push_back({"Who influences whom",
                        fmt::format("Arrows: from a body to a robot that feels it; the influence is {}.{}{}",
                                    influence_words(recording), heads, when),

@@ -59,6 +59,13 @@ void read_team(const json& team, Recording& run) {
     }
     run.pairs.push_back(pair);
   }
+  for (const json& entry : team.value("swarms", json::array())) {
+    const auto& robots = run.swarms.emplace_back(entry.get<std::vector<std::size_t>>());
+    for (const std::size_t robot : robots) {
+      if (robot >= run.bodies.size())
+        refuse("a swarm names body {}, expected one of {}", robot, run.bodies.size());
+    }
+  }
   for (const json& entry : team.value("couplings", json::array())) {
     const Recording::Coupled coupled{entry.at("between").at(0), entry.at("between").at(1),
                                      entry.at("felt").at(0), entry.at("felt").at(1)};

@@ -72,6 +72,7 @@ struct Recording {
   std::vector<Body> bodies;
   std::vector<Pair> pairs;
   std::vector<Coupled> couplings;
+  std::vector<std::vector<std::size_t>> swarms;  ///< of each the robots, in `bodies`, that feel those near by
   std::vector<Controller> controllers;
   std::vector<Event> events;
   std::vector<std::string> script;      ///< names of the scenario's [[event]]s

@@ -29,8 +29,8 @@ class Reader {
   Reader(const TomlDocument& document, Scenario& scenario) : root_(document), scenario_(scenario) {}
 
   void read() {
-    root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart", "constrain",
-                       "event", "simulation", "safety", "log", "campaign"});
+    root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart",
+                       "constrain", "event", "simulation", "safety", "log", "campaign"});
     read_horizon();
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
     read_simulation();

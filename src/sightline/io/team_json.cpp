@@ -31,7 +31,10 @@ Json couplings_json(const std::vector<Coupling>& couplings) {
 
 std::string team_json(const Scenario& scenario) {
   const Team& team = scenario.team;
-  Json json = {{"bodies", Json::array()}, {"pairs", Json::array()}, {"events", Json::array()}};
+  Json json = {{"bodies", Json::array()},
+               {"pairs", Json::array()},
+               {"swarms", Json::array()},
+               {"events", Json::array()}};
   for (int i = 0; i < team.bodies(); ++i) {
     const BodyId body{i};
     Json entry = {{"name", team.name(body)},
@@ -55,6 +58,10 @@ std::string team_json(const Scenario& scenario) {
                              {"alpha", pair.alpha},
                              {"d_min", pair.d_min},
                              {"d_max", pair.d_max}});
+  }
+  for (const Swarm& swarm : team.swarms()) {
+    Json& robots = json["swarms"].emplace_back(Json::array());
+    for (const AgentId agent : swarm.agents) robots.push_back(agent.index);
   }
   for (const TeamEvent& event : scenario.script.events) json["events"].push_back(event.name);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
