@@ -155,5 +155,29 @@ TEST(ShapeParts, a_potential_of_a_list_is_refused_where_it_stands) {
             "a.toml:37: shape[0].potentials[1].keep_out.d_min = -1, expected > 0 m");
 }
 
+TEST(ShapeParts, the_nearest_observes_by_events_of_its_own) {
+  const std::string nearest = fmt::format(
+      "[[shape]]\nname = \"rover\"\nnearest = {{ target = \"r0\", observers = [\"r1\", \"r2\", \"r3\"], "
+      "margin = "
+      "0.2, dwell = 0.5, ramp = 0.8 }}\npotentials = [ {{ {}, weight = 0.4 }}, {{ {}, weight = 1.5 }} ]\n",
+      cone, near);
+  const Scenario s = parsed(scene() + nearest);
+  EXPECT_EQ(s.team.couplings().size(), 2U);
+  ASSERT_EQ(s.script.events.size(), 6U);
+  for (const TeamEvent& event : s.script.events) {
+    EXPECT_EQ(event.ramp, 0.8);
+    const auto& when = std::get<Condition>(event.trigger);
+    EXPECT_EQ(when.threshold, 0.2);
+    EXPECT_EQ(when.dwell, 0.5);
+  }
+  EXPECT_TRUE(changes_in_flight(s));
+  EXPECT_EQ(
+      refusal(nearest + nearest).find("a.toml:41: shape[1].name = \"rover\", expected a name of its own"), 0U)
+      << refusal(nearest + nearest);
+  EXPECT_EQ(refusal("[[shape]]\nnearest = { target = \"r0\", observers = [\"r1\", \"r0\"] }\n"
+                    "potential = { keep_out = {} }\n"),
+            "a.toml:35: shape[0].nearest.observers[1] = \"r0\", expected a robot other than the target");
+}
+
 }  // namespace
 }  // namespace sightline
