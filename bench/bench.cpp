@@ -150,6 +150,15 @@ BenchRow run_bench(const BenchCase& what, SolverChoice choice, const BenchOption
   return row;
 }
 
+BenchRow row_of(std::string_view name, int agents, std::vector<double> us) {
+  BenchRow row{.name = std::string(name), .solver = "newton_riccati", .agents = agents};
+  std::sort(us.begin(), us.end());
+  row.median_us = us[us.size() / 2];
+  row.p99_us = us[us.size() * 99 / 100];
+  row.max_us = us.back();
+  return row;
+}
+
 std::string bench_json(const std::vector<BenchRow>& rows) {
   nlohmann::ordered_json json = {
       {"machine", machine()}, {"compiler", compiler}, {"cases", nlohmann::json::array()}};

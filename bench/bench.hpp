@@ -36,6 +36,9 @@ struct BenchRow {
   int unconverged = 0;            ///< updates whose u* is not known to 1e-10
 };
 
+/// Median, 99th percentile and longest of measured times [us] of the solver newton_riccati.
+BenchRow row_of(std::string_view name, int agents, std::vector<double> us);
+
 /// Keeps the calling thread on the core it is on, so that no update pays for moving.
 void pin_to_core();
 

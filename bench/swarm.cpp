@@ -7,18 +7,6 @@
 #include "tests/support/swap_team.hpp"
 
 namespace sightline {
-namespace {
-
-BenchRow row_of(std::string_view name, std::vector<double> us) {
-  BenchRow row{.name = std::string(name), .solver = "newton_riccati", .agents = 32};
-  std::sort(us.begin(), us.end());
-  row.median_us = us[us.size() / 2];
-  row.p99_us = us[us.size() * 99 / 100];
-  row.max_us = us.back();
-  return row;
-}
-
-}  // namespace
 
 std::vector<BenchRow> run_swarm_bench(const BenchOptions& options) {
   constexpr int updates = 2600;
@@ -40,7 +28,7 @@ std::vector<BenchRow> run_swarm_bench(const BenchOptions& options) {
     advance(swap.team, x, s.u, bench_horizon.dt);
   }
   if (options.progress) options.progress(pairs);
-  std::vector<BenchRow> rows = {row_of(swarm_case_name, all), row_of("swarm_32_crossing", crossing)};
+  std::vector<BenchRow> rows = {row_of(swarm_case_name, 32, all), row_of("swarm_32_crossing", 32, crossing)};
   for (BenchRow& row : rows) row.allocations = allocations;
   return rows;
 }

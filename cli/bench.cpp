@@ -8,6 +8,7 @@
 #ifdef SIGHTLINE_BENCH
 #include "bench/barrier.hpp"
 #include "bench/bench.hpp"
+#include "bench/event.hpp"
 #include "bench/swarm.hpp"
 #endif
 
@@ -21,7 +22,8 @@ int bench(const BenchCommand& command) {
   try {
     solver = solver_named(command.solver);
     for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names())
-      if (!is_barrier_case(name) && name != swarm_case_name) cases.push_back(bench_case(name));
+      if (!is_barrier_case(name) && name != swarm_case_name && name != event_case_name)
+        cases.push_back(bench_case(name));
   } catch (const std::invalid_argument& error) {
     fmt::print(stderr, "sightline bench: {}\n", error.what());
     return 2;
@@ -38,6 +40,10 @@ int bench(const BenchCommand& command) {
   if (command.name == swarm_case_name) {
     rows = run_swarm_bench({.allocations = allocations,
                             .progress = [](int pairs) { fmt::print(stderr, "{} pairs at most\n", pairs); }});
+  }
+  if (command.name == event_case_name) {
+    rows = run_event_bench({.allocations = allocations,
+                            .progress = [](int changes) { fmt::print(stderr, "{} changes\n", changes); }});
   }
   for (const BenchCase& what : cases) {
     fmt::print(stderr, "{}: ", what.name);

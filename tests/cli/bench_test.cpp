@@ -6,6 +6,7 @@
 #include "tests/support/command.hpp"
 #ifdef SIGHTLINE_BENCH
 #include "bench/bench.hpp"
+#include "bench/event.hpp"
 #include "bench/ipopt.hpp"
 #include "bench/swarm.hpp"
 #include "cli/allocations.hpp"
@@ -102,6 +103,18 @@ TEST(Bench, TheSwarmIsTimedWhereManyPairsAreNear) {
     EXPECT_EQ(row.allocations, 0);
     EXPECT_LE(row.median_us, row.p99_us);
     EXPECT_LE(row.p99_us, row.max_us);
+  }
+}
+
+TEST(Bench, ATeamThatChangesIsTimedBeforeAndAfter) {
+  int changes = 0;
+  const std::vector<BenchRow> rows = run_event_bench(
+      {.updates = 600, .allocations = cli::allocations, .progress = [&](int made) { changes = made; }});
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_GE(changes, 20) << "there, back, and weights that come to rest";
+  for (const BenchRow& row : rows) {
+    EXPECT_EQ(row.allocations, 0);
+    EXPECT_LE(row.median_us, row.p99_us);
   }
 }
 

@@ -79,8 +79,8 @@ void Succession::tell(double t, EventKind kind, std::size_t event) noexcept {
 
 bool Succession::swap(double t, std::span<const double> x, std::span<const double> u, bool wait) noexcept {
   if (!pending_) return false;
-  while (wait && hand_.load(std::memory_order_acquire) == Hand::thread) nap();
-  if (hand_.load(std::memory_order_acquire) == Hand::thread) return false;
+  while (wait && !is_ready()) nap();
+  if (!is_ready()) return false;
   pending_ = false;
   for (const std::size_t event : request_.events) {
     const bool refused = std::find(refused_.begin(), refused_.end(), event) != refused_.end();

@@ -58,8 +58,8 @@ class Succession {
 
   // The control thread, each period.
 
-  /// Whether a change was asked for that is not made yet.
-  bool is_pending() const noexcept { return pending_; }
+  /// Whether no change is being made.
+  bool is_ready() const noexcept { return hand_.load(std::memory_order_acquire) == Hand::control; }
   /// Lets the pending change take place if it is ready, or once it is.
   /// @param x  states of the world now, that the new solver's memory is warmed with
   /// @return whether the team is another one now
