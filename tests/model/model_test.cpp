@@ -59,8 +59,9 @@ class RobotLaws : public testing::Test {
   Random random_{1};
 };
 
-using Robots =
-    testing::Types<Multirotor, AngleMultirotor, OmniRover, Unicycle, PointMass, VelocityMultirotor, Body>;
+using Robots = testing::Types<Multirotor, AngleMultirotor, OmniRover, Unicycle, PointMass, VelocityMultirotor,
+                              LaggedMultirotor<Lags::plane>, LaggedMultirotor<Lags::climb>,
+                              LaggedMultirotor<Lags::yaw>, Body>;
 TYPED_TEST_SUITE(RobotLaws, Robots);
 
 /// Whether the state says where a robot heads; the others head along x of G.
@@ -249,7 +250,8 @@ TYPED_TEST(RobotLaws, AStateThatIsNotFiniteIsRefused) {
 template <class M>
 Vec3<double> taken(const Vec2<double>& d, const Vec3<double>& a) {
   if constexpr (std::same_as<M, Body>) return {};
-  if constexpr (std::same_as<M, PointMass> || std::same_as<M, VelocityMultirotor>) return a;
+  if constexpr (std::same_as<M, PointMass>) return a;
+  if constexpr (requires { M::climb_lags; }) return {a.x, a.y, M::climb_lags ? a.z : 0.0};
   if constexpr (std::same_as<M, Unicycle>) {
     const double along = d.x * a.x + d.y * a.y;
     return {along * d.x, along * d.y, 0.0};
@@ -288,6 +290,31 @@ TYPED_TEST(RobotLaws, EveryStateAndInputHasItsName) {
       for (std::size_t j = 0; j < i; ++j) EXPECT_NE(names[i], names[j]);
     }
   }
+}
+
+TYPED_TEST(RobotLaws, ItsLimitsLeaveRoomForEveryInput) {
+  const Model model(this->robot_);
+  ASSERT_EQ(model.u_min().size(), TestFixture::nu);
+  ASSERT_EQ(model.u_max().size(), TestFixture::nu);
+  for (std::size_t i = 0; i < TestFixture::nu; ++i) {
+    EXPECT_LT(model.u_min()[i], 0.0);
+    EXPECT_GT(model.u_max()[i], 0.0);
+  }
+}
+
+TYPED_TEST(RobotLaws, ItTurnsWhereItsStateSaysWhereItHeads) {
+  EXPECT_EQ(Model(this->robot_).turns(), has_heading<TypeParam>);
+}
+
+TEST(Model, LimitsAreThoseOfTheStructAndElseOne) {
+  const Model plain = Multirotor{}, own = VelocityMultirotor::ar_drone();
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(plain.u_max()[i], 1.0);
+    EXPECT_EQ(plain.u_min()[i], -1.0);
+    EXPECT_EQ(own.u_min()[i], -own.u_max()[i]);
+  }
+  EXPECT_NEAR(own.u_max()[0], 2.863, 5e-4);
+  EXPECT_EQ(own.u_max()[3], 1.6);
 }
 
 TEST(Model, AHeadingOfNoDirectionIsRefused) {

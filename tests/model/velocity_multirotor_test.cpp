@@ -64,6 +64,47 @@ TEST(VelocityMultirotor, TheArDroneMovesInItsPlaneAsEquation24) {
   }
 }
 
+/// What a robot is seen to do under a command, from rest at the origin.
+template <Lags lags>
+Sight<double> seen_after(const LaggedMultirotor<lags>& robot, const std::array<double, 4>& u, int steps) {
+  const Model model = robot;
+  std::array<double, LaggedMultirotor<lags>::nx> x;
+  model.at_rest({{}, {1, 0}}, x.data());
+  for (int step = 0; step < steps; ++step) {
+    model.step(x.data(), u.data(), 0.001);
+    EXPECT_TRUE(model.normalise(x.data()));
+  }
+  return model.sight(x.data(), u.data());
+}
+
+TEST(VelocityMultirotor, AsItsLagsVanishItIsTheOneWithoutThem) {
+  const VelocityMultirotor quick{.tau_z = 1e-3, .tau_psi = 1e-3};
+  const std::array<double, 4> u = {1.0, -0.5, 0.4, 0.7};
+  for (const int steps : {100, 1000}) {
+    const Sight<double> expected = seen_after(LaggedMultirotor<Lags::plane>::of(quick), u, steps);
+    for (const Sight<double>& seen :
+         {seen_after(quick, u, steps), seen_after(LaggedMultirotor<Lags::climb>::of(quick), u, steps),
+          seen_after(LaggedMultirotor<Lags::yaw>::of(quick), u, steps)}) {
+      EXPECT_LE(norm(seen.p - expected.p), 2e-3);
+      EXPECT_LE(norm(seen.v - expected.v), 2e-3);
+      EXPECT_NEAR(seen.d.y, expected.d.y, 2e-3);
+    }
+  }
+}
+
+TEST(VelocityMultirotor, WithoutFurtherLagsItIsEquation24InOtherUnits) {
+  Random random(3);
+  const auto robot = LaggedMultirotor<Lags::plane>::of(VelocityMultirotor::ar_drone());
+  const Multirotor paper{.b_z = 1.0, .b_psi = 1.0};
+  for (int k = 0; k < 1000; ++k) {
+    const auto x = uniform_array<7>(random, -2, 2);
+    const auto u = uniform_array<4>(random, -1, 1);
+    const auto rate = robot.f<double>(x, {robot.v_max * u[0], -robot.v_max * u[1], u[2], u[3]});
+    const auto expected = paper.f<double>(x, u);
+    for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(rate[i], expected[i], 2e-15) << i;
+  }
+}
+
 TEST(VelocityMultirotor, WithoutCommandItCoastsByItsVelocityTimesTheLag) {
   Random random(4);
   const VelocityMultirotor robot;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
@@ -27,6 +28,22 @@ TEST(Team, BodiesWithoutANameAreNumbered) {
   EXPECT_EQ(team.name(team.add(AngleMultirotor{})), "uav1");
   EXPECT_EQ(team.name(team.add(Obstacle{})), "obstacle1");
   EXPECT_EQ(team.name(team.add(Multirotor{}, {.name = "scout"})), "scout");
+}
+
+TEST(Team, LimitsThatAreLeftOutAreTheModels) {
+  Team team;
+  const VelocityMultirotor drone = VelocityMultirotor::ar_drone();
+  const std::vector<double> own = {drone.v_max, drone.v_max, drone.climb_max, drone.yaw_max},
+                            given = {1, 2, 3, 0.5};
+  const auto limits = [&](AgentId id) { return team.agent(id).limits; };
+  const auto plain = limits(team.add(drone));
+  EXPECT_EQ(plain.u_max().at(0), own);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(plain.u_min().at(0)[i], -own[i]);
+  const auto half = limits(team.add(drone, {.u_min = {-1, -2, -3, -0.5}}));
+  EXPECT_EQ(half.u_min().at(0), (std::vector<double>{-1, -2, -3, -0.5}));
+  EXPECT_EQ(half.u_max().at(0), own);
+  EXPECT_EQ(limits(team.add(drone, {.u_max = std::array<double, 4>{1, 2, 3, 0.5}})).u_max().at(0), given);
+  EXPECT_EQ(limits(team.add(Multirotor{})).u_min().at(0), std::vector<double>(4, -1.0));
 }
 
 TEST(Team, ABodyIsFoundByItsName) {

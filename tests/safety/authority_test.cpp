@@ -6,7 +6,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "sightline/model/ground_robots.hpp"
 #include "sightline/model/robots.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/robots.hpp"
@@ -97,6 +99,16 @@ TEST(Authority, IsRefusedWhereARobotCannotFleeAnyWay) {
             "barrier: the commands of \"test_quadrotor\" do not accelerate it in every horizontal direction "
             "at once, "
             "expected a robot that can flee any way");
+  const auto of_limits = [](const Model& model) {
+    return refusal_of([&] { authority_of(model, model.u_min(), model.u_max()); });
+  };
+  EXPECT_EQ(
+      of_limits(Unicycle{}),
+      "barrier: the commands of \"unicycle\" do not accelerate it in every horizontal direction at once, "
+      "expected a robot that can flee any way");
+  EXPECT_EQ(of_limits(VelocityMultirotor{}),
+            "barrier: the height of \"velocity_multirotor\" does not follow its commands at once, expected a "
+            "vertical velocity that is commanded");
   const std::array<double, 4> one_sided = {0, -1, -1, -1};
   EXPECT_THROW(authority_of(Multirotor{}, one_sided, high), std::invalid_argument);
 }

@@ -248,6 +248,16 @@ TEST(Stage, NoParameterAndNoStageLengthChangesTheStructureOfAModel) {
   expect_one_structure([](Random& r) {
     return VelocityMultirotor{any_number(r), any_number(r), any_number(r), any_number(r)};
   });
+  expect_one_structure([](Random& r) {
+    return LaggedMultirotor<Lags::climb>{any_number(r), any_number(r), any_number(r)};
+  });
+}
+
+TEST(Stage, AMultirotorUnderVelocityCommandsWithoutFurtherLagsIsOneOfEquation24) {
+  for (const Seen seen : {Seen::pose, Seen::pose_and_motion}) {
+    EXPECT_EQ(structure(trace_stage(LaggedMultirotor<Lags::plane>{}, h, seen)),
+              structure(trace_stage(Multirotor{}, h, seen)));
+  }
 }
 
 TEST(Stage, NoParameterOfABarrierChangesTheStructure) {

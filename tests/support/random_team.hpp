@@ -4,6 +4,9 @@
 #include <array>
 #include <vector>
 
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/point_mass.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
@@ -33,7 +36,8 @@ enum class Feeling {
 /// Which robots a random team is of, and how many of its pairs are coupled.
 enum class Fleet {
   multirotors,  ///< both models of the library; nearly all pairs
-  any_size,     ///< those and others, of 4 to 12 states; a share of the pairs that is drawn
+  any_size,  ///< those and others, of 4 to 12 states, on the ground and under velocity commands; a share of the
+             ///< pairs that is drawn
 };
 
 inline Reference random_reference(Random& random) {
@@ -66,13 +70,23 @@ AgentId add_random_agent(Team& team, const M& model, Random& random) {
 
 /// A robot of a model that is drawn.
 inline AgentId add_random_agent(Team& team, Fleet fleet, Random& random) {
-  switch (random() % (fleet == Fleet::multirotors ? 2 : 4)) {
+  switch (random() % (fleet == Fleet::multirotors ? 2 : 9)) {
     case 0:
       return add_random_agent(team, Multirotor{}, random);
     case 1:
       return add_random_agent(team, AngleMultirotor{}, random);
     case 2:
       return add_random_agent(team, test::Unicycle{}, random);
+    case 3:
+      return add_random_agent(team, OmniRover{}, random);
+    case 4:
+      return add_random_agent(team, Unicycle{}, random);
+    case 5:
+      return add_random_agent(team, PointMass{}, random);
+    case 6:
+      return add_random_agent(team, VelocityMultirotor{}, random);
+    case 7:
+      return add_random_agent(team, LaggedMultirotor<Lags::plane>::ar_drone(), random);
     default:
       return add_random_agent(team, test::Quadrotor{}, random);
   }

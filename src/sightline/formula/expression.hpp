@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cassert>
 #include <map>
 #include <optional>
 #include <set>
@@ -65,6 +66,14 @@ class Expression {
     for (const Step& step : steps_) v.push_back(apply<S>(step, variables, v, width));
     return v.back();
   }
+  /// The same without memory of its own: `scratch` holds a value for each step.
+  template <class S>
+  S operator()(std::span<const S> variables, double width, std::span<S> scratch) const {
+    assert(scratch.size() >= steps_.size() && "scratch holds a value for each step");
+    for (std::size_t i = 0; i < steps_.size(); ++i)
+      scratch[i] = apply<S>(steps_[i], variables, scratch, width);
+    return scratch[steps_.size() - 1];
+  }
 
   /// Steps in an order in which operands come first; the last is the result.
   std::span<const Step> steps() const { return steps_; }
@@ -79,7 +88,7 @@ class Expression {
 
  private:
   template <class S>
-  static S apply(const Step& step, std::span<const S> variables, const std::vector<S>& v, double width) {
+  static S apply(const Step& step, std::span<const S> variables, std::span<const S> v, double width) {
     const auto a = [&]() -> const S& { return v[static_cast<std::size_t>(step.a)]; };
     const auto b = [&]() -> const S& { return v[static_cast<std::size_t>(step.b)]; };
     switch (step.kind) {

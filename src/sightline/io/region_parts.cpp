@@ -12,16 +12,6 @@ namespace {
 
 constexpr std::size_t parameters_max = 64;
 
-/// Runs `read`; a formula that is refused is said at its place in the value.
-template <class Read>
-auto in_text(const TomlValue& value, Read&& read) {
-  try {
-    return read();
-  } catch (const FormulaError& error) {
-    value.refuse_at(error.offset(), error.sentence());
-  }
-}
-
 /// The parameters of a region, each with the value that says it.
 class Parameters {
  public:
@@ -53,11 +43,11 @@ class Parameters {
   void enter(const std::string& name, const TomlTable& at) {
     constexpr std::string_view expected = "a number, a formula in quotes, or a table with value";
     const TomlValue value = at.value(name, expected);
-    if (!value.is_table()) return put(Parameter(name, text_of(value, expected)), value);
+    if (!value.is_table()) return put(Parameter(name, formula_text(value, expected)), value);
     const TomlTable table = value.table();
     table.expect_only({"value", "unit", "range"});
     const TomlValue inner = table.value("value", "a number or a formula in quotes");
-    Parameter parameter(name, text_of(inner, "a number or a formula in quotes"));
+    Parameter parameter(name, formula_text(inner, "a number or a formula in quotes"));
     std::string unit;
     if (table.has("unit")) {
       unit = table.text("unit", "a unit in quotes");
@@ -70,7 +60,7 @@ class Parameters {
       if (!range.is_array() || range.items().size() != 2) range.refuse("two bounds, [least, most]");
       const auto bound = [&](std::size_t i) {
         const TomlValue item = range.items()[i];
-        const std::string text = text_of(item, "a number or a formula in quotes");
+        const std::string text = formula_text(item, "a number or a formula in quotes");
         if (item.is_text()) in_text(item, [&] { return parse_formula(text, {}); });
         return item.is_text() ? text : fmt::format("{} {}", text, unit);
       };
@@ -87,12 +77,6 @@ class Parameters {
     } catch (const FormulaError& error) {
       unit.refuse_at(error.offset() - std::min(error.offset(), one.size()), error.sentence());
     }
-  }
-
-  static std::string text_of(const TomlValue& value, std::string_view expected) {
-    if (value.is_text()) return value.text();
-    if (!value.is_number()) value.refuse(expected);
-    return fmt::format("{}", value.number());
   }
 
   /// A parameter that is given anew keeps the range it had.
@@ -223,6 +207,12 @@ Region read_formula(const TomlTable& at, std::string_view key) {
   parameters.read(at.table_or_empty("parameters"));
   in_text(value, [&] { return parse_formula(value.text(), parameters.vocabulary()); });
   return at.checked([&] { return Region(fmt::format("({}) < 0", value.text()), parameters.list()); });
+}
+
+std::string formula_text(const TomlValue& value, std::string_view expected) {
+  if (value.is_text()) return value.text();
+  if (!value.is_number()) value.refuse(expected);
+  return fmt::format("{}", value.number());
 }
 
 Region read_region(const TomlTable& at) {

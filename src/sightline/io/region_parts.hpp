@@ -1,6 +1,9 @@
 /// Regions of a scenario: limits as text, in the scenario itself or in a file that several share.
 #pragma once
 
+#include <string>
+#include <string_view>
+
 #include "sightline/io/toml_table.hpp"
 #include "sightline/potential/region.hpp"
 
@@ -16,5 +19,18 @@ Region read_inside(const TomlTable& at, std::string_view key);
 
 /// Where the formula under `key` is at most 0: its violation is the formula's value.
 Region read_formula(const TomlTable& at, std::string_view key);
+
+/// A number, or a formula in quotes, as text.
+std::string formula_text(const TomlValue& value, std::string_view expected);
+
+/// Runs `read`; a formula that is refused is said at its place in the value.
+template <class Read>
+auto in_text(const TomlValue& value, Read&& read) {
+  try {
+    return read();
+  } catch (const FormulaError& error) {
+    value.refuse_at(error.offset(), error.sentence());
+  }
+}
 
 }  // namespace sightline

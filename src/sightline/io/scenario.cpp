@@ -131,6 +131,9 @@ class Reader {
       const auto list = [&at = at](std::string_view key, std::size_t n, double missing, const Range& range) {
         return at.has(key) ? at.numbers(key, n, range) : std::vector<double>(n, missing);
       };
+      const auto bound = [&at = at, nu](std::string_view key, std::span<const double> of_model) {
+        return at.has(key) ? at.numbers(key, nu) : std::vector<double>(of_model.begin(), of_model.end());
+      };
       Agent agent{.name = name,
                   .model = model,
                   .Q = list("Q", nx, 0.0, not_negative(">= 0")),
@@ -138,9 +141,9 @@ class Reader {
                   .Q_f = list("Q_f", nx, 0.0, not_negative(">= 0")),
                   .x_ref = read_reference(at, model),
                   .u_ref = list("u_ref", nu, 0.0, any_number()),
-                  .limits = read_limits(at, list("u_min", nu, -1.0, any_number()),
-                                        list("u_max", nu, 1.0, any_number()))};
+                  .limits = read_limits(at, bound("u_min", model.u_min()), bound("u_max", model.u_max()))};
       const std::vector<double> start = read_start(at.table("start", "a table with p and heading"), model);
+      check_motion(at, model, start, agent.u_ref);
       scenario_.x0.insert(scenario_.x0.end(), start.begin(), start.end());
 
       Observer observer{name, {}};
@@ -154,6 +157,14 @@ class Reader {
       enter(name, at, [&] { return scenario_.team.add(std::move(agent)); });
       scenario_.presence.push_back(is_present(at) ? Presence::steered : Presence::absent);
     }
+  }
+
+  /// Refuses a robot whose text gives no number where it starts, as 1 / v does at rest.
+  static void check_motion(const TomlTable& at, const Model& model, const std::vector<double>& start,
+                           const std::vector<double>& u_ref) {
+    std::vector<double> rate(start.size());
+    model.f(start.data(), u_ref.data(), rate.data());
+    if (!all_finite(rate)) at.refuse("start", "a state in which the rates of the robot are finite");
   }
 
   /// Refuses a u_min that is not below its u_max; `where` is the key that holds it.
@@ -193,7 +204,7 @@ class Reader {
       return static_cast<std::size_t>(std::find(states.begin(), states.end(), name) - states.begin());
     };
     const auto has = [&](std::string_view name) { return place(name) < model.states().size(); };
-    const bool turns = has("d_x") || has("psi");
+    const bool turns = model.turns();
     if (!turns && heading != 0) at.refuse("heading", fmt::format("0, {} has no heading", model.name()));
     if (!at.has("v")) return x;
 

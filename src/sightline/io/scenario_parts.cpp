@@ -4,9 +4,6 @@
 #include <fmt/ranges.h>
 
 #include "sightline/io/region_parts.hpp"
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
@@ -17,58 +14,6 @@
 
 namespace sightline {
 namespace {
-
-// --- robots ---
-
-template <class M>
-Model read_multirotor(const TomlTable& at) {
-  M m;
-  at.read({{"b_z", &m.b_z},
-           {"b_psi", &m.b_psi},
-           {"a_f", &m.a_f},
-           {"b_f", &m.b_f},
-           {"a_s", &m.a_s},
-           {"b_s", &m.b_s}});
-  return m;
-}
-
-Model read_omni_rover(const TomlTable& at) {
-  OmniRover m;
-  at.read({{"b_psi", &m.b_psi}, {"a_f", &m.a_f}, {"b_f", &m.b_f}, {"a_s", &m.a_s}, {"b_s", &m.b_s}});
-  return m;
-}
-
-Model read_unicycle(const TomlTable& at) {
-  Unicycle m;
-  at.read({{"b_psi", &m.b_psi}, {"a_f", &m.a_f}, {"b_f", &m.b_f}});
-  return m;
-}
-
-Model read_point_mass(const TomlTable& at) {
-  PointMass m;
-  at.read({{"drag", &m.drag, not_negative(">= 0 1/s")}});
-  return m;
-}
-
-Model read_velocity_multirotor(const TomlTable& at) {
-  VelocityMultirotor m;
-  constexpr Range lag = {1e-3, 1e3, "0.001 to 1000 s"};
-  at.read({{"tau_f", &m.tau_f, lag},
-           {"tau_s", &m.tau_s, lag},
-           {"tau_z", &m.tau_z, lag},
-           {"tau_psi", &m.tau_psi, lag}});
-  return m;
-}
-
-using ReadRobot = Model (*)(const TomlTable& parameters);
-constexpr std::array robots = {
-    Named<ReadRobot>{Multirotor::name, read_multirotor<Multirotor>},
-    Named<ReadRobot>{AngleMultirotor::name, read_multirotor<AngleMultirotor>},
-    Named<ReadRobot>{OmniRover::name, read_omni_rover},
-    Named<ReadRobot>{Unicycle::name, read_unicycle},
-    Named<ReadRobot>{PointMass::name, read_point_mass},
-    Named<ReadRobot>{VelocityMultirotor::name, read_velocity_multirotor},
-};
 
 // --- potentials ---
 
@@ -320,10 +265,6 @@ std::string read_label(const TomlTable& at, std::string_view key) {
   std::string label = at.text(key, expected);
   if (label.empty() || label.size() > name_size_max || one_line(label) != label) at.refuse(key, expected);
   return label;
-}
-
-Model read_robot(const TomlTable& agent) {
-  return find(robots, agent.word("robot", names(robots)))(agent.table_or_empty("parameters"));
 }
 
 Weighted read_potential(const TomlTable& at, const Observer& observer) {

@@ -1,5 +1,5 @@
-/// The parts that a scenario chooses by name: robots, potentials, references, solvers. A new one is a line in
-/// its table in scenario_parts.cpp.
+/// The parts that a scenario chooses by name: potentials, references, solvers; robots are in robot_parts. A new one is a
+/// line in its table.
 #pragma once
 
 #include <algorithm>
@@ -8,29 +8,11 @@
 #include <string>
 #include <string_view>
 
+#include "sightline/io/robot_parts.hpp"
 #include "sightline/io/scenario.hpp"
 #include "sightline/io/toml_table.hpp"
 
 namespace sightline {
-
-/// A name in the file and what reads the part of that name.
-template <class Read>
-struct Named {
-  std::string_view name;
-  Read read;
-};
-
-template <class Read, std::size_t n>
-std::array<std::string_view, n> names(const std::array<Named<Read>, n>& list) {
-  std::array<std::string_view, n> all;
-  std::transform(list.begin(), list.end(), all.begin(), [](const auto& entry) { return entry.name; });
-  return all;
-}
-
-template <class Read, std::size_t n>
-Read find(const std::array<Named<Read>, n>& list, std::string_view name) {
-  return std::find_if(list.begin(), list.end(), [&](const auto& entry) { return entry.name == name; })->read;
-}
 
 /// The robot that looks: the first of a coupling, or the one that is constrained.
 struct Observer {
@@ -50,9 +32,6 @@ std::string read_name(const TomlTable& at, std::string_view key, const Team& tea
 
 /// A name under `key` that stands for no body: of an event, a stage, a coupling.
 std::string read_label(const TomlTable& at, std::string_view key);
-
-/// `robot` and `parameters` of [agent.NAME].
-Model read_robot(const TomlTable& agent);
 
 /// `potential = { NAME = {...} }` of [[couple]] or [[constrain]]; its `weight`.
 Weighted read_potential(const TomlTable& at, const Observer& observer);

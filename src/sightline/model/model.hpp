@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "sightline/formula/trace.hpp"
 #include "sightline/math/integrate.hpp"
@@ -14,7 +15,8 @@
 
 namespace sightline {
 
-/// What a robot's struct must offer; see robots.hpp.
+/// What a robot's struct must offer; see robots.hpp. It may have `u_max()`, the limits of its inputs, and `u_min()`;
+/// without them they are 1, and -u_max.
 template <class M>
 concept RobotModel = requires(const M& m, const std::array<double, M::nx>& x,
                               const std::array<double, M::nu>& u) {
@@ -41,11 +43,37 @@ class Model {
   template <RobotModel M>
   Model(const M& model) : block_(std::make_shared<const Block<M>>(model)) {}
 
+  /// A robot of any kind; of a struct it is made from that.
+  struct Interface {
+    int nx = 0, nu = 0;
+    std::string_view name;
+    bool turns = false;
+    std::span<const std::string_view> states, inputs;
+    std::vector<double> u_min, u_max;
+
+    virtual ~Interface() = default;
+    virtual void f(const double* x, const double* u, double* rate) const noexcept = 0;
+    virtual Sight<double> sight(const double* x, const double* u) const noexcept = 0;
+    virtual void step(double* x, const double* u, double dt) const noexcept = 0;
+    virtual void at_rest(const Pose<double>& pose, double* x) const noexcept = 0;
+    virtual void push(const double* x, const Vec3<double>& a, double* rate) const noexcept = 0;
+    virtual bool normalise(double* x) const noexcept = 0;
+    virtual void f(std::span<const Symbol> x, std::span<const Symbol> u, std::span<Symbol> rate) const = 0;
+    virtual Sight<Symbol> sight(std::span<const Symbol> x, std::span<const Symbol> u) const = 0;
+  };
+  /// A robot whose numbers of states and inputs are known at run time, as that of a text.
+  explicit Model(std::shared_ptr<const Interface> block) : block_(std::move(block)) {}
+
   int nx() const { return block_->nx; }
   int nu() const { return block_->nu; }
   std::string_view name() const { return block_->name; }
   std::span<const std::string_view> states() const { return block_->states; }
   std::span<const std::string_view> inputs() const { return block_->inputs; }
+  /// What the inputs are limited to unless the team says otherwise.
+  std::span<const double> u_min() const { return block_->u_min; }
+  std::span<const double> u_max() const { return block_->u_max; }
+  /// Whether its state says where it heads; else it heads along x of G.
+  bool turns() const { return block_->turns; }
 
   /// rate = x' = f(x, u).
   void f(const double* x, const double* u, double* rate) const noexcept { block_->f(x, u, rate); }
@@ -72,22 +100,6 @@ class Model {
   }
 
  private:
-  struct Interface {
-    int nx = 0, nu = 0;
-    std::string_view name;
-    std::span<const std::string_view> states, inputs;
-
-    virtual ~Interface() = default;
-    virtual void f(const double* x, const double* u, double* rate) const noexcept = 0;
-    virtual Sight<double> sight(const double* x, const double* u) const noexcept = 0;
-    virtual void step(double* x, const double* u, double dt) const noexcept = 0;
-    virtual void at_rest(const Pose<double>& pose, double* x) const noexcept = 0;
-    virtual void push(const double* x, const Vec3<double>& a, double* rate) const noexcept = 0;
-    virtual bool normalise(double* x) const noexcept = 0;
-    virtual void f(std::span<const Symbol> x, std::span<const Symbol> u, std::span<Symbol> rate) const = 0;
-    virtual Sight<Symbol> sight(std::span<const Symbol> x, std::span<const Symbol> u) const = 0;
-  };
-
   template <RobotModel M>
   struct Block;
 
@@ -110,8 +122,18 @@ struct Model::Block final : Model::Interface {
     this->name = M::name;
     if constexpr (requires { M::states; }) this->states = M::states;
     if constexpr (requires { M::inputs; }) this->inputs = M::inputs;
+    this->turns = requires { M::heading_at; }
+    || requires { M::angle_at; };
+    this->u_max.assign(inputs_n, 1.0);
+    if constexpr (requires { m.u_max(); }) copy_limits(m.u_max(), this->u_max);
+    for (const double most : this->u_max) this->u_min.push_back(-most);
+    if constexpr (requires { m.u_min(); }) copy_limits(m.u_min(), this->u_min);
   }
 
+  template <std::size_t n>
+  static void copy_limits(const std::array<double, n>& from, std::vector<double>& to) {
+    to.assign(from.begin(), from.end());
+  }
   template <std::size_t n, class S>
   static std::array<S, n> take(const S* values) {
     std::array<S, n> a;

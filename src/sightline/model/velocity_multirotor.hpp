@@ -1,4 +1,4 @@
-/// A multirotor whose autopilot takes velocities and a yaw rate, and follows each with a lag.
+/// Multirotors whose autopilot takes velocities and a yaw rate, and follows them with lags.
 #pragma once
 
 #include <array>
@@ -8,53 +8,84 @@
 
 namespace sightline {
 
-/// Multirotor under velocity commands in V: each velocity and the yaw rate follow their command by
+/// Which velocities follow their commands with a lag, and so are states, besides those in the plane of V.
+enum class Lags { plane, climb, yaw, all };
+
+/// Multirotor under velocity commands in V: a velocity follows its command by
 ///
-///   v' = (u - v) / tau
+///   v' = (u - v) / tau,   or at once, where it is no state
 ///
-/// What the vehicle can do is said by the limits of its inputs. The vertical velocity and the yaw rate are states:
-/// height and heading go on moving for a while when a command ends.
+/// With a lag, height and heading go on moving for a while when a command ends.
 ///
 ///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s, v_z, r]  position [m], heading, velocity forward, to the left and up
-///                                                    [m/s], yaw rate [rad/s]
+///                                                    [m/s], yaw rate [rad/s]; v_z and r where they lag
 ///   u = [u_f, u_s, u_z, u_psi]                       velocity forward, to the left and up [m/s], yaw rate
 ///                                                    anticlockwise [rad/s]
 ///
-/// The defaults are a quadrotor of the PX4 class, with limits such as |u_f|, |u_s| <= 3, |u_z| <= 1, |u_psi| <= 0.78;
-/// its lags are ours and want identifying on one's own vehicle.
-struct VelocityMultirotor {
-  static constexpr int nx = 9, nu = 4;
+/// The defaults are px4().
+template <Lags lags>
+struct LaggedMultirotor {
+  static constexpr bool climb_lags = lags == Lags::climb || lags == Lags::all;
+  static constexpr bool yaw_lags = lags == Lags::yaw || lags == Lags::all;
+  static constexpr int nx = 7 + (climb_lags ? 1 : 0) + (yaw_lags ? 1 : 0), nu = 4;
+  static constexpr std::size_t climb_at = climb_lags ? 7 : 0, rate_at = nx - 1;  // where they are states
   static constexpr std::string_view name = "velocity_multirotor";
-  static constexpr std::array<std::string_view, nx> states = {"p_x", "p_y", "p_z", "d_x", "d_y",
-                                                              "v_f", "v_s", "v_z", "r"};
+  static constexpr std::array<std::string_view, nx> states = [] {
+    std::array<std::string_view, nx> all = {"p_x", "p_y", "p_z", "d_x", "d_y", "v_f", "v_s"};
+    if (climb_lags) all[climb_at] = "v_z";
+    if (yaw_lags) all[rate_at] = "r";
+    return all;
+  }();
   static constexpr std::array<std::string_view, nu> inputs = {"u_f", "u_s", "u_z", "u_psi"};
 
-  double tau_f = 0.5;    ///< lag of the forward velocity [s], > 0
-  double tau_s = 0.5;    ///< lag of the sideward velocity [s], > 0
-  double tau_z = 0.35;   ///< lag of the vertical velocity [s], > 0
-  double tau_psi = 0.2;  ///< lag of the yaw rate [s], > 0
+  double tau_f = 0.5;      ///< lag of the forward velocity [s], > 0
+  double tau_s = 0.5;      ///< lag of the sideward velocity [s], > 0
+  double tau_z = 0.35;     ///< lag of the vertical velocity [s], > 0, where it is a state
+  double tau_psi = 0.2;    ///< lag of the yaw rate [s], > 0, where it is a state
+  double v_max = 3.0;      ///< limit of u_f and u_s [m/s], > 0
+  double climb_max = 1.0;  ///< limit of u_z [m/s], > 0
+  double yaw_max = 0.78;   ///< limit of u_psi [rad/s], > 0
 
-  /// The AR.Drone 2.0 of (16): tau = -1/a in the plane, and the limits b tau = 2.863 m/s for u_f and u_s, b_z = 1 m/s
-  /// and b_psi = 1.6 rad/s. (16) has no lags of climb and yaw rate; those here are ours.
-  static constexpr VelocityMultirotor ar_drone() {
+  /// A quadrotor of the PX4 class, flown with care. Its lags are ours and want identifying on one's own vehicle.
+  static constexpr LaggedMultirotor px4() { return {}; }
+  /// The AR.Drone 2.0 of (16): tau = -1/a in the plane, limits b/-a = 2.863 m/s, b_z = 1 m/s and b_psi = 1.6 rad/s.
+  /// (16) has no lags of climb and yaw rate; those here are ours.
+  static constexpr LaggedMultirotor ar_drone() {
     constexpr double tau = 1 / 0.5092;
-    return {.tau_f = tau, .tau_s = tau, .tau_z = 0.3, .tau_psi = 0.2};
+    return {.tau_f = tau,
+            .tau_s = tau,
+            .tau_z = 0.3,
+            .tau_psi = 0.2,
+            .v_max = 1.458 * tau,
+            .climb_max = 1.0,
+            .yaw_max = 1.6};
   }
+  /// The same vehicle with other lags as states.
+  template <Lags others>
+  static constexpr LaggedMultirotor of(const LaggedMultirotor<others>& m) {
+    return {m.tau_f, m.tau_s, m.tau_z, m.tau_psi, m.v_max, m.climb_max, m.yaw_max};
+  }
+
+  std::array<double, nu> u_max() const { return {v_max, v_max, climb_max, yaw_max}; }
 
   template <class S>
   std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
-    const Vec2<S> d = {x[3], x[4]};
-    const Vec2<S> v_G = rotate(d, {x[5], x[6]});
-    const S &v_z = x[7], &r = x[8];
-    return {v_G.x,
-            v_G.y,
-            v_z,
-            -(d.y * r),
-            d.x * r,
-            (1 / tau_f) * (u[0] - x[5]),
-            (1 / tau_s) * (u[1] - x[6]),
-            (1 / tau_z) * (u[2] - v_z),
-            (1 / tau_psi) * (u[3] - r)};
+    // In the form of (24), gains of 1 included: a robot without further lags is one of its kernels.
+    const double a_f = -1 / tau_f, b_f = 1 / tau_f, a_s = -1 / tau_s, b_s = -1 / tau_s, b_z = 1.0,
+                 b_psi = 1.0;
+    const Vec2<S> d = {x[3], x[4]}, v_V = {x[5], x[6]};
+    const Vec2<S> v_G = rotate(d, v_V);
+    const S rate = yaw_lags ? x[rate_at] : b_psi * u[3];
+    std::array<S, nx> change = {v_G.x,
+                                v_G.y,
+                                climb_lags ? x[climb_at] : b_z * u[2],
+                                -(d.y * rate),
+                                d.x * rate,
+                                a_f * v_V.x + b_f * u[0],
+                                a_s * v_V.y - b_s * u[1]};
+    if constexpr (climb_lags) change[climb_at] = (1 / tau_z) * (u[2] - x[climb_at]);
+    if constexpr (yaw_lags) change[rate_at] = (1 / tau_psi) * (u[3] - x[rate_at]);
+    return change;
   }
 
   template <class S>
@@ -63,16 +94,20 @@ struct VelocityMultirotor {
   }
 
   std::array<double, nx> at_rest(const Pose<double>& pose) const {
-    return {pose.p.x, pose.p.y, pose.p.z, pose.d.x, pose.d.y, 0, 0, 0, 0};
+    return {pose.p.x, pose.p.y, pose.p.z, pose.d.x, pose.d.y};
   }
 
-  /// Rate of the state under an acceleration a of G [m/s^2].
+  /// Rate of the state under an acceleration a of G [m/s^2]; a vertical velocity that is commanded is not pushed.
   std::array<double, nx> push(const std::array<double, nx>& x, const Vec3<double>& a) const {
     const Vec2<double> a_V = rotate<double>({x[3], -x[4]}, {a.x, a.y});
-    return {0, 0, 0, 0, 0, a_V.x, a_V.y, a.z, 0};
+    std::array<double, nx> change = {0, 0, 0, 0, 0, a_V.x, a_V.y};
+    if constexpr (climb_lags) change[climb_at] = a.z;
+    return change;
   }
 
   static constexpr int heading_at = 3;
 };
+
+using VelocityMultirotor = LaggedMultirotor<Lags::all>;
 
 }  // namespace sightline

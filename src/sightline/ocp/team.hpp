@@ -117,6 +117,24 @@ struct Swarm {
   double cost(std::span<const Sight<double>> robots, double t) const;
 };
 
+/// A bound of each of n inputs; left out, it is the model's own.
+template <std::size_t n>
+class InputBound {
+ public:
+  InputBound() = default;
+  InputBound(const std::array<double, n>& values) : values_(values.begin(), values.end()) {}
+  template <std::convertible_to<double>... Value>
+  requires(sizeof...(Value) == n) InputBound(Value... values) : values_{static_cast<double>(values)...} {}
+
+  void fill(double value) { values_.assign(n, value); }
+  std::vector<double> or_else(std::span<const double> of_model) const {
+    return values_.empty() ? std::vector<double>(of_model.begin(), of_model.end()) : values_;
+  }
+
+ private:
+  std::vector<double> values_;
+};
+
 /// Options of an agent of a known model, as a program writes them.
 template <class M>
 struct AgentOptions {
@@ -125,8 +143,8 @@ struct AgentOptions {
   std::array<double, M::nx> Q_f{};
   Reference x_ref{};
   std::array<double, M::nu> u_ref{};
-  std::array<double, M::nu> u_min = filled(-1.0);
-  std::array<double, M::nu> u_max = filled(1.0);
+  InputBound<M::nu> u_min{};
+  InputBound<M::nu> u_max{};
   std::string name{};
 
   static constexpr std::array<double, M::nu> filled(double value) {
@@ -147,14 +165,16 @@ class Team {
   template <RobotModel M>
   AgentId add(const M& model, const std::type_identity_t<AgentOptions<M>>& o = {}) {
     const auto list = [](const auto& a) { return std::vector<double>(a.begin(), a.end()); };
-    return add(Agent{.name = o.name,
-                     .model = model,
-                     .Q = list(o.Q),
-                     .R = list(o.R),
-                     .Q_f = list(o.Q_f),
-                     .x_ref = o.x_ref,
-                     .u_ref = list(o.u_ref),
-                     .limits = InputLimits(list(o.u_min), list(o.u_max))});
+    const Model erased(model);
+    return add(
+        Agent{.name = o.name,
+              .model = erased,
+              .Q = list(o.Q),
+              .R = list(o.R),
+              .Q_f = list(o.Q_f),
+              .x_ref = o.x_ref,
+              .u_ref = list(o.u_ref),
+              .limits = InputLimits(o.u_min.or_else(erased.u_min()), o.u_max.or_else(erased.u_max()))});
   }
   AgentId add(Agent agent);
   BodyId add(Obstacle obstacle);

@@ -1,0 +1,169 @@
+#include "sightline/model/text_robot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+namespace sightline {
+namespace {
+
+constexpr double corner = 1e-6;
+
+template <class... Args>
+[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
+  throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
+}
+
+/// The place of a state, by its name.
+std::size_t place_of(const TextRobot& robot, std::string_view what, const std::string& name) {
+  const auto found = std::find(robot.states.begin(), robot.states.end(), name);
+  if (found == robot.states.end()) refuse("{} = \"{}\", expected the name of a state", what, name);
+  return static_cast<std::size_t>(found - robot.states.begin());
+}
+
+/// Names, and views of them for as long as they live.
+struct Names {
+  explicit Names(const std::vector<std::string>& names) : texts(names), views(texts.begin(), texts.end()) {}
+  std::vector<std::string> texts;
+  std::vector<std::string_view> views;
+};
+
+struct Parsed final : Model::Interface {
+  explicit Parsed(const TextRobot& robot)
+      : title_(robot.name), state_names_(robot.states), input_names_(robot.inputs) {
+    nx = static_cast<int>(robot.states.size());
+    nu = static_cast<int>(robot.inputs.size());
+    name = title_;
+    states = state_names_.views;
+    inputs = input_names_.views;
+    u_max = robot.u_max.empty() ? std::vector<double>(robot.inputs.size(), 1.0) : robot.u_max;
+    u_min = robot.u_min.empty() ? std::vector<double>(robot.inputs.size(), -1.0) : robot.u_min;
+    turns = !robot.heading.empty();
+    for (std::size_t i = 0; i < 3; ++i) position_[i] = place_of(robot, "position", robot.position[i]);
+    for (const std::string& h : robot.heading) heading_.push_back(place_of(robot, "heading", h));
+    std::set<std::size_t> taken(position_.begin(), position_.end());
+    taken.insert(heading_.begin(), heading_.end());
+    if (taken.size() != 3 + heading_.size())
+      refuse("a state is twice in position and heading, expected each once");
+    const Vocabulary names = robot.vocabulary();
+    for (const std::string& rate : robot.f) {
+      rates_.push_back(parse_formula(rate, names));
+      assert(rates_.back().steps().size() <= formula_steps_max && "a formula that was read is not longer");
+    }
+  }
+
+  void f(const double* x, const double* u, double* rate) const noexcept override {
+    std::array<double, text_states_max + text_inputs_max> z;
+    std::copy_n(x, nx, z.begin());
+    std::copy_n(u, nu, z.begin() + nx);
+    std::array<double, formula_steps_max> scratch;
+    for (std::size_t i = 0; i < rates_.size(); ++i)
+      rate[i] = rates_[i](std::span<const double>(z), corner, std::span<double>(scratch));
+  }
+  Sight<double> sight(const double* x, const double* u) const noexcept override {
+    std::array<double, text_states_max> rate;
+    f(x, u, rate.data());
+    return sight_of(x, rate.data());
+  }
+  void step(double* x, const double* u, double dt) const noexcept override {
+    std::array<double, RungeKuttaScratch::rows_needed * text_states_max> rows;
+    const std::size_t n = rates_.size();
+    const auto rate = [&](std::span<const double> z, std::span<double> r) { f(z.data(), u, r.data()); };
+    rk4_step(rate, std::span<double>(x, n), dt,
+             {std::span<double>(rows).first(RungeKuttaScratch::rows_needed * n)});
+  }
+  void at_rest(const Pose<double>& pose, double* x) const noexcept override {
+    std::fill_n(x, nx, 0.0);
+    const std::array<double, 3> p = {pose.p.x, pose.p.y, pose.p.z};
+    for (std::size_t i = 0; i < 3; ++i) x[position_[i]] = p[i];
+    if (heading_.size() == 1) x[heading_[0]] = std::atan2(pose.d.y, pose.d.x);
+    if (heading_.size() == 2) x[heading_[0]] = pose.d.x, x[heading_[1]] = pose.d.y;
+  }
+  void push(const double*, const Vec3<double>&, double*) const noexcept override {}
+  bool normalise(double* x) const noexcept override {
+    if (!all_finite({x, rates_.size()})) return false;
+    if (heading_.size() == 1) x[heading_[0]] = wrap_angle(x[heading_[0]]);
+    if (heading_.size() < 2) return true;
+    std::array<double, 2> d = {x[heading_[0]], x[heading_[1]]};
+    if (!normalise_heading(d.data())) return false;
+    x[heading_[0]] = d[0], x[heading_[1]] = d[1];
+    return true;
+  }
+  void f(std::span<const Symbol> x, std::span<const Symbol> u, std::span<Symbol> rate) const override {
+    std::vector<Symbol> z(x.begin(), x.end());
+    z.insert(z.end(), u.begin(), u.end());
+    for (std::size_t i = 0; i < rates_.size(); ++i) rate[i] = rates_[i](std::span<const Symbol>(z), corner);
+  }
+  Sight<Symbol> sight(std::span<const Symbol> x, std::span<const Symbol> u) const override {
+    std::vector<Symbol> rate(rates_.size());
+    f(x, u, rate);
+    return sight_of(x.data(), rate.data());
+  }
+
+ private:
+  template <class S>
+  Sight<S> sight_of(const S* x, const S* rate) const {
+    const std::size_t i = position_[0], j = position_[1], k = position_[2];
+    Vec2<S> d = {S(1.0), S(0.0)};
+    if (heading_.size() == 1) d = {cos(x[heading_[0]]), sin(x[heading_[0]])};
+    if (heading_.size() == 2) d = {x[heading_[0]], x[heading_[1]]};
+    return {{{x[i], x[j], x[k]}, d}, {rate[i], rate[j], rate[k]}};
+  }
+
+  std::string title_;
+  Names state_names_, input_names_;
+  std::array<std::size_t, 3> position_{};
+  std::vector<std::size_t> heading_;
+  std::vector<Expression> rates_;
+};
+
+}  // namespace
+
+Vocabulary TextRobot::vocabulary() const {
+  Vocabulary names;
+  int next = 0;
+  const auto enter = [&](std::string_view what, const std::string& word) {
+    if (!is_free_name(word) || names.contains(word)) {
+      refuse("{} \"{}\", expected a name of its own: letters, digits and _, no function or unit", what, word);
+    }
+    names.insert_or_assign(word, Expression({{Expression::Kind::variable, next++}}, std::nullopt, {}));
+  };
+  for (const std::string& state : states) enter("a state", state);
+  for (const std::string& input : inputs) enter("an input", input);
+  std::set<std::string_view> taken;
+  for (const Definition& p : parameters) {
+    if (!is_free_name(p.name) || names.contains(p.name) || !taken.insert(p.name).second) {
+      throw FormulaError(
+          p.text, 0,
+          fmt::format("a parameter called \"{}\", expected a name of its own: letters, digits and _, "
+                      "no function, unit, state or input",
+                      p.name),
+          p.name);
+    }
+  }
+  define(names, parameters);
+  return names;
+}
+
+Model TextRobot::model() const {
+  const auto size_is_within = [](std::string_view what, std::size_t n, std::size_t most) {
+    if (n == 0 || n > most) refuse("{} {}, expected 1 to {}", n, what, most);
+  };
+  size_is_within("states", states.size(), text_states_max);
+  size_is_within("inputs", inputs.size(), text_inputs_max);
+  if (f.size() != states.size())
+    refuse("{} rates for {} states, expected one of each", f.size(), states.size());
+  if (heading.size() > 2)
+    refuse("a heading of {} states, expected the angle, the two of the direction, or none", heading.size());
+  for (const auto* bound : {&u_min, &u_max}) {
+    if (!bound->empty() && bound->size() != inputs.size())
+      refuse("limits of {} inputs for {}, expected one of each", bound->size(), inputs.size());
+  }
+  return Model(std::make_shared<const Parsed>(*this));
+}
+
+}  // namespace sightline
