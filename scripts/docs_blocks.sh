@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Runs what the documents promise:  scripts/docs_blocks.sh [FILE.md ...]
 # Blocks opened by "```sh test" run in a shell at the root of the tree, build/release/bin in the path; blocks opened
-# by "```cpp test" are whole programs, built against an installed sightline, as a user would, and run. So is the example
-# of one's own potential, with its formulas compiled and without: both print the same.
+# by "```cpp test" are whole programs, built against an installed sightline, as a user would, and run. So are the examples
+# of one's own potential and one's own robot, with their formulas compiled and without: both print the same.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD
@@ -36,19 +36,23 @@ foreach(block IN LISTS blocks)
   add_executable(${name} ${block})
   target_link_libraries(${name} PRIVATE sightline::sightline)
 endforeach()
-foreach(name compiled interpreted)
-  add_executable(${name} ${examples}/own_potential.cpp)
-  target_link_libraries(${name} PRIVATE sightline::sightline)
+foreach(example own_potential own_robot)
+  foreach(name ${example}_compiled ${example}_interpreted)
+    add_executable(${name} ${examples}/${example}.cpp)
+    target_link_libraries(${name} PRIVATE sightline::sightline)
+  endforeach()
+  sightline_add_formulas(${example}_compiled ${examples}/${example}.hpp)
 endforeach()
-sightline_add_formulas(compiled ${examples}/own_potential.hpp)
 CMAKE
   cmake -S "$work" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
     -DCMAKE_PREFIX_PATH="$work/installed" -Dexamples="$root/examples" >/dev/null
-  cat >"$work/blocks/own_potential.sh" <<SH
-cmake --build '$work/build' --target compiled interpreted
-'$work/build/compiled' | tee '$work/flight'
-'$work/build/interpreted' | diff '$work/flight' -
+  for example in own_potential own_robot; do
+    cat >"$work/blocks/$example.sh" <<SH
+cmake --build '$work/build' --target ${example}_compiled ${example}_interpreted
+'$work/build/${example}_compiled' | tee '$work/flight'
+'$work/build/${example}_interpreted' | diff '$work/flight' -
 SH
+  done
 fi
 
 export PATH=$root/build/release/bin:$PATH
