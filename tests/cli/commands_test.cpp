@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -139,26 +141,70 @@ TEST(Run, ACameraThatIsTextKeepsTheTargetInItsImage) {
   }
 }
 
-TEST(Run, ARoverAndTheMultirotorAboveItAreOneTeam) {
+TEST(Run, ARoverAndTwoMultirotorsOfTwoKindsAreOneTeam) {
   const fs::path folder = fresh_folder();
   const auto run = sightline("run scenarios/ground_and_air.toml -o " + folder.string(), folder);
   EXPECT_EQ(run.code, 0) << run.err;
   const json s = json::parse(read_file(folder / "summary.json"));
   EXPECT_EQ(s.at("allocations_per_update"), 0);
   EXPECT_EQ(s.at("input_violations"), 0);
-  EXPECT_LE(s.at("pairs").at(0).at("in_view_from").get<double>(), 1.0);
+  EXPECT_GE(s.at("min_distance").get<double>(), 1.0);
+  for (const json& pair : s.at("pairs")) EXPECT_LE(pair.at("in_view_from").get<double>(), 2.0);
   const Recording recording = read_recording(folder);
-  const auto &uav = recording.bodies.at(0).p, &rover = recording.bodies.at(1).p;
+  const auto& rover = recording.bodies.at(2).p;
   for (std::size_t k = 0; k < rover.size(); ++k) {
     EXPECT_EQ(rover[k].z, 0.2);
-    if (recording.time.at(k) >= 6.0) EXPECT_NEAR(norm(uav.at(k) - rover[k]), 1.5, 0.5);
+    if (recording.time.at(k) < 6.0) continue;
+    for (const std::size_t uav : {0U, 1U})
+      EXPECT_NEAR(norm(recording.bodies.at(uav).p.at(k) - rover[k]), 1.5, 0.5);
   }
+}
+
+TEST(Run, ARobotAsTextFliesAsTheRobotOfItsFormulas) {
+  const fs::path folder = fresh_folder();
+  const auto first = sightline("run scenarios/ground_and_air.toml -o " + (folder / "a").string(), folder);
+  std::string scenario = read_file(fs::path(SIGHTLINE_SOURCE_DIR) / "scenarios/ground_and_air.toml");
+  const auto exchange = [&](const std::string& from, const std::string& to) {
+    const std::size_t at = scenario.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    scenario.replace(at, scenario.find('\n', at) - at, to);
+  };
+  exchange("robot = \"unicycle\"",
+           "robot.text.states = [\"x\", \"y\", \"z\", \"d_x\", \"d_y\", \"v_f\"]\n"
+           "robot.text.inputs = [\"u_f\", \"u_psi\"]\n"
+           "robot.text.position = [\"x\", \"y\", \"z\"]\n"
+           "robot.text.heading = [\"d_x\", \"d_y\"]\n"
+           "robot.text.f = { x = \"v_f * d_x\", y = \"v_f * d_y\", z = 0, d_x = \"-(d_y * rate)\","
+           " d_y = \"d_x * rate\", v_f = \"a_f * v_f + b_f * u_f\" }");
+  exchange("parameters = { b_psi = 1.5, a_f",
+           "parameters = { b_psi = 1.5, a_f = -2.5, b_f = 2.5, rate = \"b_psi * u_psi\" }");
+  std::ofstream(folder / "text.toml") << scenario;
+  const auto text =
+      sightline("run " + (folder / "text.toml").string() + " -o " + (folder / "b").string(), folder);
+  EXPECT_EQ(text.code, 0) << text.err;
+  const Recording a = read_recording(folder / "a"), b = read_recording(folder / "b");
+  ASSERT_EQ(a.bodies.at(0).p.size(), b.bodies.at(0).p.size());
+  for (std::size_t body = 0; body < 3; ++body)
+    EXPECT_LE(norm(a.bodies.at(body).p.back() - b.bodies.at(body).p.back()), 1e-6) << body;
 }
 
 TEST(Run, TheExampleOfASensorOfOneSOwnKeepsItsTargetInView) {
   const auto example = shell("'" SIGHTLINE_EXAMPLES "/own_sensor'", fresh_folder());
   EXPECT_EQ(example.code, 0);
   EXPECT_EQ(example.out, "after 30 s: in view\n");
+}
+
+TEST(Run, TheExampleOfARobotOfOneSOwnIsKeptInViewAtADistance) {
+  const auto example = shell("'" SIGHTLINE_EXAMPLES "/own_robot'", fresh_folder());
+  EXPECT_EQ(example.code, 0);
+  double least = 0, most = 0, angle = 0;
+  ASSERT_EQ(std::sscanf(example.out.c_str(), "distance %lf to %lf m, at most %lf rad from the axis", &least,
+                        &most, &angle),
+            3)
+      << example.out;
+  EXPECT_GE(least, 1.0);
+  EXPECT_LE(most, 2.0);
+  EXPECT_LE(angle, 0.5);
 }
 
 TEST(Run, SameSeedSameLogByteForByte) {
