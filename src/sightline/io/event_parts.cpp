@@ -61,6 +61,42 @@ TeamEvent read_event(const TomlTable& at, const EventScope& scope, const Script&
   return event;
 }
 
+struct BodiesOf {
+  std::vector<BodyId> operator()(const DistanceOf& of) const { return {of.a, of.b}; }
+  std::vector<BodyId> operator()(const ViewAngleOf& of) const { return {of.observer, of.target}; }
+  std::vector<BodyId> operator()(const ExcessOf& of) const { return {of.a, of.b}; }
+  std::vector<BodyId> operator()(const AgeOf& of) const { return {of.body}; }
+  std::vector<BodyId> operator()(const NearerThan& of) const { return {of.a, of.b, of.target}; }
+};
+
+/// Nothing comes about on a body that is never there, and nobody can observe it. The tables are of the script's
+/// last events.
+void check_presence(const std::vector<TomlTable>& tables, const Script& script, const Scenario& scenario) {
+  std::vector<Presence> presence = scenario.presence;
+  for (const TeamEvent& event : script.events) {
+    for (const Action& action : event.actions) {
+      const auto* add = std::get_if<AddBody>(&action);
+      if (add != nullptr) presence[static_cast<std::size_t>(add->body.index)] = Presence::hold;
+    }
+  }
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const auto check = [&](std::string_view key, BodyId body) {
+      if (!tables[i].has(key) || presence[static_cast<std::size_t>(body.index)] != Presence::absent) return;
+      tables[i].refuse(key, fmt::format("bodies that are there, \"{}\" is not and no event adds it",
+                                        scenario.team.name(body)));
+    };
+    const TeamEvent& event = script.events[script.events.size() - tables.size() + i];
+    if (const auto* when = std::get_if<Condition>(&event.trigger)) {
+      for (const BodyId body : std::visit(BodiesOf{}, when->measure)) {
+        for (const std::string_view key : {"when", "lost", "seen"}) check(key, body);
+      }
+    }
+    for (const Action& action : event.actions) {
+      if (const auto* observe = std::get_if<Observe>(&action)) check("observe", observe->target);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<TimedSignal> read_signals(const TomlTable& simulation) {
@@ -89,6 +125,7 @@ Script read_events(const TomlTable& root, const Scenario& scenario, const Observ
   for (const TomlTable& at : tables) {
     script.events.push_back(read_event(at, scope, script, script.events.size() - of_shapes));
   }
+  check_presence(tables, script, scenario);
   const std::vector<ScriptFault> faults = faults_of(script, Roster(scenario.team, presence));
   if (faults.empty()) return script;
   const auto [event, sentence] = faults.front();
