@@ -5,6 +5,7 @@
 #include <regex>
 
 #include "sightline/campaign/database.hpp"
+#include "sightline/campaign/paired.hpp"
 #include "tests/support/command.hpp"
 
 namespace sightline::cli {
@@ -114,6 +115,25 @@ TEST(Campaign, AnotherScenarioBesideFliesTheSameDraws) {
             "paper_7_1");
   EXPECT_THAT(read_file(folder / "a" / "campaign.html"), HasSubstr("<h2>paper_7_1</h2>"));
   EXPECT_TRUE(fs::exists(folder / "a/paper_7_1/campaign.html"));
+}
+
+TEST(Campaign, KeepingATargetInASharpConeTakesLessEnergyThanPointingAtItInMostRuns) {
+  const fs::path folder = fresh_folder(), out = folder / "out";
+  const auto done = sightline(
+      "campaign scenarios/energy.toml --beside scenarios/energy_pointing.toml --runs 40 -o " + out.string(),
+      folder);
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("energy_pointing, compared with energy"));
+  EXPECT_THAT(read_file(out / "campaign.html"), HasSubstr("Energy of energy_pointing, compared with energy"));
+  const CampaignTable cone{"energy", out / "campaign.sqlite"},
+      pointing{"energy_pointing", out / "energy_pointing" / "campaign.sqlite"};
+  const Pairing observer = pair_runs(cone, pointing, "uav0.energy"),
+                leader = pair_runs(cone, pointing, "uav1.energy");
+  EXPECT_EQ(observer.runs, 40);
+  EXPECT_GE(observer.more, 28);
+  EXPECT_GT(observer.ratio.median, 1.02);
+  EXPECT_LT(observer.ratio.median, 1.2);
+  EXPECT_EQ(leader.less + leader.more, 0) << "who is watched flies the same";
 }
 
 TEST(Campaign, BadInputEndsWithTwoAndSaysWhat) {
