@@ -10,7 +10,7 @@
 namespace sightline {
 
 std::vector<BenchRow> run_event_bench(const BenchOptions& options) {
-  using Clock = std::chrono::steady_clock;
+  using Time = std::chrono::steady_clock;
   constexpr int robots = 8, leaders = 2;
   const Team world = event_team(robots, leaders);
   const AgentId turning{BodyId{leaders}};
@@ -34,9 +34,9 @@ std::vector<BenchRow> run_event_bench(const BenchOptions& options) {
     const double t = bench_horizon.dt * k;
     const std::int64_t before = count();
     while (!succession.is_ready()) std::this_thread::yield();
-    const Clock::time_point begin = Clock::now();
+    const Time::time_point begin = Time::now();
     const bool swapped = succession.swap(t, plant.x(), u, true);
-    const double swap_us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+    const double swap_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
     if (swapped) changes.push_back(swap_us), since = 0, ++changed;
     Controller& controller = *succession.present().controller;
     controller.gather(world, plant.x(), u);
