@@ -60,6 +60,7 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
   PartitionChoice choice{.parts = sightline::read_partition(parts, scenario.team),
                          .order = exchange_order(order),
                          .exchanges = exchanges};
+  for (const std::vector<AgentId>& part : choice.parts) (void)part_of(scenario.team, part);
   if (exchanges < 1 || exchanges > 1000) {
     throw std::invalid_argument(fmt::format("exchanges = {}, expected 1 to 1000", exchanges));
   }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "cli/allocations.hpp"
+#include "sightline/potential/slope.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
@@ -37,6 +38,25 @@ TEST(Part, HasItsRobotsAndThoseItIsCoupledWithAndFeelsItsOwnEndsAlone) {
   for (const Coupling& c : joint.couplings()) {
     for (const AgentId agent : c.felt_by) EXPECT_TRUE(joint.is_agent(agent));
   }
+}
+
+TEST(Part, ACouplingKeepsItsNameAndItsRampAndASwarmStaysWhole) {
+  Team whole = chain(4, paper::Variant::joint);
+  const AgentId uav1 = robot(whole, "uav1"), uav2 = robot(whole, "uav2");
+  whole.couple(Coupling{.term = 0.3 * KeepOut{},
+                        .between = {uav1, uav2},
+                        .felt_by = {uav2},
+                        .name = "apart",
+                        .ramp = {.begin = 1.0, .duration = 2.0, .from = 0.0}});
+  const Team part = part_of(whole, std::vector{uav2});
+  ASSERT_FALSE(part.couplings().empty());
+  EXPECT_EQ(part.couplings().back().name, "apart");
+  EXPECT_EQ(part.couplings().back().ramp, whole.couplings().back().ramp);
+  whole.keep_apart(0.3 * TooNear{}, {uav1, uav2}, 2.5, 16);
+  EXPECT_EQ(part_of(whole, std::vector{uav1, uav2}).swarms().size(), 1u);
+  EXPECT_EQ(part_of(whole, std::vector{robot(whole, "uav0")}).swarms().size(), 0u);
+  EXPECT_EQ(refusal_of([&] { (void)part_of(whole, std::vector{uav2}); }),
+            "too_near keeps robots of several parts apart, expected all of a swarm in one part");
 }
 
 TEST(Part, WhatIsNoPartIsRefusedInWords) {

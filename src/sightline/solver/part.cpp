@@ -50,10 +50,29 @@ Team part_of(const Team& whole, std::span<const AgentId> own) {
     std::vector<AgentId> feel = felt_within(c, own);
     if (feel.empty()) continue;
     for (AgentId& agent : feel) agent = AgentId{here(agent)};
-    part.couple(c.term, {here(c.between.first), here(c.between.second)}, std::move(feel));
+    Coupling of_part = c;
+    of_part.between = {here(c.between.first), here(c.between.second)};
+    of_part.felt_by = std::move(feel);
+    part.couple(std::move(of_part));
+  }
+  for (const Swarm& swarm : whole.swarms()) {
+    std::vector<AgentId> members;
+    for (const AgentId agent : swarm.agents) {
+      if (is_among(own, agent)) members.push_back(AgentId{here(agent)});
+    }
+    if (members.empty()) continue;
+    if (members.size() < swarm.agents.size()) {
+      throw std::invalid_argument(
+          fmt::format("{} keeps robots of several parts apart, expected all of a swarm in one part",
+                      swarm.term.potential.name()));
+    }
+    part.keep_apart(swarm.term, std::move(members), swarm.radius, swarm.capacity);
   }
   for (const Constraint& c : whole.constraints()) {
-    if (is_among(own, c.agent)) part.constrain(c.term, AgentId{here(c.agent)});
+    if (!is_among(own, c.agent)) continue;
+    Constraint of_part = c;
+    of_part.agent = AgentId{here(c.agent)};
+    part.constrain(std::move(of_part));
   }
   for (const BarrierTerm& b : whole.barriers()) {
     if (is_among(own, b.agent)) part.constrain(b.barrier, AgentId{here(b.agent)});

@@ -18,7 +18,7 @@ namespace sightline {
 
 /// The robots of `own` with all that they feel; bodies outside that they are coupled with become obstacles of their
 /// names. Robots come first, both in the order of the whole team.
-/// @throws std::invalid_argument for an empty list or a body that is no robot
+/// @throws std::invalid_argument for an empty list, a body that is no robot, or a swarm of which others are too
 Team part_of(const Team& whole, std::span<const AgentId> own);
 
 class Part {
