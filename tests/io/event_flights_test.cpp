@@ -21,10 +21,12 @@ Flight fly(const Scenario& scenario, bool with_kkt = false) {
   SimulatedClock clock;
   const Controllers controllers = controls.controllers();
   KeepSamples sink(sized_sample(scenario.team, controllers));
+  std::vector<double> u_before(static_cast<std::size_t>(scenario.team.nu()));
   if (with_kkt) {
     sink.after = [&](FlownPeriod& period) {
       Phase& phase = controls.succession()->present();
-      phase.controller->gather(scenario.team, period.x, period.u);
+      phase.controller->gather(scenario.team, period.x, u_before);  // as the update saw it
+      u_before = period.u;
       period.kkt = phase.solver->kkt(period.time, phase.controller->states);
     };
   }

@@ -172,11 +172,11 @@ TEST(ShapeParts, the_nearest_observes_by_events_of_its_own) {
   }
   EXPECT_TRUE(changes_in_flight(s));
   EXPECT_EQ(
-      refusal(nearest + nearest).find("a.toml:41: shape[1].name = \"rover\", expected a name of its own"), 0U)
+      refusal(nearest + nearest).find("a.toml:38: shape[1].name = \"rover\", expected a name of its own"), 0U)
       << refusal(nearest + nearest);
   EXPECT_EQ(refusal("[[shape]]\nnearest = { target = \"r0\", observers = [\"r1\", \"r0\"] }\n"
                     "potential = { keep_out = {} }\n"),
-            "a.toml:35: shape[0].nearest.observers[1] = \"r0\", expected a robot other than the target");
+            "a.toml:34: shape[0].nearest.observers[1] = \"r0\", expected a robot other than the target");
 }
 
 }  // namespace

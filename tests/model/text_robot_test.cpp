@@ -173,14 +173,15 @@ TEST(TextRobot, AnyTextIsARobotOrIsRefused) {
       const Model model = robot.model();
       ++read;
       Graph graph;
+      const auto nx = static_cast<std::size_t>(model.nx());
       const auto x = variables(graph, 0, 5), u = variables(graph, 5, 2);
-      std::vector<Symbol> f(5);
+      std::vector<Symbol> f(nx);
       model.f(x, u, f);
       std::vector<Term> outputs;
       for (const Symbol& s : f) outputs.push_back(s.in(graph));
       std::vector<double> z(7);
       for (double& v : z) v = uniform(random, 0.1, 1);
-      std::vector<double> expected(5);
+      std::vector<double> expected(nx);
       model.f(z.data(), z.data() + 5, expected.data());
       const std::vector<double> got = evaluate(Program(graph, outputs, 7), z);
       for (std::size_t i = 0; i < 5; ++i) {

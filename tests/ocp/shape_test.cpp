@@ -180,7 +180,7 @@ TEST(Relay, IsRefusedWithoutANameOrWithARobotTwice) {
                 const TermsOf none = [](Between) { return std::vector<Weighted>{}; };
                 relay(p.team, p.script, none, {p.a, p.a}, p.ball, {.name = "r"});
               }),
-              testing::HasSubstr("\"a\""));
+              testing::HasSubstr("stands twice in the relay"));
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ TEST(Drifter, HoldsOrSinksToTheGroundAndStaysThere) {
     std::vector<double> x = event_start(world);
     x[5] = 1.2, x[6] = -0.7;  // flies fast when it is left alone
     Plant plant(world, x);
-    Drifter drifter(world, BodyId{0}, lands);
+    Drifter drifter(world, BodyId{0}, lands, 0.01);
     std::vector<double> u(static_cast<std::size_t>(world.nu())), low(4), high(4);
     for (int k = 0; k < 1500; ++k) {
       drifter.steer(0.01 * k, plant.x(), low, high, u);

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "cli/allocations.hpp"
 #include "tests/support/event_team.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/succession_flight.hpp"
@@ -157,6 +158,56 @@ TEST(Succession, OnASteadyClockTheLoopNeverWaits) {
   for (const FlownPeriod& period : sink.flown)
     in_force += event_of(period, EventKind::event_in_force) != nullptr;
   EXPECT_EQ(in_force, 1);
+}
+
+TEST(Succession, NothingInTheLoopAllocatesWhenATeamChanges) {
+  ASSERT_GT(
+      [before = cli::allocations()] {
+        const std::vector<double> some(3);
+        return cli::allocations() - before;
+      }(),
+      0)
+      << "the counter counts";
+  const Team team = event_team(6, 2);
+  const TeamEvent there{.name = "there",
+                        .trigger = AfterTime{0.1},
+                        .actions = {Observe{AgentId{BodyId{2}}, BodyId{0}}},
+                        .stage = "start",
+                        .enter = "there"};
+  const TeamEvent back{
+      .name = "back",
+      .trigger = Condition{DistanceOf{BodyId{0}, BodyId{1}}, Condition::Side::above, 0.1, 0.0, 0.1},
+      .actions = {Observe{AgentId{BodyId{2}}, BodyId{1}}},
+      .stage = "there",
+      .enter = "start",
+      .ramp = 0.05};
+  const TeamEvent fails{
+      .name = "fails", .trigger = Signal{"fail"}, .actions = {RemoveBody{BodyId{5}, Afterwards::land}}};
+  Succession succession(Roster(team), {{there, back, fails}}, newton_riccati_of(Horizon{}));
+  Plant plant(team, event_start(team, 2));
+  Sensor sensor(team);
+  Guard guard(team, {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
+  const Controllers controllers = {*succession.present().solver};
+  Ring<Sample> ring(1000, sized_sample(team, controllers));
+  SimulatedClock clock;
+  Loop loop(plant, sensor, controllers, clock, ring,
+            {.duration = 3.0,
+             .allocations = cli::allocations,
+             .guard = &guard,
+             .succession = &succession,
+             .signals = {{1.0, "fail"}}});
+  const std::int64_t before = cli::allocations();
+  const LoopOutcome outcome = loop.run();
+  EXPECT_EQ(cli::allocations(), before);
+  EXPECT_EQ(outcome.max_allocations, 0);
+  EXPECT_EQ(outcome.updates, 300);
+  int changes = 0;
+  for (const Sample* sample = ring.front(); sample != nullptr; ring.pop(), sample = ring.front()) {
+    for (int i = 0; i < sample->event_count; ++i) {
+      changes += sample->events[static_cast<std::size_t>(i)].kind == EventKind::event_in_force;
+    }
+  }
+  EXPECT_GT(changes, 10);
 }
 
 TEST(Succession, AScriptWithFaultsIsRefusedWithTheEvent) {

@@ -67,10 +67,12 @@ inline SuccessionFlight fly_script(const Team& all, const std::vector<double>& x
   SimulatedClock clock;
   const Controllers controllers = {*succession.present().solver};
   KeepSamples sink(sized_sample(all, controllers));
+  std::vector<double> u_before(static_cast<std::size_t>(all.nu()));
   if (with_kkt) {
     sink.after = [&](FlownPeriod& period) {
       Controller& controller = *succession.present().controller;
-      controller.gather(all, period.x, period.u);
+      controller.gather(all, period.x, u_before);  // as the update saw it
+      u_before = period.u;
       period.kkt = succession.present().solver->kkt(period.time, controller.states);
     };
   }

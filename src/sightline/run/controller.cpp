@@ -66,7 +66,7 @@ void Controller::gather(const Team& world, std::span<const double> x, std::span<
   }
 }
 
-Drifter::Drifter(const Team& world, BodyId robot, bool lands)
+Drifter::Drifter(const Team& world, BodyId robot, bool lands, double period)
     : body(robot),
       x(size(world.state_offset(robot))),
       u(size(world.input_offset(robot))),
@@ -76,7 +76,8 @@ Drifter::Drifter(const Team& world, BodyId robot, bool lands)
       limits(world.agent(robot).limits),
       brake(model, world.agent(robot).u_ref, brake_time),
       wanted(nu),
-      sink_speed(lands ? landing_speed : 0.0) {}
+      sink_speed(lands ? landing_speed : 0.0),
+      most_change(change_rate * period) {}
 
 void Drifter::steer(double t, std::span<const double> believed, std::span<double> u_min,
                     std::span<double> u_max, std::span<double> u_world) noexcept {

@@ -52,8 +52,11 @@ struct Drifter {
   double sink_speed;  ///< [m/s]
 
   static constexpr double landing_speed = 0.3, brake_time = 0.4, ground = 0.0;
-  static constexpr double most_change = 0.025;  ///< of an input a period, of the half of its range
-  Drifter(const Team& world, BodyId robot, bool lands);
+  static constexpr double change_rate = 1.25;  ///< of an input at most, of the half of its range [1/s]
+  double most_change;                          // of an input a period, of the half of its range
+
+  /// @param period  between two commands [s]
+  Drifter(const Team& world, BodyId robot, bool lands, double period);
 
   /// Writes its input into those of the world; the limits are work space of nu at least.
   void steer(double t, std::span<const double> believed, std::span<double> u_min, std::span<double> u_max,

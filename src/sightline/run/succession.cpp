@@ -35,7 +35,8 @@ Phase phase_of(std::unique_ptr<NewtonRiccati> solver, const Roster& roster) {
     const Presence presence = roster.presence(body);
     if (!roster.all().is_agent(body) || presence == Presence::steered || presence == Presence::absent)
       continue;
-    phase.drifters.emplace_back(roster.all(), body, presence == Presence::land);
+    phase.drifters.emplace_back(roster.all(), body, presence == Presence::land,
+                                phase.solver->ocp().horizon().dt);
   }
   return phase;
 }

@@ -106,9 +106,9 @@ void Plant::set_accelerations() noexcept {
   for (const Part& part : parts_) {
     if (part.robot < 0) continue;
     const auto robot = static_cast<std::size_t>(part.robot);
-    constexpr double nowhere = 1e6;  // [m]
+    constexpr double nowhere = 1e100;  // [m]
     p_[robot] = part.there ? part.model.sight(&z_[part.x], &u_[part.u]).p
-                           : Vec3<double>{nowhere * part.robot, nowhere, 0.0};
+                           : Vec3<double>{nowhere * (1 + part.robot), nowhere, 0.0};
     acceleration_[robot] = disturbances_.wind;
     if (gusts_) acceleration_[robot] = acceleration_[robot] + gusts_->acceleration(part.robot);
   }
