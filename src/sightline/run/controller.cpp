@@ -84,8 +84,10 @@ void Drifter::steer(double t, std::span<const double> believed, std::span<double
   const std::span<const double> state = believed.subspan(x, nx);
   const std::span<double> input = u_world.subspan(u, nu);
   limits.at(t, u_min.first(nu), u_max.first(nu));
-  const bool above = model.sight(state.data(), input.data()).p.z > ground;
-  brake(state, {0.0, 0.0, above ? -sink_speed : 0.0}, u_min.first(nu), u_max.first(nu), wanted);
+  constexpr double touch_down = 0.5;  // time constant near the ground [s]
+  const double height = model.sight(state.data(), input.data()).p.z - ground;
+  const double sinking = std::clamp(height / touch_down, 0.0, sink_speed);
+  brake(state, {0.0, 0.0, -sinking}, u_min.first(nu), u_max.first(nu), wanted);
   for (std::size_t i = 0; i < nu; ++i) {
     const double most = most_change * 0.5 * (u_max[i] - u_min[i]);
     input[i] = std::clamp(input[i] + std::clamp(wanted[i] - input[i], -most, most), u_min[i], u_max[i]);
