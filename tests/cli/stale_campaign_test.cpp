@@ -54,7 +54,9 @@ struct Flight {
 class Watch final : public Sink<Sample> {
  public:
   Watch(const Scenario& scenario, Sample prototype)
-      : scenario_(scenario), seen_(observations(scenario.team.couplings()).at(0)), sample_(std::move(prototype)) {}
+      : scenario_(scenario),
+        seen_(observations(scenario.team.couplings()).at(0)),
+        sample_(std::move(prototype)) {}
   Sample* claim() noexcept override { return &sample_; }
   void close() noexcept override {}
   void publish() noexcept override {
