@@ -204,7 +204,8 @@ TEST(Plant, WhatIsAbsentRestsWhereItIsAndDisturbsNobody) {
     u[4] = 1.0;
     ASSERT_TRUE(alone.step(u, dt));
   }
-  for (std::size_t i = 0; i < near.size(); ++i) EXPECT_NEAR(alone.x()[i], near[i], 1e-100) << "no wake, no motion";
+  for (std::size_t i = 0; i < near.size(); ++i)
+    EXPECT_NEAR(alone.x()[i], near[i], 1e-100) << "no wake, no motion";
   alone.set_presence(std::vector<Presence>(2, Presence::steered));
   ASSERT_TRUE(alone.step(Numbers(8, 0.0), dt));
   EXPECT_NE(alone.x()[7], near[7]);
