@@ -83,7 +83,14 @@ Input read(const CampaignCommand& command) {
   const fs::path alone = command.only ? own / fmt::format("run_{}", *command.only) : own / "campaign";
   input.folder = command.output.empty() ? alone : command.output;
   if (!command.beside.empty()) input.scenarios.push_back(read_scenario(command.beside));
-  for (const Scenario& one : input.scenarios) Variants(one, input.plan);
+  for (const Scenario& one : input.scenarios) {
+    if (changes_in_flight(one)) {
+      throw std::invalid_argument(
+          fmt::format("{}: the team changes in flight, expected one that stays: a campaign judges one team",
+                      one.file.native()));
+    }
+    Variants(one, input.plan);
+  }
   for (std::size_t i = 0; i < input.scenarios.size(); ++i) make_folder(input.folder_of(i));
   return input;
 }

@@ -148,6 +148,8 @@ TEST(Campaign, BadInputEndsWithTwoAndSaysWhat) {
             "scenarios/yaw_step.toml:1: campaign is missing, expected [campaign] with what is drawn\n");
   EXPECT_THAT(refused(shipped + " --beside scenarios/yaw_step.toml"),
               HasSubstr("scenarios/yaw_step.toml:1: agent."));
+  EXPECT_THAT(refused(shipped + " --beside scenarios/handover.toml"),
+              HasSubstr("scenarios/handover.toml: the team changes in flight"));
   EXPECT_THAT(refused("none.toml"), HasSubstr("none.toml:1: cannot be read"));
   for (const char* options : {"--runs 0", "--runs x", "--threads 0", "--only -1", "--seed -1"})
     EXPECT_NE(refused(shipped + " " + options), "");
