@@ -10,15 +10,18 @@
 #include <stdexcept>
 #include <thread>
 
-namespace {
-thread_local std::int64_t allocated = 0;
-std::int64_t allocations() noexcept { return allocated; }
-}  // namespace
+#include "tests/support/counted_new.hpp"
+
+static thread_local std::int64_t allocated = 0;
+std::int64_t sightline::allocations_here() noexcept { return allocated; }
 
 // Not inlined: GCC 12 would take malloc's memory for a mismatch with delete.
-[[gnu::noinline]] void* operator new(std::size_t bytes) {
+[[gnu::noinline]] void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
   ++allocated;
-  if (void* memory = std::malloc(bytes)) return memory;
+  return std::malloc(bytes);
+}
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
+  if (void* memory = operator new(bytes, std::nothrow)) return memory;
   throw std::bad_alloc();
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
@@ -282,7 +285,7 @@ TEST(Loop, NothingInItAllocates) {
   SimulatedClock clock;
   Loop loop(plant, sensor, controllers, clock, ring,
             {.duration = 10.0,
-             .allocations = allocations,
+             .allocations = allocations_here,
              .guard = &guard,
              .late_plans = {{.from = 2.0, .until = 3.0}}});
   const std::int64_t before = allocated;
@@ -307,7 +310,7 @@ TEST(Loop, AllocationsOfASolverAreCounted) {
   Puller puller(robots({"a"}));
   Allocator allocator(robots({"b"}));
   const Flight flight = fly(team, joined(start_a, start_b), {puller, allocator},
-                            {.duration = 0.05, .allocations = allocations});
+                            {.duration = 0.05, .allocations = allocations_here});
   EXPECT_EQ(flight.outcome.max_allocations, 1);
   for (std::size_t k = 0; k < flight.samples.size(); ++k) {
     EXPECT_EQ(flight.samples[k].solvers[0].allocations, 0);

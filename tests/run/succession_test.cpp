@@ -5,7 +5,7 @@
 
 #include <cstdlib>
 
-#include "cli/allocations.hpp"
+#include "tests/support/counted_new.hpp"
 #include "tests/support/event_team.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/succession_flight.hpp"
@@ -162,9 +162,9 @@ TEST(Succession, OnASteadyClockTheLoopNeverWaits) {
 
 TEST(Succession, NothingInTheLoopAllocatesWhenATeamChanges) {
   ASSERT_GT(
-      [before = cli::allocations()] {
+      [before = allocations_here()] {
         const std::vector<double> some(3);
-        return cli::allocations() - before;
+        return allocations_here() - before;
       }(),
       0)
       << "the counter counts";
@@ -192,13 +192,13 @@ TEST(Succession, NothingInTheLoopAllocatesWhenATeamChanges) {
   SimulatedClock clock;
   Loop loop(plant, sensor, controllers, clock, ring,
             {.duration = 3.0,
-             .allocations = cli::allocations,
+             .allocations = allocations_here,
              .guard = &guard,
              .succession = &succession,
              .signals = {{1.0, "fail"}}});
-  const std::int64_t before = cli::allocations();
+  const std::int64_t before = allocations_here();
   const LoopOutcome outcome = loop.run();
-  EXPECT_EQ(cli::allocations(), before);
+  EXPECT_EQ(allocations_here(), before);
   EXPECT_EQ(outcome.max_allocations, 0);
   EXPECT_EQ(outcome.updates, 300);
   int changes = 0;
