@@ -58,7 +58,8 @@ class Puller : public Solver {
       u_[to + 3] = 0.2;
     }
     for (std::size_t i = 0; i < x_.size(); ++i) {
-      x_[i] = static_cast<double>(i / states.size() + 1) * states[i % states.size()];
+      const std::size_t stage = i / states.size() + 1;
+      x_[i] = static_cast<double>(stage) * states[i % states.size()];
     }
     Solution solution{.u = u_, .raw_u = u_, .x = x_};
     spoil(time, solution);
