@@ -165,9 +165,9 @@ void Succession::prepare() {
   if (!changes) return;
   next_ = phase_of(make_(roster_.team(t)), roster_);
   give_plan(*next_.solver);
-  const std::vector<double> states = predicted(*next_.controller);
+  predict();
   for (int i = 0; i < converging_steps; ++i) {
-    if (next_.solver->solve(t, states).status != Status::iteration_limit) break;
+    if (next_.solver->solve(t, next_.controller->states).status != Status::iteration_limit) break;
   }
 }
 
@@ -191,8 +191,8 @@ void Succession::give_plan(NewtonRiccati& solver) const {
   }
 }
 
-/// The solver's states one period after the request.
-std::vector<double> Succession::predicted(const Controller& controller) const {
+/// Gives the next solver the states one period after the request.
+void Succession::predict() {
   std::vector<double> x = request_.x;
   for (int i = 0; i < world_.bodies(); ++i) {
     const BodyId body{i};
@@ -201,9 +201,7 @@ std::vector<double> Succession::predicted(const Controller& controller) const {
     world_.model(body).step(&x[size(world_.state_offset(body))], u, period_);
     (void)world_.model(body).normalise(&x[size(world_.state_offset(body))]);
   }
-  Controller copy = controller;
-  copy.gather(world_, x, request_.u);
-  return copy.states;
+  next_.controller->gather(world_, x, request_.u);
 }
 
 }  // namespace sightline

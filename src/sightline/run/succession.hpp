@@ -85,7 +85,7 @@ class Succession {
   void work() noexcept;
   void prepare();
   void give_plan(NewtonRiccati& solver) const;
-  std::vector<double> predicted(const Controller& controller) const;
+  void predict();
   void tell(double t, EventKind kind, std::size_t event) noexcept;
 
   Team world_;
