@@ -190,6 +190,32 @@ TEST(Barrier, KeepsFloorCeilingAndTheWorldsBounds) {
   }
 }
 
+TEST(Barrier, KeepsTheFloorWhateverPressesFromAbove) {
+  const Barrier filter = barrier({.floor = 0.3, .ceiling = 2.0, .world = 3.0});
+  Random random(10);
+  int conflicts = 0;
+  for (int k = 0; k < 200; ++k) {
+    State x = random_state(random, 0.5);
+    x[2] = uniform(random, 0.35, 1.9);
+    std::array<Neighbour, 4> others;
+    for (Neighbour& n : others) {
+      n = {.p = position(x) + uniform(random, 0.1, 1.0) * test::any_direction(random, true),
+           .d_hard = 0.6,
+           .speed_max = 1.0};
+      if (k % 2 == 0) n.p.z = x[2] + uniform(random, 0.0, 0.5);
+    }
+    for (int i = 0; i < 100; ++i) {
+      Command u = {0, 0, -1, 0};
+      conflicts += filter.filter(x, others, lowest, highest, u).conflict;
+      test::fly(Multirotor{}, x, u, dt, [&](const Vec3<double>& p, double) {
+        EXPECT_GE(p.z, 0.3 - 1e-9);
+        EXPECT_LE(p.z, 2.0 + 1e-9);
+      });
+    }
+  }
+  EXPECT_GT(conflicts, 1000);
+}
+
 TEST(Barrier, TellsAConflictAndDividesIt) {
   const Barrier filter = barrier();
   const State x = {0, 0, 1, 1, 0, 0, 0};

@@ -261,5 +261,42 @@ TEST(Projection, DividesAConflictEvenly) {
   EXPECT_NEAR(u[1], 0.3, 1e-9);
 }
 
+/// The largest violation of the rows of one priority.
+double violation_of(const Problem& p, std::span<const double> u, bool hard) {
+  Problem part = p;
+  std::erase_if(part.rows, [&](const HalfSpace& row) { return row.hard != hard; });
+  return violation(part, u);
+}
+
+TEST(Projection, NeverTradesAHardRowForOneThatIsNot) {
+  Random random(4);
+  int contradicted = 0, hard_alone = 0;
+  for (int k = 0; k < 20000; ++k) {
+    const std::size_t nu = 1 + random() % 4;
+    Problem p = random_problem(random, nu, 2 + random() % 8);
+    for (std::size_t i = 0; i < 1 + random() % 2; ++i) p.rows[i].hard = true;
+    std::vector<double> u = p.nominal;
+    if (project(p.rows, p.u_min, p.u_max, u).feasible) continue;
+    ++contradicted;
+    Problem walls = p;
+    std::erase_if(walls.rows, [](const HalfSpace& row) { return !row.hard; });
+    std::vector<double> alone = p.nominal;
+    const ProjectionResult least = project(walls.rows, p.u_min, p.u_max, alone);
+    hard_alone += !least.feasible;
+    EXPECT_LE(violation_of(p, u, true), least.violation + 2e-9);
+    // What is left to the others is theirs: no command that keeps the hard rows as well misses them by less.
+    const double missed = violation_of(p, u, false);
+    for (int i = 0; i < 20; ++i) {
+      std::vector<double> other = u;
+      for (std::size_t j = 0; j < nu; ++j)
+        other[j] = std::clamp(u[j] + uniform(random, -0.1, 0.1), p.u_min[j], p.u_max[j]);
+      if (violation_of(p, other, true) > least.violation) continue;
+      EXPECT_GE(violation_of(p, other, false), missed - 1e-5);
+    }
+  }
+  EXPECT_GT(contradicted, 5000);
+  EXPECT_GT(hard_alone, 1000);
+}
+
 }  // namespace
 }  // namespace sightline

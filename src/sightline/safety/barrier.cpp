@@ -295,6 +295,7 @@ struct Barrier::Linear {
     constexpr double bent = 1e-3;  // [m] more than the step's curvature over the limits
     if (lowest - missing > bent) return;
     h.b = centre + missing;
+    h.hard = row.wall != Wall::none;
     of[count] = index;
     half[count++] = h;
   }

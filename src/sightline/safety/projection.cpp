@@ -13,6 +13,7 @@ constexpr int most_variables = most_inputs + 1;  // and the slack
 constexpr int most_conditions = most_half_spaces + 2 * most_inputs;
 constexpr double dependent = 1e-9;  // a unit normal whose rest is shorter adds nothing to the set
 constexpr int most_steps = 400;
+constexpr double hard_tolerance = 1e-9;  // what the least violation of the hard rows is known to
 
 using Vector = std::array<double, most_variables>;
 
@@ -163,13 +164,18 @@ class ActiveSet {
   std::array<Vector, most_variables> basis_{}, triangle_{};
 };
 
-/// The rows and the limits; `slack` is the coefficient of the slack in each row.
-ProjectionResult solve(std::span<const HalfSpace> rows, std::span<const double> u_min,
-                       std::span<const double> u_max, double slack, std::span<double> u) noexcept {
+constexpr double slack_part = 1e-4;  // 1 / sqrt(slack_weight), of the slack in a row
+static_assert(slack_part * slack_part * slack_weight == 1.0);
+
+/// The rows and the limits, from u on: of the rows that count, those of `missable` have the slack.
+template <class Counts, class Missable>
+bool solve(std::span<const HalfSpace> rows, std::span<const double> u_min, std::span<const double> u_max,
+           Counts counts, Missable missable, std::span<double> u, int& steps) noexcept {
   ActiveSet set;
   Vector x{};
   for (const HalfSpace& row : rows) {
-    set.add({row.a[0], row.a[1], row.a[2], row.a[3], slack}, row.b);
+    if (counts(row))
+      set.add({row.a[0], row.a[1], row.a[2], row.a[3], missable(row) ? slack_part : 0.0}, row.b);
   }
   for (std::size_t i = 0; i < u.size(); ++i) {
     x[i] = u[i];
@@ -180,8 +186,20 @@ ProjectionResult solve(std::span<const HalfSpace> rows, std::span<const double> 
     set.add(high, -u_max[i]);
   }
   const bool feasible = set.solve(x);
+  steps += set.steps;
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = std::clamp(x[i], u_min[i], u_max[i]);
-  return {.feasible = feasible, .violation = 0.0, .steps = set.steps};
+  return feasible;
+}
+
+double largest_violation(std::span<const HalfSpace> rows, std::span<const double> u, bool hard_alone) {
+  double most = 0.0;
+  for (const HalfSpace& row : rows) {
+    if (hard_alone && !row.hard) continue;
+    double value = 0.0;
+    for (std::size_t i = 0; i < u.size(); ++i) value += row.a[i] * u[i];
+    most = std::max(most, row.b - value);
+  }
+  return most;
 }
 
 }  // namespace
@@ -190,19 +208,32 @@ ProjectionResult project(std::span<const HalfSpace> rows, std::span<const double
                          std::span<const double> u_max, std::span<double> u) noexcept {
   assert(u.size() <= most_inputs && "a command has at most most_inputs inputs");
   assert(rows.size() <= most_half_spaces && "the rows fit the arrays");
+  constexpr auto all = [](const HalfSpace&) { return true; };
+  constexpr auto none = [](const HalfSpace&) { return false; };
+  constexpr auto hard = [](const HalfSpace& row) { return row.hard; };
+  constexpr auto soft = [](const HalfSpace& row) { return !row.hard; };
   std::array<double, most_inputs> nominal{};
   std::copy(u.begin(), u.end(), nominal.begin());
-  ProjectionResult result = solve(rows, u_min, u_max, 0.0, u);
+  ProjectionResult result;
+  result.feasible = solve(rows, u_min, u_max, all, none, u, result.steps);
   if (result.feasible) return result;
 
-  std::copy_n(nominal.begin(), u.size(), u.begin());
-  const ProjectionResult relaxed = solve(rows, u_min, u_max, 1.0 / std::sqrt(slack_weight), u);
-  result.steps += relaxed.steps;
-  for (const HalfSpace& row : rows) {
-    double value = 0.0;
-    for (std::size_t i = 0; i < u.size(); ++i) value += row.a[i] * u[i];
-    result.violation = std::max(result.violation, row.b - value);
+  const auto again = [&](std::span<const HalfSpace> of, auto counts, auto missable) {
+    std::copy_n(nominal.begin(), u.size(), u.begin());
+    return solve(of, u_min, u_max, counts, missable, u, result.steps);
+  };
+  if (!again(rows, all, soft)) {
+    again(rows, hard, hard);
+    const double missed = largest_violation(rows, u, true);
+    std::array<double, most_inputs> least{};
+    std::copy(u.begin(), u.end(), least.begin());
+    std::array<HalfSpace, most_half_spaces> left;
+    std::copy(rows.begin(), rows.end(), left.begin());
+    for (HalfSpace& row : left) row.b -= row.hard ? missed + hard_tolerance : 0.0;
+    if (!again(std::span(left).first(rows.size()), all, soft))
+      std::copy_n(least.begin(), u.size(), u.begin());
   }
+  result.violation = largest_violation(rows, u, false);
   return result;
 }
 

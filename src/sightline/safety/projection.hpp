@@ -6,9 +6,11 @@
 /// in, and one whose multiplier turns negative let go, so each step is the optimum for its set and the distance
 /// only grows; it ends at the optimum, or with the proof that there is none.
 ///
-/// Where there is none, the largest violation max_i (b_i - a_i . u) is made least, and of all such u the nearest
-/// is taken: the same method with one more variable, a slack s common to all rows that costs slack_weight s^2.
-/// That makes the largest violation least up to about 1 / slack_weight.
+/// Where there is none, the rows come in two priorities. The hard ones are kept, and the largest violation
+/// max_i (b_i - a_i . u) of the others is made least; of all such u the nearest is taken. Where the hard rows alone
+/// contradict each other or the limits, their largest violation is made least first, and the others have what that
+/// leaves. It is the same method with one more variable, a slack s common to the rows that may be missed, which costs
+/// slack_weight s^2: the largest violation is least up to about 1 / slack_weight.
 #pragma once
 
 #include <array>
@@ -20,11 +22,12 @@ namespace sightline {
 struct HalfSpace {
   std::array<double, 4> a{};
   double b = 0.0;
+  bool hard = false;  ///< kept before the rows that are not
 };
 
 struct ProjectionResult {
   bool feasible = true;    ///< all rows and limits are kept
-  double violation = 0.0;  ///< largest b - a . u; 0 where feasible
+  double violation = 0.0;  ///< largest b - a . u of all rows; 0 where feasible
   int steps = 0;           ///< conditions taken in or let go
 };
 
