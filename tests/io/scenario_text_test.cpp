@@ -105,11 +105,12 @@ TEST(ScenarioText, keys_have_at_most_sixteen_parts_wherever_they_hide) {
   const auto say = [](const std::string& text) { return refusal([&] { check_text(text, "a"); }); };
   const std::string refused = "the key has too many parts, expected at most 16";
   for (const std::string part : {"a", "\"=\"", "'#'", "\"\\\"[\"", "''"}) {
+    const std::string longer = key(17, part);
     EXPECT_EQ(say(key(16, part) + " = 1\n"), "not refused") << part;
-    EXPECT_EQ(say("x = 1\n" + key(17, part) + " = 1\n"), "a:2: " + refused) << part;
-    EXPECT_EQ(say("[" + key(17, part) + "]\n"), "a:1: " + refused) << part;
-    EXPECT_EQ(say("x = \"\"\"\n\"\"\" \n" + key(17, part) + " = 1\n"), "a:3: " + refused) << part;
-    EXPECT_EQ(say("x = '''''a'''''\n" + key(17, part) + " = 1\n"), "a:2: " + refused) << part;
+    EXPECT_EQ(say("x = 1\n" + longer + " = 1\n"), "a:2: " + refused) << part;
+    EXPECT_EQ(say("[" + longer + "]\n"), "a:1: " + refused) << part;
+    EXPECT_EQ(say("x = \"\"\"\n\"\"\" \n" + longer + " = 1\n"), "a:3: " + refused) << part;
+    EXPECT_EQ(say("x = '''''a'''''\n" + longer + " = 1\n"), "a:2: " + refused) << part;
   }
 }
 
