@@ -37,13 +37,13 @@ TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
   std::vector<std::string> names;
   Database::Statement columns(database, "SELECT name FROM pragma_table_info('runs')");
   while (columns.step()) names.push_back(columns.text(0));
-  EXPECT_THAT(names, testing::ElementsAre("index", "seed", "outcome", "min_distance", "time_to_first_view",
-                                          "fraction_in_view", "could_brake", "violations", "energy",
-                                          "status_converged", "status_iteration_limit", "status_deadline",
-                                          "status_not_finite", "status_invalid_state", "uav0.range",
-                                          "uav0.bearing", "uav0.height", "uav0.heading", "uav0.v_f",
-                                          "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
-                                          "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy"));
+  EXPECT_THAT(names, testing::ElementsAre(
+                         "index", "seed", "outcome", "min_distance", "time_to_first_view", "fraction_in_view",
+                         "could_brake", "violations", "energy", "status_converged", "status_stepped",
+                         "status_iteration_limit", "status_deadline", "status_not_finite",
+                         "status_invalid_state", "uav0.range", "uav0.bearing", "uav0.height", "uav0.heading",
+                         "uav0.v_f", "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
+                         "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy"));
   Database::Statement about(database,
                             "SELECT group_concat(value, '|') FROM campaign WHERE key IN "
                             "('scenario', 'seed', 'version', 'duration')");

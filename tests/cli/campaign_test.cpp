@@ -80,15 +80,14 @@ TEST(Campaign, OneRunAloneIsTheRowOfTheTable) {
   const json summary = json::parse(read_file(folder / "one" / "summary.json"));
   const fs::path table = folder / "all" / "campaign.sqlite";
   Database database(table, Database::Open::to_read);
-  Database::Statement row(
-      database,
-      "SELECT seed, min_distance, energy, status_converged, status_iteration_limit, outcome "
-      "FROM runs WHERE \"index\" = 8");
+  Database::Statement row(database,
+                          "SELECT seed, min_distance, energy, status_converged, status_stepped, outcome "
+                          "FROM runs WHERE \"index\" = 8");
   ASSERT_TRUE(row.step());
   EXPECT_EQ(summary.at("seed"), row.integer(0));
   EXPECT_EQ(summary.at("min_distance").get<double>(), row.number(1));
   EXPECT_EQ(summary.at("status").at("converged"), row.integer(3));
-  EXPECT_EQ(summary.at("status").at("iteration_limit"), row.integer(4));
+  EXPECT_EQ(summary.at("status").at("stepped"), row.integer(4));
   double energy = 0;
   for (const json& agent : summary.at("agents")) energy += agent.at("energy").get<double>();
   EXPECT_NEAR(energy, row.number(2).value_or(-1), 1e-12);

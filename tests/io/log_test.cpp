@@ -73,7 +73,7 @@ void fill(Sample& sample, int k, const Scenario& scenario) {
     sample.raw_u[i] = 1.3 * std::cos(0.21 * k + static_cast<double>(i));
     sample.u[i] = std::clamp(sample.raw_u[i], -1.0, 1.0);
   }
-  sample.solvers[0] = {Status::iteration_limit, 0.1 / (1 + k), 7, 12.5 + k, 0};
+  sample.solvers[0] = {Status::stepped, 0.1 / (1 + k), 7, 12.5 + k, 0};
   sample.update_us = 20.25 + k;
   sample.has_path = k % 10 == 0;
   for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = sample.x[i % sample.x.size()];
@@ -155,7 +155,7 @@ TEST(Log, EveryNumberIsReadBackToTheSameBits) {
     EXPECT_EQ(u, sample.u);
     EXPECT_EQ(raw, sample.raw_u);
     const Json& solver = topics["/solver"].at(row);
-    EXPECT_EQ(solver.at("status"), "iteration_limit");
+    EXPECT_EQ(solver.at("status"), "stepped");
     EXPECT_EQ(solver.at("residual").get<double>(), sample.solvers[0].residual);
     EXPECT_EQ(solver.at("cost").get<double>(), stage_cost(scenario.team, sample.time, sample.x, sample.u));
   }

@@ -189,7 +189,7 @@ TEST(NewtonRiccati, EveryStatusIsGivenWhereItIsDue) {
   EXPECT_EQ(solver.solve(0.0, x).status, Status::converged);
   x[0] += 0.05;
   const Solution next = solver.solve(0.01, x);
-  EXPECT_EQ(next.status, Status::iteration_limit);
+  EXPECT_EQ(next.status, Status::stepped);
   EXPECT_GT(next.residual, 1e-6);
   const std::vector<double> planned(next.u.begin(), next.u.end());
   x[0] = std::nan("");
@@ -197,9 +197,13 @@ TEST(NewtonRiccati, EveryStatusIsGivenWhereItIsDue) {
   EXPECT_EQ(refused.status, Status::invalid_state);
   for (std::size_t i = 0; i < planned.size(); ++i) EXPECT_EQ(refused.u[i], planned[i]);
 
+  NewtonRiccati impatient(team, horizon, {.max_newton_steps = 2, .tolerance = 1e-12, .start_steps = 2});
+  EXPECT_EQ(impatient.solve(0.0, paper::start()).status, Status::iteration_limit) << "asked to converge";
+
   NewtonRiccati hurried(team, horizon, {.deadline = 1e-9});
   const Solution late = hurried.solve(0.0, paper::start());
   EXPECT_EQ(late.status, Status::deadline);
+  EXPECT_TRUE(std::isfinite(late.residual));
   for (const double u : late.u) EXPECT_LE(std::fabs(u), 1.0);
 
   x = paper::start();
@@ -208,6 +212,36 @@ TEST(NewtonRiccati, EveryStatusIsGivenWhereItIsDue) {
   EXPECT_EQ(overflowing.status, Status::not_finite);
   for (const double u : overflowing.u) EXPECT_LE(std::fabs(u), 1.0);
   EXPECT_EQ(solver.solve(0.03, paper::start()).status, Status::converged) << "it starts anew";
+}
+
+TEST(NewtonRiccati, AFlightThatGoesWellStepsAndAStepThatWasShortenedSaysSo) {
+  for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
+    NewtonRiccati solver(paper::team(variant), horizon);
+    fly(solver, paper::start(), 600, [](double t, const std::vector<double>&, const Solution& s) {
+      EXPECT_EQ(s.status, s.residual <= 1e-6 ? Status::converged : Status::stepped) << t;
+    });
+    // Far from the optimum a whole step overshoots: it is the first ones that are watched.
+    NewtonRiccati cold(paper::team(variant), horizon, {.step_cap = 1e-3, .start_steps = 1});
+    int shortened = 0, whole = 0;
+    fly(cold, paper::saturating_start(), 300, [&](double, const std::vector<double>&, const Solution& s) {
+      shortened += s.status == Status::iteration_limit ? 1 : 0;
+      whole += s.status == Status::stepped ? 1 : 0;
+    });
+    EXPECT_GT(shortened, 0);
+    EXPECT_GT(whole, 100);
+  }
+}
+
+// Before, an update that ended before its first step flew the first input of an old plan for ever.
+TEST(NewtonRiccati, AnUpdateThatIsAlwaysLateStillFlies) {
+  NewtonRiccati calm(paper::team(paper::Variant::masked), horizon);
+  NewtonRiccati hurried(paper::team(paper::Variant::masked), horizon, {.deadline = 1e-9});
+  const std::vector<double> there = fly(calm, paper::start(), 600);
+  const std::vector<double> late =
+      fly(hurried, paper::start(), 600, [](double t, const std::vector<double>&, const Solution& s) {
+        EXPECT_EQ(s.status, Status::deadline) << t;
+      });
+  for (std::size_t i : {0U, 1U, 2U, 7U, 8U, 9U}) EXPECT_NEAR(late[i], there[i], 0.2) << i;
 }
 
 TEST(NewtonRiccati, NoUpdateAllocates) {

@@ -21,7 +21,7 @@ struct Figures {
   double rms = 0.0;                                                // of uav1, from 10 s on
   double raw_u_max = 0.0, u_max = 0.0;
   double residual_max = 0.0, kkt_max = 0.0;  // from 6 s on
-  int converged = 0, iteration_limit = 0, other = 0;
+  int converged = 0, stepped = 0, other = 0;
 };
 
 template <class S = Cmscgmres>
@@ -38,9 +38,7 @@ Figures fly_paper(const Team& team, std::vector<double> start, int updates,
     if (!(angle <= 0.5)) f.in_view_from = t + 0.01;
     for (const double u : s.raw_u) f.raw_u_max = std::max(f.raw_u_max, std::fabs(u));
     for (const double u : s.u) f.u_max = std::isfinite(u) ? std::max(f.u_max, std::fabs(u)) : 1e9;
-    (s.status == Status::converged         ? f.converged
-     : s.status == Status::iteration_limit ? f.iteration_limit
-                                           : f.other) += 1;
+    (s.status == Status::converged ? f.converged : s.status == Status::stepped ? f.stepped : f.other) += 1;
     if (t >= 6.0) {
       f.distance_min = std::min(f.distance_min, distance);
       f.distance_max = std::max(f.distance_max, distance);

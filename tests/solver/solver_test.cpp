@@ -84,7 +84,7 @@ TYPED_TEST(AnySolver, GivesInputsAndAPredictionFromTheMeasuredState) {
       EXPECT_TRUE(all_finite(s.x));
       EXPECT_GE(s.residual, 0.0);
       EXPECT_GE(s.elapsed, 0.0);
-      EXPECT_TRUE(s.status == Status::converged || s.status == Status::iteration_limit);
+      EXPECT_TRUE(gives_plan(s.status));
     });
   }
 }
@@ -212,7 +212,7 @@ TYPED_TEST(AnySolver, APlanIsFlownStageByStageWhileStatesAreMissing) {
       solver, x, 200,
       [&](double t, const std::vector<double>&, const Solution& s) {
         expect_usable(team, t, s.u, "again");
-        EXPECT_TRUE(s.status == Status::converged || s.status == Status::iteration_limit);
+        EXPECT_TRUE(gives_plan(s.status));
       },
       4.0);
 }
@@ -296,8 +296,7 @@ TYPED_TEST(AnySolver, StatesOfAnySizeGiveUsableInputsAndNoLastingHarm) {
         solver, paper::start(), 100,
         [&](double t, const std::vector<double>&, const Solution& s) {
           expect_usable(team, t, s.u, "after it");
-          EXPECT_TRUE(s.status == Status::converged || s.status == Status::iteration_limit)
-              << to_string(s.status);
+          EXPECT_TRUE(gives_plan(s.status)) << to_string(s.status);
         },
         1.0);
   }
@@ -333,7 +332,7 @@ TYPED_TEST(AnySolver, LimitsThatChangeAreKeptFromTheirTimeOn) {
   TypeParam solver(team, {});
   fly(solver, paper::saturating_start(), 300, [&](double t, const std::vector<double>&, const Solution& s) {
     expect_usable(team, t, s.u, "limits");
-    EXPECT_TRUE(s.status == Status::converged || s.status == Status::iteration_limit) << to_string(s.status);
+    EXPECT_TRUE(gives_plan(s.status)) << to_string(s.status);
   });
 }
 

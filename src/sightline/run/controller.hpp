@@ -30,6 +30,7 @@ struct Controller {
   Status status{};
   int left_out = 0;                      ///< pairs of swarms, at the last update
   bool at_work = false;                  ///< on a late update
+  bool answered = false;                 ///< in this period
   double asked_at = 0.0, done_at = 0.0;  ///< begin of the last update, end of a late one [s]
 
   /// @param number  for the refusals

@@ -242,6 +242,7 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
   constexpr double same_time = 1e-9;
   Solver& solver = *controller.solver;
   Solution solution{.u = controller.plan, .raw_u = controller.plan, .x = {}};
+  controller.answered = false;
   if (options_.guard != nullptr && !options_.guard->knows_all()) {
     solution.status = Status::invalid_state;
   } else if (!controller.at_work) {
@@ -249,12 +250,16 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
     controller.asked_at = t;
     const auto late = std::find_if(options_.late_plans.begin(), options_.late_plans.end(),
                                    [&](const LatePlan& l) { return l.strikes(t); });
-    if (late == options_.late_plans.end()) return solver.solve(t, controller.states);
+    if (late == options_.late_plans.end()) {
+      controller.answered = true;
+      return solver.solve(t, controller.states);
+    }
     controller.at_work = true;
     controller.done_at = t + late->delay;
   }
   if (controller.at_work && t >= controller.done_at - same_time) {
     controller.at_work = false;
+    controller.answered = true;
     const Solution late = solver.solve(controller.asked_at, controller.states);
     solver.planned(t, controller.plan);
     solution.x = late.x;
@@ -334,8 +339,8 @@ void Loop::command(int index, const Controller& controller, const Solution& solu
       held[i] = std::clamp(held[i], u_min[i], u_max[i]);
       sample.raw_u[m.world_u + i] = solution.raw_u.size() == nu ? solution.raw_u[m.ocp_u + i] : held[i];
     }
-    const bool planned = solution.status == Status::converged || solution.status == Status::iteration_limit;
-    if (good && planned) planned_at_[size(m.body.index)] = controller.asked_at;
+    if (good && controller.answered && gives_plan(solution.status))
+      planned_at_[size(m.body.index)] = controller.asked_at;
     if (good) continue;
     ++outcome_.refused;
     tell({t, EventKind::input_refused, index, static_cast<double>(m.body.index)});

@@ -167,7 +167,8 @@ void Succession::prepare() {
   give_plan(*next_.solver);
   predict();
   for (int i = 0; i < converging_steps; ++i) {
-    if (next_.solver->solve(t, next_.controller->states).status != Status::iteration_limit) break;
+    const Status status = next_.solver->solve(t, next_.controller->states).status;
+    if (status != Status::stepped && status != Status::iteration_limit) break;
   }
 }
 

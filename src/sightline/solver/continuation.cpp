@@ -251,8 +251,8 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
   if (!std::isfinite(time) || !accept(states)) return failed(Status::invalid_state);
 
   // A gap longer than 1/zeta would overshoot; going back in time starts anew.
-  double step = std::min(ocp_.horizon().dt, 1.0 / options_.zeta);
-  if (started_ && time > last_time_) step = std::min(time - last_time_, 1.0 / options_.zeta);
+  const double wanted = started_ && time > last_time_ ? time - last_time_ : ocp_.horizon().dt;
+  const double step = std::min(wanted, 1.0 / options_.zeta);
   if (!started_ || time < last_time_) start(time);
   last_time_ = time;
 
@@ -288,7 +288,9 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
   clamp_inputs({U_, at(nu_, 1)});
   keep_plan(time);
   if (!limits_hold()) started_ = false;
-  const Status status = residual <= options_.tolerance ? Status::converged : Status::iteration_limit;
+  const Status status = residual <= options_.tolerance ? Status::converged
+                        : started_ && step >= wanted   ? Status::stepped
+                                                       : Status::iteration_limit;
   return {.u = u_,
           .raw_u = raw_u_,
           .x = X_,

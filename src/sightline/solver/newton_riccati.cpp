@@ -294,12 +294,6 @@ NewtonRiccati::Step NewtonRiccati::newton_step() noexcept {
     groups_.roll_out(u_, s_);
     if (attempt == 0) couplings_->find_neighbours(s_);
     couplings_->evaluate(s_, c_[0]);
-    if (late()) {
-      std::copy_n(u_, groups_.layout().u_length, u_before_);
-      std::fill_n(du_, groups_.layout().u_length, 0.0);
-      result.in_time = false;
-      return result;
-    }
     damped = groups_.solve(u_, held_, c_[0], H_u_, du_, ds_) > 0;
     if (!late()) result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_);
     proposal = examine();
@@ -324,8 +318,10 @@ NewtonRiccati::Step NewtonRiccati::newton_step() noexcept {
     keep_start();
     const bool whole = descend(settled);
     wary_ = descent_.sure() && proposal.residual > near && !whole;
+    result.whole = whole && !damped && proposal.finite;
   } else {
     take();
+    result.whole = settled;
   }
   result.in_time = !late();
   return result;
@@ -425,6 +421,7 @@ Solution NewtonRiccati::solve(double time, std::span<const double> states) noexc
   plan_time_ = time;
   const Status status = !step.in_time                         ? Status::deadline
                         : step.residual <= options_.tolerance ? Status::converged
+                        : steps == 1 && step.whole            ? Status::stepped
                                                               : Status::iteration_limit;
   return {.u = u_out_,
           .raw_u = raw_u_,

@@ -24,7 +24,7 @@ struct NewtonRiccatiOptions {
       1e-3;  ///< they stop once the correction is this small in the norm of the Hessian, >= 0
   double step_cap =
       0.5;  ///< beyond this step of an input, or this residual, costs are watched until steps fit, > 0
-  double deadline = 0.0;  ///< an update ends about this time [s] after it began; 0: none
+  double deadline = 0.0;  ///< an update ends about this time [s] after it began, and a first step; 0: none
   int start_steps = 10;   ///< Newton steps of the first update at most, >= 1
   KernelChoice kernels = KernelChoice::compiled_if_there;
 };
@@ -65,6 +65,7 @@ class NewtonRiccati final : public Solver {
     double residual = 0.0;
     int iterations = 0;
     bool finite = true, in_time = true;
+    bool whole = false;  ///< neither damped nor shortened, and its active set is settled
   };
   /// What one pass over a proposed step finds.
   struct Proposal {

@@ -211,8 +211,8 @@ Solution PartitionedSolver::solve(double time, std::span<const double> states) n
   has_plan_ = true;
   solution.residual = kkt(time, states);
   if (solution.status == Status::deadline) return solution;
-  solution.status =
-      solution.residual <= options_.solver.tolerance ? Status::converged : Status::iteration_limit;
+  solution.status = solution.residual <= options_.solver.tolerance ? Status::converged
+                                                                   : worse(solution.status, Status::stepped);
   return solution;
 }
 

@@ -10,17 +10,21 @@
 
 namespace sightline {
 
-/// How an update ended. In every case `Solution::u` is finite, within its limits and usable.
+/// How an update ended, the better first. In every case `Solution::u` is finite, within its limits and usable.
 enum class Status : std::uint8_t {
-  converged,        ///< residual <= tolerance
-  iteration_limit,  ///< a real-time step; the residual is above the tolerance
-  deadline,         ///< the time given was over; the best there was
-  not_finite,       ///< the step was not finite: the last good plan, shifted; the next update starts anew
-  invalid_state,    ///< the state was refused (not finite, heading (0, 0)): the last good plan, shifted
+  converged,  ///< residual <= tolerance
+  stepped,    ///< residual > tolerance; the one step of a real-time update was taken whole
+  iteration_limit,  ///< residual > tolerance after all the steps of an update that was asked to converge, or after a
+  ///< real-time step that was not taken whole: damped, shortened, or at limits not yet known
+  deadline,       ///< the time given was over; the best there was
+  not_finite,     ///< the step was not finite: the last good plan, shifted; the next update starts anew
+  invalid_state,  ///< the state was refused (not finite, heading (0, 0)): the last good plan, shifted
 };
-inline constexpr int status_count = 5;
+inline constexpr int status_count = 6;
 
 std::string_view to_string(Status status);
+/// Whether an update that ended so made a plan from the state it was given.
+constexpr bool gives_plan(Status status) { return status < Status::not_finite; }
 
 /// Pairs of swarms.
 struct Neighbours {
