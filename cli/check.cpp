@@ -29,8 +29,9 @@ std::vector<std::string> look_at_regions(const Scenario& scenario, std::string& 
                              fmt::join(smoothed, ", "), region->width());
     }
     if (const auto spot = not_finite_at(couplings[i].term.potential)) {
-      faults.push_back(fmt::format("{}: {} is no finite number with {}, expected one everywhere",
-                                   scenario.file.native(), who, to_string(*spot)));
+      faults.push_back(fmt::format("{}:{}: {} is no finite number with {}, expected one everywhere",
+                                   scenario.file.native(), scenario.coupling_lines[i], who,
+                                   to_string(*spot)));
     }
   }
   return faults;

@@ -18,14 +18,17 @@ std::optional<Guard> guard_of(const Scenario& scenario) {
 }  // namespace
 
 void check_solvers(const Scenario& scenario) {
-  constexpr std::string_view follows = "newton_riccati";
-  if (!changes_in_flight(scenario)) return;
+  constexpr std::string_view able = "newton_riccati";
+  const bool changes = changes_in_flight(scenario);
+  if (!changes && scenario.team.swarms().empty()) return;
   std::vector<std::string> names = scenario.simulation.compare;
   names.insert(names.begin(), scenario.solver.name);
   for (const std::string& name : names) {
-    if (name == follows) continue;
-    throw std::invalid_argument(fmt::format(
-        "the team changes in flight, which the solver {} cannot follow, expected {}", name, follows));
+    if (name == able) continue;
+    throw std::invalid_argument(
+        changes ? fmt::format("the team changes in flight, which the solver {} cannot follow, expected {}",
+                              name, able)
+                : fmt::format("the solver {} knows no keep_apart, expected {}", name, able));
   }
 }
 

@@ -10,8 +10,8 @@
 
 namespace sightline {
 
-/// @throws std::invalid_argument where the team changes in flight and its solver, or one that is to be compared,
-/// cannot follow
+/// @throws std::invalid_argument where the team changes in flight, or keeps apart as a swarm, and its solver, or one
+/// that is to be compared, does not know how
 void check_solvers(const Scenario& scenario);
 
 /// Who steers a scenario: a solver of its team, or a succession of them where the team changes in flight.

@@ -65,10 +65,8 @@ Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& o
       .name = read_term_name(at)};
 }
 
-void read_couplings(const TomlTable& root, const Observers& observers, Team& team) {
-  for (const TomlTable& at : root.tables("couple")) {
-    at.checked([&, coupling = read_coupling(at, team, observers)] { team.couple(coupling); });
-  }
+void read_couple(const TomlTable& at, const Observers& observers, Team& team) {
+  at.checked([&, coupling = read_coupling(at, team, observers)] { team.couple(coupling); });
 }
 
 }  // namespace sightline

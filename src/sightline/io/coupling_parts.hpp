@@ -28,7 +28,7 @@ std::string read_term_name(const TomlTable& at);
 /// `name`, `potential`, `weight`, `between` and `felt_by` of [[couple]]; without `felt_by` all its robots feel it.
 Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& observers);
 
-/// All of [[couple]].
-void read_couplings(const TomlTable& root, const Observers& observers, Team& team);
+/// One [[couple]].
+void read_couple(const TomlTable& at, const Observers& observers, Team& team);
 
 }  // namespace sightline

@@ -38,8 +38,14 @@ class Reader {
     read_agents();
     read_bodies("target", scenario_.targets);
     read_bodies("obstacle", scenario_.obstacles);
-    read_couplings(root_, observers_, scenario_.team);
-    read_shapes(root_, observers_, scenario_.team, scenario_.script);
+    for (const TomlTable& at : root_.tables("couple")) {
+      read_couple(at, observers_, scenario_.team);
+      scenario_.coupling_lines.resize(scenario_.team.couplings().size(), at.line());
+    }
+    for (const TomlTable& at : root_.tables("shape")) {
+      read_shape(at, observers_, scenario_.team, scenario_.script);
+      scenario_.coupling_lines.resize(scenario_.team.couplings().size(), at.line());
+    }
     for (const TomlTable& at : root_.tables("keep_apart")) read_keep_apart(at, scenario_.team);
     read_constraints();
     scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);
@@ -55,9 +61,9 @@ class Reader {
   void read_horizon() {
     const TomlTable at = root_.table_or_empty("horizon");
     Horizon& horizon = scenario_.horizon;
-    at.read(
-        {{"duration", &horizon.T, positive("> 0 s")}, {"period", &horizon.dt, {1e-4, 1e3, "1e-4 to 1000 s"}}},
-        {"stages"});
+    at.read({{"duration", &horizon.T, {std::numeric_limits<double>::min(), 1e6, "> 0 s, at most 1e6 s"}},
+             {"period", &horizon.dt, {1e-4, 1e3, "1e-4 to 1000 s"}}},
+            {"stages"});
     if (at.has("stages")) horizon.N = static_cast<int>(at.integer("stages", 1, 1000));
   }
 

@@ -86,6 +86,7 @@ struct Scenario {
   Horizon horizon{};
   SolverChoice solver{};
   Team team{};  ///< robots, then targets, then obstacles, each in the order of the file
+  std::vector<std::size_t> coupling_lines;  ///< of the file, where each coupling of the team is said
   std::vector<BodyId> targets;
   std::vector<BodyId> obstacles;
   std::vector<Stranger> strangers;  ///< targets, then obstacles

@@ -101,6 +101,8 @@ void read_relay(const TomlTable& shape, const TermsOf& terms_of, Team& team, Scr
   shape.checked([&] { relay(team, script, terms_of, observers, target, options); });
 }
 
+}  // namespace
+
 void read_shape(const TomlTable& at, const Observers& observers, Team& team, Script& script) {
   constexpr std::string_view nearest_word = "nearest";
   const bool is_relay = at.has(nearest_word);
@@ -138,12 +140,6 @@ void read_shape(const TomlTable& at, const Observers& observers, Team& team, Scr
   };
   if (is_relay) return read_relay(at, terms_of, team, script);
   at.checked([&] { couple(team, terms_of, pairs, felt_by); });
-}
-
-}  // namespace
-
-void read_shapes(const TomlTable& root, const Observers& observers, Team& team, Script& script) {
-  for (const TomlTable& at : root.tables("shape")) read_shape(at, observers, team, script);
 }
 
 }  // namespace sightline

@@ -8,7 +8,7 @@ namespace sightline {
 /// Most couplings that one shape expands to.
 inline constexpr std::size_t shape_couplings_max = 100'000;
 
-/// Expands all of [[shape]] to couplings of the team; where the nearest observes, to events too.
-void read_shapes(const TomlTable& root, const Observers& observers, Team& team, Script& script);
+/// Expands one [[shape]] to couplings of the team; where the nearest observes, to events too.
+void read_shape(const TomlTable& at, const Observers& observers, Team& team, Script& script);
 
 }  // namespace sightline

@@ -40,12 +40,29 @@ std::string shown(const toml::node& node) {
   return fmt::format("[{}]", list);
 }
 
+/// A text is a name, a path or a formula; those of the system end where U+0000 stands.
+void refuse_null_characters(const toml::node& node, const std::string& key, std::string_view file) {
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [name, inner] : *table)
+      refuse_null_characters(inner, key.empty() ? shown_key(name.str()) : key + '.' + shown_key(name.str()),
+                             file);
+  } else if (const toml::array* array = node.as_array()) {
+    for (std::size_t i = 0; i < array->size(); ++i)
+      refuse_null_characters((*array)[i], fmt::format("{}[{}]", key, i), file);
+  } else if (const auto* text = node.as_string();
+             text != nullptr && text->get().find('\0') != std::string::npos) {
+    throw ScenarioError(file, line_of(node),
+                        fmt::format("{} = {}, expected a text without U+0000", key, shown(node)));
+  }
+}
+
 }  // namespace
 
 TomlDocument parse_toml(std::string_view text, std::string file) {
   check_text(text, file);
   try {
     toml::table root = toml::parse(text);
+    refuse_null_characters(root, "", file);
     return {std::move(file), std::move(root), std::string(text)};
   } catch (const toml::parse_error& error) {
     throw ScenarioError(file, std::max<std::size_t>(error.source().begin.line, 1),

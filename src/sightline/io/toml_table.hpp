@@ -129,6 +129,8 @@ class TomlTable {
 
   /// The file, as its refusals name it.
   const std::string& file() const { return document_->file; }
+  /// The line on which it begins, from 1.
+  std::size_t line() const { return line_; }
 
  private:
   friend class TomlValue;
