@@ -5,6 +5,7 @@
 
 #include "cli/allocations.hpp"
 #include "cli/commands.hpp"
+#include "cli/output.hpp"
 #ifdef SIGHTLINE_BENCH
 #include "bench/barrier.hpp"
 #include "bench/bench.hpp"
@@ -25,47 +26,46 @@ int bench(const BenchCommand& command) {
       if (!is_barrier_case(name) && name != swarm_case_name && name != event_case_name)
         cases.push_back(bench_case(name));
   } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "sightline bench: {}\n", error.what());
+    tell("sightline bench: {}\n", error.what());
     return 2;
   }
 
   pin_to_core();
   std::vector<BenchRow> rows;
   if (command.name && is_barrier_case(*command.name)) {
-    rows.push_back(
-        run_barrier_bench(*command.name, {.allocations = allocations, .progress = [](int conflicts) {
-                                            fmt::print(stderr, "{} of 500 conflicts\n", conflicts);
-                                          }}));
+    rows.push_back(run_barrier_bench(
+        *command.name, {.allocations = allocations,
+                        .progress = [](int conflicts) { tell("{} of 500 conflicts\n", conflicts); }}));
   }
   if (command.name == swarm_case_name) {
-    rows = run_swarm_bench({.allocations = allocations,
-                            .progress = [](int pairs) { fmt::print(stderr, "{} pairs at most\n", pairs); }});
+    rows = run_swarm_bench(
+        {.allocations = allocations, .progress = [](int pairs) { tell("{} pairs at most\n", pairs); }});
   }
   if (command.name == event_case_name) {
-    rows = run_event_bench({.allocations = allocations,
-                            .progress = [](int changes) { fmt::print(stderr, "{} changes\n", changes); }});
+    rows = run_event_bench(
+        {.allocations = allocations, .progress = [](int changes) { tell("{} changes\n", changes); }});
   }
   for (const BenchCase& what : cases) {
-    fmt::print(stderr, "{}: ", what.name);
+    tell("{}: ", what.name);
     rows.push_back(run_bench(what, solver, {.allocations = allocations, .progress = [](int update) {
-                                              if (update % 500 == 0) fmt::print(stderr, ".");
+                                              if (update % 500 == 0) tell(".");
                                             }}));
     const BenchRow& row = rows.back();
-    fmt::print(stderr, " {:.2f} us\n", row.median_us);
+    tell(" {:.2f} us\n", row.median_us);
     if (row.unconverged > 0)
-      fmt::print(stderr, "{}: the optimum of {} updates is not known to 1e-10\n", row.name, row.unconverged);
-    if (row.ipopt_failed > 0) fmt::print(stderr, "{}: IPOPT failed {} times\n", row.name, row.ipopt_failed);
+      tell("{}: the optimum of {} updates is not known to 1e-10\n", row.name, row.unconverged);
+    if (row.ipopt_failed > 0) tell("{}: IPOPT failed {} times\n", row.name, row.ipopt_failed);
   }
-  fmt::print("{}", command.json ? bench_json(rows) : bench_table(rows));
+  print("{}", command.json ? bench_json(rows) : bench_table(rows));
   return 0;
 }
 
 #else
 
 int bench(const BenchCommand&) {
-  fmt::print(stderr,
-             "sightline bench: this build left the benchmarks out, expected one configured with "
-             "-D SIGHTLINE_BENCH=ON, as the release preset is\n");
+  tell(
+      "sightline bench: this build left the benchmarks out, expected one configured with "
+      "-D SIGHTLINE_BENCH=ON, as the release preset is\n");
   return 2;
 }
 

@@ -1,60 +1,27 @@
 #include "sightline/campaign/campaign.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
-#include <cstdio>
+#include <list>
 #include <span>
+#include <stdexcept>
 #include <thread>
 
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
+#include "cli/progress.hpp"
 #include "sightline/campaign/evasion_page.hpp"
 #include "sightline/campaign/page.hpp"
 #include "sightline/campaign/paired.hpp"
 #include "sightline/campaign/table.hpp"
-#include "sightline/io/page.hpp"
+#include "sightline/io/text_file.hpp"
 
 namespace sightline::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-void say(std::string_view sentence) { fmt::print(stderr, "sightline: {}\n", sentence); }
-
-/// How far a campaign is: a line that is written anew on a terminal, and else one every tenth of the runs.
-class ProgressLine {
- public:
-  ProgressLine(std::string name, int runs)
-      : terminal_(isatty(STDERR_FILENO) == 1), name_(std::move(name)), runs_(runs) {}
-  ~ProgressLine() {
-    if (terminal_ && shown_) fmt::print(stderr, "\n");
-  }
-  ProgressLine(const ProgressLine&) = delete;
-  ProgressLine& operator=(const ProgressLine&) = delete;
-
-  void show(int done, int recovered) {
-    const auto now = Time::now();
-    const bool due = terminal_ ? now >= next_ || done == runs_ : 10 * (done - 1) / runs_ < 10 * done / runs_;
-    if (!due) return;
-    next_ = now + std::chrono::milliseconds(100);
-    shown_ = true;
-    const double elapsed = std::chrono::duration<double>(now - begin_).count();
-    fmt::print(stderr, "{}{}: {} of {} runs, {} recovered, {:.0f} s left{}", terminal_ ? "\r" : "", name_,
-               done, runs_, recovered, elapsed * (runs_ - done) / done, terminal_ ? "   " : "\n");
-    std::fflush(stderr);
-  }
-
- private:
-  using Time = std::chrono::steady_clock;
-  bool terminal_, shown_ = false;
-  std::string name_;
-  int runs_;
-  Time::time_point begin_ = Time::now(), next_ = begin_;
-};
 
 /// All that the command is about, read and checked.
 struct Input {
@@ -91,19 +58,59 @@ Input read(const CampaignCommand& command) {
     }
     Variants(one, input.plan);
   }
-  for (std::size_t i = 0; i < input.scenarios.size(); ++i) make_folder(input.folder_of(i));
   return input;
 }
 
 using Counts = std::array<int, outcome_count>;
 
-/// Flies all runs of one scenario into campaign.sqlite.
-Counts fly_all(const Scenario& scenario, const Input& input, const fs::path& folder) {
-  RunTable table(folder / "campaign.sqlite", scenario, input.plan, input.options.seed);
+/// The tables of all scenarios, in folders of this process alone.
+struct Tables {
+  explicit Tables(const Input& input) {
+    for (std::size_t i = 0; i < input.scenarios.size(); ++i)
+      locks.emplace_back(input.folder_of(i),
+                         std::initializer_list<std::string_view>{"campaign.sqlite", "campaign.html"});
+    for (std::size_t i = 0; i < input.scenarios.size(); ++i) open(input, i);
+  }
+
+  std::list<FolderLock> locks;
+  std::list<RunTable> runs;
+
+ private:
+  /// What goes on must be what it was: the last run that is there is flown again.
+  void open(const Input& input, std::size_t i) {
+    const Scenario& scenario = input.scenarios[i];
+    const fs::path file = input.folder_of(i) / "campaign.sqlite";
+    RunTable& table = runs.emplace_back(file, scenario, input.plan, input.options.seed);
+    if (table.rows() == 0) return;
+    if (table.rows() > input.options.runs) {
+      throw std::invalid_argument(fmt::format(
+          "{}: holds {} runs of this campaign, expected at most --runs {}: ask for as many, or give "
+          "another folder by -o",
+          file.native(), table.rows(), input.options.runs));
+    }
+    const Variants variants(scenario, input.plan);
+    const RunDraw last = draw_run(input.plan, input.options.seed, table.rows() - 1);
+    if (!table.holds(last, Pilot(variants, input.plan).fly(last))) {
+      throw std::invalid_argument(fmt::format(
+          "{}: holds {} runs, of which number {} flies otherwise now: another program, machine or "
+          "file that the scenario names; give another folder by -o, or move the file away",
+          file.native(), table.rows(), last.index));
+    }
+    if (table.rows() < input.options.runs)
+      say(fmt::format("{}: goes on after {} runs", file.native(), table.rows()));
+  }
+};
+
+/// Flies the runs that the table lacks.
+Counts fly_all(const Scenario& scenario, const Input& input, RunTable& table) {
   Counts counts{};
-  ProgressLine progress(scenario.name, input.options.runs);
-  int done = 0;
-  fly_campaign(scenario, input.plan, input.options, [&](const RunDraw& run, const RunResult& result) {
+  for (int i = 0; i < outcome_count; ++i)
+    counts[static_cast<std::size_t>(i)] = table.rows(static_cast<Outcome>(i));
+  CampaignOptions options = input.options;
+  options.first = table.rows();
+  int done = options.first;
+  CampaignProgress progress(scenario.name, options.runs, done, counts[0]);
+  fly_campaign(scenario, input.plan, options, [&](const RunDraw& run, const RunResult& result) {
     table.add(run, result);
     ++counts[static_cast<std::size_t>(result.outcome)];
     progress.show(++done, counts[0]);
@@ -114,14 +121,14 @@ Counts fly_all(const Scenario& scenario, const Input& input, const fs::path& fol
 
 /// What flies a run of this campaign again, but for its index and folder.
 std::string again(const CampaignCommand& command, const Input& input) {
-  std::string words =
-      fmt::format("sightline campaign {} --seed {}", command.scenario.native(), input.options.seed);
-  if (!command.beside.empty()) words += fmt::format(" --beside {}", command.beside.native());
+  std::string words = fmt::format("sightline campaign {} --seed {}", shell_word(command.scenario.native()),
+                                  input.options.seed);
+  if (!command.beside.empty()) words += " --beside " + shell_word(command.beside.native());
   return words;
 }
 
 void print_lines(const std::vector<CampaignLine>& lines) {
-  for (const CampaignLine& line : lines) fmt::print("{:24}  {}\n", line.what, line.value);
+  for (const CampaignLine& line : lines) print("{:24}  {}\n", line.what, line.value);
 }
 
 /// What a run's row says.
@@ -138,16 +145,19 @@ std::string words_of(const RunDraw& run, const RunResult& result, const Campaign
 /// One run of each scenario, as `sightline run` flies it; its own scenario lies beside the log.
 int fly_one(const Input& input, int index) {
   const RunDraw run = draw_run(input.plan, input.options.seed, index);
+  std::list<RunFolder> folders;
+  for (std::size_t i = 0; i < input.scenarios.size(); ++i)
+    folders.emplace_back(input.folder_of(i), Variants(input.scenarios[i], input.plan).of(run));
   int code = 0;
   for (std::size_t i = 0; i < input.scenarios.size(); ++i) {
     const Variants variants(input.scenarios[i], input.plan);
     const RunResult result = Pilot(variants, input.plan).fly(run);
     Scenario scenario = variants.of(run);
-    const fs::path folder = input.folder_of(i);
-    write_text(folder / (scenario.name + ".toml"), scenario.text);
-    fmt::print("{}", words_of(run, result, input.plan));
+    write_text(folders.front().path() / (scenario.name + ".toml"), scenario.text);
+    print("{}", words_of(run, result, input.plan));
     SimulatedClock clock;
-    const int flown = fly(std::move(scenario), folder, clock);
+    const int flown = fly(std::move(scenario), folders.front(), clock);
+    folders.pop_front();
     if (i == 0) code = result.outcome == Outcome::recovered ? flown : 1;
   }
   return code;
@@ -160,31 +170,33 @@ int campaign(const CampaignCommand& command) {
   try {
     input = read(command);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    tell("{}\n", error.what());
     return 2;
   }
+  outlive_the_terminal();
   Counts counts{};
   try {
     if (command.only) return fly_one(input, *command.only);
+    Tables held(input);
     std::vector<CampaignTable> tables;
     for (std::size_t i = 0; i < input.scenarios.size(); ++i) {
       const Scenario& scenario = input.scenarios[i];
-      const fs::path folder = input.folder_of(i);
-      const Counts of_this = fly_all(scenario, input, folder);
+      const Counts of_this = fly_all(scenario, input, held.runs.front());
+      held.runs.pop_front();
       if (i == 0) counts = of_this;
-      tables.push_back({scenario.name, folder / "campaign.sqlite"});
-      fmt::print("{}{}: {} runs, seed {}\n", i > 0 ? "\n" : "", scenario.name, input.options.runs,
-                 input.options.seed);
+      tables.push_back({scenario.name, input.folder_of(i) / "campaign.sqlite"});
+      print("{}{}: {} runs, seed {}\n", i > 0 ? "\n" : "", scenario.name, input.options.runs,
+            input.options.seed);
       print_lines(campaign_lines(tables.back()));
       if (i == 0) continue;
-      fmt::print("\n{}, compared with {}\n", scenario.name, tables[0].name);
+      print("\n{}, compared with {}\n", scenario.name, tables[0].name);
       print_lines(energy_lines(tables[0], tables.back()));
     }
     std::vector<EvasionRuns> evasions;
     for (std::size_t i = 0; input.plan.evasion && i < tables.size(); ++i)
       evasions.push_back(
           evasion_runs(input.scenarios[i], input.plan, input.options.seed, input.options.runs));
-    if (input.plan.evasion) fmt::print("\n{}\n", evasion_text(*input.plan.evasion, evasions));
+    if (input.plan.evasion) print("\n{}\n", evasion_text(*input.plan.evasion, evasions));
     for (std::size_t i = 0; i < tables.size(); ++i) {
       const std::vector<CampaignTable> shown = i == 0 ? tables : std::vector<CampaignTable>{tables[i]};
       const std::span of_all(evasions);
@@ -194,11 +206,13 @@ int campaign(const CampaignCommand& command) {
                                input.plan.evasion ? evasion_html(*input.plan.evasion, of_page) : ""));
     }
   } catch (const ScenarioError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    tell("{}\n", error.what());
+    return 2;
+  } catch (const std::invalid_argument& error) {
+    tell("{}\n", error.what());
     return 2;
   }
-  for (const char* file : {"campaign.html", "campaign.sqlite"})
-    fmt::print("{}\n", (input.folder / file).native());
+  for (const char* file : {"campaign.html", "campaign.sqlite"}) print("{}\n", (input.folder / file).native());
   if (counts[0] == input.options.runs) return 0;
   for (int i = 1; i < outcome_count; ++i) {
     if (const int bad = counts[static_cast<std::size_t>(i)]; bad > 0)

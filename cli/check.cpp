@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cli/commands.hpp"
+#include "cli/output.hpp"
 #include "sightline/advise/potential_page.hpp"
 #include "sightline/io/closed_loop.hpp"
 #include "sightline/io/scenario.hpp"
@@ -71,18 +72,18 @@ int check(const std::filesystem::path& scenario) {
     (void)Controls(read);
     std::string remarks;
     const std::vector<std::string> faults = look_at_regions(read, remarks);
-    for (const std::string& fault : faults) fmt::print(stderr, "{}\n", fault);
+    for (const std::string& fault : faults) tell("{}\n", fault);
     if (!faults.empty()) return 2;
-    fmt::print("ok\n{}{}{}{}", summary(read), remarks, warnings_of(read.team), warnings_of_speeds(read));
+    print("ok\n{}{}{}{}", summary(read), remarks, warnings_of(read.team), warnings_of_speeds(read));
     return 0;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    tell("{}\n", error.what());
     return 2;
   }
 }
 
 int version() {
-  fmt::print("sightline {}\n{}\n", sightline::version, compiler);
+  print("sightline {}\n{}\n", sightline::version, compiler);
   return 0;
 }
 

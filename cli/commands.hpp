@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <list>
 #include <optional>
 #include <string>
 
+#include "sightline/io/folder_lock.hpp"
 #include "sightline/io/scenario.hpp"
 #include "sightline/run/clock.hpp"
 
@@ -48,10 +50,23 @@ struct CampaignCommand {
 
 /// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.
 int run(const RunOptions& options);
+
+/// Where a flight leaves its files, and where its comparisons leave theirs; for this process alone.
+class RunFolder {
+ public:
+  /// @param in_parts  whether the flight is compared with that of one solver for the whole team
+  /// @throws std::invalid_argument as FolderLock
+  RunFolder(const std::filesystem::path& folder, const Scenario& scenario, bool in_parts = false);
+
+  const std::filesystem::path& path() const { return locks_.front().folder(); }
+
+ private:
+  std::list<FolderLock> locks_;
+};
+
 struct PartitionChoice;
-/// The same for a scenario that is read already; its team plans in parts, or, without a choice, as one.
-int fly(Scenario scenario, const std::filesystem::path& folder, Clock& clock,
-        const PartitionChoice* partition = nullptr);
+/// As run(), for a scenario that is read already; its team plans in parts, or, without a choice, as one.
+int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const PartitionChoice* partition = nullptr);
 /// Flies a scenario many times as its [campaign] says; leaves campaign.sqlite and campaign.html. 1 where a run is
 /// not recovered.
 int campaign(const CampaignCommand& command);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cli/commands.hpp"
+#include "cli/output.hpp"
 #include "sightline/io/scenario.hpp"
 
 namespace sightline::cli {
@@ -10,10 +11,10 @@ namespace sightline::cli {
 int explain(const std::filesystem::path& scenario) {
   try {
     const Scenario read = read_scenario(scenario);
-    fmt::print("{}", to_string(sightline::explain(read.team), read.team));
+    print("{}", to_string(sightline::explain(read.team), read.team));
     return 0;
   } catch (const ScenarioError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    tell("{}\n", error.what());
     return 2;
   }
 }

@@ -1,17 +1,16 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <exception>
+#include <sstream>
 
 #include "cli/commands.hpp"
+#include "cli/output.hpp"
 
 namespace {
 
 constexpr int runs_max = 1'000'000'000;
 constexpr std::uint64_t seed_max = 9'223'372'036'854'775'807;  // as in a scenario
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int execute(int argc, char** argv) {
   using namespace sightline::cli;
 
   CLI::App app(
@@ -24,7 +23,8 @@ int main(int argc, char** argv) {
   run_command->add_option("SCENARIO", run_options.scenario, "Scenario file (TOML)")->required();
   run_command->add_option("-o,--output", run_options.output, "Folder for the results [out/NAME]");
   run_command->add_option("--solver", run_options.solver, "Solver, instead of the scenario's");
-  run_command->add_option("--seed", run_options.seed, "Seed of all chance, instead of the scenario's");
+  run_command->add_option("--seed", run_options.seed, "Seed of all chance, instead of the scenario's")
+      ->check(CLI::Range(std::uint64_t{0}, seed_max));
   run_command->add_flag("--realtime", run_options.realtime,
                         "Pace by the wall clock; missed periods are events");
 
@@ -85,20 +85,33 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
+    std::ostringstream out, err;
+    const int code = app.exit(e, out, err);
+    write_result(out.str());
+    write_message(err.str());
+    return code == 0 ? 0 : 2;
   }
-  try {
-    if (run_command->parsed()) return run(run_options);
-    if (check_command->parsed()) return check(scenario);
-    if (report_command->parsed()) return report(folder);
-    if (potential_command->parsed()) return potential(potential_options);
-    if (explain_command->parsed()) return explain(scenario);
-    if (campaign_command->parsed()) return campaign(campaign_options);
-    if (version_command->parsed()) return version();
-    if (bench_command->parsed()) return bench(bench_options);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "sightline: %s\n", e.what());
-    return 1;
-  }
+  if (run_command->parsed()) return run(run_options);
+  if (check_command->parsed()) return check(scenario);
+  if (report_command->parsed()) return report(folder);
+  if (potential_command->parsed()) return potential(potential_options);
+  if (explain_command->parsed()) return explain(scenario);
+  if (campaign_command->parsed()) return campaign(campaign_options);
+  if (version_command->parsed()) return version();
+  if (bench_command->parsed()) return bench(bench_options);
   return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace sightline::cli;
+  open_streams();
+  int code = 1;
+  try {
+    code = execute(argc, argv);
+  } catch (const std::exception& e) {
+    tell("sightline: {}\n", e.what());
+  }
+  return finish(code);
 }

@@ -1,19 +1,121 @@
 #include "cli/output.hpp"
 
-#include <fmt/format.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-#include <stdexcept>
+#include <algorithm>
+#include <cerrno>
 #include <system_error>
 
 namespace sightline::cli {
+namespace {
 
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw std::invalid_argument(fmt::format("-o {}: {}, expected a folder that can be made", folder.native(),
-                                            error ? error.message() : "not a folder"));
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t piece = 4096;  // a pipe that has room takes as much at once [B]
+
+/// Writes to one of the standard streams without ever waiting longer than it may.
+class Stream {
+ public:
+  explicit Stream(int file) : file_(file) {
+    struct stat status {};
+    const int mode = ::fcntl(file, F_GETFL) & O_ACCMODE;
+    if (::fstat(file, &status) != 0 || mode == O_RDONLY) return;
+    is_socket_ = S_ISSOCK(status.st_mode);
+    // The stream is shared with others, who may wait: a description of one's own, where there is something to wait
+    // for, that does not. A regular file keeps its place and its end.
+    if (S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode)) {
+      const std::string name = fmt::format("/proc/self/fd/{}", file);
+      const int own = ::open(name.c_str(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+      if (own >= 0) file_ = own;
+    }
   }
+
+  /// @return 0, or the errno of what went wrong; ETIMEDOUT where nobody took it in time
+  int write(std::string_view text, bool wait) noexcept {
+    while (!text.empty()) {
+      if (const int fault = await(wait); fault != 0) return fault;
+      const std::size_t size = std::min(text.size(), piece);
+      const ssize_t count = is_socket_ ? ::send(file_, text.data(), size, MSG_DONTWAIT | MSG_NOSIGNAL)
+                                       : ::write(file_, text.data(), size);
+      if (count > 0) text.remove_prefix(static_cast<std::size_t>(count));
+      if (count < 0 && errno != EINTR && errno != EAGAIN) return errno;
+    }
+    return 0;
+  }
+
+  void wait_at_most(Clock::duration time) { left_ = time; }
+
+ private:
+  static constexpr std::chrono::milliseconds look{100};
+
+  int await(bool wait) noexcept {
+    for (;;) {
+      pollfd room = {file_, POLLOUT, 0};
+      const auto begin = Clock::now();
+      const auto most = wait ? std::clamp<Clock::duration>(left_, {}, look) : Clock::duration(0);
+      const auto ms = std::chrono::ceil<std::chrono::milliseconds>(most);
+      const int ready = ::poll(&room, 1, static_cast<int>(ms.count()));
+      if (ready > 0 || (ready < 0 && errno != EINTR)) return 0;  // what is wrong, the writing tells
+      if (!wait) return ETIMEDOUT;
+      if (left_ != Clock::duration::max()) left_ -= Clock::now() - begin;
+      if (left_ <= Clock::duration(0)) return ETIMEDOUT;
+    }
+  }
+
+  int file_;
+  bool is_socket_ = false;
+  Clock::duration left_ = Clock::duration::max();
+};
+
+/// Both streams and what became of the results.
+struct Streams {
+  Stream results{STDOUT_FILENO}, messages{STDERR_FILENO};
+  int lost = 0;  // errno of the results
+
+  Streams() { messages.wait_at_most(patience); }
+};
+
+Streams& streams() {
+  static Streams all;
+  return all;
+}
+
+}  // namespace
+
+void open_streams() {
+  for (int file = STDIN_FILENO; file <= STDERR_FILENO; ++file) {
+    if (::fcntl(file, F_GETFD) >= 0) continue;
+    // The lowest that is free; for reading alone, so that what is written there is known to be lost.
+    [[maybe_unused]] const int opened = ::open("/dev/null", O_RDONLY);
+  }
+  for (const int signal : {SIGPIPE, SIGXFSZ, SIGTTOU}) ::signal(signal, SIG_IGN);
+}
+
+void outlive_the_terminal() {
+  ::signal(SIGHUP, SIG_IGN);
+  if (::isatty(STDOUT_FILENO) == 1) streams().results.wait_at_most(patience);
+}
+
+void write_result(std::string_view text) noexcept {
+  Streams& all = streams();
+  if (all.lost == 0) all.lost = all.results.write(text, true);
+}
+
+void write_message(std::string_view text) noexcept { (void)streams().messages.write(text, true); }
+
+void offer_message(std::string_view text) noexcept { (void)streams().messages.write(text, false); }
+
+void say(std::string_view sentence) { tell("sightline: {}\n", sentence); }
+
+int finish(int code) {
+  const int lost = streams().lost;
+  if (lost == 0) return code;
+  say(fmt::format("stdout: {}, the results could not be shown there", std::generic_category().message(lost)));
+  return code == 0 ? 1 : code;
 }
 
 }  // namespace sightline::cli

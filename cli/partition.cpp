@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "sightline/io/page.hpp"
+#include "sightline/io/text_file.hpp"
 #include "sightline/solver/sweeps.hpp"
 
 namespace sightline::cli {

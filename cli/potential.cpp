@@ -5,8 +5,9 @@
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "sightline/advise/potential_page.hpp"
-#include "sightline/io/page.hpp"
+#include "sightline/io/folder_lock.hpp"
 #include "sightline/io/scenario.hpp"
+#include "sightline/io/text_file.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -31,28 +32,29 @@ std::optional<std::size_t> chosen(const PotentialOptions& options, const Scenari
 
 int potential(const PotentialOptions& options) {
   Scenario scenario;
-  std::filesystem::path folder;
+  std::optional<FolderLock> lock;
   std::optional<std::size_t> only;
   try {
     scenario = read_scenario(options.scenario);
     only = chosen(options, scenario);
-    folder =
-        options.output.empty() ? std::filesystem::path("out") / scenario.name / "potential" : options.output;
-    make_folder(folder);
+    lock.emplace(
+        options.output.empty() ? std::filesystem::path("out") / scenario.name / "potential" : options.output,
+        std::initializer_list<std::string_view>{"verdict.json", "index.html"});
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    tell("{}\n", error.what());
     return 2;
   }
 
   const auto judged = judge_couplings(scenario.team, only);
   for (const JudgedCoupling& one : judged) {
-    fmt::print("{}\n", title_of(scenario.team, one.coupling));
-    if (one.same_as) fmt::print("  the same potential as couple[{}]\n", *one.same_as);
-    for (const std::string& sentence : one.verdict.words) fmt::print("  {}\n", sentence);
+    print("{}\n", title_of(scenario.team, one.coupling));
+    if (one.same_as) print("  the same potential as couple[{}]\n", *one.same_as);
+    for (const std::string& sentence : one.verdict.words) print("  {}\n", sentence);
   }
+  const std::filesystem::path& folder = lock->folder();
   write_text(folder / "verdict.json", verdict_json(scenario, judged));
   write_text(folder / "index.html", potential_html(scenario, judged));
-  for (const char* file : {"index.html", "verdict.json"}) fmt::print("{}\n", (folder / file).native());
+  for (const char* file : {"index.html", "verdict.json"}) print("{}\n", (folder / file).native());
   return 0;
 }
 

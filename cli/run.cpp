@@ -9,6 +9,7 @@
 #include "cli/partition.hpp"
 #include "cli/progress.hpp"
 #include "sightline/io/closed_loop.hpp"
+#include "sightline/io/folder_lock.hpp"
 #include "sightline/io/log.hpp"
 #include "sightline/io/report.hpp"
 #include "sightline/io/scenario.hpp"
@@ -37,12 +38,10 @@ Scenario read(const RunOptions& options) {
   return scenario;
 }
 
-void say(std::string_view sentence) { fmt::print(stderr, "sightline: {}\n", sentence); }
-
 void print_table(const std::vector<SummaryLine>& lines) {
   std::size_t width = 0;
   for (const SummaryLine& line : lines) width = std::max(width, line.what.size());
-  for (const SummaryLine& line : lines) fmt::print("{:{}}  {}\n", line.what, width, line.value);
+  for (const SummaryLine& line : lines) print("{:{}}  {}\n", line.what, width, line.value);
 }
 
 /// What makes a run a failure, a sentence each.
@@ -53,7 +52,7 @@ std::vector<std::string> faults_of(const LoopOutcome& outcome, const Log& log) {
     faults.emplace_back("a state or an input was not finite");
   if (outcome.dropped > 0)
     faults.push_back(fmt::format("{} samples were lost, the log could not keep up", outcome.dropped));
-  if (!log.error().empty()) faults.push_back(log.error());
+  if (std::string lost = log.error(); !lost.empty()) faults.push_back(std::move(lost));
   return faults;
 }
 
@@ -80,9 +79,9 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
   progress.end();
 
   Flight flight = {log.summary().json(), faults_of(outcome, log), log.error().empty()};
-  if (std::string lost = write_summary(folder, flight.summary); !lost.empty()) {
-    flight.faults.push_back(std::move(lost));
-  }
+  // Beside an earlier log stands its own summary.
+  std::string lost = log.begun() ? write_summary(folder, flight.summary) : "";
+  if (!lost.empty()) flight.faults.push_back(std::move(lost));
   return flight;
 }
 
@@ -93,28 +92,49 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
 
 }  // namespace
 
+RunFolder::RunFolder(const std::filesystem::path& folder, const Scenario& scenario, bool in_parts) {
+  const auto& compare = scenario.simulation.compare;
+  std::vector<std::filesystem::path> folders = {folder};
+  // Of comparisons, those too that an earlier flight left, whose summaries go.
+  const auto add = [&](std::string_view name, bool needed) {
+    if (needed || std::filesystem::is_directory(folder / name)) folders.push_back(folder / name);
+  };
+  for (const std::string_view name : solver_names())
+    add(name, std::find(compare.begin(), compare.end(), name) != compare.end());
+  add("whole", in_parts);
+  for (const std::filesystem::path& one : folders)
+    locks_.emplace_back(one, std::initializer_list<std::string_view>{"run.mcap", "timing.csv", "summary.json",
+                                                                     "report.html", "partition.json"});
+}
+
 int run(const RunOptions& options) {
   Scenario scenario;
   std::optional<PartitionChoice> partition;
-  std::filesystem::path folder;
+  std::optional<RunFolder> folder;
   try {
     scenario = read(options);
     if (options.partition)
       partition = read_partition(scenario, *options.partition, options.order, options.exchanges);
-    folder = options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output;
-    make_folder(folder);
+    folder.emplace(options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output,
+                   scenario, partition.has_value());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    tell("{}\n", error.what());
     return 2;
   }
+  outlive_the_terminal();
   SimulatedClock simulated;
   SteadyClock steady;
-  return fly(std::move(scenario), folder, options.realtime ? static_cast<Clock&>(steady) : simulated,
-             partition ? &*partition : nullptr);
+  try {
+    return fly(std::move(scenario), *folder, options.realtime ? static_cast<Clock&>(steady) : simulated,
+               partition ? &*partition : nullptr);
+  } catch (const std::invalid_argument& error) {  // of what is built before the flight
+    tell("{}: {}\n", options.scenario.native(), error.what());
+    return 2;
+  }
 }
 
-int fly(Scenario scenario, const std::filesystem::path& folder, Clock& clock,
-        const PartitionChoice* partition) {
+int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const PartitionChoice* partition) {
+  const std::filesystem::path& folder = run_folder.path();
   std::optional<PartitionedFlight> parts;
   SolverChoice of_whole = scenario.solver;
   if (partition != nullptr) {
@@ -156,26 +176,34 @@ int fly(Scenario scenario, const std::filesystem::path& folder, Clock& clock,
   }
   print_table(summary_lines(flight.summary));
   if (summaries.size() > 1) {
-    fmt::print("\n");
+    print("\n");
     print_table(comparison_lines(summaries));
-    fmt::print("\n");
+    print("\n");
   }
   if (!of_parts.empty()) {
-    fmt::print("{}\n", of_parts);
-    fmt::print("{}\n", (folder / "partition.json").native());
+    print("{}\n", of_parts);
+    print("{}\n", (folder / "partition.json").native());
   }
   for (const char* file : {"report.html", "run.mcap", "summary.json"})
-    fmt::print("{}\n", (folder / file).native());
+    print("{}\n", (folder / file).native());
   return bad ? 1 : 0;
 }
 
 int report(const std::filesystem::path& folder) {
   if (!std::filesystem::is_directory(folder)) {
-    fmt::print(stderr, "{}: not a folder, expected the folder of a run\n", folder.native());
+    tell("{}: not a folder, expected the folder of a run\n", folder.native());
     return 2;
   }
   if (!std::filesystem::is_regular_file(folder / "run.mcap")) {
-    fmt::print(stderr, "{}: no run.mcap, expected the folder of a run\n", folder.native());
+    tell("{}: no run.mcap, expected the folder of a run\n", folder.native());
+    return 2;
+  }
+  std::optional<FolderLock> lock;
+  try {
+    lock.emplace(folder, std::initializer_list<std::string_view>{"run.mcap", "timing.csv", "summary.json",
+                                                                 "report.html"});
+  } catch (const std::invalid_argument& error) {
+    tell("{}\n", error.what());
     return 2;
   }
   try {
@@ -184,7 +212,7 @@ int report(const std::filesystem::path& folder) {
     say(error.what());
     return 1;
   }
-  fmt::print("{}\n", (folder / "report.html").native());
+  print("{}\n", (folder / "report.html").native());
   return 0;
 }
 

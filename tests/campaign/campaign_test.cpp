@@ -59,6 +59,19 @@ TEST(Campaign, ARunAloneIsTheRunAmongOthers) {
   }
 }
 
+TEST(Campaign, FromALaterRunOnItFliesTheRest) {
+  const Scenario scenario = small_campaign();
+  const Rows all = flown(scenario, 1);
+  for (const int threads : {1, 3}) {
+    Rows rest;
+    EXPECT_EQ(
+        fly_campaign(scenario, *scenario.campaign, {.runs = 24, .seed = 1, .threads = threads, .first = 17},
+                     [&](const RunDraw& run, const RunResult& r) { rest.push_back(numbers(run, r)); }),
+        7);
+    EXPECT_EQ(rest, Rows(all.begin() + 17, all.end()));
+  }
+}
+
 // More teams than solvers are kept: each is made again, and nothing of the old ones is left.
 TEST(Campaign, APilotFliesManyTeamsAsNewPilotsWould) {
   Scenario scenario = small_campaign();

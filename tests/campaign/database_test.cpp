@@ -28,7 +28,7 @@ TEST(Database, WhatIsBoundIsReadBack) {
       EXPECT_FALSE(insert.step());
     }
   }
-  Database database(file, Database::Open::to_read);
+  Database database(file, Database::Open::as_it_is);
   Statement ask(database, "SELECT i, x, s FROM t");
   for (const double x : {1.5, -1e300, 5e-324}) {
     ASSERT_TRUE(ask.step());
@@ -61,11 +61,30 @@ TEST(Database, RefusalsNameTheFile) {
   const auto missing = folder / "none" / "a.sqlite";
   EXPECT_THAT(said([&] { Database(missing, Database::Open::anew); }),
               testing::StartsWith(missing.native() + ": "));
-  EXPECT_THAT(said([&] { Database(missing, Database::Open::to_read); }),
+  EXPECT_THAT(said([&] { Database(missing, Database::Open::as_it_is); }),
               testing::StartsWith(missing.native() + ": "));
   Database database(folder / "a.sqlite", Database::Open::anew);
   EXPECT_THAT(said([&] { database.execute("CREATE TABEL t(i)"); }), testing::HasSubstr("a.sqlite: "));
   EXPECT_THAT(said([&] { Statement(database, "SELECT * FROM t"); }), testing::HasSubstr("no such table"));
+}
+
+TEST(Database, AnyValueIsReadBackOfItsKind) {
+  Database database(test::fresh_folder() / "a.sqlite", Database::Open::anew);
+  database.execute("CREATE TABLE t(x)");
+  const std::vector<Database::Value> values = {{}, std::int64_t{3}, 3.0, std::string("3")};
+  {
+    Statement insert(database, "INSERT INTO t VALUES(?)");
+    for (const Database::Value& value : values) {
+      insert.reset();
+      insert.bind(0, value);
+      insert.step();
+    }
+  }
+  Statement ask(database, "SELECT x FROM t");
+  for (const Database::Value& value : values) {
+    ASSERT_TRUE(ask.step());
+    EXPECT_EQ(ask.value(0), value);
+  }
 }
 
 TEST(Database, ANameIsQuotedWhateverItHolds) {

@@ -6,7 +6,7 @@
 #include <regex>
 
 #include "sightline/campaign/table.hpp"
-#include "tests/support/folder.hpp"
+#include "tests/support/command.hpp"
 
 namespace sightline {
 namespace {
@@ -119,6 +119,15 @@ TEST(CampaignPage, TheWorstRunsComeFirstEachWithWhatFliesItAgain) {
 
 TEST(CampaignPage, ATableThatIsNotThereIsNamed) {
   EXPECT_THROW(campaign_lines({"a", test::fresh_folder() / "none.sqlite"}), std::runtime_error);
+}
+
+TEST(CampaignPage, AWordOfTheShellIsReadAsItWasMeant) {
+  EXPECT_EQ(shell_word("out/run_17"), "out/run_17");
+  for (const std::string text :
+       {"a b", "it's", "$(touch x)", "`id`;&|", "*", "", "\"\\\n\t", "~", "#x", "ä"}) {
+    const auto folder = test::fresh_folder();
+    EXPECT_EQ(test::shell("printf %s " + shell_word(text), folder).out, text);
+  }
 }
 
 }  // namespace

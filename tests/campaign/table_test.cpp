@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <stdexcept>
 
 #include "sightline/io/version.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/small_campaign.hpp"
 
@@ -14,13 +17,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path flown(const fs::path& file, int threads) {
+fs::path flown(const fs::path& file, int threads, int runs = 20) {
   const Scenario scenario = small_campaign();
   RunTable table(file, scenario, *scenario.campaign, 9);
-  fly_campaign(scenario, *scenario.campaign, {.runs = 20, .seed = 9, .threads = threads},
+  fly_campaign(scenario, *scenario.campaign,
+               {.runs = runs, .seed = 9, .threads = threads, .first = table.rows()},
                [&](const RunDraw& run, const RunResult& result) { table.add(run, result); });
   table.finish();
   return file;
+}
+
+std::string refusal(const fs::path& file, const Scenario& scenario, std::uint64_t seed) {
+  try {
+    const RunTable table(file, scenario, *scenario.campaign, seed);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
 }
 
 TEST(RunTable, TheFileIsTheSameByteForByteWhateverTheNumberOfThreads) {
@@ -28,12 +41,106 @@ TEST(RunTable, TheFileIsTheSameByteForByteWhateverTheNumberOfThreads) {
   const std::string one = test::read_file(flown(folder / "1.sqlite", 1));
   EXPECT_GT(one.size(), 8000U);
   EXPECT_TRUE(test::read_file(flown(folder / "2.sqlite", 2)) == one);
-  EXPECT_TRUE(test::read_file(flown(folder / "1.sqlite", 5)) == one) << "over an older one";
+  EXPECT_TRUE(test::read_file(flown(folder / "1.sqlite", 5)) == one) << "the same again";
+}
+
+TEST(RunTable, GoesOnToTheSameBytesWhereverItStopped) {
+  const fs::path folder = test::fresh_folder();
+  const std::string whole = test::read_file(flown(folder / "whole.sqlite", 1));
+  for (const int stop : {1, 7, 19}) {
+    const fs::path file = folder / "pieces.sqlite";
+    fs::remove(file);
+    (void)flown(file, 1, stop);
+    (void)flown(file, 2, stop);
+    EXPECT_TRUE(test::read_file(flown(file, 1)) == whole) << stop;
+  }
+}
+
+TEST(RunTable, ARowIsCommittedWithinASecondWithoutAnother) {
+  const fs::path file = test::fresh_folder() / "a.sqlite";
+  const Scenario scenario = small_campaign();
+  const Variants variants(scenario, *scenario.campaign);
+  Pilot pilot(variants, *scenario.campaign);
+  const auto rows = [&] {
+    Database database(file, Database::Open::as_it_is);
+    Database::Statement ask(database, "SELECT count(*) FROM runs");
+    ask.step();
+    return ask.integer(0);
+  };
+  RunTable table(file, scenario, *scenario.campaign, 9);
+  EXPECT_EQ(rows(), 0) << "the file appears with its tables";
+  for (int i = 0; i < 3; ++i) {
+    const RunDraw run = draw_run(*scenario.campaign, 9, i);
+    table.add(run, pilot.fly(run));
+  }
+  EXPECT_TRUE(test::eventually([&] { return rows() == 3; }));
+}
+
+TEST(RunTable, ARowThatWasThereHoldsItsRunAndNoOther) {
+  const fs::path file = flown(test::fresh_folder() / "a.sqlite", 1);
+  const Scenario scenario = small_campaign();
+  const Variants variants(scenario, *scenario.campaign);
+  Pilot pilot(variants, *scenario.campaign);
+  RunTable table(file, scenario, *scenario.campaign, 9);
+  EXPECT_EQ(table.rows(), 20);
+  int outcomes = 0;
+  for (int i = 0; i < outcome_count; ++i) outcomes += table.rows(static_cast<Outcome>(i));
+  EXPECT_EQ(outcomes, 20);
+  const RunDraw run = draw_run(*scenario.campaign, 9, 19);
+  RunResult result = pilot.fly(run);
+  EXPECT_TRUE(table.holds(run, result));
+  result.energies[0] = std::nextafter(result.energies[0], 1e9);
+  EXPECT_FALSE(table.holds(run, result));
+  EXPECT_FALSE(table.holds(draw_run(*scenario.campaign, 9, 20), result));
+}
+
+TEST(RunTable, RunsOfAnotherCampaignAreRefusedAndStay) {
+  const fs::path folder = test::fresh_folder(), file = flown(folder / "a.sqlite", 1);
+  const std::string before = test::read_file(file);
+  Scenario scenario = small_campaign();
+  const auto refused = [&](std::uint64_t seed = 9) { return refusal(file, scenario, seed); };
+  EXPECT_EQ(refused(), "");
+  EXPECT_THAT(refused(8),
+              testing::HasSubstr("a.sqlite: holds 20 runs of another campaign: another seed, exp"));
+  scenario.text += "# another\n";
+  EXPECT_THAT(refused(), testing::HasSubstr("another text"));
+  scenario = small_campaign();
+  scenario.campaign->duration = 1.5;
+  EXPECT_THAT(refused(), testing::HasSubstr("another duration"));
+  scenario = small_campaign();
+  scenario.campaign->draws.pop_back();
+  EXPECT_THAT(refused(), testing::HasSubstr("another columns"));
+  scenario = small_campaign();
+  scenario.campaign->text = "of another scenario";
+  EXPECT_THAT(refused(), testing::HasSubstr("another plan"));
+  EXPECT_TRUE(test::read_file(file) == before);
+}
+
+TEST(RunTable, WhatIsNoCampaignIsRefusedAndStays) {
+  const fs::path file = test::fresh_folder() / "a.sqlite";
+  const Scenario scenario = small_campaign();
+  const std::string text(5000, 'x');
+  std::ofstream(file) << text;
+  EXPECT_THAT(refusal(file, scenario, 9), testing::HasSubstr("a.sqlite: holds no campaign ("));
+  EXPECT_EQ(test::read_file(file), text);
+  fs::remove(file);
+  {
+    Database other(file, Database::Open::anew);
+    other.execute("CREATE TABLE of_others(x)");
+  }
+  EXPECT_THAT(refusal(file, scenario, 9), testing::HasSubstr("no such table: runs"));
+}
+
+TEST(RunTable, ACampaignWithoutARunIsBegunAnew) {
+  const fs::path file = test::fresh_folder() / "a.sqlite";
+  Scenario scenario = small_campaign();
+  EXPECT_EQ(refusal(file, scenario, 8), "");
+  EXPECT_EQ(refusal(file, scenario, 9), "");
 }
 
 TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
   const fs::path file = flown(test::fresh_folder() / "a.sqlite", 2);
-  Database database(file, Database::Open::to_read);
+  Database database(file, Database::Open::as_it_is);
   std::vector<std::string> names;
   Database::Statement columns(database, "SELECT name FROM pragma_table_info('runs')");
   while (columns.step()) names.push_back(columns.text(0));
@@ -56,7 +163,7 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
   const Scenario scenario = small_campaign();
   const Variants variants(scenario, *scenario.campaign);
   Pilot pilot(variants, *scenario.campaign);
-  Database database(file, Database::Open::to_read);
+  Database database(file, Database::Open::as_it_is);
   Database::Statement rows(database, "SELECT * FROM runs ORDER BY \"index\"");
   for (int i = 0; i < 20; ++i) {
     const RunDraw run = draw_run(*scenario.campaign, 9, i);

@@ -5,6 +5,7 @@
 #include <regex>
 
 #include "sightline/campaign/database.hpp"
+#include "sightline/campaign/page.hpp"
 #include "sightline/campaign/paired.hpp"
 #include "tests/support/command.hpp"
 
@@ -29,7 +30,7 @@ std::string with_runs_of(const std::string& duration, const fs::path& folder) {
 }
 
 std::string one(const fs::path& file, const std::string& sql) {
-  Database database(file, Database::Open::to_read);
+  Database database(file, Database::Open::as_it_is);
   Database::Statement ask(database, sql);
   return ask.step() ? ask.text(0) : "nothing";
 }
@@ -79,7 +80,7 @@ TEST(Campaign, OneRunAloneIsTheRowOfTheTable) {
   EXPECT_LE(alone.code, 1) << alone.err;
   const json summary = json::parse(read_file(folder / "one" / "summary.json"));
   const fs::path table = folder / "all" / "campaign.sqlite";
-  Database database(table, Database::Open::to_read);
+  Database database(table, Database::Open::as_it_is);
   Database::Statement row(database,
                           "SELECT seed, min_distance, energy, status_converged, status_stepped, outcome "
                           "FROM runs WHERE \"index\" = 8");
@@ -98,6 +99,67 @@ TEST(Campaign, OneRunAloneIsTheRowOfTheTable) {
   (void)sightline("run " + (folder / "one" / "short.toml").string() + " -o " + (folder / "again").string(),
                   folder);
   EXPECT_TRUE(read_file(folder / "again" / "run.mcap") == read_file(folder / "one" / "run.mcap"));
+}
+
+TEST(Campaign, TheSameAgainIsWhatIsThereAndMoreRunsGoOn) {
+  const fs::path folder = fresh_folder(), out = folder / "a", table = out / "campaign.sqlite";
+  const std::string campaign = "campaign " + with_runs_of("0.5", folder) + " --seed 5 -o ";
+  const auto first = sightline(campaign + out.string() + " --runs 8", folder);
+  const std::string rows = read_file(table);
+  const auto again = sightline(campaign + out.string() + " --runs 8", folder);
+  EXPECT_EQ(again.code, first.code);
+  EXPECT_EQ(again.out, first.out);
+  EXPECT_TRUE(read_file(table) == rows);
+  const auto more = sightline(campaign + out.string() + " --runs 20", folder);
+  EXPECT_THAT(more.err, HasSubstr("campaign.sqlite: goes on after 8 runs\n"));
+  const auto whole = sightline(campaign + (folder / "b").string() + " --runs 20", folder);
+  EXPECT_TRUE(read_file(table) == read_file(folder / "b" / "campaign.sqlite"));
+  EXPECT_EQ(more.code, whole.code);
+}
+
+TEST(Campaign, WhatAFolderHoldsIsNeverReplaced) {
+  const fs::path folder = fresh_folder(), out = folder / "a", table = out / "campaign.sqlite";
+  const std::string scenario = with_runs_of("0.5", folder),
+                    campaign = "campaign " + scenario + " -o " + out.string();
+  (void)sightline(campaign + " --runs 8", folder);
+  const std::string rows = read_file(table), page = read_file(out / "campaign.html");
+  for (const auto& [words, why] :
+       {std::pair{campaign + " --runs 8 --seed 77", "holds 8 runs of another campaign: another seed"},
+        {campaign + " --runs 7", "holds 8 runs of this campaign, expected at most --runs 7"},
+        {"campaign scenarios/energy.toml --runs 8 -o " + out.string(), "another scenario, text"}}) {
+    const auto refused = sightline(words, folder);
+    EXPECT_EQ(refused.code, 2) << words;
+    EXPECT_EQ(refused.out, "") << words;
+    EXPECT_THAT(refused.err, HasSubstr("campaign.sqlite: ")) << words;
+    EXPECT_THAT(refused.err, HasSubstr(why)) << words;
+    EXPECT_THAT(refused.err, HasSubstr("another folder by -o")) << words;
+  }
+  // The plan and the text are the same, the numbers are not: a row of another program.
+  {
+    Database database(table, Database::Open::as_it_is);
+    database.execute("UPDATE runs SET energy = energy + 1e-9 WHERE \"index\" = 7");
+  }
+  const auto other = sightline(campaign + " --runs 8", folder);
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("holds 8 runs, of which number 7 flies otherwise now"));
+  EXPECT_EQ(one(table, "SELECT count(*) FROM runs"), "8");
+  EXPECT_TRUE(read_file(out / "campaign.html") == page);
+}
+
+TEST(Campaign, ThePageSaysHowToFlyARunAgainInWordsOfTheShell) {
+  const fs::path folder = fresh_folder(), strange = folder / "it's $(here)";
+  fs::create_directory(strange);
+  fs::copy_file(with_runs_of("0.5", folder), strange / "a b.toml");
+  const std::string words = "campaign " + shell_word((strange / "a b.toml").native()) + " --runs 2 -o " +
+                            shell_word((strange / "o ut").native());
+  EXPECT_LE(sightline(words, folder).code, 1);
+  const std::string page = read_file(strange / "o ut" / "campaign.html");
+  const std::size_t begin = page.find("sightline campaign"), end = page.find('\n', begin);
+  ASSERT_NE(begin, std::string::npos);
+  const std::string command = page.substr(begin, end - begin).substr(std::string("sightline ").size());
+  EXPECT_LE(sightline(command, folder).code, 1) << command;
+  EXPECT_TRUE(fs::exists(strange / "o ut" / "run_0" / "run.mcap") ||
+              fs::exists(strange / "o ut" / "run_1" / "run.mcap"));
 }
 
 TEST(Campaign, AnotherScenarioBesideFliesTheSameDraws) {

@@ -10,7 +10,9 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "sightline/io/cdr.hpp"
 #include "sightline/io/mcap.hpp"
@@ -263,6 +265,69 @@ TEST(Log, AnEarlierRunsSummaryAndReportAreRemoved) {
   write(some_scenario(), place("again"), 3);
   EXPECT_FALSE(fs::exists(place("again") / "summary.json"));
   EXPECT_FALSE(fs::exists(place("again") / "report.html"));
+}
+
+TEST(Log, AnEarlierLogStandsUntilTheNextOneOpens) {
+  const fs::path folder = place("earlier"), part = folder / "run.mcap.part";
+  write(some_scenario(), folder, 50);
+  std::ofstream(folder / "summary.json") << "of it";
+  const std::string earlier = load(folder / "run.mcap");
+  fs::create_directories(part / "full");
+  const Flown refused = write(some_scenario(), folder, 5);
+  EXPECT_NE(refused.error, "");
+  EXPECT_EQ(refused.values.updates, 5);
+  EXPECT_EQ(load(folder / "run.mcap"), earlier);
+  EXPECT_EQ(load(folder / "summary.json"), "of it");
+  fs::remove_all(part);
+  double first = -1.0;
+  EXPECT_EQ(write(some_scenario(), folder, 5,
+                  [&](double time) {
+                    if (first >= 0) return;
+                    first = time;
+                    EXPECT_EQ(json_of(folder).at("/wall/state").size(), 1U);
+                  })
+                .error,
+            "");
+  EXPECT_EQ(first, 0.0);
+  EXPECT_FALSE(fs::exists(part) || fs::exists(folder / "timing.csv.part") ||
+               fs::exists(folder / "summary.json"));
+}
+
+TEST(Log, WhoeverLooksOnMayFailWithoutHarm) {
+  const Flown flown = write(some_scenario(), place("onlooker"), 100, [](double time) {
+    if (time > 0.25) throw std::runtime_error("the terminal has gone");
+  });
+  EXPECT_EQ(flown.error, "");
+  EXPECT_EQ(flown.values.updates, 100);
+  EXPECT_EQ(json_of(place("onlooker")).at("/wall/state").size(), 100U);
+}
+
+// A reference is called by the summary and by the log; one of the calls at 0.6 s fails, and whoever made it is hit.
+TEST(Log, WhatIsThrownIsToldOnceAndEndsNeitherTheLoopNorWhatWasWritten) {
+  const fs::path folder = place("thrown");
+  const std::string unjudged =
+      (folder / "summary.json").native() + ": what came after 0.59 s is not judged: no such place";
+  const std::string lost = (folder / "run.mcap").native() + ": what came after 0.5 s is lost: no such place";
+  for (const int call : {1, 2}) {
+    const auto calls = std::make_shared<int>(0);
+    Scenario scenario = some_scenario();
+    Team team;
+    for (Agent agent : scenario.team.agents()) {
+      if (agent.name == "target") {
+        agent.x_ref = Reference([calls, call](double t) -> Pose<double> {
+          if (t > 0.599 && ++*calls == call) throw std::runtime_error("no such place");
+          return {};
+        });
+      }
+      team.add(std::move(agent));
+    }
+    team.add(Obstacle{"wall"});
+    scenario.team = std::move(team);
+    const Flown flown = write(scenario, folder, 65);
+    EXPECT_EQ(flown.error, call == 1 ? unjudged : lost);
+    EXPECT_EQ(json_of(folder).at("/wall/state").size(), call == 1 ? 65U : 51U);
+    EXPECT_EQ(flown.values.updates, call == 1 ? 61 : 65);
+  }
 }
 
 TEST(Log, TheFormatsOwnLibraryReadsEveryMessage) {

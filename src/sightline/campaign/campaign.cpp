@@ -16,7 +16,7 @@ namespace {
 class Order {
  public:
   using Landed = std::function<void(const RunDraw&, const RunResult&)>;
-  explicit Order(const Landed& landed) : landed_(landed) {}
+  Order(const Landed& landed, int first) : landed_(landed), first_(first), next_(first) {}
 
   /// Waits while too many are kept: memory must not grow with the runs.
   void land(RunDraw run, const RunResult& result) {
@@ -51,7 +51,7 @@ class Order {
   /// Runs handed over; after all threads have ended.
   int end() const {
     if (failure_) std::rethrow_exception(failure_);
-    return next_;
+    return next_ - first_;
   }
 
  private:
@@ -60,7 +60,7 @@ class Order {
   std::mutex mutex_;
   std::condition_variable room_;
   std::map<int, std::pair<RunDraw, RunResult>> kept_;
-  int next_ = 0;
+  int first_, next_;
   std::exception_ptr failure_;
 };
 
@@ -93,8 +93,8 @@ RunResult Pilot::fly(const RunDraw& run) {
 int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const CampaignOptions& options,
                  const std::function<void(const RunDraw&, const RunResult&)>& landed) {
   const Variants variants(scenario, plan);
-  Order order(landed);
-  std::atomic<int> next{0};
+  Order order(landed, options.first);
+  std::atomic<int> next{options.first};
   const auto work = [&] {
     try {
       Pilot pilot(variants, plan);

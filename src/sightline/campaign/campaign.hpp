@@ -17,6 +17,7 @@ struct CampaignOptions {
   int runs = 100;          ///< >= 1
   std::uint64_t seed = 1;  ///< with an index, all that a run is made from
   int threads = 1;         ///< >= 1
+  int first = 0;           ///< the runs before this one are known already
   /// Ends the campaign after the runs in the air, once it is true.
   const std::atomic<bool>* stop = nullptr;
 };
@@ -39,7 +40,7 @@ class Pilot {
   std::vector<std::pair<std::vector<double>, std::unique_ptr<Solver>>> solvers_;  // the oldest first
 };
 
-/// Flies runs 0 to options.runs - 1 and hands them over in this order, one at a time.
+/// Flies runs options.first to options.runs - 1 and hands them over in this order, one at a time.
 /// @param landed  called by one thread at a time; what it throws ends the campaign
 /// @return runs handed over
 /// @throws ScenarioError where a number drawn is refused, with the run

@@ -16,12 +16,15 @@ Database::Database(const std::filesystem::path& file, Open how) : file_(file.nat
       std::filesystem::remove(file_ + rest, ignored);
     }
   }
-  const int flags = how == Open::anew ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READONLY;
-  if (sqlite3_open_v2(file_.c_str(), &handle_, flags | SQLITE_OPEN_NOMUTEX, nullptr) != SQLITE_OK) {
+  constexpr int patience = 600'000;  // [ms]
+  const int flags =
+      SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | (how == Open::anew ? SQLITE_OPEN_CREATE : 0);
+  if (sqlite3_open_v2(file_.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
     const std::string why = sqlite3_errmsg(handle_);
     sqlite3_close(handle_);
     throw std::runtime_error(fmt::format("{}: {}", file_, why));
   }
+  sqlite3_busy_timeout(handle_, patience);
 }
 
 Database::~Database() { sqlite3_close(handle_); }
@@ -58,6 +61,13 @@ void Database::Statement::bind(int parameter, std::string_view value) {
                           SQLITE_TRANSIENT));
 }
 
+void Database::Statement::bind(int parameter, const Value& value) {
+  if (const auto* whole = std::get_if<std::int64_t>(&value)) return bind(parameter, *whole);
+  if (const auto* real = std::get_if<double>(&value)) return bind(parameter, *real);
+  if (const auto* words = std::get_if<std::string>(&value)) return bind(parameter, std::string_view(*words));
+  check(sqlite3_bind_null(statement_, parameter + 1));
+}
+
 bool Database::Statement::step() {
   const int code = sqlite3_step(statement_);
   if (code != SQLITE_ROW && code != SQLITE_DONE) database_.fail();
@@ -73,6 +83,19 @@ std::int64_t Database::Statement::integer(int column) const {
 std::optional<double> Database::Statement::number(int column) const {
   if (sqlite3_column_type(statement_, column) == SQLITE_NULL) return {};
   return sqlite3_column_double(statement_, column);
+}
+
+Database::Value Database::Statement::value(int column) const {
+  switch (sqlite3_column_type(statement_, column)) {
+    case SQLITE_NULL:
+      return {};
+    case SQLITE_INTEGER:
+      return integer(column);
+    case SQLITE_FLOAT:
+      return *number(column);
+    default:
+      return text(column);
+  }
 }
 
 std::string Database::Statement::text(int column) const {

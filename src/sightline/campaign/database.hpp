@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -16,12 +17,16 @@ namespace sightline {
 /// Every call throws std::runtime_error, `FILE: what went wrong`, where SQLite refuses.
 class Database {
  public:
-  enum class Open { anew, to_read };
-  /// `anew` removes what was there.
+  enum class Open { anew, as_it_is };
+  /// `anew` removes what was there; `as_it_is` takes back what a killed writer left half done. A file that others look
+  /// at is waited for.
   Database(const std::filesystem::path& file, Open how);
   ~Database();
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
+
+  /// What a field holds; monostate: null.
+  using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
 
   /// One prepared statement; parameters and columns count from 0.
   class Statement {
@@ -34,6 +39,7 @@ class Database {
     void bind(int parameter, std::int64_t value);
     void bind(int parameter, double value);  ///< not a number: null
     void bind(int parameter, std::string_view value);
+    void bind(int parameter, const Value& value);
     /// The next row, if there is one.
     bool step();
     /// As before the first row; parameters keep their values.
@@ -42,6 +48,7 @@ class Database {
     std::int64_t integer(int column) const;
     std::optional<double> number(int column) const;  ///< none: null
     std::string text(int column) const;
+    Value value(int column) const;
 
    private:
     void check(int code) const;

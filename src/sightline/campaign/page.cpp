@@ -26,7 +26,7 @@ constexpr std::size_t robots_max = 8;  // whose energies are told one by one
 class Runs {
  public:
   explicit Runs(const CampaignTable& table)
-      : name(table.name), database_(std::make_unique<Database>(table.file, Database::Open::to_read)) {}
+      : name(table.name), database_(std::make_unique<Database>(table.file, Database::Open::as_it_is)) {}
 
   std::int64_t count(const std::string& where = "1") {
     Database::Statement ask(*database_, fmt::format("SELECT count(*) FROM runs WHERE {}", where));
@@ -240,8 +240,8 @@ std::string worst(Runs& runs, const std::string& command, const std::filesystem:
     const auto value = [&](int column) { return ask.number(column).value_or(std::nan("")); };
     html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", index,
                         escaped(ask.text(1)), in(value(2), "m"), in(value(3), "s"), in(100 * value(4), "%"));
-    lines +=
-        fmt::format("{} --only {} -o {}\n", command, index, (folder / fmt::format("run_{}", index)).native());
+    lines += fmt::format("{} --only {} -o {}\n", command, index,
+                         shell_word((folder / fmt::format("run_{}", index)).native()));
   }
   return html +
          fmt::format(
@@ -250,6 +250,15 @@ std::string worst(Runs& runs, const std::string& command, const std::filesystem:
 }
 
 }  // namespace
+
+std::string shell_word(std::string_view text) {
+  constexpr std::string_view plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
+  if (!text.empty() && text.find_first_not_of(plain) == std::string_view::npos) return std::string(text);
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
 
 std::vector<CampaignLine> campaign_lines(const CampaignTable& table) {
   Runs runs(table);

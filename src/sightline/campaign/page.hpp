@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sightline/io/campaign_plan.hpp"
@@ -16,13 +17,16 @@ struct CampaignTable {
 };
 
 /// The page of the first table; the others, which flew the same draws, stand beside it.
-/// @param command  what flies a run again, but for `--only INDEX -o DIR`
+/// @param command  what flies a run again, in words of a shell, but for `--only INDEX -o DIR`
 /// @param folder   where such a run goes: run_INDEX within it
 /// @param more     a part of the page before the worst runs
 /// @throws std::runtime_error with a sentence where a table cannot be read or a figure cannot be drawn
 std::string campaign_html(const std::vector<CampaignTable>& tables, const CampaignPlan& plan,
                           const std::string& command, const std::filesystem::path& folder,
                           const std::string& more = {});
+
+/// A text as one word of a shell's command: as it is where a shell leaves it so, else in quotes.
+std::string shell_word(std::string_view text);
 
 /// A line of the campaign as a person reads it.
 struct CampaignLine {

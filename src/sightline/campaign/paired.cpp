@@ -22,7 +22,7 @@ double fewer_than(std::size_t k, std::size_t n) {
 
 /// Column of the runs that were recovered, by their index.
 std::map<std::int64_t, double> recovered(const CampaignTable& table, std::string_view column) {
-  Database database(table.file, Database::Open::to_read);
+  Database database(table.file, Database::Open::as_it_is);
   Database::Statement ask(
       database, fmt::format("SELECT \"index\", {} FROM runs WHERE outcome = 'recovered'", sql_name(column)));
   std::map<std::int64_t, double> values;

@@ -3,6 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "sightline/io/text_file.hpp"
 #include "sightline/io/version.hpp"
 
 namespace sightline {
@@ -16,13 +21,16 @@ std::vector<std::string> fixed_columns() {
   return names;
 }
 
-RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, const CampaignPlan& plan,
-                   std::uint64_t seed)
-    : database_(file, Database::Open::anew) {
+namespace {
+
+constexpr std::chrono::milliseconds pause{500};  // between two commits
+constexpr std::size_t waiting_max = 4096;        // rows; a disk that cannot keep up holds the runs up
+
+std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
   constexpr std::string_view types[] = {
       "INTEGER PRIMARY KEY", "INTEGER NOT NULL", "TEXT NOT NULL", "REAL", "REAL", "REAL",
       "INTEGER NOT NULL",    "INTEGER NOT NULL", "REAL NOT NULL"};
-  std::vector<std::string> columns, marks;
+  std::vector<std::string> columns;
   for (const std::string& name : fixed_columns()) {
     const bool typed = columns.size() < std::size(types);
     columns.push_back(
@@ -32,50 +40,194 @@ RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, 
     columns.push_back(fmt::format("{} REAL NOT NULL", sql_name(name)));
   for (const Agent& agent : scenario.team.agents())
     columns.push_back(fmt::format("{} REAL NOT NULL", sql_name(agent.name + std::string(energy_ending))));
-  marks.resize(columns.size(), "?");
+  return fmt::format("CREATE TABLE runs({})", fmt::join(columns, ", "));
+}
 
-  database_.execute("CREATE TABLE campaign(key TEXT PRIMARY KEY, value) WITHOUT ROWID");
-  database_.execute(fmt::format("CREATE TABLE runs({})", fmt::join(columns, ", ")));
-  Database::Statement about(database_, "INSERT INTO campaign VALUES(?, ?)");
-  const auto tell = [&](std::string_view key, const auto& value) {
-    about.reset();
-    about.bind(0, key);
-    about.bind(1, value);
-    about.step();
+std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result) {
+  std::vector<Database::Value> row;
+  const auto real = [&](double value) {
+    Database::Value& field = row.emplace_back();
+    if (!std::isnan(value)) field = value;
   };
-  tell("scenario", std::string_view(scenario.name));
-  tell("text", std::string_view(scenario.text));
-  tell("seed", static_cast<std::int64_t>(seed));
-  tell("duration", plan.duration);
-  tell("version", std::string_view(version));
-  tell("compiler", std::string_view(compiler));
-  insert_.emplace(database_, fmt::format("INSERT INTO runs VALUES({})", fmt::join(marks, ", ")));
+  const auto whole = [&](std::int64_t value) { row.emplace_back(value); };
+  whole(run.index);
+  whole(static_cast<std::int64_t>(run.seed));
+  row.emplace_back(std::string(to_string(result.outcome)));
+  for (const double value : {result.min_distance, result.time_to_first_view, result.fraction_in_view})
+    real(value);
+  whole(result.could_brake ? 1 : 0);
+  whole(result.violations);
+  real(result.energy);
+  for (const std::int64_t count : result.statuses) whole(count);
+  for (const double value : run.values) real(value);
+  for (const double value : result.energies) real(value);
+  return row;
+}
+
+}  // namespace
+
+RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, const CampaignPlan& plan,
+                   std::uint64_t seed)
+    : file_(file) {
+  Words about = {{"scenario", scenario.name},
+                 {"text", scenario.text},
+                 {"seed", static_cast<std::int64_t>(seed)},
+                 {"duration", plan.duration},
+                 {"version", std::string(version)},
+                 {"compiler", std::string(compiler)}};
+  if (!plan.text.empty() && plan.text != scenario.text) about.emplace_back("plan", plan.text);
+  const std::string columns = columns_of(scenario, plan);
+  if (std::filesystem::exists(file_)) go_on(about, columns);
+  if (!database_) begin(about, columns);
+  thread_ = std::jthread([this](const std::stop_token& stop) { keep_committing(stop); });
+}
+
+// The file appears with its tables.
+void RunTable::begin(const Words& about, const std::string& columns) {
+  const std::filesystem::path unfinished = beside(file_);
+  {
+    Database made(unfinished, Database::Open::anew);
+    made.execute("BEGIN; CREATE TABLE campaign(key TEXT PRIMARY KEY, value) WITHOUT ROWID; " + columns);
+    Database::Statement insert(made, "INSERT INTO campaign VALUES(?, ?)");
+    for (const auto& [key, value] : about) {
+      insert.reset();
+      insert.bind(0, std::string_view(key));
+      insert.bind(1, value);
+      insert.step();
+    }
+    insert.reset();
+    made.execute("COMMIT");
+  }
+  std::filesystem::remove(file_.native() + "-journal");  // of a file that somebody took away
+  std::filesystem::rename(unfinished, file_);
+  database_.emplace(file_, Database::Open::as_it_is);
+  changes_ = true;
+}
+
+// Leaves no database where there is nothing to go on with.
+void RunTable::go_on(const Words& about, const std::string& columns) {
+  const auto refuse = [&](const std::string& what) {
+    throw std::invalid_argument(
+        fmt::format("{}: {}, expected runs of this campaign, which would go on, or none: give another folder "
+                    "by -o, or move "
+                    "the file away",
+                    file_.native(), what));
+  };
+  std::vector<std::string> others;
+  std::int64_t last = -1;
+  try {
+    database_.emplace(file_, Database::Open::as_it_is);
+    Database::Statement count(*database_, "SELECT count(*), coalesce(max(\"index\"), -1) FROM runs");
+    count.step();
+    rows_ = static_cast<int>(count.integer(0));
+    last = count.integer(1);
+    for (const auto& [key, value] : about) {
+      Database::Statement ask(*database_, "SELECT value FROM campaign WHERE key = ?");
+      ask.bind(0, std::string_view(key));
+      if (!ask.step() || ask.value(0) != value) others.push_back(key);
+    }
+    Database::Statement keys(*database_, "SELECT count(*) FROM campaign");
+    if (keys.step() && keys.integer(0) != static_cast<std::int64_t>(about.size()) && others.empty())
+      others.emplace_back("plan");
+    Database::Statement made(*database_, "SELECT sql FROM sqlite_master WHERE name = 'runs'");
+    if (!(made.step() && made.text(0) == columns)) others.emplace_back("columns");
+  } catch (const std::runtime_error& error) {
+    refuse(fmt::format("holds no campaign ({})", error.what()));
+  }
+  if (rows_ == 0) return database_.reset();
+  if (!others.empty())
+    refuse(fmt::format("holds {} runs of another campaign: another {}", rows_, fmt::join(others, ", ")));
+  if (last != rows_ - 1)
+    refuse(fmt::format("holds {} runs up to number {}, not one after another", rows_, last));
+}
+
+RunTable::~RunTable() {
+  try {
+    thread_.request_stop();
+    thread_.join();
+    if (!waiting_.empty() && !failure_) commit(std::move(waiting_));
+  } catch (...) {  // finish() tells; nobody asked it
+  }
+}
+
+int RunTable::rows(Outcome outcome) {
+  Database::Statement count(*database_, "SELECT count(*) FROM runs WHERE outcome = ?");
+  count.bind(0, to_string(outcome));
+  count.step();
+  return static_cast<int>(count.integer(0));
+}
+
+bool RunTable::holds(const RunDraw& run, const RunResult& result) {
+  Database::Statement ask(*database_, "SELECT * FROM runs WHERE \"index\" = ?");
+  ask.bind(0, std::int64_t{run.index});
+  if (!ask.step()) return false;
+  const Row row = row_of(run, result);
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    if (ask.value(static_cast<int>(i)) != row[i]) return false;
+  }
+  return true;
 }
 
 void RunTable::add(const RunDraw& run, const RunResult& result) {
-  if (waiting_ == 0) database_.execute("BEGIN");
-  insert_->reset();
-  int i = 0;
-  insert_->bind(i++, static_cast<std::int64_t>(run.index));
-  insert_->bind(i++, static_cast<std::int64_t>(run.seed));
-  insert_->bind(i++, to_string(result.outcome));
-  for (const double value : {result.min_distance, result.time_to_first_view, result.fraction_in_view})
-    insert_->bind(i++, value);
-  insert_->bind(i++, static_cast<std::int64_t>(result.could_brake));
-  insert_->bind(i++, result.violations);
-  insert_->bind(i++, result.energy);
-  for (const std::int64_t count : result.statuses) insert_->bind(i++, count);
-  for (const double value : run.values) insert_->bind(i++, value);
-  for (const double value : result.energies) insert_->bind(i++, value);
-  insert_->step();
-  if (++waiting_ == rows_at_once) finish();
+  Row row = row_of(run, result);
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return waiting_.size() < waiting_max || failure_; });
+  if (failure_) std::rethrow_exception(failure_);
+  waiting_.push_back(std::move(row));
+  changed_.notify_all();
+}
+
+void RunTable::keep_committing(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (changed_.wait(lock, stop, [&] { return !waiting_.empty(); })) {
+    std::vector<Row> rows = std::exchange(waiting_, {});
+    changed_.notify_all();
+    lock.unlock();
+    try {
+      commit(std::move(rows));
+    } catch (...) {
+      lock.lock();
+      failure_ = std::current_exception();
+      return changed_.notify_all();
+    }
+    lock.lock();
+    if (stop.stop_requested()) return;
+    changed_.wait_for(lock, stop, pause, [] { return false; });
+  }
+}
+
+void RunTable::commit(std::vector<Row> rows) {
+  changes_ = true;
+  std::string marks = "?";
+  for (std::size_t i = 1; i < rows.front().size(); ++i) marks += ", ?";
+  database_->execute("BEGIN");
+  Database::Statement insert(*database_, fmt::format("INSERT INTO runs VALUES({})", marks));
+  for (const Row& row : rows) {
+    insert.reset();
+    for (std::size_t i = 0; i < row.size(); ++i) insert.bind(static_cast<int>(i), row[i]);
+    insert.step();
+  }
+  insert.reset();
+  database_->execute("COMMIT");
 }
 
 void RunTable::finish() {
-  if (waiting_ == 0) return;
-  insert_->reset();
-  database_.execute("COMMIT");
-  waiting_ = 0;
+  thread_.request_stop();
+  thread_.join();
+  if (failure_) std::rethrow_exception(failure_);
+  if (!waiting_.empty()) commit(std::exchange(waiting_, {}));
+  if (!std::exchange(changes_, false)) return;
+  // How the rows came into the file shows in its bytes; in a new one it does not.
+  const std::filesystem::path whole = beside(file_);
+  std::filesystem::remove(whole);
+  database_->execute("PRAGMA schema_version = 1");  // counts how often the file was written anew
+  {
+    Database::Statement copy(*database_, "VACUUM INTO ?");
+    copy.bind(0, std::string_view(whole.native()));
+    copy.step();
+  }
+  database_.reset();
+  std::filesystem::rename(whole, file_);
 }
 
 }  // namespace sightline

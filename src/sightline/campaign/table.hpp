@@ -1,10 +1,16 @@
 /// campaign.sqlite: the runs of a campaign, a row each.
 #pragma once
 
+#include <condition_variable>
+#include <exception>
 #include <filesystem>
+#include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "sightline/campaign/campaign.hpp"
@@ -17,25 +23,53 @@ namespace sightline {
 ///   runs      "index", seed, outcome, min_distance, time_to_first_view, fraction_in_view, could_brake, violations,
 ///             energy, a column status_NAME for each Status, a column for each number drawn, by its name, and
 ///             ROBOT.energy for each robot
-///   campaign  key, value: scenario, text, seed, duration, version, compiler
+///   campaign  key, value: scenario, text, plan (the text of the scenario that draws, where that is another), seed,
+///             duration, version, compiler
 ///
-/// Rows come in the order of the index and go to disk every 256 runs, so that equal campaigns give equal bytes,
-/// and one that is killed leaves a table that opens.
+/// Rows come in the order of the index. A thread commits them, each within half a second and the time that takes, so
+/// that a campaign that is killed leaves all rows but those of the last second, and can go on. At its end the file is
+/// written anew as a whole, so that equal campaigns give equal bytes, however they came about.
 class RunTable {
  public:
+  /// Goes on with the rows that are there, where they are of this campaign and this binary.
+  /// @throws std::invalid_argument where the file holds something else, with what
   /// @throws std::runtime_error naming the file, here and below, where it cannot be written
   RunTable(const std::filesystem::path& file, const Scenario& scenario, const CampaignPlan& plan,
            std::uint64_t seed);
+  ~RunTable();  ///< Commits what was added.
+  RunTable(const RunTable&) = delete;
+  RunTable& operator=(const RunTable&) = delete;
+
+  /// Rows that were there: of runs 0 to rows() - 1.
+  int rows() const { return rows_; }
+  /// Of them, those of an outcome.
+  int rows(Outcome outcome);
+  /// Whether the row of a run that was there says the same; before the first add().
+  bool holds(const RunDraw& run, const RunResult& result);
 
   void add(const RunDraw& run, const RunResult& result);
-  /// All that was added is on its way to the disk.
+  /// All that was added is in the file, and nothing beside it.
   void finish();
 
  private:
-  static constexpr int rows_at_once = 256;
-  Database database_;
-  std::optional<Database::Statement> insert_;
-  int waiting_ = 0;
+  using Row = std::vector<Database::Value>;
+  using Words = std::vector<std::pair<std::string, Database::Value>>;
+
+  void begin(const Words& about, const std::string& columns);
+  void go_on(const Words& about, const std::string& columns);
+  void keep_committing(const std::stop_token& stop);
+  void commit(std::vector<Row> rows);
+
+  std::filesystem::path file_;
+  std::optional<Database> database_;  // of the constructor, then of the thread, then of finish()
+  int rows_ = 0;
+
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::vector<Row> waiting_;
+  std::exception_ptr failure_;
+  bool changes_ = false;
+  std::jthread thread_;
 };
 
 /// What the column of a robot's energy is called, after its name.

@@ -56,6 +56,7 @@ struct EvasionPlan {
 };
 
 struct CampaignPlan {
+  std::string text{};      ///< of the scenario whose plan it is
   double duration = 25.0;  ///< of each run [s]
   double view_within =
       20.0;              ///< recovered: every observer has seen its target by then, and does at the end [s]

@@ -1,20 +1,18 @@
 #include "sightline/io/figures.hpp"
 
 #include <fmt/format.h>
-#include <stdlib.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
+
+#include "sightline/io/gnuplot.hpp"
 
 namespace sightline {
 namespace {
@@ -28,7 +26,7 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<std::string_view, Drawing::colours + 2> colours = {
     "#3b82d6", "#e07b1a", "#2a9d5c", "#a05cd0", "#d64a8b", "#1aa3b5", "#d8322f", "#8a8f98"};
 constexpr int width = 900, left = 102, axes_width = 780;  // [px]
-constexpr std::string_view messages = "gnuplot.log";
+constexpr std::string_view picture_head = "<?xml ";       // of each that gnuplot draws
 
 }  // namespace
 
@@ -65,12 +63,6 @@ std::string literal(std::string_view text) {
     if (c == '\'') result += '\'';
     result += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
   }
-  return result + "'";
-}
-
-std::string shell_quoted(std::string_view text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return result + "'";
 }
 
@@ -214,7 +206,7 @@ std::string ranges(const Panel& panel, int axes) {
   return text(x.low, x.high + x_air, y_low, y_high);
 }
 
-void write_curve(std::ofstream& script, const Curve& curve, std::string_view name) {
+void write_curve(std::ostream& script, const Curve& curve, std::string_view name) {
   script << name << " << EOD\n";
   if (curve.mark == Mark::arrows) {
     for (std::size_t i = 0; i + 1 < curve.x.size(); i += 2) {
@@ -234,7 +226,7 @@ void write_curve(std::ofstream& script, const Curve& curve, std::string_view nam
 bool in_space(const Panel& panel) { return !panel.grid.z.empty() && panel.grid.view != View::map; }
 
 // The panel's field below its curves, as the first thing that is plotted.
-std::string write_grid(std::ofstream& script, const Drawing::Grid& grid, const Space& space) {
+std::string write_grid(std::ostream& script, const Drawing::Grid& grid, const Space& space) {
   if (grid.z.empty()) return "plot ";
   script << "$grid << EOD\n";
   for (std::size_t i = 0; i < grid.z.size(); ++i) {
@@ -263,7 +255,7 @@ std::string write_grid(std::ofstream& script, const Drawing::Grid& grid, const S
          "splot $grid using 1:2:3:3 with points pt 7 ps 0.25 lc palette notitle";
 }
 
-void write_panel(std::ofstream& script, const Panel& panel, int axes) {
+void write_panel(std::ostream& script, const Panel& panel, int axes) {
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     write_curve(script, panel.curves[i], fmt::format("$c{}", i));
   }
@@ -291,7 +283,7 @@ struct Place {
   int x, width, title_y, legend_y, y;
 };
 
-void write_drawing(std::ofstream& script, const Drawing& drawing, const std::string& picture) {
+void write_drawing(std::ostream& script, const Drawing& drawing) {
   constexpr int row = 20, gap = 10, axis = 46, colour_box = 92;
   const int columns = std::max(1, drawing.columns), share = width / columns;
   std::vector<Place> places;
@@ -318,9 +310,8 @@ void write_drawing(std::ofstream& script, const Drawing& drawing, const std::str
   }
   const auto across = [](int x) { return x / static_cast<double>(width); };
   const auto up = [&](int y) { return 1 - y / static_cast<double>(height); };
-  script << fmt::format(
-      "set terminal svg size {},{} font 'sans-serif,13' noenhanced\nset output {}\nset multiplot\n", width,
-      height, literal(picture));
+  script << fmt::format("set terminal svg size {},{} font 'sans-serif,13' noenhanced\nset multiplot\n", width,
+                        height);
   for (std::size_t i = 0; i < drawing.panels.size(); ++i) {
     const Panel& panel = drawing.panels[i];
     const Place& at = places[i];
@@ -346,18 +337,13 @@ void write_drawing(std::ofstream& script, const Drawing& drawing, const std::str
     }
     write_panel(script, panel, at.width);
   }
-  script << "unset multiplot\nset output\n";
+  script << "unset multiplot\n";
 }
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
     text.replace(at, from.size(), to);
   }
-}
-
-std::string read_text(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 // gnuplot's picture as an element of a page: no head, ids of its own, no titles that pop up under the pointer,
@@ -377,57 +363,26 @@ std::string inlined(std::string svg, std::size_t number) {
   return svg;
 }
 
-/// A folder for gnuplot's files, gone with this.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "sightline-XXXXXX").string();
-    if (!mkdtemp(name.data()))
-      throw std::runtime_error("no folder for gnuplot's files can be made in " + name);
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 }  // namespace
 
 std::vector<Figure> draw(std::vector<Drawing> drawings, std::size_t first) {
   prune(drawings);
   if (drawings.empty()) return {};
-  const TemporaryFolder folder;
-  const auto picture = [&](std::size_t i) { return folder.path() / fmt::format("{}.svg", i); };
-  {
-    std::ofstream script(folder.path() / "figures.gp");
-    script << "set encoding utf8\nset border lw 0.8\nset tics nomirror scale 0.6\n"
-              "set grid lw 0.5 lc rgb '#8a8f98'\n"
-              "set key horizontal Left reverse samplen 2\n"
-              "set palette defined (0 '#f3f7fc', 1 '#c6dcef', 2 '#84b8da', 3 '#3787c0', 4 '#0b3c7d')\n"
-              "set pm3d border lc rgb '#8a8f98' lw 0.3\nset xyplane relative 0\n";
-    for (std::size_t i = 0; i < drawings.size(); ++i) write_drawing(script, drawings[i], picture(i).string());
-    script.close();
-    if (!script) throw std::runtime_error("the figures' data cannot be written to " + folder.path().string());
-  }
-  const auto at = [&](std::string_view file) { return shell_quoted((folder.path() / file).string()); };
-  const int code = std::system(fmt::format("gnuplot -d {} 2> {}", at("figures.gp"), at(messages)).c_str());
-  if (WIFEXITED(code) && WEXITSTATUS(code) == 127) {
-    throw std::runtime_error("gnuplot is missing, which draws the figures; scripts/deps.sh installs it");
-  }
-  if (code != 0) {
-    throw std::runtime_error(
-        fmt::format("gnuplot failed to draw the figures: {}", read_text(folder.path() / messages)));
-  }
+  std::ostringstream script;
+  script << "set encoding utf8\nset border lw 0.8\nset tics nomirror scale 0.6\n"
+            "set grid lw 0.5 lc rgb '#8a8f98'\n"
+            "set key horizontal Left reverse samplen 2\n"
+            "set palette defined (0 '#f3f7fc', 1 '#c6dcef', 2 '#84b8da', 3 '#3787c0', 4 '#0b3c7d')\n"
+            "set pm3d border lc rgb '#8a8f98' lw 0.3\nset xyplane relative 0\n";
+  for (const Drawing& drawing : drawings) write_drawing(script, drawing);
+  const std::string pictures = run_gnuplot(script.str());
   std::vector<Figure> figures;
+  std::size_t begin = pictures.find(picture_head);
   for (std::size_t i = 0; i < drawings.size(); ++i) {
-    figures.push_back({drawings[i].title, drawings[i].caption, inlined(read_text(picture(i)), first + i)});
+    const std::size_t end = begin == std::string::npos ? begin : pictures.find(picture_head, begin + 1);
+    figures.push_back({drawings[i].title, drawings[i].caption,
+                       inlined(pictures.substr(std::min(begin, pictures.size()), end - begin), first + i)});
+    begin = end;
   }
   return figures;
 }

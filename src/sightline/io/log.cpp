@@ -1,14 +1,13 @@
 #include "sightline/io/log.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
+#include <exception>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -19,6 +18,7 @@
 #include "sightline/io/cdr.hpp"
 #include "sightline/io/mcap.hpp"
 #include "sightline/io/team_json.hpp"
+#include "sightline/io/text_file.hpp"
 #include "sightline/io/version.hpp"
 
 namespace sightline {
@@ -80,51 +80,20 @@ double turn_rate(const Model& model, const double* x, const double* u) {
   return d_x && d_y ? x[*d_x] * rate[*d_y] - x[*d_y] * rate[*d_x] : 0.0;
 }
 
-// Appends by write(2); the first failure is kept, and nothing is written after it.
-class TextFile {
- public:
-  explicit TextFile(const std::filesystem::path& path)
-      : path_(path.string()), file_(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
-    if (file_ < 0) fail("opened");
-  }
-  ~TextFile() { close(); }
-  TextFile(const TextFile&) = delete;
-  TextFile& operator=(const TextFile&) = delete;
-
-  void write(std::string_view text) {
-    while (file_ >= 0 && !text.empty()) {
-      const ssize_t count = ::write(file_, text.data(), text.size());
-      if (count >= 0) {
-        text.remove_prefix(static_cast<std::size_t>(count));
-      } else if (errno != EINTR) {
-        fail("written");
-      }
-    }
-  }
-  void close() {
-    if (file_ >= 0 && ::close(std::exchange(file_, -1)) != 0) fail("closed");
-  }
-  const std::string& error() const { return error_; }
-
- private:
-  void fail(std::string_view what) {
-    error_ = fmt::format("{} cannot be {}: {}", path_, what, std::generic_category().message(errno));
-    if (file_ >= 0) ::close(std::exchange(file_, -1));
-  }
-
-  std::string path_, error_;
-  int file_;
-};
-
-std::filesystem::path prepared(const std::filesystem::path& folder) {
-  // What goes wrong here is said by the files that cannot be opened.
-  std::error_code ignored;
+const std::filesystem::path& prepared(const std::filesystem::path& folder) {
+  std::error_code ignored;  // the files that cannot be opened tell
   std::filesystem::create_directories(folder, ignored);
-  for (const char* name : {"summary.json", "report.html"}) std::filesystem::remove(folder / name, ignored);
-  for (const std::string_view solver : solver_names()) {  // of comparisons
-    std::filesystem::remove(folder / solver / "summary.json", ignored);
-  }
+  std::filesystem::remove(beside(folder / "run.mcap"), ignored);
   return folder;
+}
+
+// What an earlier run left of what this one writes at its end, or not at all.
+void remove_results(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const char* name : {"summary.json", "report.html", "partition.json", "whole/summary.json"})
+    std::filesystem::remove(folder / name, ignored);
+  for (const std::string_view solver : solver_names())  // of comparisons
+    std::filesystem::remove(folder / solver / "summary.json", ignored);
 }
 
 }  // namespace
@@ -134,11 +103,12 @@ class Log::Files {
   Files(const Scenario& scenario, const std::filesystem::path& folder, std::size_t controllers,
         std::function<void(double)> written);
 
-  void add(const Sample& sample);
-  void end();
+  void take(const Sample& sample) noexcept;
+  void end() noexcept;
 
   const Summary& summary() const { return summary_; }
-  const std::string& error() const { return mcap_.ok() ? timing_.error() : mcap_.error(); }
+  std::string error() const;
+  bool begun() const { return begun_; }
 
  private:
   struct Channel {
@@ -152,6 +122,9 @@ class Log::Files {
     std::size_t robot = 0;  // its place among the robots
   };
 
+  void begin();
+  void add(const Sample& sample);
+  void tell(double time) noexcept;
   void open_body(BodyId body, bool is_measured, bool has_barrier);
   Channel open(SchemaId schema, const std::string& topic, std::string_view encoding) {
     return {mcap_.channel(schema, topic, encoding, {})};
@@ -194,6 +167,13 @@ class Log::Files {
   Channel events_;
   std::int64_t chunk_ = -1;  // number of the open chunk in simulated time
   double last_ = 0.0;        // time of the last sample [s]
+  bool begun_ = false;
+
+  // What was thrown, and after which time [s]: by judging, and by writing.
+  struct Fault {
+    std::exception_ptr what;
+    double after = 0.0;
+  } judging_, writing_;
 
   std::vector<std::byte> bytes_;
   std::string text_, rows_;
@@ -208,7 +188,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
       written_(std::move(written)),
       summary_(scenario, controllers),
       folder_(prepared(folder)),
-      mcap_(folder_ / "run.mcap", "ros2", fmt::format("sightline {}", version)),
+      mcap_(beside(folder_ / "run.mcap"), "ros2", fmt::format("sightline {}", version)),
       timing_(folder_ / "timing.csv"),
       no_input_(size(team_.nu())) {
   mcap_.metadata("sightline", {{"name", scenario.name},
@@ -262,6 +242,21 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
   }
   rows_ += ",allocations,iterations,missed\n";
   events_ = open(schemas_.event, "/events", "json");
+  begin();
+}
+
+// From here on the log opens: it takes the place of an earlier run's, whose results are no longer those of the log.
+void Log::Files::begin() {
+  timing_.write(std::exchange(rows_, {}));
+  if (std::error_code ignored; !mcap_.ok() || !timing_.error().empty()) {
+    for (const char* name : {"run.mcap", "timing.csv"})
+      std::filesystem::remove(beside(folder_ / name), ignored);
+    return;
+  }
+  remove_results(folder_);
+  timing_.settle();
+  mcap_.settle(folder_ / "run.mcap");
+  begun_ = mcap_.ok();
 }
 
 void Log::Files::open_body(BodyId body, bool is_measured, bool has_barrier) {
@@ -283,10 +278,23 @@ void Log::Files::open_body(BodyId body, bool is_measured, bool has_barrier) {
   bodies_.push_back(channels);
 }
 
+// Whatever a sample makes of judging and writing it, the next one is taken: a ring that nobody empties stops the flight.
+void Log::Files::take(const Sample& sample) noexcept {
+  try {
+    if (!judging_.what) summary_.add(sample);
+  } catch (...) {
+    judging_ = {std::current_exception(), last_};
+  }
+  try {
+    if (!writing_.what) add(sample);
+  } catch (...) {
+    writing_.what = std::current_exception();
+  }
+  last_ = sample.time;
+}
+
 void Log::Files::add(const Sample& sample) {
   const auto chunk = static_cast<std::int64_t>(std::floor(sample.time / chunk_time + same_time));
-  last_ = sample.time;
-  summary_.add(sample);
   for (BodyChannels& channels : bodies_) {
     add_body(channels, sample);
     if (!team_.is_agent(channels.body)) continue;
@@ -300,7 +308,17 @@ void Log::Files::add(const Sample& sample) {
   mcap_.flush();
   timing_.write(rows_);
   rows_.clear();
-  if (written_ && error().empty()) written_(sample.time);
+  writing_.after = sample.time;
+  tell(sample.time);
+}
+
+void Log::Files::tell(double time) noexcept {
+  if (!written_ || !mcap_.ok() || !timing_.error().empty()) return;
+  try {
+    written_(time);
+  } catch (...) {
+    written_ = nullptr;  // whoever looks on has gone
+  }
 }
 
 void Log::Files::add_body(BodyChannels& channels, const Sample& sample) {
@@ -377,7 +395,7 @@ void Log::Files::add_reference(BodyChannels& channels, double time) {
 }
 
 void Log::Files::add_records(const Sample& sample) {
-  const double cost = summary_.stage_cost();
+  const double cost = judging_.what ? std::numeric_limits<double>::quiet_NaN() : summary_.stage_cost();
   for (std::size_t c = 0; c < solvers_.size(); ++c) {
     const SolverRecord& record = sample.solvers[c];
     begin_text(sample.time);
@@ -415,11 +433,40 @@ void Log::Files::add_timing(const Sample& sample) {
   fmt::format_to(row, ",{},{},{}\n", allocations, iterations, missed);
 }
 
-void Log::Files::end() {
-  mcap_.close();
-  timing_.write(rows_);
-  timing_.close();
-  if (written_ && error().empty() && chunk_ >= 0) written_(last_ + period_);
+void Log::Files::end() noexcept {
+  try {
+    if (!writing_.what) mcap_.close();
+    timing_.write(rows_);
+    timing_.close();
+  } catch (...) {
+    writing_.what = std::current_exception();
+  }
+  if (writing_.what) {
+    mcap_.abandon();
+  } else if (chunk_ >= 0) {
+    tell(last_ + period_);
+  }
+}
+
+std::string Log::Files::error() const {
+  const auto words = [](const std::exception_ptr& what) -> std::string {
+    try {
+      std::rethrow_exception(what);
+    } catch (const std::exception& error) {
+      return error.what();
+    } catch (...) {
+    }
+    return "an exception without words";
+  };
+  if (!mcap_.ok()) return mcap_.error();
+  if (!timing_.error().empty()) return timing_.error();
+  if (writing_.what)
+    return fmt::format("{}: what came after {:.6g} s is lost: {}", (folder_ / "run.mcap").native(),
+                       writing_.after, words(writing_.what));
+  if (judging_.what)
+    return fmt::format("{}: what came after {:.6g} s is not judged: {}", (folder_ / "summary.json").native(),
+                       judging_.after, words(judging_.what));
+  return {};
 }
 
 Log::Log(const Scenario& scenario, const std::filesystem::path& folder, const Controllers& controllers,
@@ -435,7 +482,7 @@ Log::~Log() {
 void Log::start() {
   thread_ = std::thread([this] {
     while (const Sample* sample = ring_.wait()) {
-      files_->add(*sample);
+      files_->take(*sample);
       ring_.pop();
     }
     files_->end();
@@ -446,7 +493,8 @@ void Log::finish() {
   if (thread_.joinable()) thread_.join();
 }
 
-const std::string& Log::error() const { return files_->error(); }
+std::string Log::error() const { return files_->error(); }
+bool Log::begun() const { return files_->begun(); }
 const Summary& Log::summary() const { return files_->summary(); }
 
 }  // namespace sightline

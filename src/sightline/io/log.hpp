@@ -33,13 +33,15 @@ namespace sightline {
 /// In JSON, null is a number that was not finite; ROS messages with such numbers are left out.
 ///
 /// Each 0.1 s of simulated time a chunk closes and is handed to the kernel with the rows of timing.csv, so a
-/// killed run leaves all that was before. Where the disk fails, the ring is still drained: the loop goes on.
+/// killed run leaves all that was before. Where the disk fails, or a sample cannot be written or judged, the ring is
+/// still drained: the loop goes on, and error() tells what is lost.
 class Log {
  public:
-  /// Makes the folder if need be, removes what an earlier run left there and opens the files.
+  /// Makes the folder if need be and begins the files beside those of an earlier run. Once they open, they take their
+  /// place, and the earlier results go.
   /// @param ring     outlives the log
   /// @param written  called by the thread with the simulated time [s] up to which all is on its way to the
-  ///                 disk; not after a failure
+  ///                 disk; not after a failure, nor after it threw
   Log(const Scenario& scenario, const std::filesystem::path& folder, const Controllers& controllers,
       Ring<Sample>& ring, std::function<void(double)> written = {});
   ~Log();  ///< As finish(), once the ring is closed, which it is here for a loop that never ran.
@@ -51,9 +53,11 @@ class Log {
   /// Waits until the ring is closed and drained, and ends the files.
   void finish();
 
-  /// After finish(): the first failure, a sentence; empty if all was written.
-  const std::string& error() const;
-  /// After finish(): of all samples, written or not.
+  /// After finish(): the first failure, a sentence; empty if all was written and judged.
+  std::string error() const;
+  /// Whether the folder holds this log, and not what was there before.
+  bool begun() const;
+  /// After finish(): of all samples that could be judged, written or not.
   const Summary& summary() const;
 
  private:

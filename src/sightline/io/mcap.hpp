@@ -89,8 +89,14 @@ class McapWriter {
   /// Writes words about the whole log, at once.
   void metadata(std::string_view name, const McapWords& words);
 
+  /// Moves the file to `path`, in place of what stands there; what is written later is there at once.
+  void settle(const std::filesystem::path& path);
+
   /// Writes the open chunk, the summary and the footer, and closes the file.
   void close();
+
+  /// Closes the file behind its last whole chunk and without its end, as a killed run leaves it.
+  void abandon() noexcept;
 
   bool ok() const { return error_.empty(); }           ///< True until something failed.
   const std::string& error() const { return error_; }  ///< The first failure, a sentence; empty if none.

@@ -8,6 +8,7 @@
 #include <cassert>
 #include <cerrno>
 #include <concepts>
+#include <cstdio>
 #include <system_error>
 #include <utility>
 
@@ -229,6 +230,12 @@ void McapWriter::metadata(std::string_view name, const McapWords& words) {
   write(out_);
 }
 
+void McapWriter::settle(const std::filesystem::path& path) {
+  if (file_ < 0) return;
+  if (std::rename(path_.c_str(), path.c_str()) != 0) return fail("cannot be put in its place", errno);
+  path_ = path.string();
+}
+
 void McapWriter::close() {
   flush();
   if (file_ < 0) return;
@@ -310,10 +317,12 @@ void McapWriter::write(const Bytes& bytes) {
 
 void McapWriter::fail(std::string_view what, int error_number) {
   error_ = fmt::format("{}: {} at byte {}: {}", path_, what, position_, reason(error_number));
-  if (file_ < 0) return;
+  abandon();
+}
 
-  // Best effort: the log ends with its last whole chunk, as if the run had been killed here.
-  [[maybe_unused]] const int cut = ::ftruncate(file_, static_cast<off_t>(position_));
+void McapWriter::abandon() noexcept {
+  if (file_ < 0) return;
+  [[maybe_unused]] const int cut = ::ftruncate(file_, static_cast<off_t>(position_));  // best effort
   ::close(std::exchange(file_, -1));
 }
 

@@ -2,11 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <fstream>
-#include <stdexcept>
-#include <system_error>
-
 namespace sightline {
 namespace {
 
@@ -65,16 +60,6 @@ std::string page_figure(const Figure& figure) {
   return fmt::format(
       "<h2>{0}</h2>\n<figure aria-label=\"{0}\">\n{1}\n<figcaption>{2}</figcaption>\n</figure>\n",
       escaped(figure.title), figure.svg, escaped(figure.caption));
-}
-
-void write_text(const std::filesystem::path& file, std::string_view text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) {
-    throw std::runtime_error(
-        fmt::format("{} cannot be written: {}", file.string(), std::generic_category().message(errno)));
-  }
 }
 
 }  // namespace sightline

@@ -1,7 +1,6 @@
 /// The parts of a self-contained HTML page that reads on light and on dark.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -17,9 +16,5 @@ std::string page_head(std::string_view title);
 
 /// A figure below its title.
 std::string page_figure(const Figure& figure);
-
-/// Writes a page, or what lies beside it.
-/// @throws std::runtime_error naming the file, and why it cannot be written
-void write_text(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace sightline

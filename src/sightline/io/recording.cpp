@@ -14,6 +14,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 
 #include "sightline/io/cdr.hpp"
 #include "sightline/io/mcap.hpp"
@@ -210,9 +211,18 @@ class Rows {
   std::map<std::string, std::function<void(const McapMessage&)>, std::less<>> places_;
 };
 
+// Never waits, as a pipe would have it.
+std::ifstream opened(const std::filesystem::path& path) {
+  std::error_code ignored;
+  std::ifstream file;
+  if (std::filesystem::is_regular_file(path, ignored)) file.open(path, std::ios::binary);
+  if (!file.is_open()) file.setstate(std::ios::failbit);
+  return file;
+}
+
 // Times to solve of all controllers together. Whole rows alone: the last may have been cut off.
 std::vector<double> read_timing(const std::filesystem::path& path, std::size_t controllers) {
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file = opened(path);
   if (!file) refuse("{} cannot be read, expected the measured times of a run", path.string());
   std::string line;
   std::getline(file, line);
@@ -243,7 +253,7 @@ std::vector<Recording::Comparison> read_comparisons(const std::filesystem::path&
                                                     const Recording& run) {
   std::vector<Recording::Comparison> comparisons;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    std::ifstream file(entry.path() / "summary.json", std::ios::binary);
+    std::ifstream file = opened(entry.path() / "summary.json");
     if (!file) continue;
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     const json summary = json::parse(text, nullptr, false);

@@ -22,6 +22,7 @@
 #include "sightline/io/safety_figure.hpp"
 #include "sightline/io/summary.hpp"
 #include "sightline/io/swarm_figure.hpp"
+#include "sightline/io/text_file.hpp"
 
 namespace sightline {
 namespace {

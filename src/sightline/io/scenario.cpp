@@ -307,6 +307,7 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file) {
   scenario.name = file.stem().string();
   scenario.file = file;
   scenario.text = std::move(text);
+  if (scenario.campaign) scenario.campaign->text = scenario.text;
   return scenario;
 }
 

@@ -1,19 +1,16 @@
 #include "sightline/io/summary.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <system_error>
+#include <stdexcept>
 #include <utility>
 
 #include "sightline/io/event_words.hpp"
+#include "sightline/io/text_file.hpp"
 #include "sightline/io/version.hpp"
 
 namespace sightline {
@@ -341,27 +338,12 @@ std::string Summary::json() const {
 }
 
 std::string write_summary(const std::filesystem::path& folder, std::string_view json) {
-  const std::string path = (folder / "summary.json").string(), unfinished = path + ".part";
-  const auto failed = [&] {
-    const std::string why = std::generic_category().message(errno);
-    ::unlink(unfinished.c_str());
-    return fmt::format("{} cannot be written: {}", path, why);
-  };
-  const int file = ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) return failed();
-  while (!json.empty()) {
-    const ssize_t count = ::write(file, json.data(), json.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) {
-      const int reason = errno;
-      ::close(file);
-      errno = reason;
-      return failed();
-    }
-    json.remove_prefix(static_cast<std::size_t>(count));
+  try {
+    write_text(folder / "summary.json", json);
+    return {};
+  } catch (const std::runtime_error& error) {
+    return error.what();
   }
-  if (::close(file) != 0 || std::rename(unfinished.c_str(), path.c_str()) != 0) return failed();
-  return {};
 }
 
 }  // namespace sightline
