@@ -63,7 +63,7 @@ TEST(TextFile, ATextThatCannotBeWrittenIsNamed) {
     write_text(test::fresh_folder() / "nowhere" / "page.html", "");
     FAIL() << "expected a refusal";
   } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("nowhere/page.html cannot be opened: No such file"));
+    EXPECT_THAT(error.what(), HasSubstr("nowhere/page.html cannot be written: No such file"));
   }
 }
 

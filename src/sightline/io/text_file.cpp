@@ -18,7 +18,7 @@ TextFile::TextFile(std::filesystem::path path) : path_(std::move(path)), now_(be
   // Neither what stands there nor what it points to: a new file, which nobody waits for at the other end.
   ::unlink(now_.c_str());
   file_ = ::open(now_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file_ < 0) fail("opened");
+  if (file_ < 0) fail("written");
 }
 
 void TextFile::write(std::string_view text) {
