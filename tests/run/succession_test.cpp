@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "sightline/potential/region.hpp"
 #include "tests/support/counted_new.hpp"
 #include "tests/support/event_team.hpp"
 #include "tests/support/refusal.hpp"
@@ -208,6 +209,30 @@ TEST(Succession, NothingInTheLoopAllocatesWhenATeamChanges) {
     }
   }
   EXPECT_GT(changes, 10);
+}
+
+TEST(Succession, TriggersOfTextAllocateNothing) {
+  const Team team = event_team(3);
+  const auto when = [](Potential limit) {
+    TeamEvent event = at(0.0, SetReference{AgentId{BodyId{0}}, Circle{.centre = {0, 0, 1}, .radius = 0.3}});
+    event.trigger = Condition{.measure = ExcessOf{std::move(limit), BodyId{1}, BodyId{0}}, .threshold = 9.0};
+    return event;
+  };
+  const Region camera = Region(all_of({"bearing < 0.4", "0.3 m < range < 6 m"}), {{"far", "6 m"}});
+  Succession succession(Roster(team),
+                        {{when(camera), when(Region("target.v_x < 0.3 m/s")), when(SensorCone{})}},
+                        newton_riccati_of(Horizon{}));
+  Plant plant(team, event_start(team));
+  Sensor sensor(team);
+  const Controllers controllers = {*succession.present().solver};
+  Ring<Sample> ring(1000, sized_sample(team, controllers));
+  SimulatedClock clock;
+  Loop loop(plant, sensor, controllers, clock, ring,
+            {.duration = 0.5, .allocations = allocations_here, .succession = &succession});
+  const std::int64_t before = allocations_here();
+  const LoopOutcome outcome = loop.run();
+  EXPECT_EQ(allocations_here() - before, 0);
+  EXPECT_EQ(outcome.max_allocations, 0) << "looks at triggers count too";
 }
 
 TEST(Succession, AScriptWithFaultsIsRefusedWithTheEvent) {

@@ -203,13 +203,12 @@ void Region::check() const {
 }
 
 template <class S>
-std::vector<S> Region::variables(const Sight<S>& observer, const Sight<S>& target, const S& t) const {
+Region::Variables<S> Region::variables(const Sight<S>& observer, const Sight<S>& target, const S& t) const {
   const Vec3<S> p_S = mount_(observer, target.p), r = target.p - observer.p;
-  std::vector<S> v = {p_S.x, p_S.y, p_S.z, r.x, r.y, r.z};
-  v.resize(v.size() + 2 * sight_size, t);
-  write_sight(observer, v.end() - 2 * sight_size);
-  write_sight(target, v.end() - sight_size);
-  v.push_back(t);
+  Variables<S> v = {p_S.x, p_S.y, p_S.z, r.x, r.y, r.z};
+  write_sight(observer, v.begin() + 6);
+  write_sight(target, v.begin() + 6 + sight_size);
+  v.back() = t;
   return v;
 }
 
@@ -257,7 +256,7 @@ Region::Beyond<S> Region::evaluate(const Part& part, const Step& eps, std::span<
 
 template <class Step, class S>
 S Region::over(const Step& eps, const Sight<S>& observer, const Sight<S>& target, const S& t) const {
-  const std::vector<S> v = variables(observer, target, t);
+  const Variables<S> v = variables(observer, target, t);
   const Beyond<S> beyond = evaluate<Step, S>(parsed_->root, eps, v);
   const auto* softplus = std::get_if<Softplus>(&slope_);
   if (softplus == nullptr) return beyond.sloped;
@@ -278,15 +277,18 @@ double Region::unit_step(const Sight<double>& observer, const Sight<double>& tar
   return violation(observer, target, t) > 0 ? 1.0 : 0.0;
 }
 
-double Region::violation(const Sight<double>& observer, const Sight<double>& target, double t) const {
-  return excess(parsed_->root, variables(observer, target, t));
+double Region::violation(const Sight<double>& observer, const Sight<double>& target,
+                         double t) const noexcept {
+  std::array<double, region_steps_max> scratch;
+  return excess(parsed_->root, variables(observer, target, t), scratch);
 }
 
-double Region::excess(const Part& part, std::span<const double> variables) const {
-  if (part.kind == Kind::limit) return parsed_->leaves[part.leaf].c(variables, 0.0);
-  double c = excess(part.parts.front(), variables);
+double Region::excess(const Part& part, std::span<const double> variables,
+                      std::span<double> scratch) const noexcept {
+  if (part.kind == Kind::limit) return parsed_->leaves[part.leaf].c(variables, 0.0, scratch);
+  double c = excess(part.parts.front(), variables, scratch);
   for (std::size_t i = 1; i < part.parts.size(); ++i) {
-    const double other = excess(part.parts[i], variables);
+    const double other = excess(part.parts[i], variables, scratch);
     c = part.kind == Kind::all_of ? std::max(c, other) : std::min(c, other);
   }
   return c;

@@ -13,6 +13,7 @@
 ///   t                             the time [s]
 #pragma once
 
+#include <array>
 #include <initializer_list>
 #include <memory>
 #include <set>
@@ -99,8 +100,8 @@ class Region {
   double unit_step(const Sight<double>& observer, const Sight<double>& target, double t) const;
   /// The unit step with its slope, (34).
   double sloped(const Sight<double>& observer, const Sight<double>& target, double t) const;
-  /// > 0 outside: the largest c of all_of, the smallest of any_of, each in its own unit.
-  double violation(const Sight<double>& observer, const Sight<double>& target, double t) const;
+  /// > 0 outside: the largest c of all_of, the smallest of any_of, each in its own unit. Never throws or allocates.
+  double violation(const Sight<double>& observer, const Sight<double>& target, double t) const noexcept;
 
   const std::string& name() const { return name_; }
   double kappa_A() const { return kappa_A_; }
@@ -143,9 +144,13 @@ class Region {
   Beyond<S> evaluate(const Part& part, const Step& eps, std::span<const S> variables) const;
   template <class Step, class S>
   S over(const Step& eps, const Sight<S>& observer, const Sight<S>& target, const S& t) const;
-  double excess(const Part& part, std::span<const double> variables) const;
+  /// @param scratch  a value for each step of a leaf
+  double excess(const Part& part, std::span<const double> variables,
+                std::span<double> scratch) const noexcept;
   template <class S>
-  std::vector<S> variables(const Sight<S>& observer, const Sight<S>& target, const S& t) const;
+  using Variables = std::array<S, 6 + 2 * sight_size + 1>;  // x, y, z, r, both sights, t
+  template <class S>
+  Variables<S> variables(const Sight<S>& observer, const Sight<S>& target, const S& t) const;
 
   std::shared_ptr<const Parsed> parsed_;
   Slope slope_{};

@@ -229,12 +229,13 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
   if (options_.guard != nullptr) guard(t, sample);
   std::copy(u_.begin(), u_.end(), sample.u.begin());
   sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
+  if (options_.succession != nullptr) {
+    options_.succession->look(t, believed, u_,
+                              options_.guard != nullptr ? options_.guard->ages() : std::span<const double>{});
+    for (const Event& event : options_.succession->events()) tell(event);
+    options_.succession->clear_events();
+  }
   outcome_.max_allocations = std::max(outcome_.max_allocations, count() - before_all);
-  if (options_.succession == nullptr) return;
-  options_.succession->look(t, believed, u_,
-                            options_.guard != nullptr ? options_.guard->ages() : std::span<const double>{});
-  for (const Event& event : options_.succession->events()) tell(event);
-  options_.succession->clear_events();
 }
 
 /// An update; while a late one is at work, what the plan before has for now.

@@ -46,7 +46,7 @@ struct LoopOutcome {
   std::int64_t missed = 0;           ///< periods that were over before they could begin
   std::int64_t dropped = 0;          ///< samples that found the sink full
   std::int64_t refused = 0;          ///< commands of a robot that were not applied
-  std::int64_t max_allocations = 0;  ///< most in one update, state in to command out, all controllers
+  std::int64_t max_allocations = 0;  ///< most in one update: state in to command out, and its triggers
   bool finite = true;                ///< false: a state of the plant was not, which ended the run
   bool stopped = false;              ///< ended by the stop flag
 };
