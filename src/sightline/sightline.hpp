@@ -10,6 +10,7 @@
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
+#include "sightline/potential/pass_right.hpp"
 #include "sightline/potential/region.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/potential/slope.hpp"

@@ -5,10 +5,8 @@
 #include <limits>
 
 #include "sightline/potential/bearing.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/region.hpp"
+#include "sightline/potential/protection.hpp"
 #include "sightline/potential/sensor_cone.hpp"
-#include "sightline/potential/slope.hpp"
 
 namespace sightline {
 namespace {
@@ -25,26 +23,22 @@ std::vector<Observation> observations(std::span<const Coupling> couplings) {
   for (const Coupling& c : couplings) {
     const BodyId a = c.between.first, b = c.between.second;
     const Potential& potential = c.term.potential;
+    if (!watches(potential) || potential.violation({}, {}) == -std::numeric_limits<double>::infinity())
+      continue;
+    if (std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); }))
+      continue;
     const auto* cone = potential.as<SensorCone>();
     const auto* bearing = potential.as<Bearing>();
-    const auto* region = potential.as<Region>();
-    const bool known =
-        std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); });
-    if (known) continue;
-    if (cone != nullptr) found.push_back({a, b, potential, cone->mount, cone->alpha, none, none});
-    if (bearing != nullptr) found.push_back({a, b, potential, bearing->mount, bearing->alpha, none, none});
-    if (region != nullptr && region->is_view())
-      found.push_back({a, b, potential, region->mount(), none, none, none});
+    const double alpha = cone != nullptr ? cone->alpha : bearing != nullptr ? bearing->alpha : none;
+    found.push_back({a, b, potential, *potential.mount(), alpha, none, none});
   }
   // A distance has no direction. fmax and fmin pass over what is not a number.
   for (const Coupling& c : couplings) {
     const BodyId a = c.between.first, b = c.between.second;
     for (Observation& o : found) {
       if (!same(o, a, b) && !same(o, b, a)) continue;
-      if (const auto* near = c.term.potential.as<KeepOut>()) o.d_min = std::fmax(o.d_min, near->d_min);
-      if (const auto* far = c.term.potential.as<Cohesion>()) o.d_max = std::fmin(o.d_max, far->d_max);
-      if (const auto* near = c.term.potential.as<TooNear>()) o.d_min = std::fmax(o.d_min, near->d_min);
-      if (const auto* far = c.term.potential.as<TooFar>()) o.d_max = std::fmin(o.d_max, far->d_max);
+      o.d_min = std::fmax(o.d_min, c.term.potential.d_min().value_or(none));
+      o.d_max = std::fmin(o.d_max, c.term.potential.d_max().value_or(none));
     }
   }
   return found;

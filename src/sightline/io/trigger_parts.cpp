@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sightline/io/region_parts.hpp"
+#include "sightline/potential/protection.hpp"
 
 namespace sightline {
 namespace {
@@ -169,7 +170,7 @@ Condition read_view(const TomlTable& event, std::string_view key, Side side, con
   }
   const auto looks = std::find_if(scope.couplings.begin(), scope.couplings.end(), [&](const Coupling& c) {
     const Potential& potential = c.term.potential;
-    return c.between.first == observer && c.between.second == target && potential.mount() != nullptr &&
+    return c.between.first == observer && c.between.second == target && watches(potential) &&
            potential.violation({}, {}) != -std::numeric_limits<double>::infinity();
   });
   if (looks == scope.couplings.end()) {

@@ -114,7 +114,8 @@ struct SetReference {
   Reference reference;
 };
 /// The robot observes another body from now on: its couplings with a sensor, and those that hold it to what it
-/// observed, go over; keep-outs stay, and the new target gets the same if it has none.
+/// observed, go over. Whatever keeps the two apart (protection.hpp) stays, and the new target gets the same if it has
+/// none; of a region that does both, the limits that keep them apart stay behind.
 struct Observe {
   AgentId observer;
   BodyId target;

@@ -6,8 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/potential/protection.hpp"
 
 namespace sightline {
 namespace {
@@ -28,12 +27,14 @@ bool has_settled(const Ramp& ramp, double t) {
 }
 Ramp settled(const Ramp& ramp, double t) { return lasts(ramp) && has_settled(ramp, t) ? Ramp{} : ramp; }
 
-bool keeps_apart(const Potential& potential) {
-  return potential.as<KeepOut>() != nullptr || potential.as<TooNear>() != nullptr;
-}
-
 bool joins(const Between& between, BodyId a, BodyId b) {
   return (between.first == a && between.second == b) || (between.first == b && between.second == a);
+}
+
+bool felt_by_all(const Coupling& coupling, const std::vector<AgentId>& agents) {
+  return std::all_of(agents.begin(), agents.end(), [&](AgentId agent) {
+    return std::find(coupling.felt_by.begin(), coupling.felt_by.end(), agent) != coupling.felt_by.end();
+  });
 }
 
 /// Puts a term that fades in beside the one that fades out.
@@ -209,7 +210,7 @@ struct Roster::Change {
     auto& couplings = roster.couplings_;
     const auto looks =
         std::find_if(couplings.begin(), couplings.end(), [&, who = observer](const Coupling& c) {
-          return lasts(c.ramp) && c.between.first == who && c.term.potential.mount() != nullptr;
+          return lasts(c.ramp) && c.between.first == who && watches(c.term.potential);
         });
     if (looks == couplings.end()) {
       return fmt::format("\"{}\" has no sensor on anything, expected a robot that observes", name(observer));
@@ -218,14 +219,22 @@ struct Roster::Change {
     if (before == target) {
       return fmt::format("\"{}\" observes \"{}\" already, expected another", name(observer), name(target));
     }
-    const bool apart_already = std::any_of(
-        couplings.begin(), couplings.end(), [&, who = observer, whom = target](const Coupling& c) {
-          return lasts(c.ramp) && joins(c.between, who, whom) && keeps_apart(c.term.potential);
-        });
-    for (std::size_t i = 0, n = couplings.size(); i < n; ++i) {
+    const std::size_t n = couplings.size();
+    /// Whether another coupling than the i-th keeps the observer off this body, felt by all who feel the i-th.
+    const auto is_kept_off = [&, who = observer](BodyId whom, const std::vector<AgentId>& felt_by,
+                                                 std::size_t i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        const Coupling& c = couplings[j];
+        if (j != i && lasts(c.ramp) && c.term.weight > 0 && joins(c.between, who, whom) &&
+            felt_by_all(c, felt_by) && !keep_outs(c.term.potential).empty()) {
+          return true;
+        }
+      }
+      return false;
+    };
+    for (std::size_t i = 0; i < n; ++i) {
       if (!lasts(couplings[i].ramp) || !joins(couplings[i].between, observer, before)) continue;
       const bool stays = keeps_apart(couplings[i].term.potential);
-      if (stays && apart_already) continue;
       Coupling next = couplings[i];
       BodyId& end = next.between.first == before ? next.between.first : next.between.second;
       end = target;
@@ -234,11 +243,26 @@ struct Roster::Change {
       } else {
         std::erase(next.felt_by, AgentId{before});
       }
-      if (next.felt_by.empty()) continue;
+      if (stays && (next.felt_by.empty() || is_kept_off(target, next.felt_by, i))) continue;
       if (stays) {
         next.name.clear();
         next.ramp = fading_in(t, ramp);
         couplings.push_back(std::move(next));
+        continue;
+      }
+      // What goes over leaves behind the limits in it that keep the two apart.
+      const bool needs_none = is_kept_off(before, couplings[i].felt_by, i);
+      for (Potential& limit :
+           needs_none ? std::vector<Potential>() : keep_outs(couplings[i].term.potential)) {
+        Coupling apart = couplings[i];
+        apart.term.potential = std::move(limit);
+        apart.name.clear();
+        apart.ramp = fading_in(t, ramp);
+        couplings.push_back(std::move(apart));
+      }
+      if (next.felt_by.empty()) {
+        couplings[i].name.clear();
+        couplings[i].ramp = fading_out(couplings[i].ramp, t, ramp);
       } else {
         replace(couplings, i, std::move(next), t, ramp);
       }

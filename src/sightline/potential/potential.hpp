@@ -79,6 +79,10 @@ class Potential {
     return block_->violation(a, b, t);
   }
 
+  /// The distance beyond which it keeps two bodies, and within which [m], where it has a field of this name.
+  std::optional<double> d_min() const { return block_->d_min(); }
+  std::optional<double> d_max() const { return block_->d_max(); }
+
   /// l over the unit step, with its slope, (34): 0 where the limit holds; NaN if it was not written over a step.
   double sloped(const Sight<double>& a, const Sight<double>& b, double t = 0.0) const {
     return block_->sloped(a, b, t);
@@ -107,6 +111,8 @@ class Potential {
     virtual double value(const Sight<double>& a, const Sight<double>& b, double t) const noexcept = 0;
     virtual Symbol trace(const Sight<Symbol>& a, const Sight<Symbol>& b, const Symbol& t) const = 0;
     virtual double violation(const Sight<double>& a, const Sight<double>& b, double t) const noexcept = 0;
+    virtual std::optional<double> d_min() const = 0;
+    virtual std::optional<double> d_max() const = 0;
     virtual double sloped(const Sight<double>& a, const Sight<double>& b, double t) const = 0;
     virtual std::optional<double> kappa_A() const = 0;
     virtual std::optional<Potential> sharpened(double kappa_A) const = 0;
@@ -159,6 +165,14 @@ class Potential {
       } else {
         return -std::numeric_limits<double>::infinity();
       }
+    }
+    std::optional<double> d_min() const override {
+      if constexpr (requires { double(potential.d_min); }) return potential.d_min;
+      return {};
+    }
+    std::optional<double> d_max() const override {
+      if constexpr (requires { double(potential.d_max); }) return potential.d_max;
+      return {};
     }
     double sloped([[maybe_unused]] const Sight<double>& a, [[maybe_unused]] const Sight<double>& b,
                   [[maybe_unused]] double t) const override {

@@ -300,6 +300,21 @@ bool Region::is_view() const {
   });
 }
 
+std::vector<Region> Region::conjuncts() const {
+  std::vector<Region> found;
+  const auto collect = [&](const auto& self, const Part& part) -> void {
+    if (part.kind == Kind::all_of) {
+      for (const Part& inner : part.parts) self(self, inner);
+      return;
+    }
+    Parsed own = *parsed_;
+    own.root = part;
+    found.emplace_back(*this).parsed_ = std::make_shared<const Parsed>(std::move(own));
+  };
+  collect(collect, parsed_->root);
+  return found;
+}
+
 std::set<std::string> Region::smoothed() const {
   std::set<std::string> all;
   const auto add = [&](const Expression& e) {

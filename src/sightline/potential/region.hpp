@@ -109,6 +109,8 @@ class Region {
   double width() const { return width_; }
   /// Whether it says where the sensor sees its target: x, y, z or what is made of them occurs.
   bool is_view() const;
+  /// Each of the limits that all have to hold, as a region of its own; itself where there is one.
+  std::vector<Region> conjuncts() const;
   /// Functions with corners that are rounded off.
   std::set<std::string> smoothed() const;
   /// @throws std::invalid_argument naming the field, its value and its range

@@ -1,0 +1,64 @@
+#include "sightline/potential/protection.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "sightline/potential/region.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr int samples = 64;
+constexpr double near = 1e-6, far = 1e4;  // [m]
+
+/// Two bodies; `from` is where on the observer's axis the distance is measured from [m].
+struct Encounter {
+  Sight<double> observer, target;
+
+  Encounter(int i, double distance, double from) {
+    const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+    const double z = 1.0 - (2.0 * i + 1.0) / samples, r = std::sqrt(1.0 - z * z), around = golden * i;
+    const auto heading = [](double angle) { return Vec2<double>{std::cos(angle), std::sin(angle)}; };
+    observer.p = {0.0, 0.0, 1.0};
+    observer.d = heading(2.0 * i);
+    target.d = heading(5.0 * i + 1.0);
+    observer.v = {std::cos(i), std::sin(i), 0.0};
+    target.v = {std::sin(2.0 * i), std::cos(2.0 * i), 0.0};
+    const Vec3<double> direction = {r * std::cos(around), r * std::sin(around), z};
+    const Vec3<double> origin = {from * observer.d.x, from * observer.d.y, 1.0};
+    target.p = origin + distance * direction;
+  }
+};
+
+/// Whether the limit is broken in all encounters at this distance, or holds in all.
+bool is_always(bool broken, const Potential& potential, double distance, double from) {
+  for (int i = 0; i < samples; ++i) {
+    const Encounter e(i, distance, from);
+    if ((potential.violation(e.observer, e.target, 0.1 * i) > 0) != broken) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool keeps_apart(const Potential& potential) {
+  if (!potential.is_pair()) return false;
+  const double sensor = potential.mount() != nullptr ? potential.mount()->offset : 0.0;
+  return (is_always(true, potential, near, 0.0) || is_always(true, potential, near, sensor)) &&
+         is_always(false, potential, far, 0.0);
+}
+
+std::vector<Potential> keep_outs(const Potential& potential) {
+  if (keeps_apart(potential)) return {potential};
+  std::vector<Potential> found;
+  if (const auto* region = potential.as<Region>()) {
+    for (const Region& limit : region->conjuncts()) {
+      if (Potential one(limit); keeps_apart(one)) found.push_back(std::move(one));
+    }
+  }
+  return found;
+}
+
+bool watches(const Potential& potential) { return potential.mount() != nullptr && !keeps_apart(potential); }
+
+}  // namespace sightline
