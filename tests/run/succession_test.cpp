@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <new>
 
 #include "sightline/potential/region.hpp"
 #include "tests/support/counted_new.hpp"
@@ -233,6 +234,97 @@ TEST(Succession, TriggersOfTextAllocateNothing) {
   const LoopOutcome outcome = loop.run();
   EXPECT_EQ(allocations_here() - before, 0);
   EXPECT_EQ(outcome.max_allocations, 0) << "looks at triggers count too";
+}
+
+/// A solver of any team, but not of this one, or not for the moment.
+Succession::MakeSolver fails_where(std::function<bool(const Team&)> fails) {
+  return [fails = std::move(fails), make = newton_riccati_of(Horizon{})](Team team) {
+    if (fails(team)) throw std::bad_alloc();
+    return make(std::move(team));
+  };
+}
+
+struct Told {
+  std::vector<std::size_t> in_force, ignored;
+  Team team;  // at the end
+};
+Told fly_failing(const Team& all, const Script& script, Succession::MakeSolver make) {
+  Succession succession(Roster(all), script, std::move(make));
+  Plant plant(all, event_start(all));
+  Sensor sensor(all);
+  SimulatedClock clock;
+  const Controllers controllers = {*succession.present().solver};
+  KeepSamples sink(sized_sample(all, controllers));
+  Loop loop(plant, sensor, controllers, clock, sink, {.duration = 0.5, .succession = &succession});
+  EXPECT_TRUE(loop.run().finite);
+  Told told;
+  for (const FlownPeriod& period : sink.flown) {
+    for (const Event& event : period.events) {
+      const auto place = static_cast<std::size_t>(event.value);
+      if (event.kind == EventKind::event_in_force) told.in_force.push_back(place);
+      if (event.kind == EventKind::event_ignored) told.ignored.push_back(place);
+    }
+  }
+  told.team = succession.present().solver->ocp().team();
+  return told;
+}
+
+int couplings_called(const Team& team, std::string_view name) {
+  return static_cast<int>(std::count_if(team.couplings().begin(), team.couplings().end(),
+                                        [&](const Coupling& c) { return c.name == name; }));
+}
+
+TEST(Succession, ATeamThatCannotBeMadeLeavesNoTrace) {
+  const Team all = event_team(3);
+  const AgentId uav2{BodyId{2}};
+  const Coupling bad{.term = 1.0 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "bad"};
+  const Told told =
+      fly_failing(all,
+                  {{at(0.1, AddCoupling{bad}), at(0.2, RetuneTerm{.name = "sees1", .weight = 0.7}),
+                    at(0.3, RemoveTerm{"off2"})}},
+                  fails_where([](const Team& team) { return couplings_called(team, "bad") > 0; }));
+  EXPECT_EQ(told.ignored, std::vector<std::size_t>{0});
+  EXPECT_EQ(told.in_force, (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(couplings_called(told.team, "bad"), 0);
+  EXPECT_EQ(couplings_called(told.team, "off2"), 0);
+  EXPECT_EQ(told.team.couplings().size(), all.couplings().size() - 1);
+}
+
+TEST(Succession, WhereMemoryFailedOnceALaterEventGoesOnFromTheTeamThereWas) {
+  const Team all = event_team(3);
+  int made = 0;
+  const Told told =
+      fly_failing(all, {{at(0.1, RemoveTerm{"off1"}), at(0.2, RetuneTerm{.name = "sees1", .weight = 0.7})}},
+                  fails_where([&made](const Team&) { return ++made == 2; }));
+  EXPECT_EQ(told.ignored, std::vector<std::size_t>{0});
+  EXPECT_EQ(told.in_force, std::vector<std::size_t>{1});
+  EXPECT_EQ(couplings_called(told.team, "off1"), 1) << "the keep-out whose removal failed is still there";
+}
+
+TEST(Succession, OfSeveralEventsAtOnceOnlyThoseThatCannotBeAreIgnored) {
+  const Team all = event_team(4);
+  const AgentId uav2{BodyId{2}};
+  const Coupling bad{.term = 1.0 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "bad"};
+  const Told told =
+      fly_failing(all,
+                  {{at(0.1, RemoveBody{BodyId{3}, Afterwards::land}), at(0.1, AddCoupling{bad}),
+                    at(0.1, RemoveTerm{"off2"})}},
+                  fails_where([](const Team& team) { return couplings_called(team, "bad") > 0; }));
+  EXPECT_EQ(told.ignored, std::vector<std::size_t>{1});
+  EXPECT_EQ(told.in_force, (std::vector<std::size_t>{0, 2}));
+  EXPECT_EQ(told.team.agents().size(), 3U);
+  EXPECT_EQ(couplings_called(told.team, "off2"), 0);
+}
+
+TEST(Succession, MoreEventsAtOnceThanASampleHoldsAreAllTold) {
+  const Team all = event_team(3);
+  Script script;
+  for (int i = 0; i < 100; ++i) {
+    script.events.push_back(
+        {.name = "", .trigger = AtTime{0.1}, .actions = {}, .enter = "stage" + std::to_string(i) + ":in"});
+  }
+  const Told told = fly_failing(all, script, newton_riccati_of(Horizon{}));
+  EXPECT_EQ(told.in_force.size(), 100U);
 }
 
 TEST(Succession, AScriptWithFaultsIsRefusedWithTheEvent) {

@@ -104,7 +104,8 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
     refuse(
         "the sink's samples are not of this loop's size, expected room in it for copies of sized_sample()");
   }
-  events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size() + 3 * planned_at_.size());
+  events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size() + 4 * planned_at_.size() +
+                  (options_.succession != nullptr ? options_.succession->events_max() : 0));
 
   // Before any good command the robots hold their u*, within their limits.
   for (int i = 0; i < plant.team().bodies(); ++i) {

@@ -132,44 +132,63 @@ void Succession::work() noexcept {
       nap();
       continue;
     }
-    try {
-      prepare();
-    } catch (const std::exception&) {  // no memory, a team without a solver: the team stays
-      next_ = {};
-      refused_ = request_.events;
-    }
+    prepare();
     hand_.store(Hand::control, std::memory_order_release);
   }
 }
 
-void Succession::prepare() {
+void Succession::prepare() noexcept {
   next_ = {};  // what left
   refused_.clear();
+  // No memory, a team that no solver takes: the team stays as it was before the event that asks for it.
+  const auto can_be = [&](std::span<const std::size_t> events) {
+    try {
+      make_next(events);
+      return true;
+    } catch (...) {
+      return false;
+    }
+  };
+  const std::span<const std::size_t> events = request_.events;
+  if (can_be(events)) return;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    if (events.size() == 1 || !can_be(events.subspan(i, 1))) refused_.push_back(events[i]);
+  }
+}
+
+/// Makes the team that these events lead to, without those that cannot be. Where it throws, nothing has changed.
+void Succession::make_next(std::span<const std::size_t> events) {
   const double t = request_.t + period_;
-  bool changes = request_.events.empty();  // weights that came to rest
-  for (const std::size_t event : request_.events) {
-    Roster trial = roster_;
+  Roster roster = roster_;
+  std::vector<std::size_t> refused;
+  bool changes = events.empty();  // weights that came to rest
+  for (const std::size_t event : events) {
+    Roster trial = roster;
     const TeamEvent& what = script_.events[event];
     const bool accepted = std::all_of(what.actions.begin(), what.actions.end(), [&](const Action& action) {
       return trial.apply(action, t, ramp_of(what)).empty();
     });
     if (!accepted) {
-      refused_.push_back(event);
+      refused.push_back(event);
       continue;
     }
-    roster_ = std::move(trial);
+    roster = std::move(trial);
     changes = changes || !what.actions.empty();
   }
+  if (changes) {
+    Phase next = phase_of(make_(roster.team(t)), roster);
+    give_plan(*next.solver);
+    predict(next);
+    for (int i = 0; i < converging_steps; ++i) {
+      const Status status = next.solver->solve(t, next.controller->states).status;
+      if (status != Status::stepped && status != Status::iteration_limit) break;
+    }
+    next_ = std::move(next);
+  }
+  roster_ = std::move(roster);
   const double settled = roster_.at_rest_from(t);
   next_settles_at_ = settled > t ? settled : never;
-  if (!changes) return;
-  next_ = phase_of(make_(roster_.team(t)), roster_);
-  give_plan(*next_.solver);
-  predict();
-  for (int i = 0; i < converging_steps; ++i) {
-    const Status status = next_.solver->solve(t, next_.controller->states).status;
-    if (status != Status::stepped && status != Status::iteration_limit) break;
-  }
+  refused_.insert(refused_.end(), refused.begin(), refused.end());
 }
 
 /// Robots of both teams go on with their plan, others begin at u*.
@@ -193,16 +212,17 @@ void Succession::give_plan(NewtonRiccati& solver) const {
 }
 
 /// Gives the next solver the states one period after the request.
-void Succession::predict() {
+void Succession::predict(Phase& next) const {
   std::vector<double> x = request_.x;
   for (int i = 0; i < world_.bodies(); ++i) {
     const BodyId body{i};
+    if (next.presence[size(i)] == Presence::absent) continue;
+    const std::size_t from = size(world_.state_offset(body));
     const double* const u = world_.is_agent(body) ? &request_.u[size(world_.input_offset(body))] : nullptr;
-    if (next_.presence[size(i)] == Presence::absent) continue;
-    world_.model(body).step(&x[size(world_.state_offset(body))], u, period_);
-    (void)world_.model(body).normalise(&x[size(world_.state_offset(body))]);
+    world_.model(body).step(&x[from], u, period_);
+    (void)world_.model(body).normalise(&x[from]);
   }
-  next_.controller->gather(world_, x, request_.u);
+  next.controller->gather(world_, x, request_.u);
 }
 
 }  // namespace sightline

@@ -3,7 +3,8 @@
 ///
 ///   period k      the loop's update; then look(): an event happens, the thread is told
 ///   meanwhile     the thread changes the roster, makes the Team, its Ocp and solver, gives it the plan of the
-///                 robots that both teams have, and takes up to 30 steps on the state predicted for period k + 1
+///                 robots that both teams have, and takes up to 30 steps on the state predicted for period k + 1.
+///                 Where any of it fails, nothing was changed; of several events each is then tried by itself
 ///   period k + 1  swap(): pointers change hands; the solver that leaves goes back to the thread, which frees it
 ///
 /// In simulated time the loop waits for the thread, so that a run is the same whatever the threads do; a steady
@@ -53,6 +54,9 @@ class Succession {
   /// Every body there will ever be.
   const Team& world() const noexcept { return world_; }
 
+  /// Most events() that can wait at one time.
+  std::size_t events_max() const noexcept { return told_.capacity(); }
+
   /// Any thread: hands over an event's signal. @return whether the script has one of that name
   bool signal(std::string_view name) noexcept { return watch_.signal(name); }
 
@@ -83,9 +87,10 @@ class Succession {
   };
 
   void work() noexcept;
-  void prepare();
+  void prepare() noexcept;
+  void make_next(std::span<const std::size_t> events);
   void give_plan(NewtonRiccati& solver) const;
-  void predict();
+  void predict(Phase& next) const;
   void tell(double t, EventKind kind, std::size_t event) noexcept;
 
   Team world_;
