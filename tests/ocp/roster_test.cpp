@@ -201,6 +201,30 @@ TEST(Roster, AViewThatTheTargetAloneFeltEndsWithIt) {
   EXPECT_EQ(then.couplings()[0].between.second, lamp);
 }
 
+TEST(Roster, TheMembershipFollowsTheTeam) {
+  Team all = event_team(4, 2);  // uav2 watches uav1, uav3 uav2
+  Roster roster(all);
+  using Bodies = std::vector<BodyId>;
+  EXPECT_EQ(roster.membership().partners, (std::vector<Bodies>{{}, {}, {BodyId{1}}, {BodyId{2}}}));
+  EXPECT_THAT(roster.apply(Observe{AgentId{BodyId{3}}, BodyId{0}}, 1.0, 1.0), IsEmpty());
+  EXPECT_THAT(roster.membership().partners[3], testing::UnorderedElementsAre(BodyId{0}, BodyId{2}))
+      << "it goes on keeping off the one before";
+  EXPECT_THAT(roster.apply(RemoveBody{BodyId{2}}, 2.0, 1.0), IsEmpty());
+  EXPECT_EQ(roster.membership().partners[2], Bodies{});
+  EXPECT_EQ(roster.membership().partners[3], Bodies{BodyId{0}});
+  const Coupling more{.term = 1.0 * KeepOut{},
+                      .between = {BodyId{0}, BodyId{1}},
+                      .felt_by = {AgentId{BodyId{0}}},
+                      .name = "more"};
+  EXPECT_THAT(roster.apply(AddCoupling{more}, 3.0, 0.0), IsEmpty());
+  EXPECT_EQ(roster.membership().partners[0], Bodies{BodyId{1}});
+  EXPECT_THAT(roster.apply(RemoveTerm{"more"}, 4.0, 1.0), IsEmpty());
+  EXPECT_EQ(roster.membership().partners[0], Bodies{});
+  const InputLimits slow({-0.2, -0.2, -0.2, -0.2}, {0.2, 0.2, 0.2, 0.2});
+  EXPECT_THAT(roster.apply(RetuneAgent{.agent = AgentId{BodyId{1}}, .limits = slow}, 5.0, 0.0), IsEmpty());
+  EXPECT_EQ(roster.membership().limits[1].u_max()[0][0], 0.2);
+}
+
 TEST(Roster, AReferenceGoesOverToTheNext) {
   Roster roster(event_team(2));
   const AgentId leader{BodyId{0}};

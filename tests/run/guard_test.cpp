@@ -43,6 +43,7 @@ struct Flight {
 
   Team team = two_robots();
   Guard guard;
+  Membership membership = Roster(team).membership();
   Plant plant{team, start};
   Numbers measured = start, stamps = Numbers(3, 0.0), asked, u;
   std::span<const double> believed;
@@ -54,7 +55,8 @@ TEST(Guard, KeepsOffNobodyWhoIsAbsent) {
   for (const bool absent : {false, true}) {
     Flight flight({.barrier = BarrierMode::on});
     if (absent) {
-      flight.guard.set_presence(std::vector{Presence::steered, Presence::absent, Presence::hold});
+      flight.membership.presence[1] = Presence::absent;
+      flight.guard.follow(flight.membership, 0.0, start);
     }
     for (int k = 0; k < 400; ++k) {
       flight.step();
@@ -112,6 +114,48 @@ TEST(Guard, TheFloorIsKeptUntilARobotLandsAndAGroundedOneIsLeftAlone) {
   EXPECT_NEAR(down.plant.x()[2], 0.0, 0.03);
   for (int k = 0; k < 300; ++k) down.step();
   EXPECT_NEAR(down.plant.x()[2], 0.0, 0.03);
+}
+
+TEST(Guard, ARobotThatIsToldToLandPassesTheFloor) {
+  for (const bool supervised : {false, true}) {
+    GuardOptions options{.barrier = BarrierMode::on, .barrier_options = {.floor = 0.5}};
+    if (supervised) options.supervisor = SupervisorOptions{};
+    Flight flight(options, {0, 0, -0.3, 0, 0, 0, -0.3, 0});
+    flight.membership.presence[0] = Presence::land;
+    flight.guard.follow(flight.membership, 0.0, start);
+    for (int k = 0; k < 300; ++k) flight.step();
+    EXPECT_LT(flight.lowest, 0.2);
+    EXPECT_GE(flight.plant.x()[9], 0.5 - 1e-9) << "the other is steered";
+  }
+}
+
+TEST(Guard, LimitsThatAreRetunedInFlightHoldForBarrierAndSupervisor) {
+  const InputLimits narrow({-0.2, -0.2, -0.2, -0.2}, {0.2, 0.2, 0.2, 0.2});
+  Flight flight({.supervisor = SupervisorOptions{},
+                 .barrier = BarrierMode::on,
+                 .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}},
+                 .limits_to_come = {{BodyId{0}, narrow}}},
+                {0.2, 0, 0, 0, -1, 0, 0, 0});
+  bool active = false;
+  for (int k = 0; k < 600; ++k) {
+    if (k == 50) {
+      flight.membership.limits[0] = narrow;
+      flight.guard.follow(flight.membership, flight.t, start);
+    }
+    flight.step(k < 400);  // then the supervisor brakes
+    active |= flight.guard.barriers()[0].active;
+    for (std::size_t i = 0; k >= 50 && i < 4; ++i) ASSERT_LE(std::abs(flight.u[i]), 0.2) << k;
+  }
+  EXPECT_TRUE(active);
+  EXPECT_GE(flight.nearest, 0.8) << "it began early enough for the limits to come";
+}
+
+TEST(Guard, LimitsToComeThatExcludeEachOtherAreRefused) {
+  const Team team = two_robots();
+  const InputLimits other({0.5, -1, -1, -1}, {1, 1, 1, 1}), one({-1, -1, -1, -1}, {0.4, 1, 1, 1});
+  EXPECT_THROW(
+      Guard(team, {.barrier = BarrierMode::on, .limits_to_come = {{BodyId{0}, one}, {BodyId{0}, other}}}),
+      std::invalid_argument);
 }
 
 TEST(Guard, WhatTheSupervisorSaysBecomesEventsOfTheBody) {

@@ -68,6 +68,7 @@ struct World {
     plant = Plant(team, start_of_two());
     x = start_of_two();
   }
+  Numbers measured_of_b() const { return {measured.begin() + 7, measured.begin() + 14}; }
   Rung a() const { return supervisor.rung(BodyId{0}); }
   Rung b() const { return supervisor.rung(BodyId{1}); }
 
@@ -257,6 +258,76 @@ TEST(Supervisor, RefusesOptionsOutOfTheirRangeByName) {
   EXPECT_EQ(refusal({.slow_factor = 1.5}), "supervisor.slow_factor = 1.5, expected 0 to 1");
   EXPECT_EQ(refusal({.limits = {.accept_after = 0}}), "supervisor.accept_after = 0, expected >= 1");
   EXPECT_EQ(refusal({}), "accepted");
+}
+
+TEST(Supervisor, OfABodyThatIsAbsentNothingIsJudgedAndOneThatComesBeginsAnew) {
+  for (const bool blind : {false, true}) {  // whether measurements of it come while it is absent
+    World world;
+    Membership now = Roster(world.team).membership();
+    now.presence[1] = Presence::absent;
+    now.partners[0] = {BodyId{2}};
+    world.supervisor.follow(now, 0.0, world.x);
+    for (int k = 0; k < 500; ++k) world.step({true, !blind, true});
+    EXPECT_TRUE(world.notices.empty());
+    EXPECT_EQ(world.a(), valid);
+    Membership then = now;
+    then.presence[1] = Presence::steered;
+    then.partners[0] = {BodyId{1}, BodyId{2}};
+    world.supervisor.follow(then, world.t, world.x);
+    world.step();
+    EXPECT_EQ(world.b(), valid);
+    EXPECT_EQ(Numbers(world.believed.begin() + 7, world.believed.begin() + 14), world.measured_of_b());
+    EXPECT_TRUE(world.supervisor.knows_all());
+    // Without data it grows old from its coming on.
+    for (int k = 0; k < 40; ++k) world.step({true, false, true});
+    EXPECT_EQ(world.b(), slowed);
+    EXPECT_EQ(world.a(), slowed) << "its partner";
+    for (int k = 0; k < 40; ++k) world.step({true, false, true});
+    EXPECT_EQ(world.b(), hold);
+  }
+}
+
+TEST(Supervisor, WhoLandedAndWasTakenAwayFliesWhenItIsAddedAgain) {
+  World world;
+  Membership now = Roster(world.team).membership();
+  for (int k = 0; k < 250; ++k) world.step({true, k == 0, true});
+  ASSERT_EQ(world.b(), land);
+  now.presence[1] = Presence::absent;
+  world.supervisor.follow(now, world.t, world.x);
+  world.step();
+  now.presence[1] = Presence::steered;
+  world.supervisor.follow(now, world.t, world.x);
+  world.step();
+  EXPECT_EQ(world.b(), valid);
+}
+
+TEST(Supervisor, WhatWasMeasuredBeforeABodyCameIsNotOfIt) {
+  World world;
+  Membership now = Roster(world.team).membership();
+  now.presence[1] = Presence::absent;
+  world.supervisor.follow(now, 0.0, world.x);
+  for (int k = 0; k < 50; ++k) world.step();
+  now.presence[1] = Presence::steered;
+  Numbers there = world.x;
+  there[7] += 30.0;
+  world.supervisor.follow(now, world.t, there);
+  world.stamps[1] = world.t - 0.1;
+  world.look();
+  EXPECT_EQ(world.believed[7], there[7]);
+  EXPECT_EQ(world.b(), valid);
+}
+
+TEST(Supervisor, ThePartnersThatCountAreThoseOfTheTeamThereIs) {
+  World world;
+  Membership now = Roster(world.team).membership();
+  now.partners[0] = {BodyId{1}};
+  world.supervisor.follow(now, 0.0, world.x);
+  for (int k = 0; k < 100; ++k) world.step({true, true, k == 0});
+  EXPECT_EQ(world.a(), valid) << "it feels the target no more";
+  now.partners[0] = {BodyId{1}, BodyId{2}};
+  world.supervisor.follow(now, world.t, world.x);
+  world.step({true, true, false});
+  EXPECT_EQ(world.a(), hold);
 }
 
 }  // namespace

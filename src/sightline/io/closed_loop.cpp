@@ -15,6 +15,16 @@ std::optional<Guard> guard_of(const Scenario& scenario) {
   return std::optional<Guard>(std::in_place, scenario.team, *options);
 }
 
+/// What a robot keeps from each body: what the scenario asks for, else not to be at one place with it.
+std::vector<double> hard_distances(const Scenario& scenario) {
+  std::vector<double> d_hard;
+  for (int i = 0; i < scenario.team.bodies(); ++i) {
+    const std::optional<double> d = hard_distance(scenario, BodyId{0}, BodyId{i});
+    d_hard.push_back(d.value_or(LoopOptions::at_one_place));
+  }
+  return d_hard;
+}
+
 }  // namespace
 
 void check_solvers(const Scenario& scenario) {
@@ -62,6 +72,7 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers,
              .guard = guard_ ? &*guard_ : nullptr,
              .late_plans = scenario.simulation.late_plans,
              .succession = succession,
-             .signals = scenario.simulation.signals}) {}
+             .signals = scenario.simulation.signals,
+             .d_hard = hard_distances(scenario)}) {}
 
 }  // namespace sightline

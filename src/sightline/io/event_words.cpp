@@ -21,7 +21,7 @@ bool is_a_rung(std::string_view kind) {
 
 bool is_of_a_body(std::string_view kind) {
   return is_a_rung(kind) || kind.starts_with(measurement) || kind == to_string(EventKind::barrier_conflict) ||
-         kind == to_string(EventKind::input_refused);
+         kind == to_string(EventKind::input_refused) || kind == to_string(EventKind::added_too_near);
 }
 
 bool is_of_the_script(std::string_view kind) {
@@ -45,6 +45,9 @@ std::string event_words(std::string_view kind, double value, const EventNames& n
   if (kind == to_string(EventKind::input_refused)) return fmt::format("{} {}", kind, body);
   if (kind.starts_with(measurement)) {
     return fmt::format("{}: measurement refused, {}", body, kind.substr(measurement.size()));
+  }
+  if (kind == to_string(EventKind::added_too_near)) {
+    return fmt::format("{}: added nearer to another body than it may be", body);
   }
   if (kind == to_string(EventKind::barrier_conflict)) return fmt::format("{}: barrier conflict", body);
   return fmt::format("{}: {}", body, kind);

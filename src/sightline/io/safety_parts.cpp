@@ -167,6 +167,14 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
                        .period = scenario.horizon.dt};
   if (options.supervisor) options.supervisor->period = scenario.horizon.dt;
   options.bodies.resize(static_cast<std::size_t>(scenario.team.bodies()), {.d_hard = safety.d_hard});
+  for (const TeamEvent& event : scenario.script.events) {
+    for (const Action& action : event.actions) {
+      const auto* retune = std::get_if<RetuneAgent>(&action);
+      if (retune != nullptr && retune->limits) {
+        options.limits_to_come.push_back({retune->agent, *retune->limits});
+      }
+    }
+  }
   for (const Stranger& stranger : scenario.strangers) {
     options.bodies[static_cast<std::size_t>(stranger.body.index)] = {stranger.d_hard.value_or(safety.d_hard),
                                                                      stranger.speed_max};

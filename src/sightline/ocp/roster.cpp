@@ -350,6 +350,23 @@ Team Roster::team(double t) const {
   return team;
 }
 
+Membership Roster::membership() const {
+  Membership now{.presence = presence_, .partners = {}, .limits = {}};
+  for (const Agent& agent : agents_) now.limits.push_back(agent.limits);
+  now.partners.resize(agents_.size());
+  for (const Coupling& c : couplings_) {
+    const auto is_there = [&](BodyId body) { return presence(body) != Presence::absent; };
+    if (!lasts(c.ramp) || !is_there(c.between.first) || !is_there(c.between.second)) continue;
+    for (const AgentId robot : c.felt_by) {
+      if (presence(robot) != Presence::steered) continue;
+      std::vector<BodyId>& partners = now.partners[place(robot)];
+      const BodyId other = c.between.first == robot ? c.between.second : c.between.first;
+      if (std::find(partners.begin(), partners.end(), other) == partners.end()) partners.push_back(other);
+    }
+  }
+  return now;
+}
+
 std::size_t Roster::place(AgentId id) const {
   return static_cast<std::size_t>(&all_.agent(id) - all_.agents().data());
 }

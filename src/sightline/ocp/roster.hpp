@@ -17,6 +17,14 @@ enum class Presence : std::uint8_t {
   land,     ///< a robot that brakes and sinks
 };
 
+/// Of each body of a roster, what is in force for it: what those need to know that judge and guard commands.
+struct Membership {
+  std::vector<Presence> presence;  ///< [body]
+  std::vector<std::vector<BodyId>>
+      partners;                     ///< [robot]: bodies that it feels a coupling with; none unless steered
+  std::vector<InputLimits> limits;  ///< [robot]
+};
+
 class Roster {
  public:
   /// @param all       every body there will ever be, and what couples them at first
@@ -34,7 +42,11 @@ class Roster {
   /// When the last weight that moves at t comes to rest [s]; minus infinity where none moves.
   double at_rest_from(double t) const;
 
+  Membership membership() const;
+
   const Team& all() const { return all_; }
+  /// A robot as it is tuned now.
+  const Agent& agent(AgentId robot) const { return agents_[place(robot)]; }
   const std::vector<Presence>& presence() const { return presence_; }
   Presence presence(BodyId body) const { return presence_[static_cast<std::size_t>(body.index)]; }
   /// Those in force or fading, of bodies that are there or not.

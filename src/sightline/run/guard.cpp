@@ -1,7 +1,10 @@
 #include "sightline/run/guard.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace sightline {
 namespace {
@@ -21,14 +24,29 @@ BarrierOptions without_floor(BarrierOptions options) {
   return options;
 }
 
-/// The tightest limits there will be.
-std::pair<std::vector<double>, std::vector<double>> tightest(const InputLimits& limits) {
-  std::vector<double> u_min = limits.u_min().front(), u_max = limits.u_max().front();
-  for (std::size_t k = 1; k < limits.times().size(); ++k) {
-    for (std::size_t i = 0; i < u_min.size(); ++i) {
-      u_min[i] = std::max(u_min[i], limits.u_min()[k][i]);
-      u_max[i] = std::min(u_max[i], limits.u_max()[k][i]);
+/// The tightest limits there will be of a robot.
+std::pair<std::vector<double>, std::vector<double>> tightest(const Team& team, BodyId robot,
+                                                             const std::vector<LimitsToCome>& to_come) {
+  const Agent& agent = team.agent(robot);
+  std::vector<double> u_min = agent.limits.u_min().front(), u_max = agent.limits.u_max().front();
+  const auto tighten = [&](const InputLimits& limits) {
+    for (std::size_t k = 0; k < limits.times().size(); ++k) {
+      for (std::size_t i = 0; i < u_min.size(); ++i) {
+        u_min[i] = std::max(u_min[i], limits.u_min()[k][i]);
+        u_max[i] = std::min(u_max[i], limits.u_max()[k][i]);
+      }
     }
+  };
+  tighten(agent.limits);
+  for (const LimitsToCome& next : to_come) {
+    if (next.robot == robot) tighten(next.limits);
+  }
+  for (std::size_t i = 0; i < u_min.size(); ++i) {
+    if (u_min[i] <= u_max[i]) continue;
+    throw std::invalid_argument(
+        fmt::format("the limits of \"{}\" over the run have no {} in common, expected some that the barrier "
+                    "can always give",
+                    agent.name, agent.model.inputs()[i]));
   }
   return {u_min, u_max};
 }
@@ -60,7 +78,7 @@ Guard::Guard(const Team& team, const GuardOptions& options)
     const BodyId body{i};
     if (!team_.is_agent(body)) continue;
     const Agent& agent = team_.agent(body);
-    const auto [u_min, u_max] = tightest(agent.limits);
+    const auto [u_min, u_max] = tightest(team_, body, options_.limits_to_come);
     const auto barrier = [&, &low = u_min, &high = u_max](const BarrierOptions& o) {
       return Barrier(agent.model, low, high, options_.period, o);
     };
@@ -73,7 +91,8 @@ Guard::Guard(const Team& team, const GuardOptions& options)
                        .landing = barrier(without_floor(options_.barrier_options)),
                        .u_min = u_min,
                        .u_max = u_max,
-                       .reported = u_min});
+                       .reported = u_min,
+                       .limits = &agent.limits});
   }
   neighbours_.resize(options_.bodies.size());
   records_.resize(robots_.size());
@@ -95,8 +114,10 @@ std::span<const double> Guard::believe(double t, std::span<const double> measure
   return believed_;
 }
 
-void Guard::set_presence(std::span<const Presence> presence) noexcept {
-  std::copy(presence.begin(), presence.end(), presence_.begin());
+void Guard::follow(const Membership& now, double t, std::span<const double> x) noexcept {
+  std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
+  for (std::size_t i = 0; i < robots_.size(); ++i) robots_[i].limits = &now.limits[i];
+  if (supervisor_) supervisor_->follow(now, t, x);
 }
 
 void Guard::filter(double t, std::span<const double> plan_ages, std::span<double> u) noexcept {
@@ -148,10 +169,11 @@ void Guard::keep_distance(std::size_t robot, double t, std::span<double> u) noex
       neighbours_[count++] = neighbour_of(of.body, other, before_);
     }
   }
-  team_.agent(of.body).limits.at(t, of.u_min, of.u_max);
+  of.limits->at(t, of.u_min, of.u_max);
   const std::span<double> applied = u.subspan(of.u, of.nu);
   std::copy(applied.begin(), applied.end(), of.reported.begin());
-  const Barrier& barrier = rung == Rung::land ? of.landing : of.barrier;
+  const bool lands = rung == Rung::land || presence_[index(of.body)] == Presence::land;
+  const Barrier& barrier = lands ? of.landing : of.barrier;
   const BarrierResult result =
       barrier.filter(std::span(believed_).subspan(of.x, of.nx), std::span(neighbours_).first(count), of.u_min,
                      of.u_max, options_.barrier == BarrierMode::on ? applied : std::span(of.reported));

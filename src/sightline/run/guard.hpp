@@ -30,6 +30,12 @@ struct BodySafety {
   double speed_max = 1.5;  ///< of one that is no robot [m/s], >= 0
 };
 
+/// Limits that a robot is given in flight.
+struct LimitsToCome {
+  BodyId robot;
+  InputLimits limits;
+};
+
 struct GuardOptions {
   std::optional<SupervisorOptions> supervisor{};
   BarrierMode barrier = BarrierMode::off;
@@ -37,6 +43,7 @@ struct GuardOptions {
   double position_sigma = 0.0;       ///< of a measurement, each axis [m], >= 0
   std::vector<BodySafety> bodies{};  ///< of the team, in its order; those that are missing have the defaults
   double period = 0.01;              ///< of the commands [s]
+  std::vector<LimitsToCome> limits_to_come{};  ///< the barrier reckons with the tightest there will be
 };
 
 class Guard {
@@ -53,8 +60,9 @@ class Guard {
   /// @param plan_ages  of each body [s]; those of no robot do not count
   void filter(double t, std::span<const double> plan_ages, std::span<double> u) noexcept;
 
-  /// Bodies that are absent keep nobody away, and nobody keeps away from them; all are there at first.
-  void set_presence(std::span<const Presence> presence) noexcept;
+  /// The team is another one. Bodies that are absent keep nobody away, and nobody keeps away from them; robots that
+  /// sink pass the floor. As Supervisor::follow().
+  void follow(const Membership& now, double t, std::span<const double> x) noexcept;
   /// Of what is believed of each body at the last believe() [s].
   std::span<const double> ages() const noexcept { return ages_; }
 
@@ -71,6 +79,7 @@ class Guard {
     std::size_t x, u, nx, nu;  // offsets and lengths
     Barrier barrier, landing;  // with and without the floor
     std::vector<double> u_min, u_max, reported;
+    const InputLimits* limits;  // in force
   };
   static std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
   bool is_there(BodyId body) const noexcept { return presence_[index(body)] != Presence::absent; }

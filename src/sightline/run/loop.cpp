@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 namespace sightline {
 namespace {
@@ -73,6 +74,7 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
       sink_(sink),
       options_(checked(options, controllers)),
       presence_(everybody(plant.team())),
+      presence_before_(presence_),
       u_(size(plant.team().nu())),
       u_min_(u_.size()),
       u_max_(u_.size()),
@@ -95,7 +97,8 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
       refuse("a team that changes has {} controllers, expected the present solver of its succession alone",
              controllers.size());
     }
-    take_presence();
+    options_.succession->set_start(plant.x());
+    follow_team(plant.time());
   }
   check_steered();
   const Sample* item = sink.claim();
@@ -113,12 +116,20 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
   }
 }
 
+/// In force for a robot.
+const InputLimits& Loop::limits_of(BodyId robot) const noexcept {
+  const Agent& agent = plant_.team().agent(robot);
+  if (options_.succession == nullptr) return agent.limits;
+  const auto place = static_cast<std::size_t>(&agent - plant_.team().agents().data());
+  return options_.succession->present().membership.limits[place];
+}
+
 /// A robot's u*, within its limits.
 void Loop::rest(BodyId robot, double t) noexcept {
   const Agent& agent = plant_.team().agent(robot);
   const std::size_t nu = agent.u_ref.size(), from = size(plant_.team().input_offset(robot));
   const auto u_min = std::span(u_min_).first(nu), u_max = std::span(u_max_).first(nu);
-  agent.limits.at(t, u_min, u_max);
+  limits_of(robot).at(t, u_min, u_max);
   for (std::size_t i = 0; i < nu; ++i) u_[from + i] = std::clamp(agent.u_ref[i], u_min[i], u_max[i]);
 }
 
@@ -207,6 +218,7 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
   if (sample.has_path) {
     for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = believed[i % believed.size()];
   }
+  std::copy(u_.begin(), u_.end(), sample.raw_u.begin());  // of those that nobody is asked for
   const std::span<Controller> asked = controllers();
   for (std::size_t c = 0; c < asked.size(); ++c) {
     Controller& controller = asked[c];
@@ -226,7 +238,7 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
     controller.left_out = left_out;
     if (sample.has_path) write_path(controller, solution, sample);
   }
-  drift(t, believed);
+  drift(t, believed, sample);
   if (options_.guard != nullptr) guard(t, sample);
   std::copy(u_.begin(), u_.end(), sample.u.begin());
   sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
@@ -285,18 +297,47 @@ void Loop::change_team(double t) noexcept {
        ++signalled_) {
     (void)succession.signal(options_.signals[signalled_].name);
   }
-  if (succession.swap(t, plant_.x(), u_, clock_.waits_for_log())) take_presence();
+  if (!succession.swap(t, plant_.x(), u_, clock_.waits_for_log())) return;
+  std::copy(presence_.begin(), presence_.end(), presence_before_.begin());
+  follow_team(t);
+  for (int i = 0; i < plant_.team().bodies(); ++i) {
+    const bool was_there = presence_before_[size(i)] != Presence::absent;
+    if (!was_there && presence_[size(i)] != Presence::absent) welcome(BodyId{i}, t);
+  }
 }
 
-/// Who is there, as the succession has it now.
-void Loop::take_presence() noexcept {
-  const std::vector<Presence>& presence = options_.succession->present().presence;
-  std::copy(presence.begin(), presence.end(), presence_.begin());
-  plant_.set_presence(presence_);
-  if (options_.guard != nullptr) options_.guard->set_presence(presence_);
-  for (int i = 0; i < plant_.team().bodies(); ++i) {
+/// Who is there, whom they feel and what limits them, as the succession has it now.
+void Loop::follow_team(double t) noexcept {
+  const Membership& now = options_.succession->present().membership;
+  const Team& team = plant_.team();
+  plant_.set_presence(now.presence);
+  for (int i = 0; i < team.bodies(); ++i) {
     const BodyId body{i};
-    if (presence_[size(i)] == Presence::absent && plant_.team().is_agent(body)) rest(body, plant_.time());
+    const Presence was = std::exchange(presence_[size(i)], now.presence[size(i)]);
+    if (presence_[size(i)] == Presence::absent && team.is_agent(body)) rest(body, t);
+    if (was != Presence::absent || presence_[size(i)] == Presence::absent) continue;
+    planned_at_[size(i)] = t;
+    sensor_.begin(body, plant_.x());
+  }
+  if (options_.guard != nullptr) options_.guard->follow(now, t, plant_.x());
+}
+
+/// Tells where a body comes to be there nearer to another than it may.
+void Loop::welcome(BodyId body, double t) noexcept {
+  const Team& team = plant_.team();
+  const auto place = [&](BodyId of) {
+    const double* const u = team.is_agent(of) ? &u_[size(team.input_offset(of))] : nullptr;
+    return team.model(of).sight(&plant_.x()[size(team.state_offset(of))], u).p;
+  };
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId other{i};
+    if (other == body || presence_[size(i)] == Presence::absent) continue;
+    if (!team.is_agent(body) && !team.is_agent(other)) continue;
+    const std::size_t decides = size(std::max(body.index, other.index));
+    const double d = decides < options_.d_hard.size() ? options_.d_hard[decides] : LoopOptions::at_one_place;
+    if (norm(place(body) - place(other)) >= d) continue;
+    tell({t, EventKind::added_too_near, 0, static_cast<double>(body.index)});
+    return;
   }
 }
 
@@ -306,10 +347,11 @@ std::span<Controller> Loop::controllers() noexcept {
 }
 
 /// Robots that nobody steers brake.
-void Loop::drift(double t, std::span<const double> believed) noexcept {
+void Loop::drift(double t, std::span<const double> believed, Sample& sample) noexcept {
   if (options_.succession == nullptr) return;
   for (Drifter& drifter : options_.succession->present().drifters) {
     drifter.steer(t, believed, u_min_, u_max_, u_);
+    std::copy_n(&u_[drifter.u], drifter.nu, &sample.raw_u[drifter.u]);
     planned_at_[size(drifter.body.index)] = t;
   }
 }

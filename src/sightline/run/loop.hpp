@@ -38,6 +38,9 @@ struct LoopOptions {
   /// Changes the team in flight; then its present solver is the only controller. None: the team stays.
   Succession* succession = nullptr;
   std::vector<TimedSignal> signals{};  ///< sent to it
+  /// What a robot keeps from each body [m]: one that comes to be there nearer than that is told.
+  std::vector<double> d_hard{};
+  static constexpr double at_one_place = 0.01;  ///< of those that are missing [m]
 };
 
 /// What became of a run.
@@ -80,10 +83,12 @@ class Loop {
   Solution ask(Controller& controller, double t, std::span<const double> believed) noexcept;
   void guard(double t, Sample& sample) noexcept;
   void change_team(double t) noexcept;
-  void take_presence() noexcept;
+  void follow_team(double t) noexcept;
+  void welcome(BodyId body, double t) noexcept;
   void rest(BodyId robot, double t) noexcept;
+  const InputLimits& limits_of(BodyId robot) const noexcept;
   std::span<Controller> controllers() noexcept;
-  void drift(double t, std::span<const double> believed) noexcept;
+  void drift(double t, std::span<const double> believed, Sample& sample) noexcept;
   void command(int index, const Controller& controller, const Solution& solution, double t,
                Sample& sample) noexcept;
   void write_path(const Controller& controller, const Solution& solution, Sample& sample) noexcept;
@@ -94,10 +99,10 @@ class Loop {
   Clock& clock_;
   Sink<Sample>& sink_;
   LoopOptions options_;
-  std::vector<Controller> controllers_;  // of a team that stays
-  std::vector<Presence> presence_;       // of the plant's bodies
-  std::size_t signalled_ = 0;            // signals sent
-  std::vector<double> u_;                // applied, all robots of the plant; always within limits
+  std::vector<Controller> controllers_;               // of a team that stays
+  std::vector<Presence> presence_, presence_before_;  // of the plant's bodies
+  std::size_t signalled_ = 0;                         // signals sent
+  std::vector<double> u_;  // applied, all robots of the plant; always within limits
   std::vector<double> u_min_, u_max_;
   std::vector<double> planned_at_, plan_ages_;  // of each body: time and age of its last good plan [s]
   std::vector<Event> events_;                   // not yet in a sample

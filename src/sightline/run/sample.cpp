@@ -25,7 +25,8 @@ std::string_view to_string(EventKind kind) {
                                                                "event_in_force",
                                                                "event_ignored",
                                                                "team_late",
-                                                               "pairs_left_out"};
+                                                               "pairs_left_out",
+                                                               "added_too_near"};
   return names[static_cast<std::size_t>(kind)];
 }
 

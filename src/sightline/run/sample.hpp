@@ -41,8 +41,9 @@ enum class EventKind : std::uint8_t {
   event_ignored,   ///< it could not be, the team stays; told once
   team_late,       ///< the next team was not ready in time; value: periods
   pairs_left_out,  ///< more pairs of a swarm came near than there is room for; value: how many more
+  added_too_near,  ///< a body came to be there nearer to another than it may; value: the body
 };
-inline constexpr int event_kinds = 23;
+inline constexpr int event_kinds = 24;
 std::string_view to_string(EventKind kind);
 
 struct Event {

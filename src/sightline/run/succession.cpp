@@ -28,7 +28,7 @@ const Script& checked(const Script& script, const Roster& roster) {
 }
 
 Phase phase_of(std::unique_ptr<NewtonRiccati> solver, const Roster& roster) {
-  Phase phase{.solver = std::move(solver), .controller = {}, .presence = roster.presence()};
+  Phase phase{.solver = std::move(solver), .controller = {}, .membership = roster.membership()};
   phase.controller.emplace(roster.all(), *phase.solver, 0);
   for (int i = 0; i < roster.all().bodies(); ++i) {
     const BodyId body{i};
@@ -37,6 +37,7 @@ Phase phase_of(std::unique_ptr<NewtonRiccati> solver, const Roster& roster) {
       continue;
     phase.drifters.emplace_back(roster.all(), body, presence == Presence::land,
                                 phase.solver->ocp().horizon().dt);
+    phase.drifters.back().limits = roster.agent(AgentId{body}).limits;
   }
   return phase;
 }
@@ -106,7 +107,7 @@ void Succession::look(double t, std::span<const double> x, std::span<const doubl
                       std::span<const double> ages) noexcept {
   if (pending_) return;
   const std::span<const std::size_t> happening =
-      watch_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_.presence});
+      watch_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_.membership.presence});
   const bool settles = t + period_ >= settles_at_ - same_time;
   if (happening.empty() && !settles) return;
   if (settles) settles_at_ = never;
@@ -216,8 +217,12 @@ void Succession::predict(Phase& next) const {
   std::vector<double> x = request_.x;
   for (int i = 0; i < world_.bodies(); ++i) {
     const BodyId body{i};
-    if (next.presence[size(i)] == Presence::absent) continue;
+    if (next.membership.presence[size(i)] == Presence::absent) continue;
     const std::size_t from = size(world_.state_offset(body));
+    if (present_.membership.presence[size(i)] == Presence::absent && !start_.empty()) {
+      std::copy_n(&start_[from], world_.model(body).nx(), &x[from]);
+      continue;
+    }
     const double* const u = world_.is_agent(body) ? &request_.u[size(world_.input_offset(body))] : nullptr;
     world_.model(body).step(&x[from], u, period_);
     (void)world_.model(body).normalise(&x[from]);

@@ -34,7 +34,7 @@ struct Phase {
   std::unique_ptr<NewtonRiccati> solver;
   std::optional<Controller> controller;
   std::vector<Drifter> drifters{};
-  std::vector<Presence> presence{};
+  Membership membership{};
 };
 
 class Succession {
@@ -54,6 +54,8 @@ class Succession {
   /// Every body there will ever be.
   const Team& world() const noexcept { return world_; }
 
+  /// Before the first period: where bodies stand that come to be there (nx of the world).
+  void set_start(std::span<const double> x) { start_.assign(x.begin(), x.end()); }
   /// Most events() that can wait at one time.
   std::size_t events_max() const noexcept { return told_.capacity(); }
 
@@ -94,6 +96,7 @@ class Succession {
   void tell(double t, EventKind kind, std::size_t event) noexcept;
 
   Team world_;
+  std::vector<double> start_;
   Script script_;
   Watch watch_;
   MakeSolver make_;

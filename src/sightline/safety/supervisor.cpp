@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "sightline/potential/potential.hpp"
 
@@ -57,6 +58,7 @@ Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
       options_(checked(options)),
       history_(entries(options), resting_input(team)),
       robot_of_(static_cast<std::size_t>(team.bodies())),
+      presence_(robot_of_.size(), Presence::steered),
       believed_(static_cast<std::size_t>(team.nx())) {
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
@@ -84,8 +86,10 @@ Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
                        .u_min = agent.u_ref,
                        .u_max = agent.u_ref,
                        .partners = partners_of(team_, body),
+                       .limits = &agent.limits,
                        .brake = Brake(model, agent.u_ref, options_.brake_time),
                        .rung = Rung::valid});
+    robots_.back().partners.reserve(robot_of_.size());
   }
   notices_.reserve(2 * tracks_.size());
 }
@@ -109,8 +113,29 @@ std::vector<BodyId> Supervisor::partners_of(const Team& team, BodyId robot) {
   return partners;
 }
 
+void Supervisor::follow(const Membership& now, double t, std::span<const double> x) noexcept {
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const std::size_t nx = tracks_[i].state().size();
+    const bool comes = presence_[i] == Presence::absent && now.presence[i] != Presence::absent;
+    presence_[i] = now.presence[i];
+    if (comes) {
+      tracks_[i].begin(x.subspan(at, nx), t);
+      if (team_.is_agent(BodyId{static_cast<int>(i)})) robots_[robot_of_[i]].rung = Rung::valid;
+    }
+    at += nx;
+  }
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    robots_[i].partners.assign(now.partners[i].begin(), now.partners[i].end());
+    robots_[i].limits = &now.limits[i];
+  }
+}
+
 bool Supervisor::knows_all() const noexcept {
-  return std::all_of(tracks_.begin(), tracks_.end(), [](const Track& track) { return track.known(); });
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (presence_[i] != Presence::absent && !tracks_[i].known()) return false;
+  }
+  return true;
 }
 
 std::span<const double> Supervisor::believe(double t, std::span<const double> measured,
@@ -122,14 +147,14 @@ std::span<const double> Supervisor::believe(double t, std::span<const double> me
   std::size_t at = 0;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = tracks_[i];
-    const std::size_t nx = track.state().size();
+    const std::size_t nx = track.state().size(), from = std::exchange(at, at + nx);
+    if (presence_[i] == Presence::absent) continue;
     const bool trusted = track.trusted();
-    const Doubt doubt = track.take(measured.subspan(at, nx), stamps[i], t, history_);
+    const Doubt doubt = track.take(measured.subspan(from, nx), stamps[i], t, history_);
     if (trusted && !track.trusted()) tell({BodyId{static_cast<int>(i)}, doubt});
     track.predict(t, history_);
     std::copy(track.state().begin(), track.state().end(),
-              believed_.begin() + static_cast<std::ptrdiff_t>(at));
-    at += nx;
+              believed_.begin() + static_cast<std::ptrdiff_t>(from));
   }
   return believed_;
 }
@@ -143,7 +168,8 @@ Ages Supervisor::ages_of(const Robot& robot, std::span<const double> plan_ages) 
 void Supervisor::command(double t, std::span<const double> plan_ages, std::span<double> u) noexcept {
   assert(plan_ages.size() == tracks_.size() && "a plan has an age for each body");
   for (Robot& robot : robots_) {
-    team_.agent(robot.body).limits.at(t, robot.u_min, robot.u_max);
+    if (!is_there(robot.body)) continue;
+    robot.limits->at(t, robot.u_min, robot.u_max);
     const Ages ages = ages_of(robot, plan_ages);
     const double height = team_.model(robot.body).sight(&believed_[robot.x], robot.u_ref.data()).p.z;
     const bool on_ground = height <= options_.ground + at_the_ground;

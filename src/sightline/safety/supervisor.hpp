@@ -5,7 +5,7 @@
 ///   command()  the solvers' inputs in, scaled or replaced as each robot's rung asks
 ///   record()   the inputs that are applied, for the predictions to come
 ///
-/// once in each period, in this order. A robot's partners are the bodies of all couplings and constraints that it
+/// once in each period, in this order; follow() before them where the team is another one. A robot's partners are the bodies of all couplings and constraints that it
 /// feels: it cannot do its task without knowing where they are. Nothing throws, allocates, locks or prints once
 /// it is made.
 #pragma once
@@ -14,7 +14,7 @@
 #include <variant>
 #include <vector>
 
-#include "sightline/ocp/team.hpp"
+#include "sightline/ocp/roster.hpp"
 #include "sightline/safety/brake.hpp"
 #include "sightline/safety/input_history.hpp"
 #include "sightline/safety/ladder.hpp"
@@ -58,13 +58,22 @@ class Supervisor {
   /// u (nu) is applied from t [s] on.
   void record(double t, std::span<const double> u) noexcept { history_.record(t, u); }
 
+  /// Who is there now, whom each robot feels and within which limits it flies. Of a body that is absent nothing is
+  /// judged; one that comes begins anew, on the rung `valid`, as if it were seen at t.
+  /// @param now  outlives the next call; at first all bodies are there, coupled and limited as the team says
+  /// @param x    of those that come, where they are (nx)
+  void follow(const Membership& now, double t, std::span<const double> x) noexcept;
+
   /// Since believe() was last called.
   std::span<const Notice> notices() const noexcept { return notices_; }
   Rung rung(BodyId robot) const noexcept { return robots_[robot_of_[index(robot)]].rung; }
-  /// Whether each body was believed once.
+  /// Whether each body that is there was believed once.
   bool knows_all() const noexcept;
   /// Of what is believed of the body at the last believe() [s]; infinity before anything was.
-  double age(BodyId body) const noexcept { return time_ - tracks_[index(body)].stamp(); }
+  /// 0 of one that is absent.
+  double age(BodyId body) const noexcept {
+    return is_there(body) ? time_ - tracks_[index(body)].stamp() : 0.0;
+  }
 
  private:
   struct Robot {
@@ -72,10 +81,12 @@ class Supervisor {
     std::size_t x, u, nx, nu;  // offsets and lengths
     std::vector<double> u_ref, u_min, u_max;
     std::vector<BodyId> partners;
+    const InputLimits* limits;
     Brake brake;
     Rung rung;
   };
   static std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
+  bool is_there(BodyId body) const noexcept { return presence_[index(body)] != Presence::absent; }
   static std::vector<double> resting_input(const Team& team);
   static std::vector<BodyId> partners_of(const Team& team, BodyId robot);
 
@@ -89,6 +100,7 @@ class Supervisor {
   std::vector<Track> tracks_;
   std::vector<std::size_t> robot_of_;  // of each body; those of no robot do not count
   std::vector<Robot> robots_;
+  std::vector<Presence> presence_;
   std::vector<double> believed_;
   std::vector<Notice> notices_;
   double time_ = 0.0;

@@ -66,6 +66,15 @@ Doubt Track::take(std::span<const double> x, double stamp, double now, const Inp
   return Doubt::none;
 }
 
+void Track::begin(std::span<const double> x, double now) noexcept {
+  believe(x, now, now);
+  last_stamp_ = std::nextafter(now, never);
+  reference_stamp_ = equal_since_ = never;
+  streak_ = 0;
+  trusted_ = true;
+  is_frozen_ = false;
+}
+
 Doubt Track::implausible(std::span<const double> x) noexcept {
   if (!all_finite(x)) return Doubt::not_finite;
   sight_ = model_.sight(x.data(), no_input_.data());

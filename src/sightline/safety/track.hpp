@@ -58,6 +58,9 @@ class Track {
   /// last is nothing new.
   /// @return why it is not believed; none also for nothing new
   Doubt take(std::span<const double> x, double stamp, double now, const InputHistory& history) noexcept;
+  /// Forgets all that was: the body comes to be there at `now`, in the state x (nx); what was measured before is not
+  /// of it.
+  void begin(std::span<const double> x, double now) noexcept;
   /// Carries the state to `now`, which must not fall.
   void predict(double now, const InputHistory& history) noexcept;
 

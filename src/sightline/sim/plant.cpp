@@ -6,6 +6,7 @@
 #include <cassert>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace sightline {
 namespace {
@@ -56,6 +57,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
   }
   const std::span<const double> resting = delay_.at(0.0);
   for (const YawLag& lag : lags_) z_.push_back(disturbances_.input_gain * resting[lag.input]);
+  start_ = z_;
   scratch_.resize(RungeKuttaScratch::rows_needed * z_.size());
 
   const Vec3<double>& wind = disturbances_.wind;
@@ -99,7 +101,13 @@ bool Plant::step(std::span<const double> u, double dt) noexcept {
 
 void Plant::set_presence(std::span<const Presence> presence) noexcept {
   assert(presence.size() == parts_.size() && "one for each body");
-  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].there = presence[i] != Presence::absent;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    Part& part = parts_[i];
+    const bool was_there = std::exchange(part.there, presence[i] != Presence::absent);
+    if (was_there || !part.there) continue;
+    const int n = part.robot >= 0 ? part.model.nx() : 3;
+    std::copy_n(&start_[part.x], n, &z_[part.x]);
+  }
 }
 
 void Plant::set_accelerations() noexcept {

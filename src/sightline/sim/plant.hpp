@@ -37,7 +37,8 @@ class Plant {
   /// @return false where a state is no longer finite
   bool step(std::span<const double> u, double dt) noexcept;
 
-  /// Bodies that are absent rest where they are, and disturb nobody; all are there at first.
+  /// Bodies that are absent rest where they are, and disturb nobody; all are there at first. A robot that comes is
+  /// where and as it was at the start; a target or an obstacle is there too, with the velocity it has by now.
   void set_presence(std::span<const Presence> presence) noexcept;
 
   const Team& team() const { return team_; }
@@ -64,6 +65,7 @@ class Plant {
   std::vector<Part> parts_;
   std::vector<YawLag> lags_;
   std::vector<double> z_;  // states of all bodies, then the lagging yaw inputs
+  std::vector<double> start_;
   std::vector<double> u_, scratch_;
   InputDelay delay_;
   std::optional<Gusts> gusts_;

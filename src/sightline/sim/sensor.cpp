@@ -88,6 +88,14 @@ std::span<const double> Sensor::measure(double t, std::span<const double> x) noe
   return seen_;
 }
 
+void Sensor::begin(BodyId body, std::span<const double> x) noexcept {
+  const Part& part = parts_[static_cast<std::size_t>(body.index)];
+  const auto nx = static_cast<std::size_t>(part.model.nx());
+  std::copy_n(&x[part.x], nx, &seen_[part.x]);
+  for (std::size_t at = part.x; at < past_.size(); at += seen_.size())
+    std::copy_n(&x[part.x], nx, &past_[at]);
+}
+
 /// The youngest state that is not after `until`, or the oldest; times are sums of steps, hence the tolerance.
 std::size_t Sensor::youngest(double until) const noexcept {
   std::size_t at = oldest_;

@@ -34,6 +34,8 @@ class Sensor {
   /// Takes the true states at t [s], which must rise, and gives what is seen then (nx), valid until the next
   /// call. Until the first state is `delay` old, that state is seen. Allocates nothing.
   std::span<const double> measure(double t, std::span<const double> x) noexcept;
+  /// A body begins anew in this state of the world: what was seen of it before is not of it.
+  void begin(BodyId body, std::span<const double> x) noexcept;
   /// Times of the last measurement of each body [s]; minus infinity before the first that arrived.
   std::span<const double> stamps() const noexcept { return stamps_; }
 
