@@ -61,7 +61,7 @@ class RobotLaws : public testing::Test {
 
 using Robots = testing::Types<Multirotor, AngleMultirotor, OmniRover, Unicycle, PointMass, VelocityMultirotor,
                               LaggedMultirotor<Lags::plane>, LaggedMultirotor<Lags::climb>,
-                              LaggedMultirotor<Lags::yaw>, Body>;
+                              LaggedMultirotor<Lags::yaw>, Body, PosedBody>;
 TYPED_TEST_SUITE(RobotLaws, Robots);
 
 /// Whether the state says where a robot heads; the others head along x of G.
@@ -249,7 +249,7 @@ TYPED_TEST(RobotLaws, AStateThatIsNotFiniteIsRefused) {
 /// What a push of this acceleration gives a robot that heads to d.
 template <class M>
 Vec3<double> taken(const Vec2<double>& d, const Vec3<double>& a) {
-  if constexpr (std::same_as<M, Body>) return {};
+  if constexpr (std::same_as<M, Body> || std::same_as<M, PosedBody>) return {};
   if constexpr (std::same_as<M, PointMass>) return a;
   if constexpr (requires { M::climb_lags; }) return {a.x, a.y, M::climb_lags ? a.z : 0.0};
   if constexpr (std::same_as<M, Unicycle>) {

@@ -201,6 +201,47 @@ TEST(Roster, AViewThatTheTargetAloneFeltEndsWithIt) {
   EXPECT_EQ(then.couplings()[0].between.second, lamp);
 }
 
+TEST(Roster, ARobotThatBrakesOrSinksIsKeptOffByItsSwarm) {
+  for (const Afterwards afterwards : {Afterwards::hold, Afterwards::land, Afterwards::vanish}) {
+    Team all = event_team(4, 4);
+    all.keep_apart(2.0 * PassRight{}, felt_by({AgentId{BodyId{0}}, AgentId{BodyId{1}}, AgentId{BodyId{2}}}),
+                   3.0, 3);
+    Roster roster(all);
+    EXPECT_THAT(roster.apply(RemoveBody{BodyId{1}, afterwards}, 1.0, 0.0), IsEmpty());
+    const Team team = roster.team(1.0);
+    ASSERT_EQ(team.swarms().size(), 1U);
+    EXPECT_EQ(team.swarms()[0].agents.size(), 2U);
+    if (afterwards == Afterwards::vanish) {
+      EXPECT_TRUE(team.couplings().empty());
+      continue;
+    }
+    const BodyId it = team.find("uav1");
+    ASSERT_EQ(team.couplings().size(), 2U);
+    for (const Coupling& c : team.couplings()) {
+      EXPECT_TRUE(c.between.first == it || c.between.second == it);
+      EXPECT_EQ(c.term.weight, 2.0);
+      ASSERT_EQ(c.felt_by.size(), 1U);
+      EXPECT_NE(c.felt_by[0], it);
+    }
+    EXPECT_EQ(team.couplings()[0].between.second, it) << "the earlier of the swarm first";
+    EXPECT_EQ(team.couplings()[1].between.first, it);
+    EXPECT_THAT(roster.apply(AddBody{BodyId{1}}, 2.0, 0.0), IsEmpty());
+    EXPECT_EQ(roster.team(2.0).swarms()[0].agents.size(), 3U);
+    EXPECT_TRUE(roster.team(2.0).couplings().empty());
+  }
+}
+
+TEST(Roster, ARobotThatIsNotSteeredKeepsItsHeading) {
+  Roster roster(event_team(3));
+  EXPECT_THAT(roster.apply(RemoveBody{BodyId{1}, Afterwards::hold}, 1.0, 0.0), IsEmpty());
+  const Team team = roster.team(1.0);
+  const std::vector<double> x = {1, 2, 3, 0.1, 0.2, 0.3, 0.0, -1.0};
+  ASSERT_EQ(team.model(team.find("uav1")).nx(), 8);
+  const Sight<double> seen = team.model(team.find("uav1")).sight(x.data(), x.data());
+  EXPECT_EQ(seen.d.y, -1.0);
+  EXPECT_EQ(seen.v.z, 0.3);
+}
+
 TEST(Roster, TheMembershipFollowsTheTeam) {
   Team all = event_team(4, 2);  // uav2 watches uav1, uav3 uav2
   Roster roster(all);

@@ -129,9 +129,7 @@ double PresentTeam::cost(const Sample& sample) {
       std::copy_n(x, team_.model(body).nx(), to);
       std::copy_n(u, team_.model(body).nu(), u_.begin() + team_.input_offset(body));
     } else {
-      const Sight<double> seen = all.model(in_world).sight(x, u);
-      to[0] = seen.p.x, to[1] = seen.p.y, to[2] = seen.p.z;
-      to[3] = seen.v.x, to[4] = seen.v.y, to[5] = seen.v.z;
+      write_body(all.model(in_world).sight(x, u), {to, size(team_.model(body).nx())});
     }
   }
   return stage_cost(team_, sample.time, x_, u_);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string_view>
 
 #include "sightline/model/frames.hpp"
@@ -124,5 +125,40 @@ struct Body {
     return {pose.p.x, pose.p.y, pose.p.z, 0, 0, 0};
   }
 };
+
+/// A robot that nobody here steers, as those see it who are coupled with it: a Body that keeps its heading.
+///
+///   x = [p_x, p_y, p_z, v_x, v_y, v_z, d_x, d_y]
+struct PosedBody {
+  static constexpr int nx = 8, nu = 0;
+  static constexpr std::string_view name = "posed_body";
+  static constexpr std::array<std::string_view, nx> states = {"p_x", "p_y", "p_z", "v_x",
+                                                              "v_y", "v_z", "d_x", "d_y"};
+  static constexpr std::array<std::string_view, nu> inputs = {};
+
+  template <class S>
+  std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>&) const {
+    return {x[3], x[4], x[5], S(0.0), S(0.0), S(0.0), S(0.0), S(0.0)};
+  }
+
+  template <class S>
+  Pose<S> pose(const std::array<S, nx>& x) const {
+    return {{x[0], x[1], x[2]}, {x[6], x[7]}};
+  }
+
+  std::array<double, nx> at_rest(const Pose<double>& pose) const {
+    return {pose.p.x, pose.p.y, pose.p.z, 0, 0, 0, pose.d.x, pose.d.y};
+  }
+
+  /// Position of the heading d in the state.
+  static constexpr int heading_at = 6;
+};
+
+/// Writes what is seen of a robot as the state of a Body or, where it has room for a heading, of a PosedBody.
+inline void write_body(const Sight<double>& seen, std::span<double> x) {
+  x[0] = seen.p.x, x[1] = seen.p.y, x[2] = seen.p.z;
+  x[3] = seen.v.x, x[4] = seen.v.y, x[5] = seen.v.z;
+  if (x.size() == PosedBody::nx) x[6] = seen.d.x, x[7] = seen.d.y;
+}
 
 }  // namespace sightline

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 
@@ -290,6 +291,23 @@ std::string Roster::apply(const Action& action, double t, double ramp) {
   return std::visit(Change{*this, t, ramp}, action);
 }
 
+/// What keeps the steered robots of a swarm off those of it that brake or sink.
+std::vector<Coupling> Roster::swarm_couplings() const {
+  std::vector<Coupling> couplings;
+  for (const Swarm& swarm : all_.swarms()) {
+    for (std::size_t i = 0; i < swarm.agents.size(); ++i) {
+      for (std::size_t j = i + 1; j < swarm.agents.size(); ++j) {
+        const AgentId a = swarm.agents[i], b = swarm.agents[j];
+        const bool a_steered = presence(a) == Presence::steered;
+        if (presence(a) == Presence::absent || presence(b) == Presence::absent) continue;
+        if (a_steered == (presence(b) == Presence::steered)) continue;
+        couplings.push_back({.term = swarm.term, .between = {a, b}, .felt_by = {a_steered ? a : b}});
+      }
+    }
+  }
+  return couplings;
+}
+
 Team Roster::team(double t) const {
   const auto steered = [&](BodyId body) { return presence(body) == Presence::steered; };
   const auto in_force = [&](const Coupling& c) {
@@ -299,12 +317,14 @@ Team Roster::team(double t) const {
     return there(c.between.first) && there(c.between.second) &&
            std::any_of(c.felt_by.begin(), c.felt_by.end(), steered);
   };
+  std::vector<Coupling> couplings = couplings_, of_swarms = swarm_couplings();
+  std::move(of_swarms.begin(), of_swarms.end(), std::back_inserter(couplings));
   std::vector<bool> wanted(presence_.size());
   for (int i = 0; i < all_.bodies(); ++i) {
     wanted[index(BodyId{i})] =
         steered(BodyId{i}) || (!all_.is_agent(BodyId{i}) && presence(BodyId{i}) != Presence::absent);
   }
-  for (const Coupling& c : couplings_) {
+  for (const Coupling& c : couplings) {
     if (in_force(c)) wanted[index(c.between.first)] = wanted[index(c.between.second)] = true;
   }
 
@@ -318,12 +338,12 @@ Team Roster::team(double t) const {
       agent.x_ref = reference(AgentId{body}, t);
       id[index(body)] = team.add(std::move(agent));
     } else {
-      id[index(body)] = team.add(Obstacle{std::string(all_.name(body))});
+      id[index(body)] = team.add(Obstacle{std::string(all_.name(body)), all_.is_agent(body)});
     }
   }
   if (team.agents().empty())
     throw std::invalid_argument("no robot is left in the team, expected one at least");
-  for (Coupling c : couplings_) {
+  for (Coupling& c : couplings) {
     if (!in_force(c)) continue;
     std::erase_if(c.felt_by, [&](AgentId agent) { return !steered(agent); });
     for (AgentId& agent : c.felt_by) agent = AgentId{id[index(agent)]};

@@ -36,7 +36,8 @@ class Roster {
   std::string apply(const Action& action, double t, double ramp);
 
   /// The robots that are steered, and what they feel, at time t and on. Bodies are in the order of all(); a robot
-  /// that is not steered is an obstacle to those that feel it. Terms that have faded away are left out.
+  /// that is not steered is an obstacle with its heading to those that feel it, and to those that a swarm keeps off
+  /// it. Terms that have faded away are left out.
   /// @throws std::invalid_argument where no robot is left
   Team team(double t) const;
   /// When the last weight that moves at t comes to rest [s]; minus infinity where none moves.
@@ -65,6 +66,7 @@ class Roster {
   };
 
   std::size_t place(AgentId id) const;  // in agents_
+  std::vector<Coupling> swarm_couplings() const;
   Reference reference(AgentId id, double t) const;
 
   Team all_;                         // bodies alone

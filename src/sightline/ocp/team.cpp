@@ -99,7 +99,8 @@ AgentId Team::add(Agent agent) {
 BodyId Team::add(Obstacle obstacle) {
   if (obstacle.name.empty())
     obstacle.name = fmt::format("obstacle{}", bodies() - static_cast<int>(agents_.size()));
-  return enter(std::move(obstacle.name), Body{}, -1);
+  const Model model = obstacle.has_heading ? Model(PosedBody{}) : Model(Body{});
+  return enter(std::move(obstacle.name), model, -1);
 }
 
 void Team::check_body(BodyId body) const {

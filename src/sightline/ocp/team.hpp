@@ -67,6 +67,7 @@ struct Agent {
 /// Something that is not controlled; its prediction is the velocity it has.
 struct Obstacle {
   std::string name;
+  bool has_heading = false;  ///< its state is that of a PosedBody; else a Body's, which heads along x of G
 };
 
 /// A potential between two bodies, with its weight; felt by the agents listed.

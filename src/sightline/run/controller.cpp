@@ -24,6 +24,7 @@ Controller::Member match(const Team& world, const Team& team, BodyId body, std::
   Controller::Member member{.body = found,
                             .nx = size(model.nx()),
                             .nu = size(model.nu()),
+                            .ocp_nx = size(model.nx()),
                             .world_x = size(world.state_offset(found)),
                             .world_u = size(world.input_offset(found)),
                             .ocp_x = size(team.state_offset(body)),
@@ -60,9 +61,7 @@ void Controller::gather(const Team& world, std::span<const double> x, std::span<
       std::copy_n(&x[m.world_x], m.nx, to);
       continue;
     }
-    const Sight<double> seen = world.model(m.body).sight(&x[m.world_x], &u[m.world_u]);
-    to[0] = seen.p.x, to[1] = seen.p.y, to[2] = seen.p.z;
-    to[3] = seen.v.x, to[4] = seen.v.y, to[5] = seen.v.z;
+    write_body(world.model(m.body).sight(&x[m.world_x], &u[m.world_u]), {to, m.ocp_nx});
   }
 }
 

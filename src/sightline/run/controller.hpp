@@ -12,12 +12,13 @@ namespace sightline {
 
 /// Bodies are matched by name: what the solver's team calls a robot is a robot of the world, and what it calls an
 /// obstacle may be one of the world's obstacles, or a robot that it does not steer and sees as position and
-/// velocity.
+/// velocity, with its heading where the obstacle has one.
 struct Controller {
   /// A body as the world and as the solver's Ocp know it.
   struct Member {
     BodyId body;         // of the world
-    std::size_t nx, nu;  // copied as they are; nx = 0: a robot seen as position and velocity
+    std::size_t nx, nu;  // copied as they are; nx = 0: a robot seen as a Body or PosedBody
+    std::size_t ocp_nx;  // of the solver's state
     std::size_t world_x, world_u;
     std::size_t ocp_x, ocp_u;
     const InputLimits* limits;  // nullptr: not steered by this solver

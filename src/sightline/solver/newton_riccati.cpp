@@ -349,16 +349,13 @@ void NewtonRiccati::write_states() noexcept {
     const bool is_told = told.holds(time_, {x_now_[from], x_now_[from + 1], x_now_[from + 2]});
     for (int k = 0; k <= N; ++k) {
       double* const to = &x_out_[from + at(k * ocp_.nx())];
+      const std::size_t nx = at(team.model(BodyId{b}).nx());
       if (is_told && k > 0) {
-        const Sight<double> s = told.at(time_, k);
-        to[0] = s.p.x, to[1] = s.p.y, to[2] = s.p.z;
-        to[3] = s.v.x, to[4] = s.v.y, to[5] = s.v.z;
+        write_body(told.at(time_, k), {to, nx});
         continue;
       }
-      for (std::size_t i = 0; i < 3; ++i) {
-        to[i] = x_now_[from + i] + k * ocp_.horizon().h() * x_now_[from + 3 + i];
-        to[3 + i] = x_now_[from + 3 + i];
-      }
+      std::copy_n(&x_now_[from], nx, to);
+      for (std::size_t i = 0; i < 3; ++i) to[i] += k * ocp_.horizon().h() * to[3 + i];
     }
   }
 }

@@ -116,8 +116,7 @@ void Part::gather(std::span<const double> states) noexcept {
       continue;
     }
     const Sight<double> s = whole_.model(there).sight(from, no_input_.data());
-    to[0] = s.p.x, to[1] = s.p.y, to[2] = s.p.z;
-    to[3] = s.v.x, to[4] = s.v.y, to[5] = s.v.z;
+    write_body(s, {to, at(team.model(BodyId{i}).nx())});
   }
 }
 
