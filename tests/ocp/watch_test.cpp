@@ -159,7 +159,7 @@ TEST(Watch, StagesOfUnlikeRegionsGoTheirOwnWays) {
   EXPECT_EQ(watch.stage("window"), "");
 }
 
-TEST(Watch, ANearerRobotIsNearerThanOneThatIsNotThere) {
+TEST(Watch, ANearerRobotIsNearerThanOneThatIsNotSteered) {
   const Condition nearer{NearerThan{BodyId{1}, BodyId{2}, BodyId{0}}, Condition::Side::above, 0.3};
   const Team team = event_team(3);
   std::vector<double> x = event_start(team), u(12);
@@ -169,10 +169,13 @@ TEST(Watch, ANearerRobotIsNearerThanOneThatIsNotThere) {
     return !watch.look({0.0, x, u, {}, presence}).empty();
   };
   EXPECT_FALSE(happens());  // robot 2 stands behind robot 1
-  presence[1] = Presence::absent;
-  EXPECT_TRUE(happens());
-  presence[2] = Presence::absent;
-  EXPECT_FALSE(happens());
+  for (const Presence gone : {Presence::absent, Presence::hold, Presence::land}) {
+    presence[1] = gone;
+    presence[2] = Presence::steered;
+    EXPECT_TRUE(happens());
+    presence[2] = gone;
+    EXPECT_FALSE(happens());
+  }
 }
 
 }  // namespace

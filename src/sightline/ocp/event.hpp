@@ -53,7 +53,7 @@ struct ExcessOf {
 struct AgeOf {
   BodyId body;
 };
-/// How much nearer than a, in its stead, b is to a target [m]; infinite where a is not there.
+/// How much nearer than the robot a, in its stead, the robot b is to a target [m]; infinite where a is not steered.
 struct NearerThan {
   BodyId a, b, target;
 };

@@ -17,6 +17,10 @@ struct Value {
   bool is_there(BodyId body) const {
     return view.presence.empty() || view.presence[static_cast<std::size_t>(body.index)] != Presence::absent;
   }
+  /// A robot that brakes or sinks takes over nothing, and is relieved.
+  bool is_on_duty(BodyId body) const {
+    return view.presence.empty() || view.presence[static_cast<std::size_t>(body.index)] == Presence::steered;
+  }
   Sight<double> sight(BodyId body) const {
     const double* const u = all.is_agent(body) ? view.u.data() + all.input_offset(body) : nullptr;
     return all.model(body).sight(view.x.data() + all.state_offset(body), u);
@@ -35,8 +39,8 @@ struct Value {
     return of.potential.violation(sight(of.a), sight(of.b), view.t);
   }
   double operator()(const NearerThan& of) const {
-    if (!is_there(of.b) || !is_there(of.target)) return none();
-    if (!is_there(of.a)) return std::numeric_limits<double>::infinity();
+    if (!is_on_duty(of.b) || !is_there(of.target)) return none();
+    if (!is_on_duty(of.a)) return std::numeric_limits<double>::infinity();
     const Vec3<double> target = sight(of.target).p;
     return norm(sight(of.a).p - target) - norm(sight(of.b).p - target);
   }
