@@ -50,6 +50,8 @@ std::vector<std::string> faults_of(const LoopOutcome& outcome, const Log& log) {
   for (std::string& sentence : log.summary().safety().broken()) faults.push_back(std::move(sentence));
   if (!outcome.finite || log.summary().not_finite() > 0)
     faults.emplace_back("a state or an input was not finite");
+  if (const std::int64_t beyond = log.summary().applied_violations(); beyond > 0)
+    faults.push_back(fmt::format("{} applied inputs were beyond the limits in force", beyond));
   if (outcome.dropped > 0)
     faults.push_back(fmt::format("{} samples were lost, the log could not keep up", outcome.dropped));
   if (std::string lost = log.error(); !lost.empty()) faults.push_back(std::move(lost));

@@ -72,6 +72,8 @@ PresentTeam::PresentTeam(const Scenario& scenario)
 
 void PresentTeam::compose(double t) {
   team_ = roster_.team(t);
+  const double settled = roster_.at_rest_from(t);
+  settles_at_ = settled > t ? settled : std::numeric_limits<double>::infinity();
   world_.clear();
   for (int i = 0; i < team_.bodies(); ++i) world_.push_back(roster_.all().find(team_.name(BodyId{i})));
   x_.resize(size(team_.nx()));
@@ -87,7 +89,8 @@ bool PresentTeam::follow(const Sample& sample) {
     for (const Action& action : what.actions) (void)roster_.apply(action, event.time, ramp_of(what));
     changed = true;
   }
-  if (changed) compose(sample.time);
+  constexpr double same_time = 1e-9;
+  if (changed || sample.time >= settles_at_ - same_time) compose(sample.time);
   return changed;
 }
 
@@ -107,6 +110,17 @@ std::vector<Constraint> PresentTeam::constraints() const {
   std::vector<Constraint> list;
   for (const Constraint& c : roster_.constraints()) {
     if (c.ramp.to > 0 && roster_.presence(c.agent) == Presence::steered) list.push_back(c);
+  }
+  return list;
+}
+
+std::vector<BodyId> PresentTeam::observers() const {
+  std::vector<BodyId> list;
+  for (const Coupling& c : roster_.couplings()) {
+    const BodyId robot = c.between.first;
+    if (!(c.ramp.to > 0) || roster_.presence(robot) != Presence::steered || !watches(c.term.potential))
+      continue;
+    if (std::find(list.begin(), list.end(), robot) == list.end()) list.push_back(robot);
   }
   return list;
 }

@@ -37,6 +37,12 @@ class PresentTeam {
   /// Couplings and constraints that last, between bodies that are there.
   std::vector<Coupling> couplings() const;
   std::vector<Constraint> constraints() const;
+  /// Robots that are steered and asked to observe, whether what they are to see is there or not.
+  std::vector<BodyId> observers() const;
+  /// In force for a robot, steered or not.
+  const InputLimits& limits(BodyId robot) const { return roster_.agent(AgentId{robot}).limits; }
+  /// The robots that are steered, and what they feel; with ids of its own.
+  const Team& team() const { return team_; }
   /// A robot that is steered now, as it is tuned; else none.
   const Agent* agent(BodyId robot) const;
   /// l of the team at the sample, masked or not.
@@ -48,6 +54,7 @@ class PresentTeam {
   Script script_;
   Roster roster_;
   Team team_;                  // of those that are steered and what they feel
+  double settles_at_;          // when the weights come to rest that move now, and what faded is dropped [s]
   std::vector<BodyId> world_;  // of each of its bodies
   std::vector<double> x_, u_;  // its states and inputs
 };

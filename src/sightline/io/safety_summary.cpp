@@ -22,7 +22,7 @@ constexpr std::array<const char*, 3> modes = {"off", "on", "report"};
 
 bool SafetySummary::Pair::kept() const { return least2 >= d_hard * d_hard; }
 
-SafetySummary::SafetySummary(const Scenario& scenario) {
+SafetySummary::SafetySummary(const Scenario& scenario) : period_(scenario.horizon.dt) {
   const Team& team = scenario.team;
   for (int i = 0; i < team.bodies(); ++i) names_.emplace_back(team.name(BodyId{i}));
   for (int i = 0; i < team.bodies(); ++i) {
@@ -44,6 +44,7 @@ void SafetySummary::add(double time, std::span<const Sight<double>> sights,
   };
   for (Pair& pair : pairs_) {
     if (!is_there(pair.a) || !is_there(pair.b)) continue;
+    pair.in_force.count(time, period_);
     const Vec3<double> r =
         sights[static_cast<std::size_t>(pair.a.index)].p - sights[static_cast<std::size_t>(pair.b.index)].p;
     const double distance2 = dot(r, r);
@@ -87,6 +88,8 @@ std::string SafetySummary::json() const {
                                       {"d_hard", pair.d_hard},
                                       {"least", std::isfinite(least) ? Json(least) : Json()},
                                       {"time", pair.time}});
+    if (!pair.in_force.is_whole(static_cast<double>(samples_) * period_))
+      json["hard_distances"].back()["in_force"] = pair.in_force.json();
   }
   json["agents"] = Json::array();
   const auto share = [&](std::int64_t part) {
@@ -108,8 +111,9 @@ std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view t
         fmt::format("{} and {}", pair.at("a").get<std::string>(), pair.at("b").get<std::string>());
     if (pair.at("least").is_null()) continue;
     const double least = pair.at("least").get<double>(), d_hard = pair.at("d_hard").get<double>();
-    lines.emplace_back("hard distance", fmt::format("{}: {:.4g} m at least, {} {} m", who, least,
-                                                    least < d_hard ? "BROKEN, to be" : "kept", d_hard));
+    const std::string when = pair.contains("in_force") ? ", in " + time_words(pair.at("in_force")) : "";
+    lines.emplace_back("hard distance", fmt::format("{}: {:.4g} m at least, {} {} m{}", who, least,
+                                                    least < d_hard ? "BROKEN, to be" : "kept", d_hard, when));
   }
   for (const Json& agent : json.at("agents")) {
     const double active = agent.at("barrier_active").get<double>(),

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sightline/io/scenario.hpp"
+#include "sightline/io/time_in_force.hpp"
 #include "sightline/run/sample.hpp"
 
 namespace sightline {
@@ -23,9 +24,10 @@ class SafetySummary {
   /// Two bodies, of which one is a robot, that have a hard distance.
   struct Pair {
     BodyId a, b;
-    double d_hard;  ///< [m]
-    double least2;  ///< square of the least distance so far [m^2]
-    double time;    ///< of it [s]
+    double d_hard;           ///< [m]
+    double least2;           ///< square of the least distance so far [m^2]
+    double time;             ///< of it [s]
+    TimeInForce in_force{};  ///< while both were there
     bool kept() const;
   };
   const std::vector<Pair>& pairs() const { return pairs_; }
@@ -46,6 +48,7 @@ class SafetySummary {
   std::vector<Pair> pairs_;
   std::vector<Robot> robots_;
   std::int64_t samples_ = 0;
+  double period_;  // [s]
 };
 
 /// `safety` of a summary.json in words: what, and its value.

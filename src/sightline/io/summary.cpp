@@ -12,6 +12,7 @@
 #include "sightline/io/event_words.hpp"
 #include "sightline/io/text_file.hpp"
 #include "sightline/io/version.hpp"
+#include "sightline/potential/protection.hpp"
 
 namespace sightline {
 namespace {
@@ -63,9 +64,7 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
       least_distance2_(infinity) {
   const Team& team = scenario_.team;
   const std::vector<Coupling> couplings = all_couplings(scenario_);
-  for (const Observation& pair : observations(couplings)) {
-    views_.push_back({pair, infinity, -infinity, -infinity, none, none});
-  }
+  for (const Observation& pair : observations(couplings)) add_view(pair);
   for (const Coupling& c : couplings) {
     add_limit(c.term.potential, c.between.first, c.between.second);
   }
@@ -78,6 +77,10 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
   find_what_is_in_force();
   const double solves = scenario_.simulation.duration / period_ * static_cast<double>(controllers);
   solve_us_.reserve(static_cast<std::size_t>(std::clamp(solves, 0.0, solves_reserved)) + 1);
+}
+
+void Summary::add_view(const Observation& pair) {
+  views_.push_back({pair, infinity, -infinity, -infinity, none, none});
 }
 
 void Summary::add_limit(const Potential& potential, BodyId a, BodyId b) {
@@ -93,6 +96,22 @@ void Summary::find_what_is_in_force() {
   const std::vector<Coupling> couplings = present_.couplings();
   const std::vector<Constraint> constraints = present_.constraints();
   const std::vector<Observation> observed = observations(couplings);
+  // What only a flight can tell joins those that were foreseen.
+  for (const Observation& o : observed) {
+    const auto same = [&](const View& v) {
+      return v.pair.observer == o.observer && v.pair.target == o.target;
+    };
+    if (std::none_of(views_.begin(), views_.end(), same)) add_view(o);
+  }
+  for (const Coupling& c : couplings) {
+    const auto same = [&](const Limit& l) {
+      return l.a == c.between.first && l.b == c.between.second &&
+             l.potential.name() == c.term.potential.name();
+    };
+    if (std::none_of(limits_.begin(), limits_.end(), same)) {
+      add_limit(c.term.potential, c.between.first, c.between.second);
+    }
+  }
   for (View& view : views_) {
     const auto now = std::find_if(observed.begin(), observed.end(), [&](const Observation& o) {
       return o.observer == view.pair.observer && o.target == view.pair.target;
@@ -114,7 +133,15 @@ void Summary::find_what_is_in_force() {
     for (const Constraint& c : constraints) {
       if (c.agent == limit.a && c.agent == limit.b) retake(limit, c.term.potential);
     }
-    if (!limit.in_force) limit.broken_since = none;
+    // What protected two bodies is judged until they have parted.
+    if (!limit.in_force && !keeps_apart(limit.potential)) limit.broken_since = none;
+  }
+  const std::vector<BodyId> asked = present_.observers();
+  for (Robot& robot : robots_) {
+    const bool observes = std::any_of(views_.begin(), views_.end(), [&](const View& view) {
+      return view.in_force && view.pair.observer == robot.body;
+    });
+    robot.is_idle = !observes && std::find(asked.begin(), asked.end(), robot.body) != asked.end();
   }
 }
 
@@ -142,22 +169,28 @@ void Summary::add(const Sample& sample) {
 }
 
 void Summary::add_inputs(const Sample& sample) {
+  const auto beyond = [&](double u, std::size_t i) {
+    return !(u >= u_min_[i] - raw_tolerance && u <= u_max_[i] + raw_tolerance);
+  };
   for (const Robot& robot : robots_) {
+    if (!is_there(robot.body)) continue;
     const Agent& agent = scenario_.team.agent(robot.body);
     const auto offset = static_cast<std::size_t>(scenario_.team.input_offset(robot.body));
     u_min_.resize(agent.R.size());
     u_max_.resize(agent.R.size());
-    agent.limits.at(sample.time, u_min_, u_max_);
+    present_.limits(robot.body).at(sample.time, u_min_, u_max_);
     for (std::size_t i = 0; i < u_min_.size(); ++i) {
       const double raw = sample.raw_u[offset + i];
       max_abs_input_ = std::max(max_abs_input_, std::abs(raw));
-      if (!(raw >= u_min_[i] - raw_tolerance && raw <= u_max_[i] + raw_tolerance)) ++input_violations_;
+      input_violations_ += beyond(raw, i) ? 1 : 0;
+      applied_violations_ += beyond(sample.u[offset + i], i) ? 1 : 0;
     }
   }
 }
 
 void Summary::add_robots(const Sample& sample) {
   for (Robot& robot : robots_) {
+    if (robot.is_idle) robot.idle.count(sample.time, period_);
     const Agent* const steered = present_.agent(robot.body);
     if (steered == nullptr) continue;
     const Agent& agent = *steered;
@@ -189,6 +222,7 @@ void Summary::add_places() {
 void Summary::add_views(double time) {
   for (View& view : views_) {
     if (!view.in_force) continue;
+    view.time.count(time, period_);
     const Sight<double>&observer = sight(view.pair.observer), &target = sight(view.pair.target);
     const double angle = view_angle(view.pair.mount, observer, target.p);
     const bool seen = view.pair.potential.violation(observer, target, time) <= 0;
@@ -207,13 +241,14 @@ void Summary::add_views(double time) {
 
 void Summary::add_limits(double time) {
   for (Limit& limit : limits_) {
-    if (!limit.in_force) continue;
-    ++limit.counted;
-    const double excess = limit.potential.violation(sight(limit.a), sight(limit.b), time);
-    if (excess <= 0) {
-      limit.broken_since = none;
+    if (!limit.in_force && (std::isnan(limit.broken_since) || !is_there(limit.a) || !is_there(limit.b)))
       continue;
-    }
+    const double excess = limit.potential.violation(sight(limit.a), sight(limit.b), time);
+    if (excess <= 0) limit.broken_since = none;
+    if (excess <= 0 && !limit.in_force) continue;
+    ++limit.counted;
+    limit.time.count(time, period_);
+    if (excess <= 0) continue;
     if (std::isnan(limit.broken_since)) limit.broken_since = time;
     ++limit.broken;
     limit.longest = std::max(limit.longest, end_ - limit.broken_since);
@@ -265,20 +300,23 @@ SummaryValues Summary::values() const {
   v.statuses = statuses_;
   v.not_finite = not_finite_;
   v.input_violations = input_violations_;
+  v.applied_violations = applied_violations_;
   v.max_abs_input = max_abs_input_;
   v.pairs_active_max = pairs_;
   v.min_distance = counted(std::sqrt(least_distance2_));
   for (const View& view : views_) {
     v.pairs.push_back({name(view.pair.observer), name(view.pair.target), counted(view.nearest),
                        counted(view.farthest), counted(view.angle_max), view.in_since,
-                       share(view.seen, view.settled)});
+                       share(view.seen, view.settled), view.time});
   }
   for (const Robot& robot : robots_) {
     const double mean_square = robot.squared_error / static_cast<double>(robot.errors);
     v.robots.push_back({name(robot.body), robot.errors > 0 ? std::sqrt(mean_square) : none, robot.energy});
+    if (robot.idle.total > 0) v.idle_observers.push_back({name(robot.body), robot.idle});
   }
   for (const Limit& limit : limits_) {
-    v.limits.push_back({limit.name, share(limit.broken, limit.counted), limit.longest, limit.worst});
+    v.limits.push_back(
+        {limit.name, share(limit.broken, limit.counted), limit.longest, limit.worst, limit.time});
   }
   for (const Event& event : events_) {
     v.events.push_back(
@@ -293,6 +331,9 @@ SummaryValues Summary::values() const {
 
 std::string Summary::json() const {
   const SummaryValues v = values();
+  const auto add_time = [&](Json& to, const TimeInForce& time) {
+    if (!time.is_whole(end_)) to["in_force"] = time.json();
+  };
   Json json;
   json["scenario"] = scenario_.name;
   json["seed"] = scenario_.simulation.seed;
@@ -310,6 +351,7 @@ std::string Summary::json() const {
   }
   json["not_finite"] = v.not_finite;
   json["input_violations"] = v.input_violations;
+  json["applied_violations"] = v.applied_violations;
   json["max_abs_input"] = v.max_abs_input;
   json["min_distance"] = v.min_distance;
   if (!scenario_.team.swarms().empty()) json["pairs_active_max"] = v.pairs_active_max;
@@ -321,6 +363,10 @@ std::string Summary::json() const {
                              {"view_angle_max", pair.view_angle_max},
                              {"in_view_from", pair.in_view_from},
                              {"in_view_fraction", pair.in_view_fraction}});
+    add_time(json["pairs"].back(), pair.in_force);
+  }
+  for (const auto& idle : v.idle_observers) {
+    json["idle_observers"].push_back({{"observer", idle.observer}, {"in_force", idle.time.json()}});
   }
   for (const auto& robot : v.robots) {
     json["agents"].push_back(
@@ -331,6 +377,7 @@ std::string Summary::json() const {
                               {"fraction", limit.fraction},
                               {"longest", limit.longest},
                               {"worst", limit.worst}});
+    add_time(json["limits"].back(), limit.in_force);
   }
   for (const auto& event : v.events) json["events"].push_back({{"time", event.time}, {"name", event.name}});
   if (const std::string safety = safety_.json(); !safety.empty()) json["safety"] = Json::parse(safety);

@@ -12,6 +12,7 @@
 #include "sightline/io/present_team.hpp"
 #include "sightline/io/safety_summary.hpp"
 #include "sightline/io/scenario.hpp"
+#include "sightline/io/time_in_force.hpp"
 #include "sightline/potential/potential.hpp"
 #include "sightline/run/sample.hpp"
 
@@ -32,6 +33,12 @@ struct SummaryValues {
     double view_angle_max;              ///< after settle [rad], (71)
     double in_view_from;                ///< in view from here to the end [s]
     double in_view_fraction;            ///< after settle
+    TimeInForce in_force;
+  };
+  /// A robot that was asked to observe, while nothing that it was to see was there.
+  struct Idle {
+    std::string observer;
+    TimeInForce time;
   };
   struct Robot {
     std::string name;
@@ -43,6 +50,7 @@ struct SummaryValues {
     double fraction;   ///< of the time it was broken
     double longest;    ///< [s]
     double worst;      ///< excess, in the limit's unit; 0 while it holds
+    TimeInForce in_force;
   };
   struct Happening {
     double time;  ///< [s]
@@ -55,11 +63,13 @@ struct SummaryValues {
   std::int64_t allocations_per_update = 0;            ///< most in one update
   std::array<std::int64_t, status_count> statuses{};  ///< updates by Status
   std::int64_t not_finite = 0;                        ///< samples with a state or an input that is not
-  std::int64_t input_violations = 0;                  ///< components of the raw u beyond their limit
+  std::int64_t input_violations = 0;                  ///< components of the raw u beyond their limit in force
+  std::int64_t applied_violations = 0;                ///< of the applied u
   double max_abs_input = 0.0;                         ///< of the raw u
   int pairs_active_max = 0;                           ///< most pairs of swarms in one update
   double min_distance = 0.0;                          ///< of a robot to any other body, all of the run [m]
   std::vector<Pair> pairs;
+  std::vector<Idle> idle_observers;
   std::vector<Robot> robots;
   std::vector<Limit> limits;
   std::vector<Happening> events;  ///< but for changes of status, which the log has; at most 1000
@@ -80,6 +90,8 @@ class Summary {
   /// Samples with a state or an input, applied or raw, that is not finite; whether there is none.
   std::int64_t not_finite() const { return not_finite_; }
   bool finite() const { return not_finite_ == 0; }
+  /// Components of applied inputs beyond the limits that were in force.
+  std::int64_t applied_violations() const { return applied_violations_; }
   /// Of the last sample: its stage cost, and a robot that is steered, as it is tuned; else none.
   double stage_cost() const { return stage_cost_; }
   const Agent* agent(BodyId robot) const { return present_.agent(robot); }
@@ -97,6 +109,7 @@ class Summary {
     double out_since, in_since;           // begin of the present stretch [s]; NaN in the other
     std::int64_t settled = 0, seen = 0;   // samples after settle, and those of them in view
     bool in_force = true;
+    TimeInForce time{};
   };
   struct Limit {
     std::string name;
@@ -106,14 +119,18 @@ class Summary {
     double longest = 0.0, worst = 0.0;
     std::int64_t broken = 0, counted = 0;
     bool in_force = true;
+    TimeInForce time{};
   };
   struct Robot {
     BodyId body;
     double squared_error = 0.0, energy = 0.0;
     std::int64_t errors = 0;
+    bool is_idle = false;  // asked to observe, and nobody is there
+    TimeInForce idle{};
   };
 
   const Sight<double>& sight(BodyId body) const { return sights_[static_cast<std::size_t>(body.index)]; }
+  void add_view(const Observation& pair);
   void add_limit(const Potential& potential, BodyId a, BodyId b);
   void find_what_is_in_force();
   bool is_there(BodyId body) const {
@@ -137,7 +154,8 @@ class Summary {
   std::vector<Sight<double>> sights_;  // of all bodies at the present sample
   std::vector<double> x_ref_, u_min_, u_max_;
 
-  std::int64_t updates_ = 0, not_finite_ = 0, input_violations_ = 0, allocations_ = 0;
+  std::int64_t updates_ = 0, not_finite_ = 0, input_violations_ = 0, applied_violations_ = 0,
+               allocations_ = 0;
   int pairs_ = 0;
   double end_ = 0.0;  // of the last period [s]
   double cost_ = 0.0, stage_cost_ = 0.0, max_abs_input_ = 0.0, least_distance2_;

@@ -52,6 +52,11 @@ std::vector<SummaryLine> lines_of(const Json& s) {
     lines.push_back({std::move(what), std::move(value)});
   };
 
+  // Over what time something was judged; all of the run in the words given.
+  const auto in_force = [](const Json& judged, std::string_view all) {
+    return judged.contains("in_force") ? time_words(judged.at("in_force")) : std::string(all);
+  };
+
   std::string statuses;
   for (const auto& [status, count] : s.at("status").items()) {
     if (count != 0)
@@ -63,17 +68,30 @@ std::vector<SummaryLine> lines_of(const Json& s) {
   add("allocations in an update", words(s.at("allocations_per_update"), ""));
   add("largest input", fmt::format("{} before the clamp, {} beyond a limit", words(s.at("max_abs_input"), ""),
                                    words(s.at("input_violations"), "")));
+  if (s.contains("applied_violations") && s.at("applied_violations") != 0)
+    add("APPLIED BEYOND A LIMIT", words(s.at("applied_violations"), "inputs"));
   if (s.at("not_finite") != 0) add("not finite", words(s.at("not_finite"), "updates"));
   add("least distance", words(s.at("min_distance"), "m"));
   if (s.contains("pairs_active_max"))
     add("pairs kept apart", fmt::format("at most {} at one time", words(s.at("pairs_active_max"), "")));
   for (const Json& pair : s.at("pairs")) {
     const Json &from = pair.at("in_view_from"), &distance = pair.at("distance");
+    const std::string when = in_force(pair, "");
+    const std::string at_the_end = from.is_null()
+                                       ? when.empty() ? "not in view at the end" : "not in view at its end"
+                                   : when.empty() ? "in view for good from " + words(from, "s")
+                                                  : "in view to its end from " + words(from, "s");
     add(fmt::format("{} sees {}", name(pair.at("observer")), name(pair.at("target"))),
-        fmt::format("distance {} to {}, angle at most {}, {} of the time; {}", words(distance.at("min"), ""),
-                    words(distance.at("max"), "m"), words(pair.at("view_angle_max"), "rad"),
-                    percent(pair.at("in_view_fraction")),
-                    from.is_null() ? "not in view at the end" : "in view for good from " + words(from, "s")));
+        when.starts_with("0.0 s")
+            ? "never in force"
+            : fmt::format("distance {} to {}, angle at most {}, {} of {}; {}", words(distance.at("min"), ""),
+                          words(distance.at("max"), "m"), words(pair.at("view_angle_max"), "rad"),
+                          percent(pair.at("in_view_fraction")), when.empty() ? "the time" : when,
+                          at_the_end));
+  }
+  if (s.contains("idle_observers")) {
+    for (const Json& idle : s.at("idle_observers"))
+      add(name(idle.at("observer")) + " observes nobody", time_words(idle.at("in_force")));
   }
   for (const Json& agent : s.at("agents")) {
     const Json& error = agent.at("rms_position_error");
@@ -82,11 +100,13 @@ std::vector<SummaryLine> lines_of(const Json& s) {
             fmt::format("input energy {}", words(agent.at("energy"), "s")));
   }
   for (const Json& limit : s.at("limits")) {
+    const std::string when = in_force(limit, "");
     add("limit " + name(limit.at("name")),
-        limit.at("fraction") == 0.0
-            ? "kept"
-            : fmt::format("broken {} of the time, at most {} on end, by up to {}",
-                          percent(limit.at("fraction")), words(limit.at("longest"), "s"),
+        limit.at("fraction").is_null() ? "never in force"
+        : limit.at("fraction") == 0.0
+            ? "kept" + (when.empty() ? "" : " for " + when)
+            : fmt::format("broken {} of {}, at most {} on end, by up to {}", percent(limit.at("fraction")),
+                          when.empty() ? "the time" : when, words(limit.at("longest"), "s"),
                           words(limit.at("worst"), "")));
   }
   if (s.contains("safety")) {
