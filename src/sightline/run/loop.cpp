@@ -80,6 +80,7 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
       u_max_(u_.size()),
       planned_at_(size(plant.team().bodies())),
       plan_ages_(planned_at_.size()),
+      ages_(planned_at_.size()),
       spare_(sized_sample(plant.team(), controllers)) {
   for (const LatePlan& late : options_.late_plans) late.check();
   std::stable_sort(options_.signals.begin(), options_.signals.end(),
@@ -243,8 +244,10 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
   std::copy(u_.begin(), u_.end(), sample.u.begin());
   sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
   if (options_.succession != nullptr) {
+    const auto stamps = sensor_.stamps();
+    std::transform(stamps.begin(), stamps.end(), ages_.begin(), [t](double stamp) { return t - stamp; });
     options_.succession->look(t, believed, u_,
-                              options_.guard != nullptr ? options_.guard->ages() : std::span<const double>{});
+                              options_.guard != nullptr ? options_.guard->ages() : std::span(ages_));
     for (const Event& event : options_.succession->events()) tell(event);
     options_.succession->clear_events();
   }
