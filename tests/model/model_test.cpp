@@ -364,5 +364,44 @@ TEST(Model, CopiesShareOneRobot) {
   EXPECT_EQ(b.sight(x.data(), u.data()).v.z, 1.0);
 }
 
+/// Throws once it is asked for numbers, not while it is recorded.
+struct Moody {
+  static constexpr std::size_t nx = 2, nu = 1;
+  static constexpr std::string_view name = "moody";
+  template <class S>
+  static void refuse() {
+    if constexpr (std::is_same_v<S, double>) throw std::runtime_error("not today");
+  }
+  template <class S>
+  std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
+    refuse<S>();
+    return {x[1], u[0]};
+  }
+  template <class S>
+  Pose<S> pose(const std::array<S, nx>& x) const {
+    return {{x[0], S(0.0), S(0.0)}, {S(1.0), S(0.0)}};
+  }
+  template <class S>
+  std::array<S, nx> at_rest(const Pose<S>& pose) const {
+    refuse<S>();
+    return {pose.p.x, S(0.0)};
+  }
+};
+
+TEST(Model, WhatThrowsLeavesNumbersThatAreNone) {
+  const Model model{Moody{}};
+  double x[3] = {1, 2, 9}, u[1] = {0.5}, rate[3] = {1, 1, 9};
+  model.f(x, u, rate);
+  EXPECT_TRUE(std::isnan(rate[0]) && std::isnan(rate[1]));
+  EXPECT_EQ(rate[2], 9);
+  const Sight<double> sight = model.sight(x, u);
+  EXPECT_TRUE(std::isnan(sight.p.x) && std::isnan(sight.v.z) && std::isnan(sight.d.y));
+  model.step(x, u, 0.01);
+  EXPECT_TRUE(std::isnan(x[0]) && std::isnan(x[1]));
+  EXPECT_EQ(x[2], 9);
+  model.at_rest({}, x);
+  EXPECT_TRUE(std::isnan(x[0]));
+}
+
 }  // namespace
 }  // namespace sightline

@@ -352,5 +352,14 @@ TEST(StageCost, ReadsTheReferenceAtItsTime) {
   }
 }
 
+TEST(StageCost, OfStatesAndInputsOfAnotherTeamIsRefused) {
+  Team team;
+  team.add(Multirotor{});
+  const std::vector<double> x(7, 0.5), u(4, 0.1);
+  EXPECT_GT(stage_cost(team, 0.0, x, u), 0.0);
+  EXPECT_THROW((void)stage_cost(team, 0.0, std::span(x).first(6), u), std::invalid_argument);
+  EXPECT_THROW((void)stage_cost(team, 0.0, x, {}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace sightline

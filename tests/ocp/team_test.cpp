@@ -296,6 +296,76 @@ TEST(Team, AReferenceOfAnotherLengthIsRefused) {
   EXPECT_NO_THROW(team.add(AngleMultirotor{}, {.x_ref = Circle{}}));
 }
 
+/// A chain of integrators: a robot of as many states as one likes.
+struct Long {
+  static constexpr std::size_t nx = 70, nu = 1;
+  static constexpr std::string_view name = "long";
+  template <class S>
+  std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
+    std::array<S, nx> rate;
+    rate[0] = u[0];
+    for (std::size_t i = 1; i < nx; ++i) rate[i] = x[i - 1];
+    return rate;
+  }
+  template <class S>
+  Pose<S> pose(const std::array<S, nx>& x) const {
+    return {{x[nx - 1], S(0.0), S(0.0)}, {S(1.0), S(0.0)}};
+  }
+  template <class S>
+  std::array<S, nx> at_rest(const Pose<S>& pose) const {
+    std::array<S, nx> x;
+    x.fill(S(0.0));
+    x[nx - 1] = pose.p.x;
+    return x;
+  }
+};
+
+TEST(Team, ARobotOfMoreStatesThanAPoseSuitsWantsThemAllAsItsReference) {
+  Team team;
+  try {
+    team.add(Long{}, {.name = "snake"});
+    ADD_FAILURE() << "a pose was taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "snake.x_ref is a pose of a robot of 70 states, expected all of its states: a pose suits at most 64");
+  }
+  const AgentId snake = team.add(Long{}, {.x_ref = std::vector<double>(70, 0.5), .name = "snake"});
+  std::vector<double> x(70);
+  team.agent(snake).x_ref(0.0, team.model(snake), x);
+  EXPECT_EQ(x, std::vector<double>(70, 0.5));
+  EXPECT_THROW(Reference::between(std::vector<double>(70, 0.5), Reference{}, {}), std::invalid_argument);
+}
+
+TEST(Team, AnIdThatIsNoneOfItIsRefused) {
+  Team team;
+  const AgentId robot = team.add(Multirotor{});
+  const BodyId ball = team.add(Obstacle{"ball"});
+  for (const BodyId none : {BodyId{}, BodyId{2}, BodyId{-7}, BodyId{1 << 30}}) {
+    EXPECT_THROW((void)team.is_agent(none), std::out_of_range);
+    EXPECT_THROW((void)team.agent(none), std::out_of_range);
+    EXPECT_THROW((void)team.name(none), std::out_of_range);
+    EXPECT_THROW((void)team.model(none), std::out_of_range);
+    EXPECT_THROW((void)team.state_offset(none), std::out_of_range);
+    EXPECT_THROW((void)team.input_offset(none), std::out_of_range);
+  }
+  EXPECT_THROW((void)team.agent(ball), std::out_of_range);
+  EXPECT_NO_THROW((void)team.agent(robot));
+}
+
+TEST(Team, TheScaleOfAnInputIsHalfItsRangeOrWhatItCostsWhereItIsAsGoodAsUnlimited) {
+  Agent agent{.name = "a",
+              .model = Multirotor{},
+              .Q = std::vector<double>(7, 0.0),
+              .R = {1.0, 4.0, 1.0, 100.0},
+              .Q_f = {},
+              .limits = InputLimits({-1.0, -0.4, -1e6, -0.05}, {1.0, 0.8, 1e9, 0.05})};
+  EXPECT_EQ(input_scales(agent), (std::vector<double>{1.0, 0.6000000000000001, 1.0, 0.05}));
+  agent.limits = InputLimits(std::vector<double>{0.0, 2.0}, {{-1, -1, -1, -1}, {-0.2, -3, 0, -1}},
+                             {{1, 1, 1, 1}, {0.2, 3, 0.5, 1}});
+  EXPECT_EQ(input_scales(agent), (std::vector<double>{1.0, 3.0, 1.0, 1.0})) << "the widest there will be";
+}
+
 TEST(Team, ARobotFeelsACouplingOnce) {
   Team team;
   const AgentId a = team.add(Multirotor{}), b = team.add(Multirotor{});

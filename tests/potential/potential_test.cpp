@@ -315,5 +315,22 @@ TEST(Require, RefusesWhatDoesNotHoldAndWhatIsNotFinite) {
   EXPECT_EQ(refusal_of([] { require(true, "p", "f", not_a_number, "less"); }), "p.f = nan, expected less");
 }
 
+/// Throws on numbers, not while it is recorded.
+struct Moody {
+  static constexpr std::string_view name = "moody";
+  template <class S>
+  S operator()(const Sight<S>& a, const Sight<S>& b) const {
+    if constexpr (std::is_same_v<S, double>) throw std::runtime_error("not today");
+    return dot(a.p - b.p, a.p - b.p);
+  }
+  double violation(const Sight<double>&, const Sight<double>&) const { throw 3; }
+};
+
+TEST(Potential, WhatThrowsIsNotANumber) {
+  const Potential potential{Moody{}};
+  EXPECT_TRUE(std::isnan(potential({}, {}, 0.0)));
+  EXPECT_TRUE(std::isnan(potential.violation({}, {})));
+}
+
 }  // namespace
 }  // namespace sightline

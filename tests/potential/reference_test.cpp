@@ -167,5 +167,51 @@ TEST(Reference, ListsThatDoNotMatchOrTimesThatFallAreRefused) {
   EXPECT_NO_THROW(Reference(Steps{.times = {0.0, 1.0}, .p = {p, p}, .heading = {0.0, 1.0}}));
 }
 
+TEST(Reference, WhatIsNoPathIsRefusedWithTheFieldAndItsValue) {
+  const double bad = std::numeric_limits<double>::quiet_NaN();
+  const auto refusal = [](auto&& make) -> std::string {
+    try {
+      (void)Reference(make());
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal([] { return Circle{.radius = -1}; }), "circle.radius = -1, expected >= 0 m");
+  EXPECT_EQ(refusal([] { return Circle{.radius = 0}; }), "");
+  EXPECT_EQ(refusal([&] { return Circle{.rate = bad}; }), "circle.rate = nan, expected finite rad/s");
+  EXPECT_EQ(refusal([&] { return Circle{.centre = {0, bad, 0}}; }), "circle.centre = nan, expected finite m");
+  EXPECT_EQ(refusal([&] {
+              return Waypoints{.times = {0, 1}, .p = {{0, 0, 1}, {0, 0, bad}}};
+            }),
+            "waypoints.p = nan, expected finite m");
+  EXPECT_EQ(refusal([&] {
+              return Steps{.times = {0}, .p = {{0, 0, 1}}, .heading = {bad}};
+            }),
+            "steps.heading = nan, expected finite rad");
+  EXPECT_NE(refusal([] { return std::vector<double>{}; }), "");
+  EXPECT_NE(refusal([] { return [](double) { return std::vector<double>{}; }; }), "");
+}
+
+TEST(Reference, OfAnotherLengthOrThrowingItIsNotANumberAndNothingBesideIsTouched) {
+  const Model robot{Multirotor{}};
+  const auto throws = [](double) -> Pose<double> { throw std::runtime_error("no"); };
+  const auto shrinks = [](double t) { return std::vector<double>(t > 0 ? 3 : 7, 1.0); };
+  for (const Reference& reference :
+       {Reference(throws), Reference(shrinks), Reference(std::vector<double>(6, 1.0)),
+        Reference::between(Reference(shrinks), Reference{}, {.duration = 1.0})}) {
+    std::vector<double> x(9, 5.0);
+    reference(1.0, robot, std::span(x).first(7));
+    for (std::size_t i = 0; i < 7; ++i) EXPECT_TRUE(std::isnan(x[i]));
+    EXPECT_EQ(x[7], 5.0);
+    std::vector<double> rows(3 * 8, 5.0);
+    reference.along(1.0, 0.1, 3, robot, rows.data(), 8, 1);
+    for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(std::isnan(rows[i]), i % 8 != 7) << i;
+  }
+  std::vector<double> too_short(6, 5.0);
+  Reference{}(1.0, robot, too_short);
+  for (const double v : too_short) EXPECT_TRUE(std::isnan(v));
+}
+
 }  // namespace
 }  // namespace sightline

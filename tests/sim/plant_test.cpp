@@ -220,6 +220,18 @@ TEST(Plant, AStateThatIsNoLongerFiniteIsTold) {
   EXPECT_FALSE(plant.step(u, dt));
 }
 
+TEST(Plant, AStepThatCannotBeIsToldAndLeavesTheWorldAsItWas) {
+  Plant plant(two_robots(), apart);
+  const double bad = std::numeric_limits<double>::quiet_NaN(),
+               infinite = std::numeric_limits<double>::infinity();
+  for (const double no_time : {0.0, -0.01, bad, infinite, 1e300})
+    EXPECT_FALSE(plant.step(Numbers(8, 0.5), no_time)) << no_time;
+  for (const std::size_t inputs : {0U, 7U, 9U}) EXPECT_FALSE(plant.step(Numbers(inputs, 0.5), dt)) << inputs;
+  EXPECT_EQ(Numbers(plant.x().begin(), plant.x().end()), apart);
+  EXPECT_EQ(plant.time(), 0.0);
+  EXPECT_TRUE(plant.step(Numbers(8, 0.5), dt));
+}
+
 TEST(Plant, RefusesAStartOrADisturbanceThatCannotBe) {
   const auto refusal = [](const Numbers& x0, const PlantOptions& options) -> std::string {
     try {

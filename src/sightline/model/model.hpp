@@ -10,6 +10,7 @@
 
 #include "sightline/formula/trace.hpp"
 #include "sightline/math/integrate.hpp"
+#include "sightline/math/or_nan.hpp"
 #include "sightline/math/tangent.hpp"
 #include "sightline/model/frames.hpp"
 
@@ -37,7 +38,8 @@ Sight<S> sight(const M& model, const std::array<S, M::nx>& x, const std::array<S
           {pose.p.x.rate, pose.p.y.rate, pose.p.z.rate}};
 }
 
-/// A robot model of any type. Constant and shared; arrays have the lengths nx and nu.
+/// A robot model of any type. Constant and shared; arrays have the lengths nx and nu. What the struct's functions throw
+/// leaves numbers that are none.
 class Model {
  public:
   template <RobotModel M>
@@ -143,11 +145,18 @@ struct Model::Block final : Model::Interface {
   static constexpr std::size_t states_n = M::nx, inputs_n = M::nu;
 
   void f(const double* x, const double* u, double* rate) const noexcept override {
-    const auto r = model.f(take<states_n>(x), take<inputs_n>(u));
-    for (std::size_t i = 0; i < states_n; ++i) rate[i] = r[i];
+    write_or_nan(rate, states_n, [&] {
+      const auto r = model.f(take<states_n>(x), take<inputs_n>(u));
+      for (std::size_t i = 0; i < states_n; ++i) rate[i] = r[i];
+    });
   }
   Sight<double> sight(const double* x, const double* u) const noexcept override {
-    return sightline::sight(model, take<states_n>(x), take<inputs_n>(u));
+    try {
+      return sightline::sight(model, take<states_n>(x), take<inputs_n>(u));
+    } catch (...) {
+      constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+      return {{{nan, nan, nan}, {nan, nan}}, {nan, nan, nan}};
+    }
   }
   void step(double* x, const double* u, double dt) const noexcept override {
     const auto held = take<inputs_n>(u);
@@ -156,17 +165,21 @@ struct Model::Block final : Model::Interface {
       const auto f = model.f(take<states_n>(z.data()), held);
       for (std::size_t i = 0; i < states_n; ++i) r[i] = f[i];
     };
-    rk4_step(rate, std::span<double>(x, states_n), dt, {rows});
+    write_or_nan(x, states_n, [&] { rk4_step(rate, std::span<double>(x, states_n), dt, {rows}); });
   }
   void at_rest(const Pose<double>& pose, double* x) const noexcept override {
-    const auto r = model.at_rest(pose);
-    for (std::size_t i = 0; i < states_n; ++i) x[i] = r[i];
+    write_or_nan(x, states_n, [&] {
+      const auto r = model.at_rest(pose);
+      for (std::size_t i = 0; i < states_n; ++i) x[i] = r[i];
+    });
   }
   void push([[maybe_unused]] const double* x, [[maybe_unused]] const Vec3<double>& a,
             [[maybe_unused]] double* rate) const noexcept override {
     if constexpr (requires { model.push(take<states_n>(x), a); }) {
-      const auto r = model.push(take<states_n>(x), a);
-      for (std::size_t i = 0; i < states_n; ++i) rate[i] += r[i];
+      write_or_nan(rate, states_n, [&] {
+        const auto r = model.push(take<states_n>(x), a);
+        for (std::size_t i = 0; i < states_n; ++i) rate[i] += r[i];
+      });
     }
   }
   bool normalise(double* x) const noexcept override {

@@ -174,6 +174,11 @@ PairFormula Ocp::trace_pair(std::span<const Coupling* const> couplings) {
 }
 
 double stage_cost(const Team& team, double t, std::span<const double> x, std::span<const double> u) {
+  const std::size_t nx = static_cast<std::size_t>(team.nx()), nu = static_cast<std::size_t>(team.nu());
+  if (x.size() != nx || u.size() != nu) {
+    throw std::invalid_argument(
+        fmt::format("{} states and {} inputs, expected the team's {} and {}", x.size(), u.size(), nx, nu));
+  }
   double cost = 0.0;
   const auto state = [&](BodyId body) { return x.data() + team.state_offset(body); };
   const auto input = [&](BodyId body) { return u.data() + team.input_offset(body); };

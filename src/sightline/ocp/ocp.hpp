@@ -89,6 +89,7 @@ class Ocp {
 };
 
 /// l(x, u, t) of the whole team with the weights it has at t, masked or not, at the stacked states and inputs.
+/// @throws std::invalid_argument where these are not nx and nu numbers
 double stage_cost(const Team& team, double t, std::span<const double> x, std::span<const double> u);
 
 }  // namespace sightline

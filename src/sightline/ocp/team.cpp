@@ -58,8 +58,21 @@ InputLimits::InputLimits(std::vector<double> times, std::vector<std::vector<doub
 void InputLimits::at(double t, std::span<double> u_min, std::span<double> u_max) const noexcept {
   std::size_t k = 0;
   while (k + 1 < times_.size() && times_[k + 1] <= t) ++k;
-  std::copy_n(u_min_[k].begin(), u_min.size(), u_min.begin());
-  std::copy_n(u_max_[k].begin(), u_max.size(), u_max.begin());
+  std::copy_n(u_min_[k].begin(), std::min(u_min.size(), u_min_[k].size()), u_min.begin());
+  std::copy_n(u_max_[k].begin(), std::min(u_max.size(), u_max_[k].size()), u_max.begin());
+}
+
+std::vector<double> input_scales(const Agent& agent) {
+  constexpr double unlimited = 1000.0;
+  std::vector<double> scales(agent.R.size(), 0.0);
+  const auto &u_min = agent.limits.u_min(), &u_max = agent.limits.u_max();
+  for (std::size_t i = 0; i < scales.size(); ++i) {
+    for (std::size_t k = 0; k < u_min.size(); ++k)
+      scales[i] = std::max(scales[i], 0.5 * u_max[k][i] - 0.5 * u_min[k][i]);
+    const double typical = 1.0 / std::sqrt(agent.R[i]);
+    if (scales[i] > unlimited * typical) scales[i] = typical;
+  }
+  return scales;
 }
 
 std::vector<AgentId> felt_by(std::initializer_list<AgentId> agents) { return agents; }
@@ -90,6 +103,10 @@ AgentId Team::add(Agent agent) {
   }
   if (const std::size_t n = agent.x_ref.length(); n != 0 && n != agent.Q.size()) {
     refuse("{}.x_ref has {} numbers, expected {}", agent.name, n, nx);
+  }
+  if (agent.x_ref.length() == 0 && nx > Reference::max_states) {
+    refuse("{}.x_ref is a pose of a robot of {} states, expected all of its states: a pose suits at most {}",
+           agent.name, nx, Reference::max_states);
   }
   const BodyId id = enter(agent.name, agent.model, static_cast<int>(agents_.size()));
   agents_.push_back(std::move(agent));
@@ -221,7 +238,15 @@ std::vector<RelaxedBarrier> Team::barriers(BodyId body) const {
   return list;
 }
 
+void Team::refuse_body(BodyId body) const {
+  throw std::out_of_range(fmt::format("body {} is not in the team of {}, expected an id that add() returned",
+                                      body.index, bodies()));
+}
+
 const Agent& Team::agent(BodyId body) const {
+  if (!is_agent(body)) {
+    throw std::out_of_range(fmt::format("\"{}\" is not controlled, expected a robot", name(body)));
+  }
   return agents_[static_cast<std::size_t>(bodies_[index(body)].agent)];
 }
 

@@ -40,7 +40,7 @@ class InputLimits {
   InputLimits(std::vector<double> times, std::vector<std::vector<double>> u_min,
               std::vector<std::vector<double>> u_max);
 
-  /// Both of length nu; nothing is allocated.
+  /// Both of length nu, beyond which nothing is written; nothing is allocated.
   void at(double t, std::span<double> u_min, std::span<double> u_max) const noexcept;
 
   const std::vector<double>& times() const { return times_; }
@@ -63,6 +63,11 @@ struct Agent {
   std::vector<double> u_ref{};  ///< nu; empty: 0
   InputLimits limits;
 };
+
+/// What each input of an agent is measured in (nu) where a solver compares steps, residuals and distances to limits with
+/// a threshold: half of its widest range. A range beyond 1000 / sqrt(R) is as good as none; there it is 1 / sqrt(R), at
+/// which the input costs 1. So the unit in which an input is written changes nothing.
+std::vector<double> input_scales(const Agent& agent);
 
 /// Something that is not controlled; its prediction is the velocity it has.
 struct Obstacle {
@@ -193,7 +198,8 @@ class Team {
   /// A limit of one robot's state and input.
   void constrain(const RelaxedBarrier& barrier, AgentId agent);
 
-  /// Bodies in the order of adding; `body` is an agent or an obstacle.
+  /// Bodies in the order of adding; `body` is an agent or an obstacle. Here and below an id that is none of the team
+  /// throws std::out_of_range.
   int bodies() const { return static_cast<int>(bodies_.size()); }
   bool is_agent(BodyId body) const { return bodies_[index(body)].agent >= 0; }
   const Agent& agent(BodyId body) const;
@@ -224,7 +230,11 @@ class Team {
     int agent;  // index in agents_, or -1
     int state_offset, input_offset;
   };
-  static std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
+  std::size_t index(BodyId body) const {
+    if (body.index < 0 || body.index >= bodies()) refuse_body(body);
+    return static_cast<std::size_t>(body.index);
+  }
+  [[noreturn]] void refuse_body(BodyId body) const;
   BodyId enter(std::string name, const Model& model, int agent);
   void check_body(BodyId body) const;
   void check_weight(const Weighted& term) const;

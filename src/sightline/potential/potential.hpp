@@ -19,6 +19,7 @@
 #include <string_view>
 
 #include "sightline/formula/trace.hpp"
+#include "sightline/math/or_nan.hpp"
 #include "sightline/model/frames.hpp"
 #include "sightline/potential/step.hpp"
 
@@ -54,7 +55,8 @@ template <class P>
 concept SinglePotential =
     !PairPotential<P> && SinglePotentialOver<P, double> && SinglePotentialOver<P, Symbol>;
 
-/// A potential of any type. Constant and shared. One that sees a single robot ignores the second Sight.
+/// A potential of any type. Constant and shared. One that sees a single robot ignores the second Sight. Where its
+/// function throws on numbers, the value is NaN.
 class Potential {
  public:
   /// @throws std::invalid_argument from the potential's own check()
@@ -149,7 +151,7 @@ class Potential {
       }
     }
     double value(const Sight<double>& a, const Sight<double>& b, double t) const noexcept override {
-      return at<double>(a, b, t);
+      return or_nan([&] { return at<double>(a, b, t); });
     }
     Symbol trace(const Sight<Symbol>& a, const Sight<Symbol>& b, const Symbol& t) const override {
       return at<Symbol>(a, b, t);
@@ -157,11 +159,11 @@ class Potential {
     double violation([[maybe_unused]] const Sight<double>& a, [[maybe_unused]] const Sight<double>& b,
                      [[maybe_unused]] double t) const noexcept override {
       if constexpr (requires { potential.violation(a, b, t); }) {
-        return potential.violation(a, b, t);
+        return or_nan([&] { return potential.violation(a, b, t); });
       } else if constexpr (requires { potential.violation(a, b); }) {
-        return potential.violation(a, b);
+        return or_nan([&] { return potential.violation(a, b); });
       } else if constexpr (requires { potential.violation(a); }) {
-        return potential.violation(a);
+        return or_nan([&] { return potential.violation(a); });
       } else {
         return -std::numeric_limits<double>::infinity();
       }

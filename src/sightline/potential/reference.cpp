@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+
+#include "sightline/potential/potential.hpp"
 
 namespace sightline {
 namespace {
@@ -30,6 +33,15 @@ void check_times(std::string_view name, const std::vector<double>& times, std::s
   }
 }
 
+void check_list(std::string_view name, const std::vector<double>& times, const std::vector<Vec3<double>>& p,
+                const std::vector<double>& heading) {
+  check_times(name, times, p.size(), heading.size());
+  for (const Vec3<double>& at : p) {
+    for (const double c : {at.x, at.y, at.z}) require(true, name, "p", c, "finite m");
+  }
+  for (const double psi : heading) require(true, name, "heading", psi, "finite rad");
+}
+
 Vec2<double> direction(const std::vector<double>& heading, std::size_t i) {
   if (heading.empty()) return {};
   return {cos(heading[i]), sin(heading[i])};
@@ -37,7 +49,13 @@ Vec2<double> direction(const std::vector<double>& heading, std::size_t i) {
 
 }  // namespace
 
-void Waypoints::check() const { check_times(name, times, p.size(), heading.size()); }
+void Circle::check() const {
+  require(radius >= 0, name, "radius", radius, ">= 0 m");
+  require(true, name, "rate", rate, "finite rad/s");
+  for (const double c : {centre.x, centre.y, centre.z}) require(true, name, "centre", c, "finite m");
+}
+
+void Waypoints::check() const { check_list(name, times, p, heading); }
 
 Pose<double> Waypoints::operator()(double t) const {
   const std::size_t i = last_before(times, t);
@@ -49,17 +67,39 @@ Pose<double> Waypoints::operator()(double t) const {
   return {at, {cos(heading[i] + s * turn), sin(heading[i] + s * turn)}};
 }
 
-void Steps::check() const { check_times(name, times, p.size(), heading.size()); }
+void Steps::check() const { check_list(name, times, p, heading); }
 
 Pose<double> Steps::operator()(double t) const {
   const std::size_t i = last_before(times, t);
   return {p[i], direction(heading, i)};
 }
 
+std::size_t Reference::checked_length(std::size_t length) {
+  if (length == 0) throw std::invalid_argument("a reference has no numbers, expected one for each state");
+  return length;
+}
+
+void Reference::along(double t, double h, int n, const Model& model, double* x, std::ptrdiff_t stage,
+                      std::ptrdiff_t entry) const noexcept {
+  try {
+    write_({t, h, n}, model, {x, stage, entry});
+  } catch (...) {
+    for (int k = 0; k < n; ++k) {
+      for (int i = 0; i < model.nx(); ++i)
+        x[k * stage + i * entry] = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+}
+
 Reference Reference::between(const Reference& from, const Reference& to, const Ramp& ramp) {
   if (from.length_ != 0 && to.length_ != 0 && from.length_ != to.length_) {
     throw std::invalid_argument(
         fmt::format("a reference has {} numbers, the next {}, expected as many", from.length_, to.length_));
+  }
+  if (std::max(from.length_, to.length_) > static_cast<std::size_t>(max_states)) {
+    throw std::invalid_argument(
+        fmt::format("a reference of {} numbers goes over into another, expected at most {}",
+                    std::max(from.length_, to.length_), max_states));
   }
   Reference mixed;
   mixed.length_ = std::max(from.length_, to.length_);
@@ -68,12 +108,13 @@ Reference Reference::between(const Reference& from, const Reference& to, const R
                                                         const Target& x) {
     std::array<double, max_states> x_a, x_b;
     const auto n = static_cast<std::size_t>(model.nx());
+    expect(model.nx() <= max_states);
     for (int k = 0; k < times.n; ++k) {
       const double t = times.at(k), part = ramp.at(t);
       a({t, 0.0, 1}, model, {x_a.data(), 0, 1});
       b({t, 0.0, 1}, model, {x_b.data(), 0, 1});
       for (std::size_t i = 0; i < n; ++i) x_a[i] += part * (x_b[i] - x_a[i]);
-      x.put(k, x_a.data(), model.nx());
+      x.put(k, std::span<const double>(x_a).first(n), model.nx());
     }
   };
   return mixed;

@@ -7,9 +7,11 @@
 #include <functional>
 #include <numbers>
 #include <span>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
 
+#include "sightline/math/or_nan.hpp"
 #include "sightline/model/model.hpp"
 #include "sightline/potential/ramp.hpp"
 
@@ -21,6 +23,9 @@ struct Circle {
   Vec3<double> centre{};  ///< [m]
   double radius = 0.5;    ///< [m], >= 0
   double rate = 0.3;      ///< [rad/s]
+
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const;
 
   template <Real S>
   Pose<S> operator()(S t) const {
@@ -37,7 +42,7 @@ struct Waypoints {
   std::vector<double> heading =
       {};  ///< [rad], one for each time, or none: free; between two, the shorter way round
 
-  /// @throws std::invalid_argument unless the times rise and all lists are as long
+  /// @throws std::invalid_argument unless the times rise, all lists are as long and their numbers finite
   void check() const;
   Pose<double> operator()(double t) const;
 };
@@ -49,13 +54,13 @@ struct Steps {
   std::vector<Vec3<double>> p;       ///< [m], one for each time
   std::vector<double> heading = {};  ///< [rad], one for each time, or none: free
 
-  /// @throws std::invalid_argument unless the times rise and all lists are as long
+  /// @throws std::invalid_argument unless the times rise, all lists are as long and their numbers finite
   void check() const;
   Pose<double> operator()(double t) const;
 };
 
 /// A reference x*(t) of any form. A pose stands for the robot at rest there; a heading of (0, 0) is no
-/// heading.
+/// heading. Where a function throws, or gives a state of another length, x* is NaN, and the solver's status not_finite.
 class Reference {
  public:
   /// The origin at rest, without a heading.
@@ -67,9 +72,10 @@ class Reference {
   requires std::same_as<std::invoke_result_t<F, double>, Pose<double>> Reference(F pose)
       : write_([pose](const Times& times, const Model& model, const Target& x) {
           std::array<double, max_states> state;
+          expect(model.nx() <= max_states);
           const auto write = [&](int k, const Pose<double>& p) {
             model.at_rest(p, state.data());
-            x.put(k, state.data(), model.nx());
+            x.put(k, std::span<const double>(state).first(static_cast<std::size_t>(model.nx())), model.nx());
           };
           if constexpr (std::invocable<F, NativeLane>) {
             // Many times at once.
@@ -88,50 +94,55 @@ class Reference {
   }
 
   /// t -> std::array<double, nx>, or another range of always the same length: the whole state.
+  /// @throws std::invalid_argument where it is empty at t = 0
   template <std::invocable<double> F>
   requires std::convertible_to<std::invoke_result_t<F, double>, std::span<const double>> Reference(F state)
       : write_([state](const Times& times, const Model& model, const Target& x) {
           for (int k = 0; k < times.n; ++k) {
             const auto& value = state(times.at(k));
-            x.put(k, &*value.begin(), model.nx());
+            x.put(k, value, model.nx());
           }
         }),
-        length_(std::size(state(0.0))) {}
+        length_(checked_length(std::span<const double>(state(0.0)).size())) {}
 
   /// A constant state of length nx.
+  /// @throws std::invalid_argument where it is empty
   template <std::size_t n>
   Reference(const std::array<double, n>& state)
       : Reference(std::vector<double>(state.begin(), state.end())) {}
   Reference(const std::vector<double>& state)
       : write_([state](const Times& times, const Model& model, const Target& x) {
-          for (int k = 0; k < times.n; ++k) x.put(k, state.data(), model.nx());
+          for (int k = 0; k < times.n; ++k) x.put(k, state, model.nx());
         }),
-        length_(state.size()),
+        length_(checked_length(state.size())),
         constant_(true) {}
 
   /// From one reference to another: (1 - ramp) x*_from + ramp x*_to.
-  /// @throws std::invalid_argument where both are whole states of unlike lengths
+  /// @throws std::invalid_argument where both are whole states of unlike lengths, or one has more than `max_states`
   static Reference between(const Reference& from, const Reference& to, const Ramp& ramp);
 
   /// Whether x* is the same at all times.
   bool is_constant() const { return constant_; }
 
-  /// x*(t) into x, of length nx. Allocates nothing if the function it was made from does not.
-  void operator()(double t, const Model& model, std::span<double> x) const {
-    write_({t, 0.0, 1}, model, {x.data(), 0, 1});
+  /// x*(t) into x, of length nx; NaN where it is of another. Allocates nothing if the function it was made from does
+  /// not.
+  void operator()(double t, const Model& model, std::span<double> x) const noexcept {
+    write_or_nan(x.data(), x.size(), [&] {
+      expect(x.size() == static_cast<std::size_t>(model.nx()));
+      write_({t, 0.0, 1}, model, {x.data(), 0, 1});
+    });
   }
   /// x*(t + k h), k = 0 .. n - 1; entry i of the k-th at x[k stage + i entry].
   void along(double t, double h, int n, const Model& model, double* x, std::ptrdiff_t stage,
-             std::ptrdiff_t entry) const {
-    write_({t, h, n}, model, {x, stage, entry});
-  }
+             std::ptrdiff_t entry) const noexcept;
 
   /// Numbers in the state it gives; 0 for a pose, which suits any robot.
   std::size_t length() const { return length_; }
 
- private:
+  /// A pose suits robots of at most so many states.
   static constexpr int max_states = 64;
 
+ private:
   struct Times {
     double t, h;
     int n;
@@ -140,10 +151,18 @@ class Reference {
   struct Target {
     double* x;
     std::ptrdiff_t stage, entry;
-    void put(int k, const double* state, int nx) const {
-      for (int i = 0; i < nx; ++i) x[k * stage + i * entry] = state[i];
+    void put(int k, std::span<const double> state, int nx) const {
+      expect(state.size() == static_cast<std::size_t>(nx));
+      for (std::size_t i = 0; i < state.size(); ++i)
+        x[k * stage + static_cast<std::ptrdiff_t>(i) * entry] = state[i];
     }
   };
+  /// @throws std::length_error, which ends in NaN
+  static void expect(bool fits) {
+    if (!fits) throw std::length_error("a state of the reference is of another length");
+  }
+  /// @throws std::invalid_argument for none
+  static std::size_t checked_length(std::size_t length);
 
   std::function<void(const Times&, const Model&, const Target&)> write_;
   std::size_t length_ = 0;

@@ -81,7 +81,7 @@ class Limit {
     }
     double value(const Sight<double>& robot, std::span<const double> x,
                  std::span<const double> u) const noexcept override {
-      return at<double>(robot, x, u);
+      return or_nan([&] { return at<double>(robot, x, u); });
     }
     Symbol trace(const Sight<Symbol>& robot, std::span<const Symbol> x,
                  std::span<const Symbol> u) const override {

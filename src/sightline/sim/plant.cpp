@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -72,8 +71,8 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
 }
 
 bool Plant::step(std::span<const double> u, double dt) noexcept {
-  assert(u.size() == u_.size() && "the plant is given one input for each input of its robots");
-  assert(dt > 0 && "time goes on");
+  constexpr double longest_step = 1e6;  // [s]
+  if (u.size() != u_.size() || !(dt > 0 && dt <= longest_step)) return false;
   if (dt != steered_for_) motions_.steer(time_, steered_for_ = dt, u_, z_);
   if (pushed_) set_accelerations();
   delay_.give(time_, u);
@@ -100,8 +99,7 @@ bool Plant::step(std::span<const double> u, double dt) noexcept {
 }
 
 void Plant::set_presence(std::span<const Presence> presence) noexcept {
-  assert(presence.size() == parts_.size() && "one for each body");
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
+  for (std::size_t i = 0; i < std::min(parts_.size(), presence.size()); ++i) {
     Part& part = parts_[i];
     const bool was_there = std::exchange(part.there, presence[i] != Presence::absent);
     if (was_there || !part.there) continue;

@@ -34,7 +34,8 @@ class Plant {
   Plant(Team team, std::vector<double> x0, const PlantOptions& options = {});
 
   /// Advances by dt [s] under the inputs u (nu). Allocates nothing.
-  /// @return false where a state is no longer finite
+  /// @return false where a state is no longer finite, or where there was no step: for inputs of another number, and dt
+  /// not in (0, 1e6]
   bool step(std::span<const double> u, double dt) noexcept;
 
   /// Bodies that are absent rest where they are, and disturb nobody; all are there at first. A robot that comes is

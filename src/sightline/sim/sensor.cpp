@@ -63,7 +63,7 @@ Sensor::Sensor(const Team& team, const SensorOptions& options)
 }
 
 std::span<const double> Sensor::measure(double t, std::span<const double> x) noexcept {
-  assert(x.size() == seen_.size() && "the sensor sees the states of its team");
+  if (x.size() != seen_.size()) return seen_;
   remember(t, x);
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     Part& part = parts_[i];

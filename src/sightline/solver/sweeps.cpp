@@ -1,7 +1,10 @@
 #include "sightline/solver/sweeps.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "sightline/potential/tracking.hpp"
 
@@ -25,6 +28,10 @@ double horizon_cost(const Ocp& ocp, double time, std::span<const double> states,
   const Team& team = ocp.team();
   const double h = ocp.horizon().h();
   const std::size_t nu = at(team.nu());
+  if (states.size() != at(team.nx()) || u.size() != nu * at(ocp.horizon().N)) {
+    throw std::invalid_argument(fmt::format("{} states and a plan of {} inputs, expected {} and {}",
+                                            states.size(), u.size(), team.nx(), nu * at(ocp.horizon().N)));
+  }
   std::vector<double> x(states.begin(), states.end()), rate(x.size());
   double cost = 0.0;
   for (int k = 0; k < ocp.horizon().N; ++k) {

@@ -17,6 +17,7 @@ struct Sweep {
 /// J of a plan over the horizon from these states: h sum of l(x_k, u_k) + phi(x_N), every weight of the team,
 /// masked or not. Bodies that are not controlled keep their velocity.
 /// @param u  [stage][input], N x nu
+/// @throws std::invalid_argument where states and plan are not of the problem
 double horizon_cost(const Ocp& ocp, double time, std::span<const double> states, std::span<const double> u);
 
 /// Options with which a solver goes to the stationary point of the whole team, whatever it takes.
