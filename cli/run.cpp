@@ -47,6 +47,7 @@ void print_table(const std::vector<SummaryLine>& lines) {
 /// What makes a run a failure, a sentence each.
 std::vector<std::string> faults_of(const LoopOutcome& outcome, const Log& log) {
   std::vector<std::string> faults = log.summary().out_of_view();
+  for (std::string& sentence : log.summary().plans().failures()) faults.push_back(std::move(sentence));
   for (std::string& sentence : log.summary().safety().broken()) faults.push_back(std::move(sentence));
   if (!outcome.finite || log.summary().not_finite() > 0)
     faults.emplace_back("a state or an input was not finite");

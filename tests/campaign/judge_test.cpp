@@ -156,6 +156,17 @@ TEST(Judge, InputsBeyondTheirLimitsAndWhatIsNotFiniteFail) {
   EXPECT_EQ(short_run.result().outcome, Outcome::failed) << "broken off";
 }
 
+TEST(Judge, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
+  for (const int failed : {50, 51}) {
+    Flown flown(plan());
+    for (int i = 0; i < 100; ++i) {
+      flown.sample().solvers[0].status = i < failed ? Status::not_finite : Status::stepped;
+      flown.fly(2.0);
+    }
+    EXPECT_EQ(flown.result().outcome, failed > 50 ? Outcome::failed : Outcome::recovered) << failed;
+  }
+}
+
 TEST(Judge, EnergyAndStatusesAreSummed) {
   Flown flown(plan());
   for (int i = 0; i < 100; ++i) {

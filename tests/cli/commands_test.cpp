@@ -253,6 +253,38 @@ TEST(Run, ATargetThatStaysOutOfViewIsAFailure) {
   EXPECT_NE(run.err.find("uav1"), std::string::npos) << run.err;
 }
 
+// 500 of 600 updates without a plan ended with exit code 0.
+TEST(Run, ASolverThatGivesNoPlanForLongIsAFailureAndALatePlanIsTold) {
+  const fs::path folder = fresh_folder();
+  const std::string text = std::regex_replace(read_file(SIGHTLINE_SOURCE_DIR "/scenarios/yaw_step.toml"),
+                                              std::regex("duration = 20.0"), "duration = 5.0");
+  const auto flown = [&](const std::string& name, const std::string& fault) {
+    std::ofstream(folder / (name + ".toml")) << text << "\n[[simulation.fault]]\n" << fault;
+    return sightline("run " + (folder / (name + ".toml")).string() + " -o " + (folder / name).string(),
+                     folder);
+  };
+  const auto gap = [&](const std::string& name) {
+    return json::parse(read_file(folder / name / "summary.json")).at("without_plan");
+  };
+  const auto blind = flown("blind", "kind = \"nan\"\nfrom = 1.0\nuntil = 2.0\n");
+  EXPECT_EQ(blind.code, 1);
+  EXPECT_NE(
+      blind.err.find(
+          "the solver gave no plan for 1.00 s from 1.00 s on (invalid_state), expected one within 0.5 s"),
+      std::string::npos)
+      << blind.err;
+  EXPECT_EQ(gap("blind").at("status"), "invalid_state");
+  EXPECT_NE(blind.out.find("without a plan"), std::string::npos);
+
+  const auto shortly = flown("shortly", "kind = \"nan\"\nfrom = 1.0\nuntil = 1.4\n");
+  EXPECT_EQ(shortly.code, 0) << shortly.err;
+  EXPECT_NEAR(gap("shortly").at("longest").get<double>(), 0.4, 0.011);
+
+  const auto late = flown("late", "kind = \"late_plan\"\nfrom = 1.0\nuntil = 1.5\ndelay = 0.8\n");
+  EXPECT_EQ(late.err.find("gave no plan"), std::string::npos) << late.err;
+  EXPECT_NEAR(gap("late").at("longest").get<double>(), 0.8, 0.011);
+}
+
 TEST(Run, RealTimeTakesTheTimeItSays) {
   const fs::path folder = fresh_folder();
   const fs::path scenario = short_scenario(folder, "2.0");

@@ -272,10 +272,11 @@ TEST(Summary, KeysStandAsDocumentedInTheirOrder) {
   const auto json = nlohmann::ordered_json::parse(summary.json());
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);
-  EXPECT_EQ(keys, (std::vector<std::string>{"scenario", "seed", "version", "solver", "updates", "cost",
-                                            "solve_us", "allocations_per_update", "status", "not_finite",
-                                            "input_violations", "applied_violations", "max_abs_input",
-                                            "min_distance", "pairs", "agents", "limits", "events"}));
+  EXPECT_EQ(keys,
+            (std::vector<std::string>{"scenario", "seed", "version", "solver", "updates", "cost", "solve_us",
+                                      "allocations_per_update", "status", "without_plan", "not_finite",
+                                      "input_violations", "applied_violations", "max_abs_input",
+                                      "min_distance", "pairs", "agents", "limits", "events"}));
   EXPECT_EQ(json.at("scenario"), "some \"name\"");
   EXPECT_TRUE(json.at("pairs").at(0).at("distance").at("min").is_null());
   EXPECT_EQ(json.at("events").size(), 1U);

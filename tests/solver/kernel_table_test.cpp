@@ -104,6 +104,37 @@ TEST(KernelTable, ModelsThatWereNotPrintedAreInterpreted) {
   EXPECT_EQ(typeid(chosen), typeid(expected));
 }
 
+TEST(KernelTable, AProgramOfTheSameHashAndAnotherSizeIsNotTakenForIt) {
+  Graph graph;
+  const Symbol a(graph, graph.input(0)), b(graph, graph.input(1));
+  const std::array<Term, 1> out = {(exp(a) * 0.731 + sqrt(b) * b * 0.219).in(graph)};
+  const Program program(graph, out, 2);
+  ASSERT_EQ(find_formula(program, native_width), nullptr);
+  ProgramSize other = size_of(program);
+  other.inputs += 3;
+  static const std::array<FormulaKernel, 1> wrong = {{{structure(program), native_width, other, nullptr}}};
+  static KernelTable table{{}, wrong};
+  register_kernels(table);
+  EXPECT_EQ(find_formula(program, native_width), nullptr);
+  static const std::array<FormulaKernel, 1> right = {
+      {{structure(program), native_width, size_of(program), nullptr}}};
+  static KernelTable second{{}, right};
+  register_kernels(second);
+  EXPECT_EQ(find_formula(program, native_width), right.data());
+
+  const auto programs = std::make_shared<const StagePrograms>(trace_stage(PointMass{}, 0.04, Seen::pose));
+  ProgramSize smaller = size_of(*programs);
+  --smaller.instructions;
+  const auto must_not_be_made = +[](std::shared_ptr<const StagePrograms>, int) -> std::unique_ptr<Group> {
+    ADD_FAILURE() << "a kernel of another size";
+    return nullptr;
+  };
+  static const std::array<StageKernel, 1> stage = {{{structure(*programs), 2, smaller, must_not_be_made}}};
+  static KernelTable third{stage, {}};
+  register_kernels(third);
+  EXPECT_NE(make_group(programs, stages, 2, KernelChoice::compiled_if_there), nullptr);
+}
+
 /// Numbers of few values, so that they meet each other, 0 and 1 and the formulas' own.
 double any_of(Random& random, std::initializer_list<double> values) {
   return values.begin()[random() % values.size()];

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <tuple>
 
 #include "cli/allocations.hpp"
 #include "examples/own_potential.hpp"
@@ -43,12 +45,18 @@ double projected_gradient(const NewtonRiccati& solver, double time, const std::v
   hamiltonian.roll_out(x.data(), U.data(), nu, nullptr, 0.0, X.data());
   hamiltonian.linearise(X.data(), U.data(), nu);
   hamiltonian.costates(X.data(), nullptr, 0.0, Lambda.data(), F.data(), nu);
+  std::vector<double> scales;
+  for (const Agent& agent : ocp.team().agents()) {
+    const std::vector<double> own = input_scales(agent);
+    scales.insert(scales.end(), own.begin(), own.end());
+  }
   double worst = 0.0;
   for (int k = 0; k < N; ++k) {
     for (int j = 0; j < nu; ++j) {
-      const double u = U[size(k, nu) + size(j, 1)], F_u = F[size(k, nu) + size(j, 1)];
+      const double s = scales[size(j, 1)], u = U[size(k, nu) + size(j, 1)];
+      const double next = u - F[size(k, nu) + size(j, 1)] * (s * s);
       worst =
-          std::max(worst, std::fabs(u - clamp(u - F_u, hamiltonian.u_min(k)[j], hamiltonian.u_max(k)[j])));
+          std::max(worst, std::fabs(u - clamp(next, hamiltonian.u_min(k)[j], hamiltonian.u_max(k)[j])) / s);
     }
   }
   return worst;
@@ -242,6 +250,131 @@ TEST(NewtonRiccati, AnUpdateThatIsAlwaysLateStillFlies) {
         EXPECT_EQ(s.status, Status::deadline) << t;
       });
   for (std::size_t i : {0U, 1U, 2U, 7U, 8U, 9U}) EXPECT_NEAR(late[i], there[i], 0.2) << i;
+}
+
+/// A robot whose inputs are written in another unit: u = s v.
+struct OtherUnit {
+  static constexpr std::size_t nx = Multirotor::nx, nu = Multirotor::nu;
+  static constexpr std::string_view name = "other_unit";
+  static constexpr int heading_at = Multirotor::heading_at;
+  double s = 1.0;
+
+  template <class S>
+  std::array<S, nx> f(const std::array<S, nx>& x, std::array<S, nu> u) const {
+    for (S& of : u) of = of * (1.0 / s);
+    return Multirotor{}.f(x, u);
+  }
+  template <class S>
+  Pose<S> pose(const std::array<S, nx>& x) const {
+    return Multirotor{}.pose(x);
+  }
+  template <class S>
+  std::array<S, nx> at_rest(const Pose<S>& pose) const {
+    return Multirotor{}.at_rest(pose);
+  }
+};
+
+/// The inputs of a flight of the paper's pair, in the unit of limits of +-1.
+std::vector<double> flown_in_unit(double s, std::pair<double, double> limits, double R,
+                                  paper::Variant variant, std::vector<Status>& statuses) {
+  Team team;
+  std::vector<AgentId> ids;
+  for (const bool target : {false, true}) {
+    AgentOptions<OtherUnit> o;
+    o.Q = target ? std::array<double, 7>{1.5, 1.5, 1.6, 1, 1, 0, 0}
+                 : std::array<double, 7>{0, 0, 0, 0, 0, 0.7, 0.7};
+    o.R.fill(R / (s * s));
+    o.u_min.fill(s * limits.first);
+    o.u_max.fill(s * limits.second);
+    if (target) o.x_ref = paper::target_path();
+    ids.push_back(team.add(OtherUnit{s}, o));
+  }
+  const auto couple = [&](const Weighted& term) {
+    if (variant == paper::Variant::joint) return team.couple(term, Between{ids[0], ids[1]});
+    team.couple(term, Between{ids[0], ids[1]}, felt_by(ids[0]));
+  };
+  couple(0.4 * SensorCone{.alpha = 0.5, .kappa_G = 0.01, .kappa_A = 2});
+  couple(0.4 * KeepOut{.d_min = 1, .kappa_H = 4.5, .kappa_G = 0.001, .kappa_A = 3});
+  couple(0.4 * Cohesion{.d_max = 2, .kappa_H = 1.5, .kappa_G = 0.001, .kappa_A = 3});
+  NewtonRiccati solver(team, horizon, {.step_cap = 1e-3, .start_steps = 1});
+  std::vector<double> all;
+  fly(solver, paper::saturating_start(), 300, [&](double, const std::vector<double>&, const Solution& u) {
+    for (const double of : u.u) all.push_back(of / s);
+    statuses.push_back(u.status);
+  });
+  return all;
+}
+
+// Where thresholds are absolute, +-3 m/s is watched where +-1 is not, and +-0.1 is trusted where it should not be.
+TEST(NewtonRiccati, TheUnitOfAnInputChangesNothing) {
+  std::ptrdiff_t watched = 0;  // steps
+  for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
+    for (const auto& [low, high, R] :
+         {std::tuple{-1.0, 1.0, 1.0}, std::tuple{-0.4, 0.8, 1.0}, std::tuple{-1e5, 1e5, 1.0}}) {
+      std::vector<Status> expected_statuses;
+      const auto expected = flown_in_unit(1.0, {low, high}, R, variant, expected_statuses);
+      watched += std::count(expected_statuses.begin(), expected_statuses.end(), Status::iteration_limit);
+      for (const double s : {0.1, 3.0, 10.0}) {
+        std::vector<Status> statuses;
+        const auto flown = flown_in_unit(s, {low, high}, R, variant, statuses);
+        double worst = 0.0;
+        for (std::size_t i = 0; i < flown.size(); ++i)
+          worst = std::max(worst, std::fabs(flown[i] - expected[i]));
+        EXPECT_LE(worst, 1e-8) << s << " of [" << low << ", " << high << "]";
+        EXPECT_EQ(statuses, expected_statuses) << s;
+      }
+    }
+  }
+  EXPECT_GT(watched, 0);
+}
+
+TEST(NewtonRiccati, MovedItFliesOnBitForBit) {
+  const Team team = chain(5, paper::Variant::joint);
+  NewtonRiccati stays(team, horizon);
+  std::vector<NewtonRiccati> solvers;
+  const auto make = [&] {
+    NewtonRiccati made(team, horizon);
+    std::vector<double> x = chain_start(5);
+    (void)made.solve(0.0, x);
+    return std::optional<NewtonRiccati>(std::move(made));
+  };
+  for (int i = 0; i < 5; ++i) solvers.push_back(std::move(*make()));  // the list grows, and moves them all
+  std::swap(solvers[1], solvers[3]);
+  std::vector<double> x = chain_start(5);
+  (void)stays.solve(0.0, x);
+  for (int k = 1; k < 50; ++k) {
+    const Solution expected = stays.solve(0.01 * k, x);
+    for (NewtonRiccati& solver : solvers) {
+      const Solution s = solver.solve(0.01 * k, x);
+      ASSERT_TRUE(std::equal(s.u.begin(), s.u.end(), expected.u.begin()));
+      ASSERT_EQ(s.residual, expected.residual);
+    }
+    advance(team, x, expected.u, 0.01);
+  }
+}
+
+TEST(NewtonRiccati, AStageOrALengthThatIsNotTheProblemsChangesNothing) {
+  const Team team = paper::team(paper::Variant::masked);
+  NewtonRiccati solver(team, horizon), other(team, {.T = 1.0, .N = 7, .dt = 0.01});
+  fly(solver, paper::start(), 20);
+  (void)other.solve(0.0, paper::start());
+  const auto plan = [&] {
+    std::vector<double> all(8 * 20);
+    for (int k = 0; k < 20; ++k) solver.plan(k, std::span(all).subspan(static_cast<std::size_t>(8 * k), 8));
+    return all;
+  };
+  const std::vector<double> before = plan();
+  for (const int k : {-1, 20, 1 << 30}) {
+    std::vector<double> u(8, 7.0);
+    solver.plan(k, u);
+    EXPECT_EQ(u, std::vector<double>(8, 7.0));
+    solver.set_plan(k, u);
+  }
+  solver.set_plan(0, std::vector<double>(7, 0.3));
+  solver.take_over(other);
+  solver.set_prediction({.who = BodyId{0}});
+  solver.set_prediction({.who = BodyId{9}});
+  EXPECT_EQ(plan(), before);
 }
 
 TEST(NewtonRiccati, NoUpdateAllocates) {

@@ -107,7 +107,8 @@ std::vector<std::unique_ptr<Part>> parts_at(const NewtonRiccati& whole, double t
     auto part = std::make_unique<Part>(ocp.team(), ocp.horizon(), std::vector{AgentId{body}});
     for (int k = 0; k < ocp.horizon().N; ++k) {
       whole.plan(k, u);
-      part->set_plan(k, std::span(u).subspan(static_cast<std::size_t>(ocp.team().input_offset(body))));
+      part->set_plan(k, std::span(u).subspan(static_cast<std::size_t>(ocp.team().input_offset(body)),
+                                             static_cast<std::size_t>(part->ocp().nu())));
     }
     part->look_ahead(time, x);
     parts.push_back(std::move(part));
@@ -146,7 +147,7 @@ TEST(Part, WithoutWordFromTheOthersItsOptimumIsAnother) {
   std::vector<double> u(12);
   for (int k = 0; k < horizon.N; ++k) {
     whole.plan(k, u);
-    parts[1]->set_plan(k, std::span(u).subspan(4));
+    parts[1]->set_plan(k, std::span(u).subspan(4, 4));
   }
   EXPECT_GE(parts[1]->kkt(0.3, x), 1e-3);
 }
@@ -155,7 +156,7 @@ TEST(Part, ItTellsWhereItsPlanLeads) {
   const Team team = chain(4, paper::Variant::joint);
   Part part(team, horizon, std::vector{robot(team, "uav1"), robot(team, "uav2")});
   const std::vector<double> x = chain_start(4);
-  const Solution solution = part.solve(0.2, x);
+  ASSERT_TRUE(gives_plan(part.solve(0.2, x).status));
   ASSERT_EQ(part.told().size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
     const Prediction& told = part.told()[i];
@@ -163,11 +164,16 @@ TEST(Part, ItTellsWhereItsPlanLeads) {
     EXPECT_EQ(told.time, 0.2);
     ASSERT_EQ(told.sights.size(), 13u);
     const BodyId here = part.ocp().team().find(team.name(told.who));
-    const std::size_t nx = static_cast<std::size_t>(part.ocp().nx());
-    for (std::size_t k = 0; k < 13; ++k) {
-      const std::size_t at = k * nx + static_cast<std::size_t>(part.ocp().team().state_offset(here));
-      EXPECT_EQ(told.sights[k].p.x, solution.x[at]);
-      EXPECT_EQ(told.sights[k].d.y, solution.x[at + 4]);
+    const Model& model = team.model(told.who);
+    std::vector<double> u(static_cast<std::size_t>(part.ocp().nu())), rate(7);
+    std::vector<double> state(x.begin() + team.state_offset(told.who),
+                              x.begin() + team.state_offset(told.who) + 7);
+    for (int k = 0; k < 13; ++k) {
+      if (k < 12) part.plan(k, u);
+      EXPECT_NEAR(told.sights[static_cast<std::size_t>(k)].p.x, state[0], 1e-12);
+      EXPECT_NEAR(told.sights[static_cast<std::size_t>(k)].d.y, state[4], 1e-12);
+      model.f(state.data(), &u[static_cast<std::size_t>(part.ocp().team().input_offset(here))], rate.data());
+      for (std::size_t q = 0; q < 7; ++q) state[q] += horizon.h() * rate[q];
     }
   }
   const double before = part.told()[0].sights[12].p.x;

@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <limits>
 #include <set>
+#include <stdexcept>
 
 #include "sightline/solver/cgmres.hpp"
 #include "sightline/solver/cmscgmres.hpp"
@@ -353,6 +354,112 @@ TYPED_TEST(AnySolver, ObstaclesAreSeenAndNotSteered) {
   };
   EXPECT_GT(nearest(0.0), 0.5) << "the tree stands in the way";
   EXPECT_LT(nearest(50.0), 0.1) << "the tree is far off";
+}
+
+/// Not a number beyond x = 3 m.
+struct Brink {
+  static constexpr std::string_view name = "brink";
+
+  template <class S>
+  S operator()(const Sight<S>& a, const Sight<S>& b) const {
+    return square(a.p.z - b.p.z) * sqrt(S(3.0) - a.p.x);
+  }
+};
+
+Team at_the_brink() {
+  Team team;
+  const AgentId a = team.add(Multirotor{}, {.Q = {1, 1, 1, 0, 0, 1, 1}, .name = "a"});
+  const AgentId b = team.add(Multirotor{}, {.Q = {1, 1, 1, 0, 0, 1, 1}, .name = "b"});
+  team.couple(1.0 * Brink{}, Between{a, b});
+  return team;
+}
+
+TYPED_TEST(AnySolver, AResidualThatIsNotKnownIsInfinite) {
+  const std::vector<double> x = {0, 0, 1, 1, 0, 0, 0, 1, 0, 1.2, 1, 0, 0, 0};
+  std::vector<double> beyond = x;
+  beyond[0] = 4.0;
+  TypeParam solver(at_the_brink(), {});
+  fly(solver, x, 20);
+  EXPECT_TRUE(std::isfinite(solver.kkt(0.2, x)));
+  EXPECT_EQ(solver.kkt(0.2, beyond), inf) << "a potential that is no number";
+  for (const double t : {nan, inf, -inf}) EXPECT_EQ(solver.kkt(t, x), inf) << t;
+  EXPECT_EQ(solver.kkt(0.2, std::vector<double>(14, nan)), inf);
+  EXPECT_EQ(solver.kkt(0.2, {}), inf);
+  EXPECT_EQ(solver.solve(0.2, std::vector<double>(14, nan)).residual, inf);
+  EXPECT_EQ(solver.solve(0.21, {}).residual, inf);
+  EXPECT_EQ(solver.solve(nan, x).residual, inf);
+  int lost = 0;  // a trajectory of unknowns takes some updates to get there
+  for (int k = 22; k < 72; ++k) {
+    const Solution s = solver.solve(0.01 * k, beyond);
+    EXPECT_EQ(s.status == Status::not_finite, s.residual == inf);
+    expect_usable(solver.ocp().team(), 0.01 * k, s.u, "beyond the brink");
+    lost += s.residual == inf ? 1 : 0;
+  }
+  EXPECT_GE(lost, 3);
+  (void)solver.solve(0.72, x);
+  EXPECT_TRUE(std::isfinite(solver.solve(0.73, x).residual));
+}
+
+TYPED_TEST(AnySolver, AReferenceThatThrowsOrChangesItsLengthIsAStatusNotACrash) {
+  enum class Fault { throws, shrinks, grows };
+  for (const Fault fault : {Fault::throws, Fault::shrinks, Fault::grows}) {
+    const auto reference = [fault](double t) {
+      const bool now = t > 1.15 && t < 1.3;  // 1 s ahead of the update
+      if (now && fault == Fault::throws) throw std::runtime_error("no way to be found");
+      return std::vector<double>(now ? (fault == Fault::grows ? 900 : 3) : 7, 0.5);
+    };
+    Team team;
+    team.add(Multirotor{}, {.Q = {1, 1, 1, 0, 0, 0, 0}, .Q_f = {1, 1, 1, 0, 0, 0, 0}, .x_ref = reference});
+    TypeParam solver(team, {});
+    int failed = 0;
+    Status last = Status::converged;
+    fly(solver, {0, 0, 1, 1, 0, 0, 0}, 200, [&](double t, const std::vector<double>&, const Solution& s) {
+      expect_usable(team, t, s.u, "a reference that fails");
+      failed += s.status == Status::not_finite ? 1 : 0;
+      last = s.status;
+    });
+    EXPECT_GT(failed, 5);
+    EXPECT_TRUE(gives_plan(last)) << "it is a reference again";
+  }
+}
+
+TYPED_TEST(AnySolver, InputsThatHaveNoRoomAreNotWritten) {
+  TypeParam solver(paper::team(Variant::masked), {});
+  fly(solver, paper::saturating_start(), 30);
+  for (const std::size_t room : {0U, 1U, 7U, 9U}) {
+    std::vector<double> u(room, 7.0);
+    solver.planned(0.3, u);
+    EXPECT_EQ(u, std::vector<double>(room, 7.0));
+  }
+}
+
+/// x is where it was linearised: from the measured state, under the inputs that were planned before the step.
+template <class S>
+void expect_prediction_before_the_step() {
+  const Team team = paper::team(Variant::masked);
+  const Horizon horizon{.T = 1.0, .N = 12, .dt = 0.01};
+  S solver(team, horizon);
+  std::vector<double> x = fly(solver, paper::saturating_start(), 300);
+  // The horizon of a continuation has all but its length by now.
+  advance(team, x, solver.solve(3.0, x).u, 0.01);
+  std::vector<double> planned(8 * 12), rate(14), state = x;
+  for (std::size_t k = 0; k < 12; ++k)
+    solver.planned(3.0 + (static_cast<double>(k) + 0.5) * horizon.h(), std::span(planned).subspan(8 * k, 8));
+  const Solution s = solver.solve(3.01, x);
+  for (std::size_t k = 0; k <= 12; ++k) {
+    for (std::size_t i = 0; i < 14; ++i) ASSERT_NEAR(s.x[14 * k + i], state[i], 5e-3) << k << ", " << i;
+    if (k == 12) break;
+    for (const int body : {0, 1}) {
+      team.model(BodyId{body})
+          .f(&state[static_cast<std::size_t>(7 * body)], &planned[8 * k + static_cast<std::size_t>(4 * body)],
+             &rate[static_cast<std::size_t>(7 * body)]);
+    }
+    for (std::size_t i = 0; i < 14; ++i) state[i] += horizon.h() * rate[i];
+  }
+}
+
+TYPED_TEST(AnySolver, ThePredictionIsTheTrajectoryBeforeTheStep) {
+  expect_prediction_before_the_step<TypeParam>();
 }
 
 TEST(Status, EachHasANameOfItsOwn) {

@@ -88,7 +88,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 template <RobotModel M>
 void expect_stage_is_the_dense_one(const M& model, Seen seen, Random& random) {
   constexpr int nx = M::nx, nu = M::nu;
-  const StagePrograms programs = trace_stage(model, h, seen);
+  std::vector<double> scales(at(nu));
+  for (double& s : scales) s = uniform(random, 0.4, 2);
+  const StagePrograms programs = trace_stage(model, h, seen, {}, scales);
   const BlockProgram& back = programs.back;
   std::vector<double> in(at(size_of(back.inputs)));
   for (double& v : in) v = uniform(random, -1, 1);
@@ -145,7 +147,8 @@ void expect_stage_is_the_dense_one(const M& model, Seen seen, Random& random) {
   // Input 1 is held: no row, no column.
   const double rho = in[at(weights_at + nx + 2 * nu)];
   Eigen::MatrixXd A = F.leftCols(nx), B = F.rightCols(nu), G = W.bottomLeftCorner(nu, nx);
-  Eigen::MatrixXd R = W.bottomRightCorner(nu, nu) + rho * Eigen::MatrixXd::Identity(nu, nu);
+  Eigen::MatrixXd R = W.bottomRightCorner(nu, nu);
+  for (int i = 0; i < nu; ++i) R(i, i) += rho / (scales[at(i)] * scales[at(i)]);
   Eigen::VectorXd r = g.tail(nu);
   const Eigen::MatrixXd B_free = B;
   B.col(1).setZero();

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double same_distance = 1e-9;  // [m]
+constexpr double same_time = 1e-9;      // [s]
 
 std::size_t at(BodyId body) { return static_cast<std::size_t>(body.index); }
 
@@ -21,7 +22,12 @@ std::string_view to_string(Outcome outcome) {
 }
 
 Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
-    : team_(scenario.team), plan_(plan), period_(scenario.horizon.dt), sample_(std::move(sample)) {
+    : team_(scenario.team),
+      plan_(plan),
+      period_(scenario.horizon.dt),
+      hold_after_(hold_after(scenario)),
+      sample_(std::move(sample)),
+      gaps_(sample_.solvers.size()) {
   for (const Observation& pair : observations(team_.couplings())) views_.push_back({pair});
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
@@ -112,8 +118,12 @@ void Judge::publish() noexcept {
     all_seen = all_seen && view.seen;
   }
   if (all_seen) ++seen_;
-  for (const SolverRecord& record : sample_.solvers)
+  for (std::size_t c = 0; c < gaps_.size(); ++c) {
+    const SolverRecord& record = sample_.solvers[c];
+    gaps_[c].add(sample_.time, period_, record);
     ++result_.statuses[static_cast<std::size_t>(record.status)];
+    sound_ = sound_ && gaps_[c].failed().longest <= hold_after_ + same_time;
+  }
 }
 
 RunResult Judge::result(const LoopOutcome& outcome) const {

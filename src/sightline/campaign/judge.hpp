@@ -18,7 +18,8 @@ enum class Outcome : std::uint8_t {
   recovered,  ///< every observer saw its target in time and sees it at the end
   lost,       ///< one did not
   too_close,  ///< a robot came nearer to another body than d_hard, although it could have braked at the start
-  failed,     ///< a state or an applied input was not finite or beyond its limit, or the run broke off
+  failed,  ///< a state or an applied input was not finite or beyond its limit, a solver gave no plan for longer
+           ///< than hold_after, or the run broke off
 };
 inline constexpr int outcome_count = 4;
 
@@ -71,7 +72,7 @@ class Judge final : public Sink<Sample> {
 
   const Team& team_;
   CampaignPlan plan_;
-  double period_;
+  double period_, hold_after_;  // [s]
   Sample sample_;
   std::vector<View> views_;
   std::vector<BodyId> robots_;
@@ -80,6 +81,7 @@ class Judge final : public Sink<Sample> {
   std::vector<double> u_rest_, u_min_, u_max_;
 
   std::int64_t updates_ = 0, seen_ = 0;
+  std::vector<PlanGaps> gaps_;  // of each solver
   bool sound_ = true, too_close_ = false;
   RunResult result_;
 };

@@ -130,6 +130,11 @@ class Printer {
 
 }  // namespace
 
+ProgramSize size_of(const Program& program) {
+  return {program.inputs(), program.outputs(), static_cast<int>(program.constants().size()),
+          static_cast<int>(program.instructions().size())};
+}
+
 std::uint64_t structure(const Program& program) {
   std::uint64_t hash = 14695981039346656037ull;  // FNV-1a
   const auto mix = [&](int value) { hash = (hash ^ static_cast<std::uint32_t>(value)) * 1099511628211ull; };

@@ -24,6 +24,14 @@ struct Block {
 /// The same for programs that differ in the values of their constants alone.
 std::uint64_t structure(const Program& program);
 
+/// What a printed function counts on besides its structure, which is a hash.
+struct ProgramSize {
+  int inputs = 0, outputs = 0, constants = 0, instructions = 0;
+
+  bool operator==(const ProgramSize&) const = default;
+};
+ProgramSize size_of(const Program& program);
+
 /// The program as a function template over the lane L, in the order of its instructions:
 ///
 ///   template <class L> static void name(const double* constants, const double* in..., double* out...)

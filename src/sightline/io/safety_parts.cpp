@@ -195,6 +195,11 @@ std::optional<double> hard_distance(const Scenario& scenario, BodyId a, BodyId b
   return scenario.safety->d_hard;
 }
 
+double hold_after(const Scenario& scenario) {
+  const bool supervised = scenario.safety && scenario.safety->supervisor;
+  return supervised ? scenario.safety->supervisor->times.hold_after : LadderTimes{}.hold_after;
+}
+
 std::string in_words(const Safety& safety) {
   constexpr std::array<std::string_view, 3> modes = {"off", "on", "only reports"};
   std::string text = fmt::format("safety      barrier {}, d_hard {} m, height {} to {} m, world {} m\n",

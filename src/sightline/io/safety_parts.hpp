@@ -21,6 +21,9 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario);
 /// The distance that is never to be fallen short of between two bodies [m]; none where nobody asks for one.
 std::optional<double> hard_distance(const Scenario& scenario, BodyId a, BodyId b);
 
+/// For how long a robot flies on without a new plan before it holds [s]; without a supervisor the default's.
+double hold_after(const Scenario& scenario);
+
 /// A line for each thing that is switched on or injected, for a person.
 std::string in_words(const Safety& safety);
 std::string in_words(const Simulation& simulation, const Team& team);

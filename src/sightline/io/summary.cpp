@@ -60,6 +60,7 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
     : scenario_(scenario),
       present_(scenario),
       safety_(scenario),
+      plans_(scenario, controllers),
       period_(scenario.horizon.dt),
       least_distance2_(infinity) {
   const Team& team = scenario_.team;
@@ -165,6 +166,7 @@ void Summary::add(const Sample& sample) {
   add_views(sample.time);
   add_limits(sample.time);
   add_solvers(sample);
+  plans_.add(sample);
   safety_.add(sample.time, sights_, presence_, sample.barriers);
 }
 
@@ -349,6 +351,7 @@ std::string Summary::json() const {
   for (int i = 0; i < status_count; ++i) {
     json["status"][std::string(to_string(static_cast<Status>(i)))] = v.statuses[static_cast<std::size_t>(i)];
   }
+  json["without_plan"] = Json::parse(plans_.json());
   json["not_finite"] = v.not_finite;
   json["input_violations"] = v.input_violations;
   json["applied_violations"] = v.applied_violations;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/io/plan_summary.hpp"
 #include "sightline/io/present_team.hpp"
 #include "sightline/io/safety_summary.hpp"
 #include "sightline/io/scenario.hpp"
@@ -95,6 +96,8 @@ class Summary {
   /// Of the last sample: its stage cost, and a robot that is steered, as it is tuned; else none.
   double stage_cost() const { return stage_cost_; }
   const Agent* agent(BodyId robot) const { return present_.agent(robot); }
+  /// The time without a plan.
+  const PlanSummary& plans() const { return plans_; }
   /// The hard distances, and what the barrier did.
   const SafetySummary& safety() const { return safety_; }
   /// Whether some observer did not see its target during all of the last 2 s.
@@ -147,6 +150,7 @@ class Summary {
   PresentTeam present_;
   std::vector<Presence> presence_;
   SafetySummary safety_;
+  PlanSummary plans_;
   double period_;  // [s]
   std::vector<View> views_;
   std::vector<Limit> limits_;

@@ -63,6 +63,10 @@ std::vector<SummaryLine> lines_of(const Json& s) {
       statuses += fmt::format("{}{} {}", statuses.empty() ? "" : ", ", words(count, ""), status);
   }
   add("updates", fmt::format("{} ({})", words(s.at("updates"), ""), statuses));
+  if (s.contains("without_plan")) {
+    const std::string gap = without_plan_in_words(s.at("without_plan").dump());
+    if (!gap.empty()) add("without a plan", gap);
+  }
   add("cost", words(s.at("cost"), "s"));
   add("time to solve", times_to_solve(s));
   add("allocations in an update", words(s.at("allocations_per_update"), ""));

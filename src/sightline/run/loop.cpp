@@ -227,7 +227,8 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
     const Solution solution = ask(controller, t, believed);
     command(static_cast<int>(c), controller, solution, t, sample);
     sample.solvers[c] = {solution.status,        solution.residual, solution.iterations,
-                         1e6 * solution.elapsed, count() - before,  solution.neighbours.pairs};
+                         1e6 * solution.elapsed, count() - before,  solution.neighbours.pairs,
+                         controller.answered};
     if (outcome_.updates > 0 && solution.status != controller.status) {
       tell({t, EventKind::solver_status, static_cast<int>(c), static_cast<double>(solution.status)});
     }

@@ -56,11 +56,13 @@ struct Event {
 /// One controller's record of one update.
 struct SolverRecord {
   Status status{};
-  double residual = 0.0;
+  double residual = std::numeric_limits<double>::infinity();  ///< infinity: not known
   int iterations = 0;
   double solve_us = 0.0;         ///< measured; goes into timing.csv alone
   std::int64_t allocations = 0;  ///< on the control thread, state in to command out
   int pairs = 0;                 ///< of swarms, that were kept apart
+  bool answered =
+      true;  ///< else the solver was not asked: a late update is at work, or a body was never seen
 };
 
 /// What the barrier did to one robot's command in one update.

@@ -41,10 +41,16 @@ Ocp with_steady_weights(Ocp ocp) {
   return ocp;
 }
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// The largest |v|; infinity where one is not finite.
 double largest(std::span<const double> values) noexcept {
-  double m = 0.0;
-  for (const double v : values) m = std::max(m, std::fabs(v));
-  return m;
+  double m = 0.0, not_finite = 0.0;
+  for (const double v : values) {
+    m = std::max(m, std::fabs(v));
+    not_finite += 0.0 * v;
+  }
+  return not_finite == 0.0 ? m : infinity;
 }
 
 }  // namespace
@@ -77,7 +83,14 @@ Continuation::Continuation(Ocp ocp, const ContinuationOptions &options)
       H_z_(at(1, nx_ + nu_)),
       u_(at(1, nu_)),
       raw_u_(u_),
-      plan_(at(N_, nu_)) {}
+      x_out_(X_),
+      x_linear_(X_),
+      plan_(at(N_, nu_)) {
+  for (const Agent &agent : ocp_.team().agents()) {
+    const std::vector<double> scales = input_scales(agent);
+    scales_.insert(scales_.end(), scales.begin(), scales.end());
+  }
+}
 
 double Continuation::stage_length(double t) const noexcept {
   return ocp_.horizon().h() * (1.0 - exp(-options_.alpha * (t - started_at_)));
@@ -136,7 +149,7 @@ void Continuation::start(double time) noexcept {
 void Continuation::restart() noexcept {
   started_ = false;
   std::fill(plan_.begin(), plan_.end(), 0.0);
-  std::fill(X_.begin(), X_.end(), 0.0);
+  std::fill(x_out_.begin(), x_out_.end(), 0.0);
   plan_time_ = plan_h_ = 0.0;
 }
 
@@ -219,6 +232,7 @@ void Continuation::keep_plan(double time) noexcept {
 }
 
 void Continuation::planned(double time, std::span<double> u) const noexcept {
+  if (u.size() != u_.size()) return;
   const double stages = plan_h_ > 0 ? (time - plan_time_) / plan_h_ : 0.0;
   const int i = static_cast<int>(clamp(std::isfinite(stages) ? stages : 0.0, 0.0, N_ - 1.0));
   std::copy_n(&plan_[at(i, nu_)], nu_, u.begin());
@@ -229,13 +243,7 @@ Solution Continuation::fall_back(double time, Status status) noexcept {
   here_.set_time(std::isfinite(time) ? time : plan_time_, 0.0);
   planned(time, raw_u_);
   clamp_inputs(raw_u_);
-  return {.u = u_,
-          .raw_u = raw_u_,
-          .x = X_,
-          .status = status,
-          .residual = std::numeric_limits<double>::infinity(),
-          .iterations = 0,
-          .elapsed = 0.0};
+  return {.u = u_, .raw_u = raw_u_, .x = x_out_, .status = status};
 }
 
 Solution Continuation::solve(double time, std::span<const double> states) noexcept {
@@ -260,6 +268,7 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
   here_.set_time(time, stage_length(time));
   there_.set_time(time + eps, stage_length(time + eps));
   residuals(here_, x_, F_, G_);
+  std::copy(X_.begin(), X_.end(), x_linear_.begin());
   const double residual = std::max({largest({F_, at(unknowns_, 1)}), largest(G_.x), largest(G_.lambda)});
 
   // b, a difference step along x' = f(x, u_0).
@@ -281,19 +290,19 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
   advance(step);
   if (!all_finite({U_, at(unknowns_, 1)}) || !all_finite(X_) || !all_finite(Lambda_)) {
     started_ = false;
-    for (int i = 0; i <= N_; ++i) std::copy(x_.begin(), x_.end(), &X_[at(i, nx_)]);
     return failed(Status::not_finite);
   }
 
   clamp_inputs({U_, at(nu_, 1)});
   keep_plan(time);
+  std::swap(x_out_, x_linear_);
   if (!limits_hold()) started_ = false;
   const Status status = residual <= options_.tolerance ? Status::converged
                         : started_ && step >= wanted   ? Status::stepped
                                                        : Status::iteration_limit;
   return {.u = u_,
           .raw_u = raw_u_,
-          .x = X_,
+          .x = x_out_,
           .status = status,
           .residual = residual,
           .iterations = outcome.iterations,
@@ -301,19 +310,22 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
 }
 
 double Continuation::kkt(double time, std::span<const double> states) noexcept {
-  if (!accept(states)) return std::numeric_limits<double>::infinity();
+  if (!std::isfinite(time) || !accept(states)) return infinity;
   there_.set_time(time, stage_length(time));
   there_.roll_out(x_.data(), U_, stride(), nullptr, 0.0, X_trial_.data());
   there_.linearise(X_trial_.data(), U_, stride());
   there_.costates(X_trial_.data(), nullptr, 0.0, Lambda_trial_.data(), F_there_, stride());
-  double worst = 0.0;
+  double worst = 0.0, not_finite = 0.0;
   for (int i = 0; i < N_; ++i) {
     for (int j = 0; j < nu_; ++j) {
       const double u = U_[at(i, stride()) + at(j, 1)], H_u = F_there_[at(i, stride()) + at(j, 1)];
-      worst = std::max(worst, std::fabs(u - clamp(u - H_u, there_.u_min(i)[j], there_.u_max(i)[j])));
+      const double s = scales_[at(j, 1)];
+      const double gap = u - clamp(u - H_u * (s * s), there_.u_min(i)[j], there_.u_max(i)[j]);
+      worst = std::max(worst, std::fabs(gap) / s);
+      not_finite += 0.0 * H_u;
     }
   }
-  return worst;
+  return not_finite == 0.0 ? worst : infinity;
 }
 
 }  // namespace sightline

@@ -37,7 +37,7 @@ class Descent {
             const double* high, double* u) const noexcept;
   void pay(Groups& groups, Couplings& couplings, const double* u, double* s) noexcept;
 
-  const Layout& layout_;
+  Layout layout_;
   std::vector<Unit> units_;
   std::vector<double> values_;
   std::vector<double> of_swarms_;  // of each agent

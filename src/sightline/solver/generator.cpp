@@ -17,6 +17,10 @@ std::string member(const BlockProgram& p, std::string_view name) {
   return emit(p.program, name, p.inputs, p.outputs);
 }
 
+std::string in_braces(const ProgramSize& n) {
+  return fmt::format("{{{}, {}, {}, {}}}", n.inputs, n.outputs, n.constants, n.instructions);
+}
+
 /// A constant, so that it is there before any table is registered.
 std::string list(std::string_view type, std::string_view name, const std::string& rows) {
   return fmt::format("constexpr std::array<{}, {}> {} = {{{{\n{}}}}};\n", type,
@@ -48,7 +52,8 @@ void Generator::add(const Model& model, Seen seen, const std::vector<RelaxedBarr
   for (std::size_t i = 0; i < names.size(); ++i) functions_ += member(*programs.all()[i], names[i]);
   functions_ += "};\n\n";
   for (const std::string_view width : {"2", "native_width"}) {
-    stage_rows_ += fmt::format("    {{0x{:016x}, {}, make_compiled<{}, {}>}},\n", key, width, width, name);
+    stage_rows_ += fmt::format("    {{0x{:016x}, {}, {}, make_compiled<{}, {}>}},\n", key, width,
+                               in_braces(size_of(programs)), width, name);
   }
 }
 
@@ -75,8 +80,8 @@ void Generator::add(const Program& program, std::string_view potential_name) {
                             potential_name, name, program.inputs(), program.outputs());
   const std::array<Block, 1> in = {Block{"in", program.inputs()}}, out = {Block{"out", program.outputs()}};
   functions_ += emit(program, "evaluate", in, out) + "};\n\n";
-  formula_rows_ +=
-      fmt::format("    {{0x{:016x}, native_width, run_compiled<native_width, {}>}},\n", key, name);
+  formula_rows_ += fmt::format("    {{0x{:016x}, native_width, {}, run_compiled<native_width, {}>}},\n", key,
+                               in_braces(size_of(program)), name);
 }
 
 std::string Generator::text() const {

@@ -8,10 +8,11 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Agents of one model with equal barriers that are seen alike.
+/// Agents of one model with equal barriers and input scales that are seen alike.
 struct Kind {
   BlockProgram step;
   Program barriers;
+  std::vector<double> scales;
   std::shared_ptr<const StagePrograms> programs;
   std::vector<int> agents;
 };
@@ -28,14 +29,16 @@ std::vector<Kind> sort_into_kinds(const Ocp& ocp, std::span<const BodyPotential>
     const std::vector<RelaxedBarrier> limits = ocp.team().barriers(ocp.agent_bodies()[at(a)]);
     BlockProgram step = trace_step(model, h, seen);
     Program barriers = trace_barriers(model, limits);
+    std::vector<double> scales = input_scales(ocp.team().agents()[at(a)]);
     const auto same = [&](const Kind& k) {
       return k.step.program == step.program && k.step.inputs == step.inputs &&
-             k.step.outputs == step.outputs && k.barriers == barriers;
+             k.step.outputs == step.outputs && k.barriers == barriers && k.scales == scales;
     };
     auto kind = std::find_if(kinds.begin(), kinds.end(), same);
     if (kind == kinds.end()) {
-      auto programs = std::make_shared<const StagePrograms>(trace_stage(model, h, seen, limits));
-      kind = kinds.insert(kinds.end(), {std::move(step), std::move(barriers), std::move(programs), {}});
+      auto programs = std::make_shared<const StagePrograms>(trace_stage(model, h, seen, limits, scales));
+      kind = kinds.insert(kinds.end(),
+                          {std::move(step), std::move(barriers), std::move(scales), std::move(programs), {}});
     }
     kind->agents.push_back(a);
   }
@@ -152,7 +155,7 @@ double Groups::own_cost(const double* u, int agent) noexcept {
 int Groups::solve(const double* u, const double* held, const double* c, double* H_u, double* du,
                   double* ds) noexcept {
   constexpr int attempts = 10;    // the damping has grown a thousand million times by then
-  constexpr double first = 0.02;  // of the inputs' own curvature, 2 R h at R = 1: no more than it takes
+  constexpr double first = 0.02;  // of 2 R h where R = 1 in an input's scale: no more than it takes
   int repeated = 0;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Layout::Part& part = layout_.groups[g];

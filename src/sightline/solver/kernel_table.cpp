@@ -8,6 +8,11 @@ const KernelTable*& tables() {
   return first;
 }
 
+template <class Kernel, class Programs>
+bool is_of(const Kernel& kernel, const Programs& programs, std::uint64_t hash, int width) {
+  return kernel.structure == hash && kernel.width == width && kernel.size == size_of(programs);
+}
+
 template <int W>
 std::unique_ptr<Group> make_interpreted(std::shared_ptr<const StagePrograms> programs, int stages) {
   return std::make_unique<StageGroup<W, InterpretedStage<W>>>(std::move(programs), stages);
@@ -27,8 +32,7 @@ std::unique_ptr<Group> make_group(std::shared_ptr<const StagePrograms> programs,
     const std::uint64_t wanted = structure(*programs);
     for (const KernelTable* table = tables(); table != nullptr; table = table->next) {
       for (const StageKernel& kernel : table->stages) {
-        if (kernel.structure == wanted && kernel.width == width)
-          return kernel.make(std::move(programs), stages);
+        if (is_of(kernel, *programs, wanted, width)) return kernel.make(std::move(programs), stages);
       }
     }
   }
@@ -40,7 +44,7 @@ const FormulaKernel* find_formula(const Program& program, int width) {
   const std::uint64_t wanted = structure(program);
   for (const KernelTable* table = tables(); table != nullptr; table = table->next) {
     for (const FormulaKernel& kernel : table->formulas) {
-      if (kernel.structure == wanted && kernel.width == width) return &kernel;
+      if (is_of(kernel, program, wanted, width)) return &kernel;
     }
   }
   return nullptr;

@@ -1,4 +1,5 @@
-/// The functions that were printed and compiled, found by the structure of the programs they come from.
+/// The functions that were printed and compiled, found by the structure of the programs they come from, a hash, and
+/// by their size: two programs of one hash do not take each other's function.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +14,7 @@ namespace sightline {
 struct StageKernel {
   std::uint64_t structure;
   int width;
+  ProgramSize size;
   std::unique_ptr<Group> (*make)(std::shared_ptr<const StagePrograms>, int stages);
 };
 
@@ -21,6 +23,7 @@ struct StageKernel {
 struct FormulaKernel {
   std::uint64_t structure;
   int width;
+  ProgramSize size;
   void (*run)(const double* constants, const double* in, double* out, int packs);
 };
 

@@ -43,7 +43,7 @@ class Krylov {
   int sweeps(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept;
   int general(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept;
 
-  const Layout& layout_;
+  Layout layout_;
   InfluenceGraph graph_;
   int max_iterations_;
   double stop_;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -61,7 +60,7 @@ NewtonRiccati::NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options)
           make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels, swarms_)),
       krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop),
       descent_(potentials_, groups_.layout(), influence_),
-      u_vectors_(9, groups_.layout().u_length),
+      u_vectors_(11, groups_.layout().u_length),
       s_vectors_(2, groups_.layout().s_length),
       c_(1, groups_.layout().c_length),
       u_(u_vectors_[0]),
@@ -73,6 +72,8 @@ NewtonRiccati::NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options)
       u_before_(u_vectors_[6]),
       plan_(u_vectors_[7]),
       u_start_(u_vectors_[8]),
+      per_scale_(u_vectors_[9]),
+      scale_2_(u_vectors_[10]),
       s_(s_vectors_[0]),
       ds_(s_vectors_[1]),
       x_now_(at(ocp_.nx())),
@@ -82,6 +83,18 @@ NewtonRiccati::NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options)
       x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)) {
   for (const BodyId body : ocp_.agent_bodies()) x_at_.push_back(ocp_.team().state_offset(body));
   for (const Agent& agent : ocp_.team().agents()) limits_move_ |= agent.limits.times().size() > 1;
+  std::fill_n(per_scale_, groups_.layout().u_length, 1.0);
+  std::fill_n(scale_2_, groups_.layout().u_length, 1.0);
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const std::vector<double> scales = input_scales(ocp_.team().agents()[at(a)]);
+    const Layout::View u = groups_.layout().u(a);
+    for (int k = 0; k < ocp_.horizon().N; ++k) {
+      for (int i = 0; i < groups_.layout().part(a).nu; ++i) {
+        per_scale_[u(k, i)] = 1.0 / scales[at(i)];
+        scale_2_[u(k, i)] = scales[at(i)] * scales[at(i)];
+      }
+    }
+  }
   predictions_.resize(at(ocp_.team().bodies()));
   for (int b = 0; b < ocp_.team().bodies(); ++b) {
     if (!ocp_.team().is_agent(BodyId{b})) predictions_[at(b)].sights.reserve(at(ocp_.horizon().N + 1));
@@ -176,30 +189,27 @@ void NewtonRiccati::restart() noexcept {
   plan_time_ = 0.0;
 }
 
-void NewtonRiccati::set_prediction(const Prediction& told) noexcept {
-  assert(!ocp_.team().is_agent(told.who) && "a robot of one's own is planned, not told");
-  Prediction& to = predictions_[at(told.who.index)];
-  assert(told.sights.size() <= to.sights.capacity() && "no more sights than a horizon has");
-  to.time = told.time;
-  to.h = told.h;
-  to.sights.assign(told.sights.begin(), told.sights.end());
-}
-
 NewtonRiccati::Proposal NewtonRiccati::examine() const noexcept {
   const double per_h = 1.0 / ocp_.horizon().h();
   L step = 0.0, residual = 0.0, beyond = 0.0, not_finite = 0.0;
   for (int i = 0; i < groups_.layout().u_length; i += L::width) {
     const L u = L::load(u_ + i), du = L::load(du_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
-    const L next = u + du;
-    step = maximum(absolute(du), step);
+    const L next = u + du, per_scale = L::load(per_scale_ + i);
+    step = maximum(absolute(du) * per_scale, step);
     beyond = maximum(maximum(next - high, low - next), beyond);
     not_finite = fma(du, L(0.0), not_finite);
     const L H_u = L(per_h) * L::load(H_u_ + i);
-    residual = maximum(absolute(u - within(u - H_u, low, high)), residual);
+    not_finite = fma(H_u, L(0.0), not_finite);
+    const L gap = u - within(u - H_u * L::load(scale_2_ + i), low, high);
+    residual = maximum(absolute(gap) * per_scale, residual);
   }
   double nan = 0.0;
   for (int i = 0; i < L::width; ++i) nan += not_finite[i];
   return {largest(step), largest(residual), nan == 0.0, !(largest(beyond) > 0.0)};
+}
+
+bool NewtonRiccati::slope_is_finite() const noexcept {
+  return std::all_of(H_u_, H_u_ + groups_.layout().u_length, [](double g) { return std::isfinite(g); });
 }
 
 /// Inputs that want to leave their limits are put on them and held; held ones that want back are freed.
@@ -243,7 +253,8 @@ void NewtonRiccati::take() noexcept {
 /// step one of descent. Where even that fails, down the gradient.
 /// @return whether the step could be taken as it was
 bool NewtonRiccati::descend(bool settled) noexcept {
-  constexpr double far_enough = 0.25, nearby = 0.05;
+  constexpr double far_enough = 0.25;  // of the step
+  constexpr double nearby = 0.05;      // of an input's scale
   const int n = groups_.layout().u_length;
   const auto search = [&] {
     return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_);
@@ -256,8 +267,8 @@ bool NewtonRiccati::descend(bool settled) noexcept {
     groups_.roll_out(u_, s_);
     couplings_->evaluate(s_, c_[0]);
     groups_.differentiate(u_, held_, c_[0], H_u_);
-    const auto at_low = [&](int i) { return u_[i] < low_[i] + nearby && H_u_[i] > 0; };
-    const auto at_high = [&](int i) { return u_[i] > high_[i] - nearby && H_u_[i] < 0; };
+    const auto at_low = [&](int i) { return u_[i] < low_[i] + nearby / per_scale_[i] && H_u_[i] > 0; };
+    const auto at_high = [&](int i) { return u_[i] > high_[i] - nearby / per_scale_[i] && H_u_[i] < 0; };
     for (int i = 0; i < n; ++i) held_[i] = at_low(i) || at_high(i) ? infinity : 0.0;
     groups_.solve(u_, held_, c_[0], H_u_, du_, ds_);
     krylov_.complete(groups_, *couplings_, du_, ds_);
@@ -266,7 +277,7 @@ bool NewtonRiccati::descend(bool settled) noexcept {
       if (at_high(i)) du_[i] = high_[i] - u_[i];
     }
     if (search() == 0.0) {
-      for (int i = 0; i < n; ++i) du_[i] = -0.5 / ocp_.horizon().h() * H_u_[i];
+      for (int i = 0; i < n; ++i) du_[i] = -0.5 / ocp_.horizon().h() * H_u_[i] * scale_2_[i];
       search();
     }
   }
@@ -307,8 +318,10 @@ NewtonRiccati::Step NewtonRiccati::newton_step() noexcept {
     if (settled || late()) break;
   }
   if (!proposal.finite) {
-    const auto finite = [](double g) { return std::isfinite(g); };
-    if (!std::all_of(H_u_, H_u_ + groups_.layout().u_length, finite)) return result;
+    if (!slope_is_finite()) {
+      result.residual = infinity;
+      return result;
+    }
     std::fill_n(du_, groups_.layout().u_length, 0.0);  // the gradient is left
     result.finite = true;
   }
@@ -360,16 +373,6 @@ void NewtonRiccati::write_states() noexcept {
   }
 }
 
-void NewtonRiccati::planned(double time, std::span<double> u) const noexcept {
-  const double stages = (time - plan_time_) / ocp_.horizon().h();
-  const int k = static_cast<int>(clamp(std::isfinite(stages) ? stages : 0.0, 0.0, ocp_.horizon().N - 1.0));
-  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
-    const Layout::View from = groups_.layout().u(a);
-    const std::size_t to = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
-    for (int i = 0; i < groups_.layout().part(a).nu; ++i) u[to + at(i)] = plan_[from(k, i)];
-  }
-}
-
 /// The input that the last good plan has for this time; before there is one, zero within the limits.
 Solution NewtonRiccati::fall_back(double time, Status status) noexcept {
   const Team& team = ocp_.team();
@@ -388,8 +391,6 @@ Solution NewtonRiccati::fall_back(double time, Status status) noexcept {
           .raw_u = raw_u_,
           .x = x_out_,
           .status = status,
-          .residual = 0.0,
-          .iterations = 0,
           .elapsed = std::chrono::duration<double>(Clock::now() - begin_).count()};
 }
 
@@ -430,46 +431,9 @@ Solution NewtonRiccati::solve(double time, std::span<const double> states) noexc
           .elapsed = std::chrono::duration<double>(Clock::now() - begin_).count()};
 }
 
-void NewtonRiccati::plan(int k, std::span<double> u) const noexcept {
-  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
-    const Layout::View from = groups_.layout().u(a);
-    const std::size_t to = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
-    for (int i = 0; i < groups_.layout().part(a).nu; ++i) u[to + at(i)] = u_[from(k, i)];
-  }
-}
-
-void NewtonRiccati::set_plan(int k, std::span<const double> u) noexcept {
-  has_plan_ = true;
-  started_ = false;
-  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
-    const Layout::View to = groups_.layout().u(a);
-    const std::size_t from = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
-    for (int i = 0; i < groups_.layout().part(a).nu; ++i) u_[to(k, i)] = u[from + at(i)];
-  }
-}
-
-void NewtonRiccati::take_over(const NewtonRiccati& before) noexcept {
-  assert(ocp_.horizon().N == before.ocp_.horizon().N && "a plan fits a horizon of as many stages");
-  if (!before.started_ && !before.has_plan_) return;
-  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
-    const BodyId same = before.ocp_.team().find(ocp_.team().agents()[at(a)].name);
-    if (same.index < 0 || !before.ocp_.team().is_agent(same)) continue;
-    const auto& bodies = before.ocp_.agent_bodies();
-    const auto b = static_cast<int>(std::find(bodies.begin(), bodies.end(), same) - bodies.begin());
-    const int nu = groups_.layout().part(a).nu;
-    if (before.groups_.layout().part(b).nu != nu) continue;
-    const Layout::View to = groups_.layout().u(a), from = before.groups_.layout().u(b);
-    for (int k = 0; k < ocp_.horizon().N; ++k) {
-      for (int i = 0; i < nu; ++i) u_[to(k, i)] = before.u_[from(k, i)];
-    }
-  }
-  has_plan_ = true;
-  started_ = false;
-}
-
 double NewtonRiccati::kkt(double time, std::span<const double> states) noexcept {
   const FlushSubnormals guard;
-  if (!std::isfinite(time) || !accept(states)) return std::numeric_limits<double>::infinity();
+  if (!std::isfinite(time) || !accept(states)) return infinity;
   set_time(time);
   if (!started_) {
     const bool planned = has_plan_;  // for the next update too
@@ -481,7 +445,7 @@ double NewtonRiccati::kkt(double time, std::span<const double> states) noexcept 
   couplings_->evaluate(s_, c_[0]);
   groups_.differentiate(u_, held_, c_[0], H_u_);
   const Proposal at_u = examine();
-  return at_u.residual;
+  return slope_is_finite() ? at_u.residual : infinity;
 }
 
 }  // namespace sightline

@@ -23,7 +23,7 @@ struct NewtonRiccatiOptions {
   double krylov_stop =
       1e-3;  ///< they stop once the correction is this small in the norm of the Hessian, >= 0
   double step_cap =
-      0.5;  ///< beyond this step of an input, or this residual, costs are watched until steps fit, > 0
+      0.5;  ///< beyond this step of an input in its scale, or this residual, costs are watched until steps fit, > 0
   double deadline = 0.0;  ///< an update ends about this time [s] after it began, and a first step; 0: none
   int start_steps = 10;   ///< Newton steps of the first update at most, >= 1
   KernelChoice kernels = KernelChoice::compiled_if_there;
@@ -38,23 +38,23 @@ class NewtonRiccati final : public Solver {
 
   std::string_view name() const override { return "newton_riccati"; }
   const Ocp& ocp() const override { return ocp_; }
-  /// `Solution::x` is the trajectory that was linearised: from the measured state, under the inputs before
-  /// the step.
   Solution solve(double time, std::span<const double> states) noexcept override;
   double kkt(double time, std::span<const double> states) noexcept override;
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;
 
-  /// The inputs planned at stage k, of all agents (nu): what the next update starts from.
+  /// The inputs planned at stage k, of all agents (nu): what the next update starts from. Here and below a stage or a
+  /// length that is not the problem's changes nothing.
   void plan(int k, std::span<double> u) const noexcept;
   /// Puts another plan in its place, limits permitting; for a team that changed. All stages must be set.
   void set_plan(int k, std::span<const double> u) noexcept;
   /// Goes on from the plan of another team's solver: agents that both have, by name, get their inputs of it, the
-  /// others keep what is planned for them here. Neither allocates nor blocks; the stages must be as many.
+  /// others keep what is planned for them here. Neither allocates nor blocks. From a horizon of other stages, nothing.
   void take_over(const NewtonRiccati& before) noexcept;
 
   /// What a body that is not controlled will do, in place of the velocity it has: for updates within a horizon of the
-  /// time told while it is about there, or until another is told. Of N + 1 sights at most; without any, nothing is told any more.
+  /// time told while it is about there, or until another is told. Of N + 1 sights at most; without any, nothing is told
+  /// any more. Of more, or of a robot that is planned here, it is left.
   void set_prediction(const Prediction& told) noexcept;
 
  private:
@@ -62,16 +62,17 @@ class NewtonRiccati final : public Solver {
 
   /// What one step came to.
   struct Step {
-    double residual = 0.0;
+    double residual = std::numeric_limits<double>::infinity();
     int iterations = 0;
     bool finite = true, in_time = true;
     bool whole = false;  ///< neither damped nor shortened, and its active set is settled
   };
   /// What one pass over a proposed step finds.
   struct Proposal {
-    double largest = 0.0;   ///< |du|
-    double residual = 0.0;  ///< of u
-    bool finite = true, within_limits = true;
+    double largest = 0.0;   ///< |du|, in the scale of each input
+    double residual = 0.0;  ///< of u, where finite
+    bool finite = true;     ///< du and H_u are
+    bool within_limits = true;
   };
 
   bool accept(std::span<const double> states) noexcept;
@@ -79,10 +80,12 @@ class NewtonRiccati final : public Solver {
   void start() noexcept;
   Step newton_step() noexcept;
   Proposal examine() const noexcept;
+  bool slope_is_finite() const noexcept;
   bool update_held() noexcept;
   void take() noexcept;
   bool descend(bool settled) noexcept;
   bool late() const noexcept;
+  bool is_stage(int k, std::span<const double> u) const noexcept;
   void write_inputs() noexcept;
   void write_states() noexcept;
   Solution fall_back(double time, Status status) noexcept;
@@ -105,6 +108,7 @@ class NewtonRiccati final : public Solver {
   Clock::time_point begin_{};
   Rows u_vectors_, s_vectors_, c_;
   double *u_, *du_, *held_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
+  double *per_scale_, *scale_2_;  // of each input, for what is compared with a threshold
   double *s_, *ds_;
   double plan_time_ = 0.0;
   std::vector<int> x_at_;                // of each agent in the stacked state

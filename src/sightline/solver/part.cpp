@@ -156,19 +156,20 @@ void Part::roll_out(double time) noexcept {
 Solution Part::solve(double time, std::span<const double> states) noexcept {
   if (states.size() != at(whole_.nx())) return solver_->solve(time, {});
   gather(states);
-  Solution solution = solver_->solve(time, x_);
-  if (solution.status == Status::invalid_state || solution.status == Status::not_finite) return solution;
+  const Solution solution = solver_->solve(time, x_);
+  if (!gives_plan(solution.status)) return solution;
   roll_out(time);
-  solution.x = path_;
   return solution;
 }
 
 void Part::look_ahead(double time, std::span<const double> states) noexcept {
+  if (states.size() != at(whole_.nx())) return;
   gather(states);
   roll_out(time);
 }
 
 double Part::kkt(double time, std::span<const double> states) noexcept {
+  if (states.size() != at(whole_.nx())) return solver_->kkt(time, {});
   gather(states);
   return solver_->kkt(time, x_);
 }

@@ -28,12 +28,11 @@ class Part {
        const NewtonRiccatiOptions& options = {});
 
   const Ocp& ocp() const { return solver_->ocp(); }
-  /// Of a body of the part's team: its id in the whole team.
-  BodyId in_whole(BodyId body) const { return in_whole_[static_cast<std::size_t>(body.index)]; }
+  /// Of a body of the part's team: its id in the whole team. @throws std::out_of_range
+  BodyId in_whole(BodyId body) const { return in_whole_.at(static_cast<std::size_t>(body.index)); }
 
   /// One update; `states` are those of all bodies of the whole team, of which the part reads what it knows. The
-  /// solution is in the order of the part's own team; its x are the states under the new plan. As NewtonRiccati's, it
-  /// neither throws nor allocates.
+  /// solution is in the order of the part's own team. As NewtonRiccati's, it neither throws nor allocates.
   Solution solve(double time, std::span<const double> states) noexcept;
 
   /// Where the own robots will be under the present plan, one message each, `who` of the whole team.

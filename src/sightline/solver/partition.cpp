@@ -135,6 +135,7 @@ void PartitionedSolver::tell(const Member& teller) noexcept {
 }
 
 void PartitionedSolver::tell_all(double time, std::span<const double> states) noexcept {
+  if (states.size() != x_now_.size()) return;
   for (const Member& member : members_) member.part->look_ahead(time, states);
   for (const Member& member : members_) tell(member);
 }
@@ -204,7 +205,7 @@ Solution PartitionedSolver::solve(double time, std::span<const double> states) n
     scatter(*member.part, member.solution.raw_u, raw_u_);
     solution.status = worse(solution.status, member.solution.status);
   }
-  const bool usable = solution.status != Status::invalid_state && solution.status != Status::not_finite;
+  const bool usable = gives_plan(solution.status);
   if (usable) write_states(x_now_);
   solution.elapsed = seconds_since(begin);
   if (!usable) return solution;
@@ -225,6 +226,7 @@ double PartitionedSolver::kkt(double time, std::span<const double> states) noexc
 }
 
 void PartitionedSolver::planned(double time, std::span<double> u) const noexcept {
+  if (u.size() != u_.size()) return;
   for (const Member& member : members_) {
     // Each part writes the inputs of its own robots, where they stand in the whole.
     member.part->planned(time, member.u);
@@ -233,6 +235,7 @@ void PartitionedSolver::planned(double time, std::span<double> u) const noexcept
 }
 
 void PartitionedSolver::plan(int k, std::span<double> u) const noexcept {
+  if (u.size() != u_.size()) return;
   for (const Member& member : members_) {
     member.part->plan(k, member.u);
     scatter(*member.part, member.u, u);
@@ -240,6 +243,7 @@ void PartitionedSolver::plan(int k, std::span<double> u) const noexcept {
 }
 
 void PartitionedSolver::set_plan(int k, std::span<const double> u) noexcept {
+  if (u.size() != u_.size() || k < 0 || k >= ocp().horizon().N) return;
   has_plan_ = true;
   for (Member& member : members_) {
     const Team& team = member.part->ocp().team();

@@ -41,8 +41,8 @@ class PartitionedSolver : public Solver {
 
   std::string_view name() const override { return "partitioned"; }
   const Ocp& ocp() const override { return whole_->ocp(); }
-  /// `Solution::x` are the states under the new plan. The residual is that of the whole team's conditions there; it is
-  /// found after the parts have ended, and not in `elapsed`, which is all of them in turn.
+  /// The residual is that of the whole team's conditions at the new plan; it is found after the parts have ended, and
+  /// not in `elapsed`, which is all of them in turn.
   Solution solve(double time, std::span<const double> states) noexcept override;
   double kkt(double time, std::span<const double> states) noexcept override;
   void planned(double time, std::span<double> u) const noexcept override;

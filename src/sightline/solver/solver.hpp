@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string_view>
 
@@ -36,10 +37,13 @@ struct Neighbours {
 struct Solution {
   std::span<const double> u;      ///< inputs to apply now, of all agents (nu)
   std::span<const double> raw_u;  ///< the same before they were clamped to their limits (nu)
-  std::span<const double> x;      ///< predicted states of all bodies (N+1 x nx), stage by stage
+  /// Predicted states of all bodies (N+1 x nx), stage by stage: the trajectory that was linearised, from the measured
+  /// state under the inputs before the step.
+  std::span<const double> x;
   Status status = Status::iteration_limit;
-  double residual =
-      0.0;  ///< infinity norm of the optimality conditions at the point that was linearised [per s]
+  /// Infinity norm of the optimality conditions at the point that was linearised [per s], each input in its
+  /// scale, input_scales(); infinity: not known.
+  double residual = std::numeric_limits<double>::infinity();
   int iterations = 0;       ///< of the Krylov method
   Neighbours neighbours{};  ///< of the team's swarms
   double elapsed = 0.0;     ///< wall time of the update [s]
@@ -57,11 +61,12 @@ class Solver {
   virtual Solution solve(double time, std::span<const double> states) noexcept = 0;
 
   /// Projected KKT infinity norm of the present iterate at these states, without the solver's own
-  /// relaxations; for acceptance figures, outside the timed part.
+  /// relaxations; infinity where it is not a number. For acceptance figures, outside the timed part.
   virtual double kkt(double time, std::span<const double> states) noexcept = 0;
 
   /// Writes the inputs (nu) that the last good plan has for `time` [s]: its first before its begin, its last after
-  /// its end, zero before there is one. Limits may have moved since. For a plan that is late or lost.
+  /// its end, zero before there is one. Limits may have moved since. For a plan that is late or lost. Nothing where
+  /// there is not room for nu numbers.
   virtual void planned(double time, std::span<double> u) const noexcept = 0;
 
   /// Forgets the iterate: the next update starts as the first did.

@@ -137,8 +137,9 @@ Linearisation linearise(Graph& graph, const Flow& flow, std::span<const Symbol> 
 
 class StageTracer {
  public:
-  StageTracer(const Model& model, double h, Seen seen, std::span<const RelaxedBarrier> barriers)
-      : model_(model), h_(h), seen_(seen), barriers_(barriers) {
+  StageTracer(const Model& model, double h, Seen seen, std::span<const RelaxedBarrier> barriers,
+              std::span<const double> scales)
+      : model_(model), h_(h), seen_(seen), barriers_(barriers), scales_(scales) {
     sizes_ = {.nx = model.nx(), .nu = model.nu(), .ns = seen_size(seen), .stored = 0};
     const auto x = plain_.inputs("x", sizes_.nx), u = plain_.inputs("u", sizes_.nu);
     const Symbol length = parameter(plain_.graph, h);
@@ -203,11 +204,13 @@ class StageTracer {
     std::vector<Symbol> floor;
     for (int a = 0; a < nu; ++a) {
       const Symbol& unit = units[at(a)];
+      const double scale = scales_.empty() ? 1.0 : scales_[at(a)];
+      const Symbol per_scale_2 = parameter(graph, 1.0 / (scale * scale));
       for (int j = 0; j < nx; ++j) stage.G(a, j) = unit * second(nx + a, j);
       for (int b = 0; b < nu; ++b) stage.R(a, b) = unit * units[at(b)] * second(nx + a, nx + b);
-      stage.R(a, a) = unit * unit * (second(nx + a, nx + a) + rho) + held[at(a)];
+      stage.R(a, a) = unit * unit * (second(nx + a, nx + a) + rho * per_scale_2) + held[at(a)];
       stage.r[at(a)] = unit * first[at(nx + a)];
-      floor.push_back(unit * unit * (pivot_floor * h));
+      floor.push_back(unit * unit * (pivot_floor * h) * per_scale_2);
     }
     add_couplings(stage, l, part(coupling, ns, ns * (ns + 1) / 2));
     Matrix<Symbol> P(nx, nx);
@@ -388,6 +391,7 @@ class StageTracer {
   double h_;
   Seen seen_;
   std::span<const RelaxedBarrier> barriers_;
+  std::span<const double> scales_;
   StageSizes sizes_;
   Tracer plain_;
   Linearisation linear_{{0, 0}, {0, 0}, {0, 0}, {0, 0}, {}};
@@ -415,8 +419,21 @@ Program trace_barriers(const Model& model, std::span<const RelaxedBarrier> barri
   return t.finish().program;
 }
 
-StagePrograms trace_stage(const Model& model, double h, Seen seen, std::span<const RelaxedBarrier> barriers) {
-  return StageTracer(model, h, seen, barriers).trace();
+StagePrograms trace_stage(const Model& model, double h, Seen seen, std::span<const RelaxedBarrier> barriers,
+                          std::span<const double> scales) {
+  return StageTracer(model, h, seen, barriers, scales).trace();
+}
+
+ProgramSize size_of(const StagePrograms& programs) {
+  ProgramSize sum;
+  for (const BlockProgram* p : programs.all()) {
+    const ProgramSize size = size_of(p->program);
+    sum.inputs += size.inputs;
+    sum.outputs += size.outputs;
+    sum.constants += size.constants;
+    sum.instructions += size.instructions;
+  }
+  return sum;
 }
 
 std::uint64_t structure(const StagePrograms& programs) {

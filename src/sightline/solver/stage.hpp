@@ -68,7 +68,7 @@ struct StagePrograms {
   }
 };
 
-/// A pivot of the Riccati factorisation below this, per h, is not trusted.
+/// A pivot of the Riccati factorisation below this, per h and with the input in its scale, is not trusted.
 inline constexpr double pivot_floor = 1e-3;
 
 /// The first of the programs alone: equal ones belong to equal models.
@@ -77,10 +77,13 @@ BlockProgram trace_step(const Model& model, double h, Seen seen);
 /// The sum of barriers alone, over (x, u): equal ones belong to equal limits.
 Program trace_barriers(const Model& model, std::span<const RelaxedBarrier> barriers);
 
+/// @param scales  of the inputs, in which rho and the least pivot are meant (nu), parameters too; empty: 1
 StagePrograms trace_stage(const Model& model, double h, Seen seen,
-                          std::span<const RelaxedBarrier> barriers = {});
+                          std::span<const RelaxedBarrier> barriers = {}, std::span<const double> scales = {});
 
 /// The same for models that differ in the values of their parameters alone.
 std::uint64_t structure(const StagePrograms& programs);
+/// The sum of all five.
+ProgramSize size_of(const StagePrograms& programs);
 
 }  // namespace sightline
