@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Runs what the documents promise:  scripts/docs_blocks.sh [FILE.md ...]
-# Blocks opened by "```sh test" run in a shell at the root of the tree, build/release/bin in the path; blocks opened
+# Blocks opened by "```sh test" run in a shell at the root of the tree, with an out/ of their own (a campaign of an
+# older program would be refused there), build/release/bin in the path; blocks opened
 # by "```cpp test" are whole programs, built against an installed sightline, as a user would, and run. So are the examples
 # of one's own potential and one's own robot, with their formulas compiled and without: both print the same.
 set -euo pipefail
@@ -56,6 +57,9 @@ SH
 fi
 
 export PATH=$root/build/release/bin:$PATH
+mkdir "$work/tree"
+for entry in "$root"/*; do [[ $entry == "$root/out" ]] || ln -s "$entry" "$work/tree/"; done
+cd "$work/tree"
 bad=0
 for block in "$work"/blocks/*; do
   name=$(basename "$block")

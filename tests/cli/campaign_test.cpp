@@ -164,10 +164,11 @@ TEST(Campaign, ThePageSaysHowToFlyARunAgainInWordsOfTheShell) {
 
 TEST(Campaign, AnotherScenarioBesideFliesTheSameDraws) {
   const fs::path folder = fresh_folder();
-  const auto flown = sightline("campaign " + with_runs_of("1.0", folder) + " --runs 12 --beside " +
-                                   "scenarios/paper_7_1.toml -o " + (folder / "a").string(),
-                               folder);
+  const std::string campaign = "campaign " + with_runs_of("1.0", folder) + " --runs 12 --beside " +
+                               "scenarios/paper_7_1.toml -o " + (folder / "a").string();
+  const auto flown = sightline(campaign, folder);
   EXPECT_LE(flown.code, 1) << flown.err;
+  EXPECT_EQ(sightline(campaign, folder).out, flown.out) << "the same again is what is there";
   const std::string drawn =
       "SELECT group_concat(seed || ' ' || \"uav0.range\" || ' ' || \"agent.uav1.reference.circle.rate\") "
       "FROM runs";

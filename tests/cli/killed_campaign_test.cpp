@@ -89,7 +89,7 @@ TEST(Killed, ACampaignHoldsWhatTheTerminalSaidASecondBeforeAndGoesOnToTheSameByt
   const std::filesystem::path folder = test::fresh_folder(), whole = folder / "whole",
                               killed = folder / "killed";
   const std::string scenario = SIGHTLINE_SOURCE_DIR "/scenarios/cooperative_localization.toml";
-  const int runs = whole_campaign() ? 1000 : 200, kills = whole_campaign() ? 20 : 3;
+  const int runs = whole_campaign() ? 400 : 200, kills = whole_campaign() ? 20 : 3;
   const std::vector<std::string> words = {"campaign",  scenario, "--runs", std::to_string(runs),
                                           "--threads", "2",      "-o"};
   std::mt19937 random(2);
