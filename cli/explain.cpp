@@ -4,6 +4,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
+#include "sightline/advise/observation.hpp"
 #include "sightline/io/scenario.hpp"
 
 namespace sightline::cli {
@@ -11,7 +12,8 @@ namespace sightline::cli {
 int explain(const std::filesystem::path& scenario) {
   try {
     const Scenario read = read_scenario(scenario);
-    print("{}", to_string(sightline::explain(read.team), read.team));
+    print("{}", to_string(sightline::explain(read.team, read.x0), read.team));
+    for (const ObservationCycle& cycle : observation_cycles(read)) print("{}\n", to_string(cycle, read.team));
     return 0;
   } catch (const ScenarioError& error) {
     tell("{}\n", error.what());

@@ -45,7 +45,7 @@ int potential(const PotentialOptions& options) {
     return 2;
   }
 
-  const auto judged = judge_couplings(scenario.team, only);
+  const auto judged = judge_couplings(scenario.team, only, {}, scenario.x0);
   for (const JudgedCoupling& one : judged) {
     print("{}\n", title_of(scenario.team, one.coupling));
     if (one.same_as) print("  the same potential as couple[{}]\n", *one.same_as);

@@ -5,7 +5,9 @@
 
 #include <cmath>
 
+#include "sightline/potential/bearing.hpp"
 #include "sightline/potential/region.hpp"
+#include "sightline/potential/slope.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random.hpp"
 
@@ -25,7 +27,7 @@ TEST(Explain, ThePapersPairRestsWhereReliabilityFoundIt) {
   const Explanation e = explain(team);
   ASSERT_EQ(e.pairs.size(), 1u);
   const PairAdvice& pair = e.pairs[0];
-  ASSERT_TRUE(pair.rest && pair.holds);
+  ASSERT_TRUE(pair.rest && pair.holds.size() == 1);
   EXPECT_NEAR(pair.rest->distance, 1.694, 1e-3);
   EXPECT_NEAR(pair.rest->across, 1.517, 1e-3);
   EXPECT_NEAR(pair.rest->height, 0.755, 1e-3);
@@ -33,8 +35,8 @@ TEST(Explain, ThePapersPairRestsWhereReliabilityFoundIt) {
   EXPECT_NEAR(pair.rest->within.low, 1.60, 0.01);
   EXPECT_NEAR(pair.rest->within.high, 1.77, 0.01);
   EXPECT_TRUE(pair.rest->broken.empty());
-  EXPECT_NEAR(pair.holds->low, 1.0, 1e-3);
-  EXPECT_NEAR(pair.holds->high, 2.0, 1e-3);
+  EXPECT_NEAR(pair.holds.at(0).low, 1.0, 1e-3);
+  EXPECT_NEAR(pair.holds.at(0).high, 2.0, 1e-3);
   EXPECT_EQ(pair.limits[0].kind, LimitKind::view);
   EXPECT_EQ(pair.limits[1].kind, LimitKind::together);
   EXPECT_EQ(pair.limits[2].kind, LimitKind::apart);
@@ -52,11 +54,11 @@ TEST(Explain, DistanceLimitsHoldTogetherIfAndOnlyIfTheyLeaveABand) {
     const Explanation e = explain(two.team);
     ASSERT_EQ(e.pairs.size(), 1u);
     const PairAdvice& pair = e.pairs[0];
-    EXPECT_EQ(pair.holds.has_value(), d_min < d_max);
+    EXPECT_EQ(pair.holds.empty(), d_min >= d_max);
     const std::string words = to_string(e, two.team);
-    if (pair.holds) {
-      EXPECT_NEAR(pair.holds->low, d_min, 1e-4);
-      EXPECT_NEAR(pair.holds->high, d_max, 1e-4);
+    if (!pair.holds.empty()) {
+      EXPECT_NEAR(pair.holds.at(0).low, d_min, 1e-4);
+      EXPECT_NEAR(pair.holds.at(0).high, d_max, 1e-4);
       EXPECT_THAT(words, Not(HasSubstr("contradiction")));
     } else {
       EXPECT_THAT(pair.contradictions, testing::ElementsAre(std::pair<std::size_t, std::size_t>{0, 1}));
@@ -70,7 +72,7 @@ TEST(Explain, AConeAndALimitOnTheHeightThatExcludeEachOtherAreNamed) {
   two.team.couple(1.0 * SensorCone{.alpha = 0.3, .mount = {.pitch = 0.8}}, Between{two.a, two.b});
   two.team.couple(1.0 * Region("r_z > 0.5 m"), Between{two.a, two.b});
   const Explanation e = explain(two.team);
-  EXPECT_FALSE(e.pairs[0].holds);
+  EXPECT_TRUE(e.pairs[0].holds.empty());
   EXPECT_EQ(e.pairs[0].contradictions.size(), 1u);
 }
 
@@ -133,6 +135,72 @@ TEST(Explain, TwoRobotsThatLookAtEachOtherRestFaceToFace) {
   EXPECT_TRUE(e.pairs[0].rest->broken.empty());
 }
 
+TEST(Explain, OfWhatDifferentRobotsFeelTheCostsAreNotAdded) {
+  // Each wants to be above the other: the sum of both costs has a least, and nobody goes there.
+  TwoRobots two;
+  for (const auto& [a, b] : {std::pair(two.a, two.b), std::pair(two.b, two.a)}) {
+    two.team.couple(4.0 * Bearing{.mount = {.pitch = 0.3, .offset = 0.1}}, Between{a, b}, felt_by(a));
+    two.team.couple(4.0 * TooNear{.d_min = 1.0}, Between{a, b}, felt_by(a));
+    two.team.couple(4.0 * TooFar{.d_max = 2.0}, Between{a, b}, felt_by(a));
+  }
+  const Explanation e = explain(two.team);
+  EXPECT_FALSE(e.pairs[0].rest);
+  ASSERT_TRUE(e.pairs[0].drift);
+  EXPECT_GT(e.pairs[0].drift->z, 0.0);
+  EXPECT_THAT(to_string(e, two.team), HasSubstr("by what each feels they climb together for ever"));
+}
+
+TEST(Explain, WhereEachFeelsItsOwnAndBothAgreeTheyRest) {
+  TwoRobots two;
+  two.team.couple(1.0 * TooNear{.d_min = 1.5}, Between{two.a, two.b}, felt_by(two.a));
+  two.team.couple(1.0 * TooFar{.d_max = 1.6}, Between{two.a, two.b}, felt_by(two.a));
+  two.team.couple(1.0 * TooNear{.d_min = 1.5}, Between{two.b, two.a}, felt_by(two.b));
+  two.team.couple(1.0 * TooFar{.d_max = 1.6}, Between{two.b, two.a}, felt_by(two.b));
+  const Explanation e = explain(two.team);
+  ASSERT_TRUE(e.pairs[0].rest);
+  EXPECT_NEAR(e.pairs[0].rest->distance, 1.55, 0.02);
+}
+
+TEST(Explain, ALimitInTheGlobalFrameIsLookedAtAroundTheStarts) {
+  TwoRobots two;
+  two.team.couple(1.0 * Region("target.p_x < -8 m").slope(Softplus{}), Between{two.a, two.b}, felt_by(two.b));
+  const std::vector<double> there = {-10, 0, 1, 1, 0, 0, 0, -9, 0, 1, 1, 0, 0, 0},
+                            far_off = {20, 0, 1, 1, 0, 0, 0, 21, 0, 1, 1, 0, 0, 0};
+  const LimitWorth here = explain(two.team, there).pairs[0].limits[0];
+  EXPECT_TRUE(here.in_world);
+  ASSERT_EQ(here.holds.size(), 1u);
+  EXPECT_EQ(here.holds[0].low, 0.0);
+  const LimitWorth beyond = explain(two.team, far_off).pairs[0].limits[0];
+  ASSERT_EQ(beyond.holds.size(), 1u);
+  EXPECT_NEAR(beyond.holds[0].low, 28.0, 1.0);
+  EXPECT_THAT(to_string(explain(two.team, there), two.team), HasSubstr("it depends on where in G they are"));
+}
+
+TEST(Explain, ARegionOfTwoWindowsHasTwoBands) {
+  TwoRobots two;
+  two.team.couple(1.0 * Region(any_of({"1 m < distance < 2 m", "4 m < distance < 5 m"})),
+                  Between{two.a, two.b});
+  const auto& holds = explain(two.team).pairs[0].limits[0].holds;
+  ASSERT_EQ(holds.size(), 2u);
+  EXPECT_NEAR(holds[0].low, 1.0, 1e-4);
+  EXPECT_NEAR(holds[0].high, 2.0, 1e-4);
+  EXPECT_NEAR(holds[1].low, 4.0, 1e-4);
+  EXPECT_NEAR(holds[1].high, 5.0, 1e-4);
+}
+
+TEST(Explain, EvadingAPartnerCostsNothingWhereItsOtherLimitsHoldToo) {
+  TwoRobots two;
+  two.team.couple(4.0 * TooNear{.d_min = 1.0}, Between{two.a, two.b});
+  two.team.couple(4.0 * TooFar{.d_max = 2.0}, Between{two.a, two.b});
+  for (const HitCost& hit : explain(two.team).hits) EXPECT_FALSE(hit.weight);
+}
+
+TEST(Explain, ALimitOnAVelocityIsNoPlaceToRest) {
+  TwoRobots two;
+  two.team.couple(1.0 * Region("target.v_x < 0.5 m/s").slope(Softplus{}), Between{two.a, two.b});
+  EXPECT_FALSE(explain(two.team).pairs[0].rest);
+}
+
 TEST(Explain, ALimitOnTheRangeOfASensorKeepsTogether) {
   TwoRobots two;
   two.team.couple(1.0 * Region("range < 8 m").slope(Softplus{}).seen_from({}), Between{two.a, two.b});
@@ -142,7 +210,7 @@ TEST(Explain, ALimitOnTheRangeOfASensorKeepsTogether) {
 TEST(Explain, AFormulaThatIsNoNumberSomewhereHoldsNothingUp) {
   TwoRobots two;
   two.team.couple(1.0 * Region("sqrt(x * 1 m) < 1 m").slope(Softplus{}), Between{two.a, two.b});
-  EXPECT_TRUE(explain(two.team).pairs[0].holds);
+  EXPECT_FALSE(explain(two.team).pairs[0].holds.empty());
 }
 
 TEST(Explain, PairsThatAreAlikeAreExplainedOnce) {

@@ -32,6 +32,26 @@ TEST(NotFiniteAt, ACurvatureThatIsInfiniteOnAnAxisIsFound) {
   EXPECT_FALSE(not_finite_at(Region("1 m^2 / (r_x^2 + 1 m^2) < 2")));
 }
 
+TEST(NotFiniteAt, AFormulaThatEndsWithinTheFlightIsFoundWithItsTime) {
+  const Potential ends = Region("sqrt((150 s - t) / 1 s) > 0 - distance / 1 m");
+  EXPECT_FALSE(not_finite_at(ends, {.until = 149.0}));
+  const auto spot = not_finite_at(ends, {.until = 151.0, .period = 0.01});
+  ASSERT_TRUE(spot && spot->ends);
+  EXPECT_NEAR(*spot->ends, 150.0, 1e-6);
+  EXPECT_NE(to_string(*spot).find("finite until t = 150 s"), std::string::npos) << to_string(*spot);
+}
+
+TEST(NotFiniteAt, ASinglePeriodInWhichAFormulaIsNoNumberIsFound) {
+  const Potential pole = Region("distance / 1 m > 1 s / (t - 40.37 s)");
+  EXPECT_TRUE(not_finite_at(pole, {.until = 60.0, .period = 0.01}));
+}
+
+TEST(NotFiniteAt, PlacesAroundTheTeamAreLookedAtWhereverItIs) {
+  const Potential wall = Region("sqrt((500 m - target.p_x) / 1 m) > distance / 1 m");
+  EXPECT_FALSE(not_finite_at(wall));
+  EXPECT_TRUE(not_finite_at(wall, {.centre = {490.0, 0.0, 0.0}}));
+}
+
 TEST(NotFiniteAt, ASpotIsSaidWithItsUnits) {
   Spot spot;
   spot.observer.p = {1, 2, 3};

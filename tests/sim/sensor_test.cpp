@@ -7,6 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "tests/support/robots.hpp"
+
 namespace sightline {
 namespace {
 
@@ -75,6 +77,19 @@ TEST(Sensor, NoiseHasItsStandardDeviationAndMeanZero) {
   check(10, noise.heading);
   EXPECT_NEAR(heading_mean, 0.0, 0.04 * noise.heading);
   EXPECT_NEAR(std::sqrt(heading_square), noise.heading, 0.03 * noise.heading);
+}
+
+TEST(Sensor, NoiseAndJumpsReachARobotWhoseStatesHaveNoNames) {
+  Team team;
+  team.add(test::Unicycle{});
+  const Numbers x = {1.0, 2.0, 0.5, 0.3};  // p_x, p_y, psi, v
+  Sensor noisy(team, {.noise = {.position = 0.1, .heading = 0.1, .velocity = 0.1}});
+  const Numbers seen = list(noisy.measure(0.0, x));
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NE(seen[i], x[i]) << i;
+  Sensor jumping(team, {.faults = {{.kind = FaultKind::jump, .offset = {0.5, -0.5, 3.0}}}});
+  EXPECT_EQ(list(jumping.measure(0.0, x)), (Numbers{1.5, 1.5, 0.5, 0.3}));
+  Sensor blind(team, {.velocity_unknown = {BodyId{0}}});
+  EXPECT_EQ(list(blind.measure(0.0, x)), (Numbers{1.0, 2.0, 0.5, 0.0}));
 }
 
 TEST(Sensor, HeadingsStayOnTheCircleUnderNoise) {

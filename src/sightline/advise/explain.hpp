@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,11 +28,12 @@ struct DistanceBand {
 struct LimitWorth {
   std::size_t coupling;  ///< in the order of the team
   LimitKind kind{};
-  std::optional<DistanceBand> holds;  ///< none: it can hold at no distance
-  double worst = 0.0;                 ///< weight times the greatest l within `explain_reach`
+  std::vector<DistanceBand> holds;  ///< rising; empty: it can hold at no distance
+  bool in_world = false;            ///< it matters where in G they are: looked at around their starts
+  double worst = 0.0;               ///< weight times the greatest l within `explain_reach`
 };
 
-/// Where two bodies come to rest if their couplings alone move them.
+/// Where two bodies come to rest if their couplings alone move them, each by those that it feels.
 struct PairRest {
   double distance, across, height;  ///< of the first above the second [m]
   double cost;                      ///< weighted
@@ -44,9 +46,10 @@ struct PairAdvice {
   BodyId first, second;                ///< as the first of its couplings has them
   std::optional<std::size_t> same_as;  ///< an earlier pair whose couplings and weights are the same
   std::vector<LimitWorth> limits;
-  std::optional<DistanceBand> holds;  ///< all limits at once; none: they contradict each other
+  std::vector<DistanceBand> holds;  ///< all limits at once, rising; empty: they contradict each other
   std::vector<std::pair<std::size_t, std::size_t>> contradictions;  ///< of two couplings
   std::optional<PairRest> rest;
+  std::optional<Vec3<double>> drift;  ///< where they go together for ever, each by what it feels; a direction
 };
 
 /// What being hit costs a robot against all else that it would lose by evading.
@@ -65,8 +68,9 @@ struct Explanation {
   std::vector<HitCost> hits;
 };
 
-/// Samples relative poses of each pair; the observer stands at the origin. Set-up: allocates.
-Explanation explain(const Team& team);
+/// Samples relative poses of each pair; the first stands where it starts.  Set-up: allocates.
+/// @param x0  states of all bodies at the start (team.nx()); empty: all are at the origin
+Explanation explain(const Team& team, std::span<const double> x0 = {});
 
 /// The same in sentences, one a line.
 std::string to_string(const Explanation& explanation, const Team& team);

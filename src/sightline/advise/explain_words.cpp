@@ -19,6 +19,18 @@ std::string band(const DistanceBand& b) {
                    : fmt::format("up to {:.2f} m", b.high);
 }
 
+std::string bands(const std::vector<DistanceBand>& all) {
+  std::string text;
+  for (const DistanceBand& b : all) text += (text.empty() ? "" : ", ") + band(b);
+  return text;
+}
+
+/// "climb", of robots that go on together.
+std::string_view way(const Vec3<double>& drift) {
+  if (std::fabs(drift.z) < std::hypot(drift.x, drift.y)) return "wander";
+  return drift.z > 0 ? "climb" : "sink";
+}
+
 std::string_view what_it_does(LimitKind kind) {
   switch (kind) {
     case LimitKind::apart:
@@ -58,19 +70,30 @@ std::string feeling(const Team& team, std::size_t coupling) {
 std::string pair_words(const PairAdvice& pair, const Team& team) {
   std::string text = fmt::format("{} and {}\n", team.name(pair.first), team.name(pair.second));
   for (const LimitWorth& l : pair.limits) {
-    text +=
-        fmt::format("  {} {}, {}; {} costs at most {:.2f}, felt by {}\n", limit_name(team, l.coupling),
-                    what_it_does(l.kind), l.holds ? "can hold " + band(*l.holds) : "can hold at no distance",
-                    when_broken(l.kind), l.worst, feeling(team, l.coupling));
+    text += fmt::format("  {} {}, {}; {} costs at most {:.2f}, felt by {}\n", limit_name(team, l.coupling),
+                        what_it_does(l.kind),
+                        l.holds.empty() ? "can hold at no distance" : "can hold " + bands(l.holds),
+                        when_broken(l.kind), l.worst, feeling(team, l.coupling));
+    if (l.in_world) {
+      text += fmt::format("    it depends on where in G they are: looked at around the starts of {} and {}\n",
+                          team.name(pair.first), team.name(pair.second));
+    }
   }
   for (const auto& [i, j] : pair.contradictions) {
     text += fmt::format("  contradiction: {} and {} cannot hold at once\n", limit_name(team, i),
                         limit_name(team, j));
   }
-  if (pair.holds) {
-    text += fmt::format("  all limits can hold at once {}\n", band(*pair.holds));
+  if (!pair.holds.empty()) {
+    text += fmt::format("  all limits can hold at once {}\n", bands(pair.holds));
   } else if (pair.contradictions.empty()) {
     text += "  contradiction: its limits cannot hold at once\n";
+  }
+  if (!pair.rest && pair.drift) {
+    return text +
+           fmt::format(
+               "  no rest: {} and {} do not feel the same, and by what each feels they {} together for "
+               "ever\n",
+               team.name(pair.first), team.name(pair.second), way(*pair.drift));
   }
   if (!pair.rest) {
     text += fmt::format("  no rest within {:.3g} m: nothing holds them at a distance\n", 1.5 * explain_reach);
@@ -97,6 +120,10 @@ bool is_weakest(const HitCost& h, const Explanation& e) {
 }
 
 std::string hit_words(const HitCost& h, const Team& team) {
+  if (h.others == 0) {
+    return fmt::format("{}: being hit costs {:.2f}, evading costs nothing: it evades\n", team.name(h.agent),
+                       h.hit);
+  }
   const std::string costs =
       fmt::format("{}: being hit costs {:.2f}, all else that it would lose by evading {:.2f}",
                   team.name(h.agent), h.hit, h.others);

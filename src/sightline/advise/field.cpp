@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <random>
+#include <span>
+#include <string_view>
 
 namespace sightline {
 namespace {
@@ -54,7 +58,37 @@ double steepness(const FieldValue& f, std::span<const int> free) {
   return most;
 }
 
+/// A potential seen from another origin of G.
+struct Moved {
+  Potential of;
+  Vec3<double> origin;
+
+  template <class S>
+  Sight<S> there(Sight<S> s) const {
+    s.p = {s.p.x + origin.x, s.p.y + origin.y, s.p.z + origin.z};
+    return s;
+  }
+  template <class S>
+  S operator()(const Sight<S>& a, const Sight<S>& b, const S& t) const {
+    return of(there(a), there(b), t);
+  }
+  double violation(const Sight<double>& a, const Sight<double>& b, double t) const {
+    return of.violation(there(a), there(b), t);
+  }
+  double sloped(const Sight<double>& a, const Sight<double>& b, double t) const {
+    return of.sloped(there(a), there(b), t);
+  }
+  std::string_view name() const { return of.name(); }
+  std::optional<double> kappa_A() const { return of.kappa_A(); }
+  Moved sigmoid(double kappa_A) const { return {of.sharpened(kappa_A), origin}; }
+  bool is_view() const { return of.mount() != nullptr; }
+  const SensorMount& mount() const { return *of.mount(); }
+  Moved seen_from(const SensorMount& mount) const { return {of.seen_from(mount), origin}; }
+};
+
 }  // namespace
+
+Potential moved_to(const Vec3<double>& place, const Potential& potential) { return Moved{potential, place}; }
 
 Sight<double> observer_of(const Station& s) { return {{s.observer, {std::cos(s.psi), std::sin(s.psi)}}, {}}; }
 Sight<double> target_of(const Station& s) {
@@ -99,6 +133,37 @@ Program formula_of(const Potential& potential) {
   const Symbol l =
       potential(sight_from<Symbol>(in.data()), sight_from<Symbol>(in.data() + sight_size), in.back());
   return Program(graph, std::vector{l.in(graph)}, 2 * sight_size + 1);
+}
+
+bool sees_place(const Potential& potential) {
+  constexpr int size = 2 * sight_size + 1, samples = 64;
+  constexpr double reach = 10.0, rounding = 1e-9;
+  Graph graph;
+  const std::vector<Symbol> in = variables(graph, 0, size);
+  const Symbol l =
+      potential(sight_from<Symbol>(in.data()), sight_from<Symbol>(in.data() + sight_size), in.back());
+  std::vector<Term> of;
+  for (const int body : {0, sight_size}) {
+    for (int axis = 0; axis < 3; ++axis) of.push_back(graph.input(body + axis));
+  }
+  const Program slopes(graph, gradient(graph, l.in(graph), of), size);
+  std::mt19937_64 random(1);
+  const auto draw = [&](double most) { return std::uniform_real_distribution<double>(-most, most)(random); };
+  for (int n = 0; n < samples; ++n) {
+    std::array<double, size> z{};
+    for (const std::size_t body : {std::size_t{0}, std::size_t{sight_size}}) {
+      const double psi = draw(std::numbers::pi);
+      write_sight(
+          Sight<double>{{{draw(reach), draw(reach), draw(reach)}, {std::cos(psi), std::sin(psi)}}, {}},
+          std::span(z).subspan(body));
+    }
+    const std::vector<double> slope = evaluate(slopes, z);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double a = slope[axis], b = slope[axis + 3];
+      if (std::fabs(a + b) > rounding * (std::fabs(a) + std::fabs(b))) return true;
+    }
+  }
+  return false;
 }
 
 Field::Field(const Potential& potential) : Field(std::array{FieldTerm{{1.0, potential}}}) {}

@@ -46,6 +46,11 @@ struct FieldValue {
 /// The value of a potential alone; equal programs are the same formula with the same numbers.
 Program formula_of(const Potential& potential);
 
+/// Whether it matters where in G two bodies are, besides where they are to each other; by its gradients at random poses.
+bool sees_place(const Potential& potential);
+/// The same potential as it is around a place of G: that place becomes the origin.
+Potential moved_to(const Vec3<double>& place, const Potential& potential);
+
 /// A potential of a coupling as its field counts it.
 struct FieldTerm {
   Weighted term;

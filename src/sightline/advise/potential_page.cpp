@@ -7,17 +7,31 @@
 #include <utility>
 
 #include "sightline/advise/potential_figures.hpp"
+#include "sightline/advise/verdict_words.hpp"
 #include "sightline/io/page.hpp"
 
 namespace sightline {
+namespace {
+
+/// Where the first of a coupling starts, if its potential depends on that.
+std::optional<Vec3<double>> place_of(const Team& team, std::size_t coupling, std::span<const double> x0) {
+  const Coupling& c = team.couplings()[coupling];
+  if (x0.empty() || !sees_place(c.term.potential)) return {};
+  const std::vector<double> none(static_cast<std::size_t>(team.nu()) + 1, 0.0);
+  return team.model(c.between.first).sight(x0.data() + team.state_offset(c.between.first), none.data()).p;
+}
+
+}  // namespace
 
 std::vector<JudgedCoupling> judge_couplings(const Team& team, std::optional<std::size_t> only,
-                                            const VerdictOptions& options) {
+                                            const VerdictOptions& options, std::span<const double> x0) {
   std::vector<JudgedCoupling> judged;
   std::multimap<std::string, std::pair<Program, std::size_t>, std::less<>> known;
   for (std::size_t i = 0; i < team.couplings().size(); ++i) {
     if (only && *only != i) continue;
-    const Potential& potential = team.couplings()[i].term.potential;
+    const Potential& given = team.couplings()[i].term.potential;
+    const std::optional<Vec3<double>> around = place_of(team, i, x0);
+    const Potential potential = around ? moved_to(*around, given) : given;
     Program program = formula_of(potential);
     JudgedCoupling one{i, {}, {}};
     const auto [begin, end] = known.equal_range(potential.name());
@@ -26,6 +40,8 @@ std::vector<JudgedCoupling> judge_couplings(const Team& team, std::optional<std:
     }
     if (!one.same_as) {
       one.verdict = judge(potential, options);
+      one.verdict.around = around;
+      describe(one.verdict);
       known.emplace(potential.name(), std::pair(std::move(program), i));
     }
     judged.push_back(std::move(one));
@@ -57,7 +73,9 @@ std::string potential_html(const Scenario& scenario, const std::vector<JudgedCou
       page += fmt::format("<li>{}</li>\n", escaped(sentence));
     page += "</ul>\n</details>\n";
     const Potential& potential = scenario.team.couplings()[one.coupling].term.potential;
-    for (const Figure& figure : draw(drawings_of(potential, one.verdict), figures)) {
+    const auto& around = one.verdict.around;
+    for (const Figure& figure :
+         draw(drawings_of(around ? moved_to(*around, potential) : potential, one.verdict), figures)) {
       page += page_figure(figure);
       ++figures;
     }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,11 @@ struct JudgedCoupling {
 };
 
 /// @param only  one coupling, or all
+/// @param x0    states of all bodies at the start (team.nx()); empty: all are at the origin. A potential that depends
+///              on where in G its two bodies are is judged around the start of the first.
 std::vector<JudgedCoupling> judge_couplings(const Team& team, std::optional<std::size_t> only = {},
-                                            const VerdictOptions& options = {});
+                                            const VerdictOptions& options = {},
+                                            std::span<const double> x0 = {});
 
 /// "couple[0] sensor_cone of uav0 and uav1".
 std::string title_of(const Team& team, std::size_t coupling);

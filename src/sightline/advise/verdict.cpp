@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sightline/advise/verdict_words.hpp"
+#include "sightline/potential/region.hpp"
 
 namespace sightline {
 namespace {
@@ -65,7 +66,6 @@ class Judge {
     look_at_limit();
     look_for_traps();
     if (v_.sees_heading) look_for_traps_in_yaw();
-    describe(v_);
     return std::move(v_);
   }
 
@@ -303,6 +303,18 @@ class Judge {
   std::vector<bool> outside_;
 };
 
+/// The least of a few widths over which rounded corners are no longer stiff.
+std::optional<Cure> cure_of(const Potential& potential, const VerdictOptions& options) {
+  const auto* region = potential.as<Region>();
+  if (region == nullptr) return {};
+  for (const double smooth : {0.003, 0.01, 0.03, 0.1}) {
+    if (smooth <= region->width()) continue;
+    const double left = Judge(Potential(region->smoothed_over(smooth)), options).verdict().curvature_worst;
+    if (left <= stiff / 2) return Cure{smooth, left};
+  }
+  return {};
+}
+
 }  // namespace
 
 Verdict judge(const Potential& potential, const VerdictOptions& options) {
@@ -311,8 +323,10 @@ Verdict judge(const Potential& potential, const VerdictOptions& options) {
   VerdictOptions next = options;
   while ((verdict.outside == 0 || verdict.outside == 1) && (next.reach *= wider) <= widest) {
     if (Verdict other = Judge(potential, next).verdict(); other.outside > 0 && other.outside < 1)
-      return other;
+      verdict = std::move(other);
   }
+  if (verdict.curvature_worst > stiff) verdict.cure = cure_of(potential, verdict.options);
+  describe(verdict);
   return verdict;
 }
 

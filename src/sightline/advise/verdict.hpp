@@ -1,7 +1,7 @@
 /// What a potential does to who flies by it, found by sampling: is its region the one its limit states, where does it
 /// leave a robot without a gradient, where would it come to rest, how stiff is it.
 ///
-/// The target is placed in the sensor frame S of an observer at the origin, both at rest; a potential without a sensor
+/// The target is placed in the sensor frame S of an observer at the origin (`moved_to` puts it elsewhere), both at rest; a potential without a sensor
 /// is sampled in V. Numbers are those of the potential by itself, without its weight.
 #pragma once
 
@@ -32,11 +32,22 @@ struct Trap {
   double l;
 };
 
+/// A rounder corner, and the greatest second derivative that is left.
+struct Cure {
+  double smooth;
+  double curvature;  ///< [1/m^2]
+};
+
+/// A second derivative beyond this is more than a solver takes in its steps: commands may alternate [1/m^2].
+inline constexpr double stiff = 1e4;
+
 struct Verdict {
   std::string name;
   VerdictOptions options;
   bool has_view = false;      ///< it has a sensor
   bool sees_heading = false;  ///< it depends on the observer's heading
+  std::optional<Vec3<double>>
+      around{};  ///< it depends on where in G the two are: the observer stood there [m]
 
   double outside = 0.0;  ///< share of the volume that breaks the limit
 
@@ -68,12 +79,13 @@ struct Verdict {
   double condition_worst = 0.0;   ///< greatest
   double curvature_worst = 0.0;   ///< greatest second derivative in size [1/m^2]
   double curvature_in_yaw = 0.0;  ///< [1/rad^2]
+  std::optional<Cure> cure{};     ///< of a Region whose second derivative exceeds `stiff`
 
   std::vector<std::string> words;     ///< all of it, a sentence each
   std::vector<std::string> warnings;  ///< what to know before a flight, a sentence each
 };
 
-/// Set-up: allocates, takes some ten milliseconds.
+/// Set-up: allocates, takes some ten milliseconds; of a stiff Region a few times that.
 Verdict judge(const Potential& potential, const VerdictOptions& options = {});
 
 /// The verdict as an object of JSON; what there is none of is null.

@@ -10,14 +10,13 @@ namespace sightline {
 namespace {
 
 // What is worth a warning.
-constexpr double much_volume = 0.005;   // of disagreement, share
-constexpr double much_angle = 0.01;     // rad
-constexpr double much_flat = 0.2;       // share of what is outside
-constexpr double much_behind = 0.5;     // share of what is behind
-constexpr double much_away = 0.05;      // share
-constexpr double much_bias = 0.25;      // m
-constexpr double exact = 1e-6;          // m
-constexpr double much_stiffness = 1e4;  // 1/m^2
+constexpr double much_volume = 0.005;  // of disagreement, share
+constexpr double much_angle = 0.01;    // rad
+constexpr double much_flat = 0.2;      // share of what is outside
+constexpr double much_behind = 0.5;    // share of what is behind
+constexpr double much_away = 0.05;     // share
+constexpr double much_bias = 0.25;     // m
+constexpr double exact = 1e-6;         // m
 
 std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
 
@@ -134,12 +133,19 @@ void describe_rest(const Verdict& v, Writer& to) {
         fmt::format("turning stops with the target out of view, though it could be in, from {} of the places",
                     percent(v.traps_in_yaw)));
   }
-  to.say(v.curvature_worst > much_stiffness,
+  to.say(v.curvature_worst > stiff,
          fmt::format(
              "its Hessian at the limit has a condition number of {:.3g} (worst {:.3g}); its greatest second "
              "derivative is {:.3g} 1/m^2{}",
              v.condition, v.condition_worst, v.curvature_worst,
              v.sees_heading ? fmt::format(", {:.3g} 1/rad^2 in yaw", v.curvature_in_yaw) : ""));
+  if (v.cure) {
+    to.say(true,
+           fmt::format(
+               "commands may alternate at its corners: smooth = {:.3g} rounds them off, and its greatest "
+               "second derivative is {:.3g} 1/m^2",
+               v.cure->smooth, v.cure->curvature));
+  }
 }
 
 template <class T>
@@ -156,6 +162,14 @@ nlohmann::ordered_json or_null(const std::optional<HalfAngle>& a) {
 
 void describe(Verdict& v) {
   Writer to(v);
+  v.words.clear();
+  v.warnings.clear();
+  if (v.around) {
+    to.say(false,
+           fmt::format("it depends on where in G the two are: looked at with the observer at its start, "
+                       "({:.3g}, {:.3g}, {:.3g}) m",
+                       v.around->x, v.around->y, v.around->z));
+  }
   describe_region(v, to);
   describe_gradient(v, to);
   describe_rest(v, to);
@@ -171,6 +185,7 @@ std::string to_json(const Verdict& v) {
       {"threshold", v.options.flat},
       {"samples", v.options.samples},
       {"sees_heading", v.sees_heading},
+      {"around", v.around ? ordered_json{v.around->x, v.around->y, v.around->z} : ordered_json()},
       {"outside", v.outside},
       {"region",
        {{"step_disagrees", v.step_disagrees},
@@ -197,7 +212,8 @@ std::string to_json(const Verdict& v) {
       {"minima_in_yaw", v.sees_heading ? ordered_json(v.traps_in_yaw) : ordered_json()},
       {"worst_second_derivative",
        {{"position", v.curvature_worst},
-        {"yaw", v.sees_heading ? ordered_json(v.curvature_in_yaw) : ordered_json()}}},
+        {"yaw", v.sees_heading ? ordered_json(v.curvature_in_yaw) : ordered_json()},
+        {"smooth", v.cure ? ordered_json(v.cure->smooth) : ordered_json()}}},
       {"words", v.words},
       {"warnings", v.warnings}}
       .dump(2);

@@ -66,18 +66,13 @@ std::string json_schema(std::initializer_list<std::pair<const char*, std::string
 }
 
 // d x d' about z [rad/s]; 0 for a body without a heading.
-double turn_rate(const Model& model, const double* x, const double* u) {
-  const auto names = model.states();
-  const auto place = [&](std::string_view name) -> std::optional<std::size_t> {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) return std::nullopt;
-    return static_cast<std::size_t>(found - names.begin());
-  };
+double turn_rate(const Model& model, const StateRoles& roles, const double* x, const double* u) {
+  if (!roles.has_heading()) return 0.0;
   std::vector<double> rate(size(model.nx()));
   model.f(x, u, rate.data());
-  if (const auto psi = place("psi")) return rate[*psi];
-  const auto d_x = place("d_x"), d_y = place("d_y");
-  return d_x && d_y ? x[*d_x] * rate[*d_y] - x[*d_y] * rate[*d_x] : 0.0;
+  if (roles.angle >= 0) return rate[size(roles.angle)];
+  const std::size_t d_x = size(roles.direction[0]), d_y = size(roles.direction[1]);
+  return x[d_x] * rate[d_y] - x[d_y] * rate[d_x];
 }
 
 const std::filesystem::path& prepared(const std::filesystem::path& folder) {
@@ -117,6 +112,7 @@ class Log::Files {
   };
   struct BodyChannels {
     BodyId body;
+    StateRoles roles;
     Channel state, pose, twist;
     std::optional<Channel> measured{}, input{}, path{}, reference{}, barrier{};
     std::size_t robot = 0;  // its place among the robots
@@ -261,7 +257,7 @@ void Log::Files::begin() {
 
 void Log::Files::open_body(BodyId body, bool is_measured, bool has_barrier) {
   const std::string topic = fmt::format("/{}/", team_.name(body));
-  BodyChannels channels{body, open(schemas_.state, topic + "state", "json"),
+  BodyChannels channels{body, roles_of(team_.model(body)), open(schemas_.state, topic + "state", "json"),
                         open(schemas_.pose, topic + "pose", "cdr"),
                         open(schemas_.twist, topic + "twist", "cdr")};
   if (is_measured) channels.measured = open(schemas_.pose, topic + "measured", "cdr");
@@ -271,7 +267,7 @@ void Log::Files::open_body(BodyId body, bool is_measured, bool has_barrier) {
     if (has_barrier) channels.barrier = open(schemas_.barrier, topic + "barrier", "json");
     channels.robot = robots_++;
     const Agent& agent = team_.agent(body);
-    if (tracks_position(agent) || tracks_heading(agent)) {
+    if (tracks_position(agent, channels.roles) || tracks_heading(agent, channels.roles)) {
       channels.reference = open(schemas_.reference, topic + "reference", "json");
     }
   }
@@ -333,7 +329,8 @@ void Log::Files::add_body(BodyChannels& channels, const Sample& sample) {
   if (channels.measured) add_pose(*channels.measured, model, sample.measured.data() + offset, sample.time);
   if (!all_finite({x, nx}) || !all_finite({u, size(model.nu())})) return;
   const Vec3<double> v = model.sight(x, u).v;
-  encode_twist(bytes_, frame, {nanoseconds(sample.time), {v.x, v.y, v.z}, {0, 0, turn_rate(model, x, u)}});
+  encode_twist(bytes_, frame,
+               {nanoseconds(sample.time), {v.x, v.y, v.z}, {0, 0, turn_rate(model, channels.roles, x, u)}});
   send_bytes(channels.twist, sample.time);
 }
 
@@ -380,6 +377,7 @@ void Log::Files::add_path(BodyChannels& channels, const Sample& sample) {
 }
 
 void Log::Files::add_reference(BodyChannels& channels, double time) {
+  const StateRoles& roles = channels.roles;
   const Agent* const steered = summary_.agent(channels.body);
   if (steered == nullptr) return;
   const Agent& agent = *steered;
@@ -387,8 +385,8 @@ void Log::Files::add_reference(BodyChannels& channels, double time) {
   agent.x_ref(time, agent.model, x_ref_);
   const Pose<double> pose = agent.model.sight(x_ref_.data(), no_input_.data());
   begin_text(time);
-  if (tracks_position(agent)) put(text_, "p", std::array{pose.p.x, pose.p.y, pose.p.z});
-  if (tracks_heading(agent) && !(pose.d.x == 0 && pose.d.y == 0)) {
+  if (tracks_position(agent, roles)) put(text_, "p", std::array{pose.p.x, pose.p.y, pose.p.z});
+  if (tracks_heading(agent, roles) && !(pose.d.x == 0 && pose.d.y == 0)) {
     put(text_, "d", std::array{pose.d.x, pose.d.y});
   }
   send_text(*channels.reference, time);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 
 #include "sightline/io/campaign_parts.hpp"
 #include "sightline/io/closed_loop.hpp"
@@ -150,6 +151,7 @@ class Reader {
                   .limits = read_limits(at, bound("u_min", model.u_min()), bound("u_max", model.u_max()))};
       const std::vector<double> start = read_start(at.table("start", "a table with p and heading"), model);
       check_motion(at, model, start, agent.u_ref);
+      if (is_present(at)) check_place(name, at, model.sight(start.data(), agent.u_ref.data()).p);
       scenario_.x0.insert(scenario_.x0.end(), start.begin(), start.end());
 
       Observer observer{name, {}};
@@ -171,6 +173,16 @@ class Reader {
     std::vector<double> rate(start.size());
     model.f(start.data(), u_ref.data(), rate.data());
     if (!all_finite(rate)) at.refuse("start", "a state in which the rates of the robot are finite");
+  }
+
+  /// Refuses a robot that starts in the place of another, unless a campaign draws the starts.
+  void check_place(const std::string& name, const TomlTable& at, const Vec3<double>& p) {
+    constexpr double one_place = 1e-3;  // m
+    for (const auto& [other, place] : places_) {
+      if (root_.has("campaign") || norm(p - place) >= one_place) continue;
+      at.table("start").refuse("p", fmt::format("a place of its own, {} starts there", other));
+    }
+    places_.emplace_back(name, p);
   }
 
   /// Refuses a u_min that is not below its u_max; `where` is the key that holds it.
@@ -295,6 +307,7 @@ class Reader {
   Scenario& scenario_;
   Observers observers_;
   std::unordered_map<std::string, BodyId> bodies_;
+  std::vector<std::pair<std::string, Vec3<double>>> places_;  // of the robots that are there at first
 };
 
 }  // namespace

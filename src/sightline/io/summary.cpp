@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -27,14 +29,9 @@ constexpr double lost_after = 2.0;        // out of view at the end for so long 
 constexpr std::size_t events_max = 1000;  // in the summary; the log has all
 constexpr double solves_reserved = 1e6;   // at most at the start
 
-bool weighs(const Agent& agent, std::initializer_list<std::string_view> prefixes) {
-  const auto states = agent.model.states();
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    for (const std::string_view prefix : prefixes) {
-      if (states[i].starts_with(prefix) && agent.Q[i] > 0) return true;
-    }
-  }
-  return false;
+bool weighs(const Agent& agent, std::span<const int> states) {
+  return std::any_of(states.begin(), states.end(),
+                     [&](int k) { return k >= 0 && agent.Q[static_cast<std::size_t>(k)] > 0; });
 }
 
 double share(std::int64_t part, std::int64_t whole) {
@@ -53,8 +50,10 @@ double counted(double value) { return std::isfinite(value) ? value : none; }
 
 }  // namespace
 
-bool tracks_position(const Agent& agent) { return weighs(agent, {"p_"}); }
-bool tracks_heading(const Agent& agent) { return weighs(agent, {"d_", "psi"}); }
+bool tracks_position(const Agent& agent, const StateRoles& roles) { return weighs(agent, roles.position); }
+bool tracks_heading(const Agent& agent, const StateRoles& roles) {
+  return weighs(agent, roles.direction) || weighs(agent, std::array{roles.angle});
+}
 
 Summary::Summary(const Scenario& scenario, std::size_t controllers)
     : scenario_(scenario),
@@ -71,7 +70,7 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
   }
   for (const Constraint& c : team.constraints()) add_limit(c.term.potential, c.agent, c.agent);
   for (int i = 0; i < team.bodies(); ++i) {
-    if (team.is_agent(BodyId{i})) robots_.push_back({BodyId{i}});
+    if (team.is_agent(BodyId{i})) robots_.push_back({BodyId{i}, roles_of(team.model(BodyId{i}))});
   }
   sights_.resize(static_cast<std::size_t>(team.bodies()));
   presence_.assign(sights_.size(), Presence::steered);
@@ -198,7 +197,8 @@ void Summary::add_robots(const Sample& sample) {
     const Agent& agent = *steered;
     const double* u = sample.u.data() + scenario_.team.input_offset(robot.body);
     for (std::size_t i = 0; i < agent.R.size(); ++i) robot.energy += period_ * agent.R[i] * u[i] * u[i];
-    if (!tracks_position(agent) || sample.time < scenario_.simulation.rms_from - same_time) continue;
+    if (!tracks_position(agent, robot.roles) || sample.time < scenario_.simulation.rms_from - same_time)
+      continue;
     x_ref_.resize(agent.Q.size());
     agent.x_ref(sample.time, agent.model, x_ref_);
     const Vec3<double> e = sight(robot.body).p - agent.model.sight(x_ref_.data(), agent.u_ref.data()).p;

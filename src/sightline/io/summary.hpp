@@ -14,14 +14,15 @@
 #include "sightline/io/safety_summary.hpp"
 #include "sightline/io/scenario.hpp"
 #include "sightline/io/time_in_force.hpp"
+#include "sightline/model/state_roles.hpp"
 #include "sightline/potential/potential.hpp"
 #include "sightline/run/sample.hpp"
 
 namespace sightline {
 
 /// Whether the agent's Q asks for a place, or for a heading: only then a reference is one to be judged by.
-bool tracks_position(const Agent& agent);
-bool tracks_heading(const Agent& agent);
+bool tracks_position(const Agent& agent, const StateRoles& roles);
+bool tracks_heading(const Agent& agent, const StateRoles& roles);
 
 /// The numbers of a run. Not a number: there was nothing to compute it from.
 struct SummaryValues {
@@ -126,6 +127,7 @@ class Summary {
   };
   struct Robot {
     BodyId body;
+    StateRoles roles;
     double squared_error = 0.0, energy = 0.0;
     std::int64_t errors = 0;
     bool is_idle = false;  // asked to observe, and nobody is there

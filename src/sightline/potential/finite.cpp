@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <random>
 
 #include "sightline/formula/derive.hpp"
@@ -20,7 +21,12 @@ using Random = std::mt19937_64;
 using Numbers = std::array<double, inputs>;
 
 /// Value, gradient and Hessian, each distinct entry once.
-Program record(const Potential& potential) {
+struct Recorded {
+  Program program;
+  bool sees_time;
+};
+
+Recorded record(const Potential& potential) {
   Graph graph;
   const std::vector<Symbol> z = variables(graph, 0, inputs);
   const Term l =
@@ -37,7 +43,7 @@ Program record(const Potential& potential) {
   const auto by_node = [](Term a, Term b) { return a.node < b.node; };
   std::sort(outputs.begin() + 1, outputs.end(), by_node);
   outputs.erase(std::unique(outputs.begin() + 1, outputs.end()), outputs.end());
-  return Program(graph, outputs, inputs);
+  return {Program(graph, outputs, inputs), !graph.is_zero(d.first.back())};
 }
 
 Sight<double> draw_sight(Random& random, double reach, bool on_axes) {
@@ -51,43 +57,96 @@ Sight<double> draw_sight(Random& random, double reach, bool on_axes) {
   return {{{place(), place(), place()}, d}, {place() / 10, place() / 10, place() / 10}};
 }
 
-Numbers draw(Random& random) {
+Numbers draw(Random& random, const FiniteSearch& search) {
   constexpr std::array reaches = {0.3, 3.0, 30.0};
   const bool on_axes = random() % 4 == 0;
   const double reach = reaches[random() % reaches.size()];
+  const Vec3<double> centre = random() % 2 == 0 ? Vec3<double>{} : search.centre;
   Numbers z;
-  write_sight(draw_sight(random, reach, on_axes), z);
-  write_sight(draw_sight(random, reach, on_axes), std::span(z).subspan(sight_size));
-  z.back() = std::uniform_real_distribution<double>(0.0, 100.0)(random);
+  for (const std::size_t first : {std::size_t{0}, std::size_t{sight_size}}) {
+    Sight<double> sight = draw_sight(random, reach, on_axes);
+    sight.p = sight.p + centre;
+    write_sight(sight, std::span(z).subspan(first));
+  }
+  z.back() = std::uniform_real_distribution<double>(search.from, search.until)(random);
   return z;
+}
+
+/// Looks at many places at once for one that is no number.
+class Seeker {
+ public:
+  explicit Seeker(const Program& program)
+      : program_(program), in_(inputs, batch), out_(program.outputs(), batch), evaluation_(program, batch) {
+    for (int i = 0; i < inputs; ++i) evaluation_.input(i, in_[i]);
+    for (int i = 0; i < program.outputs(); ++i) evaluation_.output(i, out_[i]);
+  }
+
+  /// The first of `count` numbers that `next` gives.
+  template <class Next>
+  std::optional<Numbers> first(std::int64_t count, Next&& next) {
+    for (std::int64_t done = 0; done < count; done += batch) {
+      std::array<Numbers, batch> drawn;
+      for (int k = 0; k < batch; ++k) {
+        Numbers& z = drawn[static_cast<std::size_t>(k)];
+        z = next(done + k);
+        for (int i = 0; i < inputs; ++i) in_[i][k] = z[static_cast<std::size_t>(i)];
+      }
+      evaluation_.run();
+      for (int k = 0; k < batch; ++k) {
+        for (int i = 0; i < program_.outputs(); ++i) {
+          if (!std::isfinite(out_[i][k])) return drawn[static_cast<std::size_t>(k)];
+        }
+      }
+    }
+    return {};
+  }
+  bool finite(const Numbers& z) const {
+    const std::vector<double> out = evaluate(program_, z);
+    return std::all_of(out.begin(), out.end(), [](double v) { return std::isfinite(v); });
+  }
+
+ private:
+  const Program& program_;
+  Rows in_, out_;
+  Evaluation evaluation_;
+};
+
+/// Until when it is finite at a place where it is not at its time; none if it is not at the beginning either.
+std::optional<double> end_of(const Seeker& seeker, Numbers z, double from) {
+  double bad = z.back();
+  z.back() = from;
+  if (!seeker.finite(z)) return {};
+  double good = from;
+  for (int n = 0; n < 60; ++n) {
+    z.back() = 0.5 * (good + bad);
+    (seeker.finite(z) ? good : bad) = z.back();
+  }
+  return good;
 }
 
 }  // namespace
 
-std::optional<Spot> not_finite_at(const Potential& potential, int samples) {
-  const Program program = record(potential);
-  Rows in(inputs, batch), out(program.outputs(), batch);
-  Evaluation evaluation(program, batch);
-  for (int i = 0; i < inputs; ++i) evaluation.input(i, in[i]);
-  for (int i = 0; i < program.outputs(); ++i) evaluation.output(i, out[i]);
+std::optional<Spot> not_finite_at(const Potential& potential, const FiniteSearch& search) {
+  constexpr double periods_max = 200'000;
+  const Recorded recorded = record(potential);
+  Seeker seeker(recorded.program);
   Random random(1);
-  for (int done = 0; done < samples; done += batch) {
-    std::array<Numbers, batch> drawn;
-    for (int k = 0; k < batch; ++k) {
-      drawn[static_cast<std::size_t>(k)] = draw(random);
-      for (int i = 0; i < inputs; ++i)
-        in[i][k] = drawn[static_cast<std::size_t>(k)][static_cast<std::size_t>(i)];
-    }
-    evaluation.run();
-    for (int k = 0; k < batch; ++k) {
-      for (int i = 0; i < program.outputs(); ++i) {
-        if (std::isfinite(out[i][k])) continue;
-        const Numbers& z = drawn[static_cast<std::size_t>(k)];
-        return Spot{sight_from<double>(z.data()), sight_from<double>(z.data() + sight_size), z.back()};
-      }
-    }
+  auto found = seeker.first(search.samples, [&](std::int64_t) { return draw(random, search); });
+  if (!found && recorded.sees_time && search.period > 0) {
+    const double length = search.until - search.from;
+    const double step = search.period * std::max(1.0, std::ceil(length / search.period / periods_max));
+    const Numbers place = draw(random, search);
+    found = seeker.first(static_cast<std::int64_t>(length / step) + 1, [&](std::int64_t n) {
+      Numbers z = place;
+      z.back() = std::min(search.until, search.from + static_cast<double>(n) * step);
+      return z;
+    });
   }
-  return {};
+  if (!found) return {};
+  const Numbers& z = *found;
+  Spot spot{sight_from<double>(z.data()), sight_from<double>(z.data() + sight_size), z.back(), {}};
+  if (recorded.sees_time) spot.ends = end_of(seeker, z, search.from);
+  return spot;
 }
 
 std::string to_string(const Spot& spot) {
@@ -95,8 +154,10 @@ std::string to_string(const Spot& spot) {
     return fmt::format("at ({:.6g}, {:.6g}, {:.6g}) m heading ({:.6g}, {:.6g})", s.p.x, s.p.y, s.p.z, s.d.x,
                        s.d.y);
   };
-  return fmt::format("observer {}, target {}, t = {:.6g} s", words(spot.observer), words(spot.target),
-                     spot.t);
+  const std::string ends =
+      spot.ends ? fmt::format("; there it is finite until t = {:.6g} s", *spot.ends) : "";
+  return fmt::format("observer {}, target {}, t = {:.6g} s{}", words(spot.observer), words(spot.target),
+                     spot.t, ends);
 }
 
 }  // namespace sightline

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/model/state_roles.hpp"
+
 namespace sightline {
 namespace {
 
@@ -24,17 +26,17 @@ Sensor::Sensor(const Team& team, const SensorOptions& options)
               .heading = stream(Chance::heading_noise),
               .velocity = stream(Chance::velocity_noise),
               .positions = {},
-              .headings = {},
-              .angles = {},
+              .direction = {},
+              .angle = {},
               .velocities = {}};
-    const auto names = part.model.states();
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      const std::size_t at = part.x + k;
-      if (names[k].starts_with("p_")) part.positions.push_back(at);
-      if (names[k] == "d_x") part.headings.push_back(at);
-      if (names[k] == "psi") part.angles.push_back(at);
-      if (names[k].starts_with("v_")) part.velocities.push_back(at);
+    const StateRoles roles = roles_of(part.model);
+    const auto place = [&](int state) { return part.x + static_cast<std::size_t>(state); };
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (roles.position[axis] >= 0) part.positions.push_back({axis, place(roles.position[axis])});
     }
+    if (roles.direction[0] >= 0) part.direction = {place(roles.direction[0]), place(roles.direction[1])};
+    if (roles.angle >= 0) part.angle = place(roles.angle);
+    for (const int state : roles.velocities) part.velocities.push_back(place(state));
     const auto& blind = options.velocity_unknown;
     if (std::find(blind.begin(), blind.end(), BodyId{i}) != blind.end()) {
       unknown_.insert(unknown_.end(), part.velocities.begin(), part.velocities.end());
@@ -130,9 +132,9 @@ void Sensor::spoil(std::size_t part, double t, Mishap& mishap) noexcept {
         break;
       }
       case FaultKind::jump:
-        for (std::size_t axis = 0; hit && axis < std::min<std::size_t>(of.positions.size(), 3); ++axis) {
+        for (const auto& [axis, at] : of.positions) {
           const Vec3<double>& d = one.fault.offset;
-          fresh_[of.positions[axis]] += axis == 0 ? d.x : axis == 1 ? d.y : d.z;
+          if (hit) fresh_[at] += axis == 0 ? d.x : axis == 1 ? d.y : d.z;
         }
         break;
     }
@@ -152,19 +154,20 @@ void Sensor::remember(double t, std::span<const double> x) noexcept {
 
 void Sensor::add_noise(Part& part) noexcept {
   if (noise_.position > 0) {
-    for (const std::size_t i : part.positions) fresh_[i] += noise_.position * part.position.normal();
+    for (const auto& [axis, at] : part.positions) fresh_[at] += noise_.position * part.position.normal();
   }
   if (noise_.velocity > 0) {
     for (const std::size_t i : part.velocities) fresh_[i] += noise_.velocity * part.velocity.normal();
   }
   if (noise_.heading > 0) {
-    for (const std::size_t i : part.headings) {
+    if (part.direction) {
+      const auto [x, y] = *part.direction;
       const SinCos<double> turn = sincos(noise_.heading * part.heading.normal());
-      const Vec2<double> d = rotate<double>({turn.cos, turn.sin}, {fresh_[i], fresh_[i + 1]});
-      fresh_[i] = d.x;
-      fresh_[i + 1] = d.y;
+      const Vec2<double> d = rotate<double>({turn.cos, turn.sin}, {fresh_[x], fresh_[y]});
+      fresh_[x] = d.x;
+      fresh_[y] = d.y;
     }
-    for (const std::size_t i : part.angles) fresh_[i] += noise_.heading * part.heading.normal();
+    if (part.angle) fresh_[*part.angle] += noise_.heading * part.heading.normal();
     // A state that is no state stays as it is: refusing it is the solver's part.
     static_cast<void>(part.model.normalise(&fresh_[part.x]));
   }

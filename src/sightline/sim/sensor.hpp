@@ -1,8 +1,11 @@
 /// What the controllers see of the world: the true state, late, with noise and with injected faults.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sightline/ocp/team.hpp"
@@ -20,9 +23,9 @@ struct SensorOptions {
   std::vector<Fault> faults{};
 };
 
-/// Measures all bodies at once, as motion capture does. What a state is, its name tells: p_* a position, d_x
-/// with d_y a heading that is turned by the noise, psi an angle it is added to, v_* a velocity. Headings stay
-/// on the circle.
+/// Measures all bodies at once, as motion capture does. What a state is, the robot's pose and velocity tell
+/// (`StateRoles`): noise and jumps are added to positions, turn headings, which stay on the circle, and are added to
+/// velocities. A robot whose pose is no state gets none.
 ///
 /// Each measurement has a time for each body: that of the state that was seen. Without noise, delay and faults the
 /// measurement is the state, bit for bit. Faults draw from streams of their own.
@@ -44,7 +47,11 @@ class Sensor {
     Model model;
     std::size_t x;
     RandomStream position, heading, velocity;
-    std::vector<std::size_t> positions, headings, angles, velocities;  // in the stacked state
+    // In the stacked state.
+    std::vector<std::pair<std::size_t, std::size_t>> positions;  // axis of G, place
+    std::optional<std::array<std::size_t, 2>> direction{};
+    std::optional<std::size_t> angle{};
+    std::vector<std::size_t> velocities;
   };
   /// A fault of one body.
   struct Injection {
