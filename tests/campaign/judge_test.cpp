@@ -25,6 +25,7 @@ class Flown {
     sample.x = {0, 0, 1, 1, 0, 0, 0, 2, 0, 1, 0, 0, 0};
     sample.u = sample.raw_u = {0, 0, 0, 0};
     sample.measured = sample.x;
+    sample.presence = {Presence::steered, Presence::hold};
     sample.solvers.resize(1);
     judge_.emplace(scenario_, plan_, sample);
   }
@@ -165,6 +166,27 @@ TEST(Judge, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
     }
     EXPECT_EQ(flown.result().outcome, failed > 50 ? Outcome::failed : Outcome::recovered) << failed;
   }
+}
+
+TEST(Judge, ChatterAndDriftAreToldAndAreNoOutcome) {
+  CampaignPlan longer = plan();
+  longer.duration = 20.0;
+  const auto result_of = [&](double climb_rate, double jump) {
+    Flown flown(longer);
+    for (int i = 0; i < 2000; ++i) {
+      flown.sample().x[2] = 1.0 + climb_rate * period * i;
+      flown.fly(2.0, i % 2 == 0 ? jump : 0.0);
+    }
+    return flown.result();
+  };
+  EXPECT_EQ(result_of(0.0, 0.0).chatter, 0.0);
+  EXPECT_EQ(result_of(0.0, 0.0).drift, 0.0);
+  EXPECT_EQ(result_of(0.0, 0.3).chatter, 1.0);
+  EXPECT_NEAR(result_of(0.05, 0.0).drift, 0.05, 1e-9);
+  EXPECT_EQ(result_of(0.05, 0.3).outcome, Outcome::recovered);
+  Flown brief(plan());
+  brief.fly_to_end(2.0);
+  EXPECT_TRUE(std::isnan(brief.result().drift));
 }
 
 TEST(Judge, EnergyAndStatusesAreSummed) {

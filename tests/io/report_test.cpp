@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -205,6 +206,89 @@ TEST(DrawingsOf, NameThePapersTimeBesideTheMeanOfItsSolverAlone) {
               AllOf(HasSubstr("mean 0.05"), HasSubstr("the paper reports 2.5 ms")));
   run.solver = "newton_riccati";
   EXPECT_THAT(mean_of(drawings_of(run)), AllOf(HasSubstr("mean 0.05"), Not(HasSubstr("paper"))));
+}
+
+TEST(DrawingsOf, ShareTheirTimeAxisAndMarkEachEventByItsNumber) {
+  Recording run = flown(300);
+  run.bodies[0].barrier.assign(300, 0.0);
+  run.bodies[0].barrier[100] = 1.0;
+  run.events = {
+      {0.1, "solver_status", 0, 1.0}, {0.5, "hold", 0, 0.0}, {0.51, "hold", 0, 1.0}, {2.0, "valid", 0, 0.0}};
+  int panels = 0;
+  for (const Drawing& drawing : drawings_of(run)) {
+    for (const auto& panel : drawing.panels) {
+      if ((panel.x_label.empty() ? drawing.panels.back() : panel).x_label != "t [s]") continue;
+      ++panels;
+      ASSERT_TRUE(panel.x_range) << drawing.title;
+      EXPECT_EQ((*panel.x_range)[0], 0.0);
+      EXPECT_NEAR((*panel.x_range)[1], 3.0, 1e-9);
+      ASSERT_EQ(panel.moments.size(), 2U);
+      EXPECT_EQ(panel.moments[0].x, 0.5);
+      EXPECT_EQ(panel.moments[0].text, &panel == &drawing.panels.front() ? "1…" : "") << drawing.title;
+      EXPECT_EQ(panel.moments[1].x, 2.0);
+    }
+  }
+  EXPECT_GT(panels, 8);
+  EXPECT_THAT(report_html(run, ""),
+              AllOf(HasSubstr("<th scope=\"row\">3: 2.00 s</th>"), HasSubstr("Dotted vertical lines")));
+  run.events.clear();
+  EXPECT_THAT(report_html(run, ""), Not(HasSubstr("Dotted")));
+}
+
+TEST(DrawingsOf, CaptionsSpeakOfWhatIsThereAlone) {
+  Recording run = flown(20);
+  EXPECT_THAT(drawing_of(drawings_of(run), "Positions").caption, HasSubstr("dashed"));
+  EXPECT_THAT(drawing_of(drawings_of(run), "Headings").caption, Not(HasSubstr("dashed")));
+  for (auto& body : run.bodies) body.reference_time.clear(), body.reference_p.clear();
+  EXPECT_THAT(drawing_of(drawings_of(run), "Positions").caption, Not(HasSubstr("dashed")));
+}
+
+TEST(DrawingsOf, HeightsHaveTheFloorAndTheCeilingWhereSomebodyIsNear) {
+  Recording run = flown(20);
+  const auto levels = [&] {
+    const auto drawings = drawings_of(run);
+    const auto& curves = drawing_of(drawings, "Positions").panels[2].curves;
+    return std::count_if(curves.begin(), curves.end(),
+                         [](const auto& curve) { return curve.colour == Drawing::limit_colour; });
+  };
+  EXPECT_EQ(levels(), 0);
+  run.floor = 0.3, run.ceiling = 10.0;
+  EXPECT_EQ(levels(), 1);
+  run.ceiling = 0.7;
+  EXPECT_EQ(levels(), 2);
+}
+
+TEST(DrawingsOf, OfManyRobotsThoseThatCameNearestHaveCurvesOfTheirOwn) {
+  Random random(5);
+  Recording run = walked(random, 100, 40);
+  run.bodies[77].p[20] = run.bodies[33].p[20];
+  const auto drawings = drawings_of(run);
+  std::size_t inputs = 0, pairs = 0;
+  std::string names;
+  for (const Drawing& drawing : drawings) {
+    pairs += drawing.title.find(" sees ") != std::string::npos;
+    if (drawing.title.starts_with("Positions")) names += drawing.title;
+    for (const auto& panel : drawing.panels) inputs += panel.y_label.ends_with("u [-]");
+  }
+  EXPECT_EQ(inputs, 12U);
+  EXPECT_EQ(pairs, 12U);
+  EXPECT_THAT(names, AllOf(HasSubstr("robot33"), HasSubstr("robot77")));
+  EXPECT_THAT(report_html(run, ""), HasSubstr("Of the 100 robots"));
+}
+
+TEST(ReportHtml, HasTheTeamInPartsWhereTheFileIsOfThisRun) {
+  Scenario scenario;
+  scenario.team = paper::team(paper::Variant::joint);
+  const std::string summary = Summary(scenario, 1).json();
+  const std::string parts =
+      R"({"parts": [["uav0"], ["uav1"]], "order": "parallel", "exchanges": 2, "cost": 0.0,
+      "whole_cost": 0.0, "cost_excess": 0.01, "part_us": 5.0, "moments": 3, "sweeps": [{"sweep": 1,
+      "input": {"median": 1.0}, "cost": {"median": 0.1}, "kkt": {"median": 0.01}}]})";
+  EXPECT_THAT(report_html(flown(5), summary, parts),
+              AllOf(HasSubstr("The team in parts"), HasSubstr("uav0, uav1")));
+  const std::string other = std::string(parts).replace(parts.find("\"cost\": 0.0"), 11, "\"cost\": 1.0");
+  EXPECT_THAT(report_html(flown(5), summary, other), Not(HasSubstr("The team in parts")));
+  EXPECT_THROW(report_html(flown(5), summary, "{}"), std::runtime_error);
 }
 
 TEST(ReportHtml, IsOnePageThatAsksForNoOtherFile) {

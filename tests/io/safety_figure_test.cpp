@@ -41,6 +41,19 @@ TEST(SafetyFigure, RungsAreStepsFromTheFirstToTheEnd) {
   EXPECT_EQ(drawing->panels[0].x_label, "t [s]");
 }
 
+TEST(SafetyFigure, ValuesHaveNamesAndTheCaptionSpeaksOfWhatIsThereAlone) {
+  Recording r = two_robots();
+  r.events = {{0.2, "hold", 0, 1.0}};
+  EXPECT_EQ(safety_drawing(r)->panels[0].y_names.at(3), "hold");
+  EXPECT_EQ(safety_drawing(r)->caption.find("barrier"), std::string::npos);
+  r.events.clear();
+  r.bodies[0].barrier.assign(10, 1.0);
+  const auto drawing = safety_drawing(r);
+  EXPECT_EQ(drawing->panels[0].y_names, (std::vector<std::string>{"", "a", "b"}));
+  EXPECT_EQ(drawing->panels[0].y_range, (std::array{0.4, 2.6}));
+  EXPECT_NE(drawing->caption.find("barrier"), std::string::npos);
+}
+
 TEST(SafetyFigure, TheBarrierIsALineWhereItActs) {
   Recording r = two_robots();
   r.bodies[1].barrier = {0, 1, 1, 0, 0, 0, 1, 1, 1, 1};

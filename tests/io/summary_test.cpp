@@ -1,6 +1,7 @@
 #include "sightline/io/summary.hpp"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/distance.hpp"
+#include "sightline/potential/region.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/potential/slope.hpp"
 #include "tests/support/random_team.hpp"
@@ -20,6 +22,8 @@ namespace sightline {
 namespace {
 
 using Json = nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
 
 Scenario scenario_of(Team team) {
   Scenario scenario;
@@ -272,15 +276,119 @@ TEST(Summary, KeysStandAsDocumentedInTheirOrder) {
   const auto json = nlohmann::ordered_json::parse(summary.json());
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);
-  EXPECT_EQ(keys,
-            (std::vector<std::string>{"scenario", "seed", "version", "solver", "updates", "cost", "solve_us",
-                                      "allocations_per_update", "status", "without_plan", "not_finite",
-                                      "input_violations", "applied_violations", "max_abs_input",
-                                      "min_distance", "pairs", "agents", "limits", "events"}));
+  EXPECT_EQ(keys, (std::vector<std::string>{"scenario",
+                                            "seed",
+                                            "version",
+                                            "solver",
+                                            "settle",
+                                            "updates",
+                                            "cost",
+                                            "solve_us",
+                                            "allocations_per_update",
+                                            "status",
+                                            "without_plan",
+                                            "not_finite",
+                                            "input_violations",
+                                            "applied_violations",
+                                            "max_abs_input",
+                                            "min_distance",
+                                            "pairs",
+                                            "agents",
+                                            "limits",
+                                            "chatter",
+                                            "drift",
+                                            "events"}));
   EXPECT_EQ(json.at("scenario"), "some \"name\"");
   EXPECT_TRUE(json.at("pairs").at(0).at("distance").at("min").is_null());
   EXPECT_EQ(json.at("events").size(), 1U);
   EXPECT_EQ(json.at("events").at(0).at("name"), "input_refused observer");
+}
+
+// Some line whose name begins so; none: "".
+std::string line_of(const Summary& summary, std::string_view what) {
+  for (const SummaryLine& line : summary_lines(summary.json())) {
+    if (line.what.starts_with(what)) return line.value;
+  }
+  return "";
+}
+
+TEST(Summary, AnInputThatJumpsToAndFroIsToldWithItsCure) {
+  for (const bool as_text : {true, false}) {
+    Scenario scenario = watch();
+    const BodyId target = scenario.team.find("target");
+    if (as_text) scenario.team.couple(1.0 * Region("distance < 9 m"), Between{BodyId{0}, target});
+    Summary summary(scenario, 1);
+    EXPECT_EQ(line_of(summary, "chatter"), "");
+    for (int k = 0; k < 200; ++k) {
+      Sample sample = sample_of(scenario, 0.01 * k);
+      sample.u[3] = k % 2 == 0 ? 0.41 : 0.0;
+      summary.add(sample);
+    }
+    const Json found = Json::parse(summary.json()).at("chatter");
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].at("agent"), "observer");
+    EXPECT_EQ(found[0].at("input"), "u_psi");
+    EXPECT_NEAR(found[0].at("jump"), 0.41, 1e-12);
+    EXPECT_THAT(line_of(summary, "chatter of observer"), HasSubstr("u_psi jumps"));
+    EXPECT_THAT(line_of(summary, "chatter of observer"), HasSubstr(as_text ? "smooth" : "a larger R"));
+  }
+}
+
+TEST(Summary, ATeamThatLeavesIsToldWithItsSpeedUnlessItLandsOrTheRunIsShort) {
+  const auto flown = [&](int seconds, int lands_at) {
+    Team team;
+    team.add(Multirotor{}, {.Q = {0, 0, 0, 0, 0, 1, 1}, .name = "free"});
+    const Scenario scenario = scenario_of(std::move(team));
+    Summary summary(scenario, 1);
+    for (int k = 0; k < 10 * seconds; ++k) {
+      Sample sample = sample_of(scenario, 0.1 * k);
+      sample.presence = {Presence::steered};
+      sample.x[2] = 0.1 * k;
+      if (k == lands_at)
+        sample.events[static_cast<std::size_t>(sample.event_count++)] = {0.1 * k, EventKind::land};
+      summary.add(sample);
+    }
+    return std::pair(Json::parse(summary.json()).at("drift"), line_of(summary, "drift of free"));
+  };
+  const auto [drift, line] = flown(20, -1);
+  ASSERT_EQ(drift.size(), 1U);
+  EXPECT_NEAR(drift[0].at("speed"), 1.0, 1e-9);
+  EXPECT_THAT(line, HasSubstr("(0.000, 0.000, 1.000) m/s"));
+  EXPECT_TRUE(flown(20, 50).first.empty());
+  EXPECT_TRUE(flown(5, -1).first.is_null());
+}
+
+TEST(Summary, LinesTellUnitsAndWhyAPairIsNotJudged) {
+  const Scenario scenario = watch();
+  Summary summary(scenario, 1);
+  add_watch(summary, scenario, 0.0, false, 0.5);
+  EXPECT_THAT(line_of(summary, "limit keep_out"), testing::EndsWith("by up to 0.500 m"));
+  EXPECT_THAT(line_of(summary, "limit sensor_cone"), testing::EndsWith(" rad"));
+  EXPECT_EQ(line_of(summary, "observer sees target"), "not judged: nothing after settle = 1.00 s");
+  EXPECT_THAT(line_of(summary, "cost"), HasSubstr("which has no unit, summed over time"));
+  for (const SummaryLine& line : summary_lines(summary.json()))
+    EXPECT_THAT(line.value, Not(HasSubstr(" - "))) << line.what;
+}
+
+TEST(Summary, OfManyTheWorstTwelveAreToldAndHowManyMoreThereAre) {
+  Team team;
+  for (int i = 0; i < 40; ++i)
+    team.add(Multirotor{}, {.Q = {1, 1, 1, 0, 0, 0, 0}, .name = fmt::format("r{}", i)});
+  const Scenario scenario = scenario_of(std::move(team));
+  Summary summary(scenario, 1);
+  for (int k = 0; k < 30; ++k) {
+    Sample sample = sample_of(scenario, 0.1 * k);
+    for (std::size_t i = 0; i < 40; ++i) sample.x[7 * i] = static_cast<double>((7 * i) % 40);
+    summary.add(sample);
+  }
+  std::vector<std::string> told;
+  for (const SummaryLine& line : summary_lines(summary.json())) {
+    if (line.what.starts_with("r")) told.push_back(line.what);
+  }
+  ASSERT_EQ(told.size(), 12U);
+  EXPECT_EQ(told[0], "r17") << "its error is 39 m";
+  EXPECT_EQ(line_of(summary, "..."), "28 more robots, none of them worse");
+  EXPECT_EQ(Json::parse(summary.json()).at("agents").size(), 40U);
 }
 
 TEST(Summary, LinesRefuseWhatIsNoSummary) {

@@ -47,6 +47,16 @@ TEST(TeamJson, bodies_pairs_and_events_are_told_in_their_order) {
   EXPECT_EQ(json["events"], nlohmann::json({"look away"}));
 }
 
+TEST(TeamJson, HardDistancesAndTheFloorAreToldWhereThereAreSome) {
+  const auto without = nlohmann::json::parse(team_json(parse_scenario(scene, "a.toml")));
+  EXPECT_FALSE(without.contains("d_hard") || without.contains("floor"));
+  const auto with = nlohmann::json::parse(
+      team_json(parse_scenario(std::string(scene) + "[safety]\nd_hard = 0.5\nfloor = 0.2\n", "a.toml")));
+  EXPECT_EQ(with["d_hard"], nlohmann::json({0.5}));
+  EXPECT_EQ(with["floor"], 0.2);
+  EXPECT_TRUE(with.contains("ceiling"));
+}
+
 TEST(TeamJson, bodies_that_are_coupled_by_many_potentials_are_told_once_for_those_who_feel_them) {
   const auto json = nlohmann::json::parse(team_json(parse_scenario(scene, "a.toml")));
   const auto& couplings = json["couplings"];

@@ -27,6 +27,9 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
       period_(scenario.horizon.dt),
       hold_after_(hold_after(scenario)),
       sample_(std::move(sample)),
+      chatter_(static_cast<std::size_t>(scenario.team.nu())),
+      drift_(scenario.team, scenario.simulation.settle),
+      agents_(static_cast<std::size_t>(scenario.team.bodies())),
       gaps_(sample_.solvers.size()) {
   for (const Observation& pair : observations(team_.couplings())) views_.push_back({pair});
   for (int i = 0; i < team_.bodies(); ++i) {
@@ -34,6 +37,7 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
     if (!team_.is_agent(body)) continue;
     robots_.push_back(body);
     const Agent& agent = team_.agent(body);
+    agents_[at(body)] = &agent;
     u_rest_.insert(u_rest_.end(), agent.u_ref.begin(), agent.u_ref.end());
     for (int j = 0; j < team_.bodies(); ++j) {
       // Two robots once; a robot and what is not controlled, whichever stands first.
@@ -92,6 +96,8 @@ bool Judge::inputs_hold() noexcept {
       const double energy = period_ * agent.R[i] * u[i] * u[i];
       result_.energy += energy;
       result_.energies[r] += energy;
+      chatter_.add(static_cast<std::size_t>(team_.input_offset(robot)) + i, sample_.time, u[i],
+                   high[i] - low[i]);
     }
   }
   return true;
@@ -118,6 +124,7 @@ void Judge::publish() noexcept {
     all_seen = all_seen && view.seen;
   }
   if (all_seen) ++seen_;
+  if (drift_.due(sample_.time)) drift_.mark(sample_.time, sights_, sample_.presence, agents_);
   for (std::size_t c = 0; c < gaps_.size(); ++c) {
     const SolverRecord& record = sample_.solvers[c];
     gaps_[c].add(sample_.time, period_, record);
@@ -140,6 +147,9 @@ RunResult Judge::result(const LoopOutcome& outcome) const {
   result.time_to_first_view = std::isfinite(first) ? first : none;
   result.fraction_in_view =
       views_.empty() || updates_ == 0 ? none : static_cast<double>(seen_) / static_cast<double>(updates_);
+  result.chatter = chatter_.worst_share();
+  const auto drift = drift_.found();
+  result.drift = !drift ? none : drift->empty() ? 0.0 : norm(drift->front().v);
   result.outcome = !sound_ || !outcome.finite || updates_ != periods ? Outcome::failed
                    : too_close_                                      ? Outcome::too_close
                    : !(in_time && at_end)                            ? Outcome::lost

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/io/chatter.hpp"
+#include "sightline/io/drift.hpp"
 #include "sightline/io/scenario.hpp"
 #include "sightline/io/summary.hpp"
 #include "sightline/run/loop.hpp"
@@ -37,6 +39,10 @@ struct RunResult {
   std::array<std::int64_t, status_count> statuses{};
   double energy = 0.0;             ///< sum of dt u'Ru of the applied inputs, all robots [s]
   std::vector<double> energies{};  ///< the same of each robot, in the order of the team
+  double chatter = 0.0;            ///< largest share of the time in which an input alternated at the period
+  /// Greatest speed at which a robot left where it was asked to be, at the end [m/s]; 0: none did; not a number:
+  /// the run was too short to judge.
+  double drift = 0.0;
 };
 
 /// Takes the samples of a loop and judges them as they come; keeps none. The hard distance of a pair is that of
@@ -79,6 +85,9 @@ class Judge final : public Sink<Sample> {
   std::vector<Pair> pairs_;
   std::vector<Sight<double>> sights_;
   std::vector<double> u_rest_, u_min_, u_max_;
+  Chatter chatter_;
+  Drift drift_;
+  std::vector<const Agent*> agents_;  // of all bodies
 
   std::int64_t updates_ = 0, seen_ = 0;
   std::vector<PlanGaps> gaps_;  // of each solver

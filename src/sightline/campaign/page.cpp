@@ -130,9 +130,18 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
   columns.insert(columns.begin(), "energy");
   for (const std::string& column : columns) {
     const std::string quoted = sql_name(column);
-    lines.push_back({column, fmt::format("median {}, 90 % within {} to {}", quantile(quoted, 0.5, "s"),
-                                         quantile(quoted, 0.05, "s"), quantile(quoted, 0.95, "s"))});
+    lines.push_back({column, fmt::format("u'Ru summed over time: median {}, 90 % within {} to {}",
+                                         quantile(quoted, 0.5, "s"), quantile(quoted, 0.05, "s"),
+                                         quantile(quoted, 0.95, "s"))});
   }
+  const auto restless = [&](const char* column, std::string_view unit, std::string_view what) {
+    const std::int64_t these = runs.count(fmt::format("{} > 0", column));
+    lines.push_back({column, these == 0 ? "none"
+                                        : fmt::format("in {} of {} runs {}, at most {}", these, all, what,
+                                                      quantile(column, 1.0, unit))});
+  };
+  restless("chatter", "of the time", "an input jumps to and fro each period");
+  restless("drift", "m/s", "a robot leaves where it was asked to be until the end");
   lines.push_back({"periods with a violation", quantile("(SELECT sum(violations) FROM runs)", 0.0, "")});
   return lines;
 }
@@ -243,10 +252,10 @@ std::string worst(Runs& runs, const std::string& command, const std::filesystem:
     lines += fmt::format("{} --only {} -o {}\n", command, index,
                          shell_word((folder / fmt::format("run_{}", index)).native()));
   }
-  return html +
-         fmt::format(
-             "</table>\n<p class=\"soft\">Each flies again, with its log and report, by</p>\n<pre>{}</pre>\n",
-             escaped(lines));
+  return html + fmt::format(
+                    "</table>\n<p class=\"soft\">A dash: it never came. Each flies again, with its log and "
+                    "report, by</p>\n<pre>{}</pre>\n",
+                    escaped(lines));
 }
 
 }  // namespace

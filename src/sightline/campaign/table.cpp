@@ -13,9 +13,17 @@
 namespace sightline {
 
 std::vector<std::string> fixed_columns() {
-  std::vector<std::string> names = {
-      "index",       "seed",       "outcome", "min_distance", "time_to_first_view", "fraction_in_view",
-      "could_brake", "violations", "energy"};
+  std::vector<std::string> names = {"index",
+                                    "seed",
+                                    "outcome",
+                                    "min_distance",
+                                    "time_to_first_view",
+                                    "fraction_in_view",
+                                    "could_brake",
+                                    "violations",
+                                    "energy",
+                                    "chatter",
+                                    "drift"};
   for (int i = 0; i < status_count; ++i)
     names.push_back(fmt::format("status_{}", to_string(static_cast<Status>(i))));
   return names;
@@ -28,8 +36,8 @@ constexpr std::size_t waiting_max = 4096;        // rows; a disk that cannot kee
 
 std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
   constexpr std::string_view types[] = {
-      "INTEGER PRIMARY KEY", "INTEGER NOT NULL", "TEXT NOT NULL", "REAL", "REAL", "REAL",
-      "INTEGER NOT NULL",    "INTEGER NOT NULL", "REAL NOT NULL"};
+      "INTEGER PRIMARY KEY", "INTEGER NOT NULL", "TEXT NOT NULL", "REAL",          "REAL", "REAL",
+      "INTEGER NOT NULL",    "INTEGER NOT NULL", "REAL NOT NULL", "REAL NOT NULL", "REAL"};
   std::vector<std::string> columns;
   for (const std::string& name : fixed_columns()) {
     const bool typed = columns.size() < std::size(types);
@@ -57,7 +65,7 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
     real(value);
   whole(result.could_brake ? 1 : 0);
   whole(result.violations);
-  real(result.energy);
+  for (const double value : {result.energy, result.chatter, result.drift}) real(value);
   for (const std::int64_t count : result.statuses) whole(count);
   for (const double value : run.values) real(value);
   for (const double value : result.energies) real(value);

@@ -202,8 +202,33 @@ std::string ranges(const Panel& panel, int axes) {
   const double y_low = panel.log_y ? std::max(y.low, 1e-6 * y.high) / 1.3 : panel.log_x ? 0.0 : y.low - air;
   const double y_high = panel.log_y ? 1.6 * y.high : y.high + air;
   if (panel.log_x) return text(x.low / 1.05, x.high * 1.05, y_low, y_high);
-  const double x_air = x.length() > 0 ? 0.003 * x.length() : 1e-3;  // the last tic is seen
-  return text(x.low, x.high + x_air, y_low, y_high);
+  const double x_low = panel.x_range ? (*panel.x_range)[0] : x.low,
+               x_high = panel.x_range ? (*panel.x_range)[1] : x.high;
+  const double x_air = x_high > x_low ? 0.003 * (x_high - x_low) : 1e-3;  // the last tic is seen
+  return panel.y_range ? text(x_low, x_high + x_air, (*panel.y_range)[0], (*panel.y_range)[1])
+                       : text(x_low, x_high + x_air, y_low, y_high);
+}
+
+// Words, vertical lines and names of values.
+std::string notes(const Panel& panel) {
+  std::string script = "unset arrow\n";
+  for (const Drawing::Note& note : panel.labels) {
+    script += fmt::format("set label {} at {},{} left offset 0.4,0.3 font ',10'\n", literal(note.text),
+                          note.x, note.y);
+  }
+  for (const Drawing::Moment& moment : panel.moments) {
+    script += fmt::format("set arrow from {0},graph 0 to {0},graph 1 nohead lc rgb '{1}' lw 1 dt (2,4)\n",
+                          moment.x, colours[Drawing::faint_colour]);
+    if (!moment.text.empty()) {
+      script += fmt::format("set label {} at {},graph 1 left offset 0.2,-0.6 font ',10'\n",
+                            literal(moment.text), moment.x);
+    }
+  }
+  if (panel.y_names.empty()) return script + "set ytics autofreq\n";
+  script += "set ytics (";
+  for (std::size_t i = 0; i < panel.y_names.size(); ++i)
+    script += fmt::format("{}{} {}", i > 0 ? ", " : "", literal(panel.y_names[i]), i);
+  return script + ")\n";
 }
 
 void write_curve(std::ostream& script, const Curve& curve, std::string_view name) {
@@ -261,9 +286,10 @@ void write_panel(std::ostream& script, const Panel& panel, int axes) {
   }
   script << "unset logscale\nset colorbox\nset cbrange [*:*]\nset zrange [*:*]\nset view noequal\n"
          << (panel.log_x ? "set logscale x\n" : "") << (panel.log_y ? "set logscale y\n" : "")
-         << ranges(panel, axes) << "set xlabel " << literal(panel.x_label) << " offset 0,0.4\nset ylabel "
-         << literal(panel.y_label) << (in_space(panel) ? " offset -0.5,0" : " offset 0.5,0")
-         << "\nset format x " << (panel.x_label.empty() ? "''" : "'%g'") << "\nset format y '%g'\n"
+         << ranges(panel, axes) << notes(panel) << "set xlabel " << literal(panel.x_label)
+         << " offset 0,0.4\nset ylabel " << literal(panel.y_label)
+         << (in_space(panel) ? " offset -0.5,0" : " offset 0.5,0") << "\nset format x "
+         << (panel.x_label.empty() ? "''" : "'%g'") << "\nset format y '%g'\n"
          << write_grid(script, panel.grid, space_of(panel));
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     const Curve& curve = panel.curves[i];

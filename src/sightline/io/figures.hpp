@@ -1,7 +1,9 @@
 /// Curves, maps and surfaces as pictures for a page, drawn by gnuplot.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,6 +39,16 @@ struct Drawing {
     std::vector<double> x{}, y{}, z{};  ///< of one length, row by row; none: no grid
     std::string label{};                ///< of z
   };
+  /// Words at a place.
+  struct Note {
+    double x{}, y{};
+    std::string text;
+  };
+  /// A vertical line across a panel, and what stands at its upper end.
+  struct Moment {
+    double x{};
+    std::string text{};
+  };
   struct Panel {
     std::string x_label;  ///< empty: the x axis is that of a panel below
     std::string y_label;
@@ -46,6 +58,10 @@ struct Drawing {
     bool equal_scales = false;  ///< a metre along x is as long as along y
     std::string title{};        ///< above the panel
     Grid grid{};
+    std::optional<std::array<double, 2>> x_range{}, y_range{};  ///< low and high; none: as the curves ask for
+    std::vector<Note> labels{};
+    std::vector<Moment> moments{};
+    std::vector<std::string> y_names{};  ///< of y = 0, 1, ..., in place of the numbers
   };
 
   static constexpr std::size_t colours = 6;  ///< that tell curves apart

@@ -76,6 +76,9 @@ void read_team(const json& team, Recording& run) {
     }
     run.couplings.push_back(coupled);
   }
+  run.d_hard = team.value("d_hard", std::vector<double>{});
+  run.floor = team.value("floor", none);
+  run.ceiling = team.value("ceiling", none);
   run.script = team.value("events", std::vector<std::string>{});
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,9 @@ struct Recording {
   std::vector<Pair> pairs;
   std::vector<Coupled> couplings;
   std::vector<std::vector<std::size_t>> swarms;  ///< of each the robots, in `bodies`, that feel those near by
+  std::vector<double> d_hard;                    ///< the hard distances there are, rising [m]
+  double floor = std::numeric_limits<double>::quiet_NaN(),
+         ceiling = floor;  ///< of [safety], else not a number [m]
   std::vector<Controller> controllers;
   std::vector<Event> events;
   std::vector<std::string> script;      ///< names of the scenario's [[event]]s

@@ -16,9 +16,12 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/io/curves.hpp"
 #include "sightline/io/event_words.hpp"
 #include "sightline/io/graph_figure.hpp"
+#include "sightline/io/nearness_figure.hpp"
 #include "sightline/io/page.hpp"
+#include "sightline/io/paths_figure.hpp"
 #include "sightline/io/safety_figure.hpp"
 #include "sightline/io/summary.hpp"
 #include "sightline/io/swarm_figure.hpp"
@@ -34,76 +37,21 @@ using Numbers = std::vector<double>;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double two_pi = 2 * std::numbers::pi;
-constexpr double paper_update_ms = 2.5;      // of CMSCGMRES on the paper's machine, section 7.2
-constexpr double apart = 1.67;               // between two simultaneous positions of Fig. 20 [s]
-constexpr std::size_t rows_max = 2000;       // of a curve
-constexpr std::size_t rows_of_all = 16'000;  // of a curve times the bodies: a large team's page stays small
-constexpr std::size_t places_max = 600;      // that are joined by a line
-constexpr std::size_t robots_a_figure = 4;   // with a panel each
-constexpr std::size_t label_size_max = 18;   // characters of a name in a legend
-constexpr std::size_t events_max = 50;       // in the page; the log has all
+constexpr double paper_update_ms = 2.5;     // of CMSCGMRES on the paper's machine, section 7.2
+constexpr std::size_t robots_a_figure = 4;  // with a panel each
+constexpr std::size_t events_max = 50;      // in the page; the log has all
+constexpr std::size_t moments_max = 12;     // events that are marked in the curves
+constexpr std::size_t robots_max = 24;      // each with its own curves; of more, those that came nearest
+constexpr std::size_t pairs_max = 12;       // with a figure each; of more, those that saw least
 
-// A name short enough for a legend, cut between two characters.
-std::string label(std::string_view name, std::size_t size = label_size_max) {
-  std::size_t characters = 0;
-  for (std::size_t i = 0; i < name.size(); ++i) {
-    if ((static_cast<unsigned char>(name[i]) & 0xC0) == 0x80) continue;
-    if (++characters > size) return std::string(name.substr(0, i)) + "…";
-  }
-  return std::string(name);
-}
-
-// Columns of a run as curves, thinned so that all extremes stay.
-class Curves {
- public:
-  explicit Curves(const Recording& recording)
-      : recording_(recording),
-        rows_(std::clamp<std::size_t>(rows_of_all / std::max<std::size_t>(1, recording.bodies.size()), 200,
-                                      rows_max)) {}
-
-  // y over x, thinned so that the extremes of both stay.
-  Curve curve(std::string title, std::size_t colour, Mark mark, const Numbers& x, const Numbers& y) const {
-    const std::size_t size = std::min(x.size(), y.size());
-    const std::array columns = {std::span(y).first(size), std::span(x).first(size)};
-    const bool rising = std::is_sorted(x.begin(), x.end());  // extremes of a rising x are its ends
-    Curve result{std::move(title), colour, mark, {}, {}};
-    for (const std::size_t i : rows_to_draw(std::span(columns).first(rising ? 1 : 2), rows_)) {
-      result.x.push_back(x[i]);
-      result.y.push_back(y[i]);
-    }
-    return result;
-  }
-  Curve over_time(std::string title, std::size_t colour, Mark mark, const Numbers& y) const {
-    return curve(std::move(title), colour, mark, recording_.time, y);
-  }
-  // A constant over all of the run.
-  Curve level(std::string title, std::size_t colour, double y) const {
-    const auto& t = recording_.time;
-    return {std::move(title),
-            colour,
-            Mark::dashed,
-            {t.front(), std::max(t.back(), t.front() + recording_.period)},
-            {y, y}};
-  }
-
- private:
-  const Recording& recording_;
-  std::size_t rows_;
-};
-
-using Axis = double Vec3<double>::*;
-
-Numbers along(const std::vector<Vec3<double>>& p, Axis axis) {
-  Numbers result;
-  for (const Vec3<double>& point : p) result.push_back(point.*axis);
-  return result;
-}
-
-// "Positions", or with the names of the first and the last body where there are several such figures.
+// "Positions", or with the names of its bodies where there are several such figures.
 std::string group_title(std::string_view what, const std::vector<std::size_t>& group, const Recording& r,
                         std::size_t all) {
   if (group.size() == all) return std::string(what);
-  return fmt::format("{}: {} to {}", what, r.bodies[group.front()].name, r.bodies[group.back()].name);
+  std::string names;
+  for (const std::size_t i : group)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", label(r.bodies[i].name, 12));
+  return fmt::format("{}: {}", what, names);
 }
 
 std::vector<std::vector<std::size_t>> groups_of(std::size_t size, const std::vector<std::size_t>& bodies) {
@@ -115,11 +63,23 @@ std::vector<std::vector<std::size_t>> groups_of(std::size_t size, const std::vec
   return groups;
 }
 
+// Floor, and the ceiling where somebody came near it.
+bool add_bounds(const Recording& r, const Curves& curves, Panel& panel) {
+  if (!std::isfinite(r.floor)) return false;
+  double highest = none;
+  for (const Curve& curve : panel.curves) {
+    for (const double z : curve.y) highest = std::fmax(highest, z);
+  }
+  panel.curves.push_back(curves.level("", Drawing::limit_colour, r.floor));
+  if (highest > 0.5 * (r.floor + r.ceiling))
+    panel.curves.push_back(curves.level("", Drawing::limit_colour, r.ceiling));
+  return true;
+}
+
 void add_positions(const Recording& r, const Curves& curves, const std::vector<std::size_t>& group,
                    std::size_t all, std::vector<Drawing>& drawings) {
-  Drawing drawing{group_title("Positions", group, r, all),
-                  "In the global frame; dashed: what the robot is asked for.",
-                  {}};
+  Drawing drawing{group_title("Positions", group, r, all), "In the global frame", {}};
+  bool asked = false, bounded = false;
   for (const auto& [name, axis] :
        {std::pair{"x [m]", &Vec3<double>::x}, {"y [m]", &Vec3<double>::y}, {"z [m]", &Vec3<double>::z}}) {
     Panel panel{.x_label = axis == &Vec3<double>::z ? "t [s]" : "", .y_label = name};
@@ -130,9 +90,14 @@ void add_positions(const Recording& r, const Curves& curves, const std::vector<s
       panel.curves.push_back(curves.over_time(title(""), i, Mark::line, along(body.p, axis)));
       panel.curves.push_back(curves.curve(title(" reference"), i, Mark::dashed, body.reference_time,
                                           along(body.reference_p, axis)));
+      asked = asked || !body.reference_p.empty();
     }
+    if (axis == &Vec3<double>::z) bounded = add_bounds(r, curves, panel);
     drawing.panels.push_back(std::move(panel));
   }
+  if (asked) drawing.caption += "; dashed: what the robot is asked for";
+  if (bounded) drawing.caption += "; red: floor and ceiling of [safety]";
+  drawing.caption += ".";
   drawings.push_back(std::move(drawing));
 }
 
@@ -151,10 +116,12 @@ void add_headings(const Recording& r, const Curves& curves, const std::vector<st
     panel.curves.push_back(
         curves.curve(label(body.name) + " reference", i, Mark::dashed, body.reference_time, reference));
   }
-  drawings.push_back(
-      {group_title("Headings", group, r, all),
-       "Angle of the heading, counted on over whole turns; dashed: what the robot is asked for.",
-       {std::move(panel)}});
+  const bool asked = std::any_of(group.begin(), group.end(),
+                                 [&](std::size_t i) { return !r.bodies[i].reference_heading.empty(); });
+  drawings.push_back({group_title("Headings", group, r, all),
+                      fmt::format("Angle of the heading, counted on over whole turns{}.",
+                                  asked ? "; dashed: what the robot is asked for" : ""),
+                      {std::move(panel)}});
 }
 
 void add_inputs(const Recording& r, const Curves& curves, const std::vector<std::size_t>& group,
@@ -198,59 +165,36 @@ void add_pair(const Recording& r, const Curves& curves, const Recording::Pair& p
   angle.curves = {
       curves.over_time("view angle α_t", 0, Mark::line, angles),
       curves.level(fmt::format("limit α = {:.4g} rad", pair.alpha), Drawing::limit_colour, pair.alpha)};
-  drawings.push_back({fmt::format("{} sees {}: distance and view angle", observer.name, target.name),
-                      "The angle lies between the axis of the sensor and the target.",
-                      {std::move(distance), std::move(angle)}});
+  drawings.push_back(
+      {fmt::format("{} sees {}: distance and view angle", observer.name, target.name),
+       fmt::format("The angle lies between the axis of the sensor and the target{}.",
+                   std::isfinite(pair.alpha + pair.d_min + pair.d_max) ? "; dashed: the limits" : ""),
+       {std::move(distance), std::move(angle)}});
 }
 
-// Paths from above; each 1.67 s a line from observer to target and the observer's heading, as Fig. 20.
-void add_paths(const Recording& r, const Curves& curves, std::vector<Drawing>& drawings) {
-  Panel panel{.x_label = "x [m]", .y_label = "y [m]", .height = 620, .equal_scales = true};
-  double low = none, high = none;
-  Curve starts{"start", Drawing::faint_colour, Mark::points, {}, {}};
-  for (std::size_t i = 0; i < r.bodies.size(); ++i) {
-    const Numbers x = along(r.bodies[i].p, &Vec3<double>::x), y = along(r.bodies[i].p, &Vec3<double>::y);
-    if (x.empty()) continue;
-    starts.x.push_back(x.front()), starts.y.push_back(y.front());
-    for (const Numbers* p : {&x, &y}) {
-      for (const double v : *p) low = std::fmin(low, v), high = std::fmax(high, v);
-    }
-    panel.curves.push_back(curves.curve(r.bodies.size() <= Drawing::colours ? label(r.bodies[i].name) : "",
-                                        i % Drawing::colours, Mark::line, x, y));
-  }
-  const double arrow = std::max(0.05, 0.05 * (high - low));
-  const std::size_t stride =
-      std::max({std::size_t{1}, static_cast<std::size_t>(std::lround(apart / std::max(r.period, 1e-4))),
-                r.time.size() / places_max});
-  Curve joined{"at the same time", Drawing::faint_colour, Mark::thin, {}, {}};
-  std::set<std::size_t> observers;
-  for (const Recording::Pair& pair : r.pairs) {
-    observers.insert(pair.observer);
-    const auto &from = r.bodies.at(pair.observer).p, &to = r.bodies.at(pair.target).p;
-    for (std::size_t k = 0; k < std::min(from.size(), to.size()); k += stride) {
-      joined.x.insert(joined.x.end(), {from[k].x, to[k].x, none});
-      joined.y.insert(joined.y.end(), {from[k].y, to[k].y, none});
+// The events to tell: but for changes of the solver's status, which another figure has.
+std::vector<Recording::Event> events_of(const Recording& r) {
+  std::vector<Recording::Event> events;
+  std::copy_if(r.events.begin(), r.events.end(), std::back_inserter(events),
+               [](const Recording::Event& event) { return event.kind != "solver_status"; });
+  return events;
+}
+
+// The events to mark in the curves, by their numbers in the list; those at about the same time together.
+std::vector<Drawing::Moment> moments_of(const Recording& r) {
+  std::vector<Drawing::Moment> moments;
+  const double together = 0.02 * (r.time.back() - r.time.front());
+  const std::vector<Recording::Event> events = events_of(r);
+  for (std::size_t i = 0; i < std::min(events.size(), events_max); ++i) {
+    const Recording::Event& event = events[i];
+    if (moments.empty() || event.time - moments.back().x > together) {
+      if (moments.size() == moments_max) break;
+      moments.push_back({event.time, fmt::format("{}", i + 1)});
+    } else if (!moments.back().text.ends_with("…")) {
+      moments.back().text += "…";
     }
   }
-  for (std::size_t i = 0; i < r.bodies.size() && r.pairs.empty(); ++i) {
-    if (r.bodies[i].is_agent) observers.insert(i);
-  }
-  panel.curves.insert(panel.curves.begin(), std::move(joined));
-  for (const std::size_t i : observers) {
-    const Recording::Body& body = r.bodies[i];
-    Curve headings{"", i % Drawing::colours, Mark::arrows, {}, {}};
-    for (std::size_t k = 0; k < std::min(body.p.size(), body.heading.size()); k += stride) {
-      headings.x.insert(headings.x.end(), {body.p[k].x, body.p[k].x + arrow * std::cos(body.heading[k])});
-      headings.y.insert(headings.y.end(), {body.p[k].y, body.p[k].y + arrow * std::sin(body.heading[k])});
-    }
-    panel.curves.push_back(std::move(headings));
-  }
-  panel.curves.push_back(std::move(starts));
-  drawings.push_back(
-      {"Paths from above",
-       fmt::format("Arrows: headings of {}, each {:.4g} s; grey: places at the same time.",
-                   r.pairs.empty() ? "the robots" : "the observers", static_cast<double>(stride) * r.period),
-       {std::move(panel)}});
+  return moments;
 }
 
 void add_solver(const Recording& r, const Curves& curves, std::vector<Drawing>& drawings) {
@@ -332,6 +276,60 @@ void add_times(const Recording& r, const Curves& curves, std::vector<Drawing>& d
 
 }  // namespace
 
+namespace {
+
+// Pairs whose figures are drawn: of many those that saw least, by the share of the time out of the cone.
+std::vector<Recording::Pair> pairs_to_draw(const Recording& r) {
+  std::vector<Recording::Pair> pairs = r.pairs;
+  if (pairs.size() <= pairs_max) return pairs;
+  std::vector<std::pair<double, std::size_t>> blind;
+  for (std::size_t n = 0; n < pairs.size(); ++n) {
+    const Recording::Body &observer = r.bodies.at(pairs[n].observer), &target = r.bodies.at(pairs[n].target);
+    const std::size_t rows = std::min({observer.p.size(), observer.heading.size(), target.p.size()});
+    double out = 0.0;
+    for (std::size_t k = 0; k < rows; k += 1 + rows / 256) {
+      const double psi = observer.heading[k];
+      if (view_angle(pairs[n].mount, {observer.p[k], {std::cos(psi), std::sin(psi)}}, target.p[k]) >
+          pairs[n].alpha)
+        out += 1.0;
+    }
+    blind.emplace_back(-out, n);
+  }
+  std::sort(blind.begin(), blind.end());
+  std::vector<Recording::Pair> worst;
+  for (std::size_t n = 0; n < pairs_max; ++n) worst.push_back(pairs[blind[n].second]);
+  return worst;
+}
+
+// Robots with curves of their own: of many those that came nearest to another body, in the order of the team.
+std::vector<std::size_t> robots_to_draw(const Recording& r, const std::vector<std::size_t>& robots) {
+  if (robots.size() <= robots_max) return robots;
+  std::set<std::size_t> nearest;
+  for (const Nearness& pair : nearest_pairs(r, robots_max)) {
+    for (const std::size_t body : {pair.first, pair.second}) {
+      if (r.bodies[body].is_agent && nearest.size() < robots_max / 2) nearest.insert(body);
+    }
+  }
+  return {nearest.begin(), nearest.end()};
+}
+
+// All panels over time reach from the begin of the run to its end and have its events.
+void share_time(const Recording& r, const Curves& curves, std::vector<Drawing>& drawings) {
+  const std::vector<Drawing::Moment> moments = moments_of(r);
+  for (Drawing& drawing : drawings) {
+    bool first = true;
+    for (Panel& panel : drawing.panels) {
+      if ((panel.x_label.empty() ? drawing.panels.back() : panel).x_label != "t [s]") continue;
+      panel.x_range = {{r.time.front(), curves.end()}};
+      panel.moments = moments;
+      if (std::exchange(first, false)) continue;
+      for (Drawing::Moment& moment : panel.moments) moment.text.clear();
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<Drawing> drawings_of(const Recording& recording) {
   if (recording.time.empty()) return {};
   const Curves curves(recording);
@@ -340,22 +338,26 @@ std::vector<Drawing> drawings_of(const Recording& recording) {
     all.push_back(i);
     if (recording.bodies[i].is_agent) robots.push_back(i);
   }
+  const std::vector<std::size_t> shown = robots_to_draw(recording, robots);
+  if (shown.size() < robots.size()) all = shown;
   std::vector<Drawing> drawings;
-  for (const Recording::Pair& pair : recording.pairs) add_pair(recording, curves, pair, drawings);
+  for (const Recording::Pair& pair : pairs_to_draw(recording)) add_pair(recording, curves, pair, drawings);
+  if (auto nearness = nearness_drawing(recording, curves)) drawings.push_back(std::move(*nearness));
   if (auto safety = safety_drawing(recording)) drawings.push_back(std::move(*safety));
   if (auto swarm = swarm_drawing(recording)) drawings.push_back(std::move(*swarm));
-  add_paths(recording, curves, drawings);
+  drawings.push_back(paths_drawing(recording, curves));
   for (const auto& group : groups_of(Drawing::colours, all)) {
     add_positions(recording, curves, group, all.size(), drawings);
   }
-  for (const auto& group : groups_of(Drawing::colours, robots)) {
-    add_headings(recording, curves, group, robots.size(), drawings);
+  for (const auto& group : groups_of(Drawing::colours, shown)) {
+    add_headings(recording, curves, group, shown.size(), drawings);
   }
-  for (const auto& group : groups_of(robots_a_figure, robots)) {
-    add_inputs(recording, curves, group, robots.size(), drawings);
+  for (const auto& group : groups_of(robots_a_figure, shown)) {
+    add_inputs(recording, curves, group, shown.size(), drawings);
   }
   add_solver(recording, curves, drawings);
   add_times(recording, curves, drawings);
+  share_time(recording, curves, drawings);
   return drawings;
 }
 
@@ -371,6 +373,13 @@ std::string summary_table(std::string_view summary) {
   return table + "</table>\n";
 }
 
+std::string partition_table(std::string_view summary, std::string_view partition) {
+  if (summary.empty() || partition.empty()) return "";
+  std::string table;
+  for (const SummaryLine& line : partition_lines(summary, partition)) table += row(line.what, line.value);
+  return table.empty() ? table : "<h2>The team in parts</h2>\n<table>\n" + table + "</table>\n";
+}
+
 std::string comparison_table(const Recording& r, std::string_view summary) {
   if (r.comparisons.empty() || summary.empty()) return "";
   std::vector<std::string> summaries{std::string(summary)};
@@ -381,10 +390,11 @@ std::string comparison_table(const Recording& r, std::string_view summary) {
 }
 
 std::string event_table(const Recording& r) {
-  if (r.events.empty()) return "";
-  std::string table = fmt::format("<details><summary>Events ({})</summary>\n<table>\n", r.events.size());
-  for (std::size_t i = 0; i < std::min(r.events.size(), events_max); ++i) {
-    const Recording::Event& event = r.events[i];
+  const std::vector<Recording::Event> events = events_of(r);
+  if (events.empty()) return "";
+  std::string table = fmt::format("<details><summary>Events ({})</summary>\n<table>\n", events.size());
+  for (std::size_t i = 0; i < std::min(events.size(), events_max); ++i) {
+    const Recording::Event& event = events[i];
     const auto name = [&](int body) {
       const auto at = static_cast<std::size_t>(body);
       return at < r.bodies.size() ? r.bodies[at].name : fmt::format("body {}", body);
@@ -393,10 +403,27 @@ std::string event_table(const Recording& r) {
       const auto at = static_cast<std::size_t>(index);
       return at < r.script.size() ? r.script[at] : fmt::format("event {}", index);
     };
-    table += row(fmt::format("{:.2f} s", event.time), event_words(event.kind, event.value, {name, script}));
+    table += row(fmt::format("{}: {:.2f} s", i + 1, event.time),
+                 event_words(event.kind, event.value, {name, script}));
   }
-  if (r.events.size() > events_max) table += row("…", "more in run.mcap");
+  if (events.size() > events_max) table += row("…", "more in run.mcap");
   return table + "</table>\n</details>\n";
+}
+
+// What holds for all figures below.
+std::string notes_of(const Recording& r) {
+  std::string notes;
+  if (!r.time.empty() && !moments_of(r).empty())
+    notes += "Dotted vertical lines are events, by their numbers in the list at the end of the page. ";
+  const auto robots = static_cast<std::size_t>(std::count_if(
+      r.bodies.begin(), r.bodies.end(), [](const Recording::Body& body) { return body.is_agent; }));
+  if (robots > robots_max) {
+    notes += fmt::format(
+        "Of the {} robots those have curves of their own that came nearest to another body. ", robots);
+  }
+  if (r.pairs.size() > pairs_max)
+    notes += fmt::format("Of the {} observers the {} that saw least are drawn. ", r.pairs.size(), pairs_max);
+  return notes.empty() ? notes : fmt::format("<p class=\"soft\">{}</p>\n", escaped(notes));
 }
 
 std::string read_file(const std::filesystem::path& file) {
@@ -411,7 +438,7 @@ std::string read_file(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::string report_html(const Recording& recording, std::string_view summary) {
+std::string report_html(const Recording& recording, std::string_view summary, std::string_view partition) {
   const Recording& r = recording;
   const double end = r.time.empty() ? 0.0 : r.time.back() + r.period;
   std::string page = fmt::format(
@@ -425,7 +452,9 @@ std::string report_html(const Recording& recording, std::string_view summary) {
   }
   if (!summary.empty()) page += summary_table(summary);
   page += comparison_table(r, summary);
+  page += partition_table(summary, partition);
   for (const Figure& figure : graph_figures(r)) page += page_figure(figure);
+  page += notes_of(r);
   for (const Figure& figure : draw(drawings_of(r))) page += page_figure(figure);
   page += event_table(r);
   page += fmt::format("<details><summary>Scenario</summary>\n<pre>{}</pre>\n</details>\n</body>\n</html>\n",
@@ -435,9 +464,11 @@ std::string report_html(const Recording& recording, std::string_view summary) {
 
 void write_report(const std::filesystem::path& folder) {
   const Recording recording = read_recording(folder);
-  const auto summary = folder / "summary.json";
+  const auto text_of = [&](const char* file) {
+    return std::filesystem::exists(folder / file) ? read_file(folder / file) : std::string();
+  };
   write_text(folder / "report.html",
-             report_html(recording, std::filesystem::exists(summary) ? read_file(summary) : std::string()));
+             report_html(recording, text_of("summary.json"), text_of("partition.json")));
 }
 
 }  // namespace sightline

@@ -1,9 +1,12 @@
 #include "sightline/io/safety_figure.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "sightline/io/curves.hpp"
 #include "sightline/safety/ladder.hpp"
 
 namespace sightline {
@@ -57,21 +60,29 @@ Curve acts_of(const Recording& r, std::size_t robot, double height) {
 
 std::optional<Drawing> safety_drawing(const Recording& recording) {
   if (recording.time.empty()) return std::nullopt;
-  Panel rungs{.x_label = "", .y_label = "rung", .height = 180},
-      barrier{.x_label = "t [s]", .y_label = "barrier acts", .height = 140};
+  Panel rungs{.x_label = "", .y_label = "", .height = 180},
+      barrier{.x_label = "t [s]", .y_label = "", .height = 140};
   double height = 0.0;
+  barrier.y_names = {""};
   for (std::size_t i = 0; i < std::min(recording.bodies.size(), robots_shown); ++i) {
     if (!recording.bodies[i].is_agent) continue;
     if (Curve steps = rungs_of(recording, i); !steps.x.empty()) rungs.curves.push_back(std::move(steps));
     height += 1.0;
+    barrier.y_names.push_back(label(recording.bodies[i].name, 10));
     if (Curve acts = acts_of(recording, i, height); !acts.x.empty())
       barrier.curves.push_back(std::move(acts));
   }
-  Drawing drawing{
-      "Safety",
-      "Rungs of the ladder: 0 valid, 1 predicted, 2 slowed, 3 hold, 4 land, 5 grounded. Below, when the "
-      "barrier changed a command; one height for each robot.",
-      {}};
+  Drawing drawing{"Safety", "", {}};
+  if (!rungs.curves.empty()) {
+    for (int i = 0; i < rung_count; ++i) rungs.y_names.emplace_back(to_string(static_cast<Rung>(i)));
+    rungs.y_range = {{-0.3, rung_count - 0.7}};
+    drawing.caption = "What each robot flew by as its data grew old.";
+  }
+  if (!barrier.curves.empty()) {
+    barrier.y_range = {{0.4, height + 0.6}};
+    drawing.caption += fmt::format("{}Lines: when the barrier changed a robot's command.",
+                                   drawing.caption.empty() ? "" : " ");
+  }
   for (Panel* panel : {&rungs, &barrier}) {
     if (!panel->curves.empty()) drawing.panels.push_back(std::move(*panel));
   }

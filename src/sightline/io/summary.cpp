@@ -14,7 +14,14 @@
 #include "sightline/io/event_words.hpp"
 #include "sightline/io/text_file.hpp"
 #include "sightline/io/version.hpp"
+#include "sightline/potential/bearing.hpp"
+#include "sightline/potential/bounds.hpp"
+#include "sightline/potential/distance.hpp"
+#include "sightline/potential/pass_right.hpp"
 #include "sightline/potential/protection.hpp"
+#include "sightline/potential/region.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/slope.hpp"
 
 namespace sightline {
 namespace {
@@ -45,6 +52,18 @@ double quantile(const std::vector<double>& sorted, double q) {
   return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
 }
 
+template <class... Potentials>
+bool is_any_of(const Potential& potential) {
+  return (... || (potential.as<Potentials>() != nullptr));
+}
+
+// Of what a limit is exceeded by.
+std::string_view unit_of(const Potential& limit) {
+  if (is_any_of<SensorCone, Bearing>(limit)) return "rad";
+  if (is_any_of<KeepOut, Cohesion, TooNear, TooFar, PassRight, AltitudeBand, Geofence>(limit)) return "m";
+  return limit.as<Region>() != nullptr ? "in the unit of its formula" : "in its own unit";
+}
+
 // An extreme starts at infinity and stays there where nothing was counted.
 double counted(double value) { return std::isfinite(value) ? value : none; }
 
@@ -61,6 +80,8 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
       safety_(scenario),
       plans_(scenario, controllers),
       period_(scenario.horizon.dt),
+      chatter_(static_cast<std::size_t>(scenario.team.nu())),
+      drift_(scenario.team, scenario.simulation.settle),
       least_distance2_(infinity) {
   const Team& team = scenario_.team;
   const std::vector<Coupling> couplings = all_couplings(scenario_);
@@ -74,6 +95,8 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
   }
   sights_.resize(static_cast<std::size_t>(team.bodies()));
   presence_.assign(sights_.size(), Presence::steered);
+  steered_.resize(sights_.size());
+  landing_.resize(sights_.size());
   find_what_is_in_force();
   const double solves = scenario_.simulation.duration / period_ * static_cast<double>(controllers);
   solve_us_.reserve(static_cast<std::size_t>(std::clamp(solves, 0.0, solves_reserved)) + 1);
@@ -147,7 +170,10 @@ void Summary::find_what_is_in_force() {
 
 void Summary::add(const Sample& sample) {
   const Team& team = scenario_.team;
-  if (present_.follow(sample)) find_what_is_in_force();
+  if (present_.follow(sample)) {
+    find_what_is_in_force();
+    drift_.restart(present_.couplings());
+  }
   std::copy(sample.presence.begin(), sample.presence.end(), presence_.begin());
   ++updates_;
   end_ = sample.time + period_;
@@ -166,6 +192,7 @@ void Summary::add(const Sample& sample) {
   add_limits(sample.time);
   add_solvers(sample);
   plans_.add(sample);
+  add_drift(sample);
   safety_.add(sample.time, sights_, presence_, sample.barriers);
 }
 
@@ -185,6 +212,7 @@ void Summary::add_inputs(const Sample& sample) {
       max_abs_input_ = std::max(max_abs_input_, std::abs(raw));
       input_violations_ += beyond(raw, i) ? 1 : 0;
       applied_violations_ += beyond(sample.u[offset + i], i) ? 1 : 0;
+      chatter_.add(offset + i, sample.time, sample.u[offset + i], u_max_[i] - u_min_[i]);
     }
   }
 }
@@ -273,6 +301,19 @@ void Summary::add_solvers(const Sample& sample) {
   }
 }
 
+void Summary::add_drift(const Sample& sample) {
+  for (int i = 0; i < sample.event_count; ++i) {
+    const Event& event = sample.events[static_cast<std::size_t>(i)];
+    if (event.kind == EventKind::land) landing_[static_cast<std::size_t>(event.value)] = true;
+  }
+  if (!drift_.due(sample.time)) return;
+  for (const Robot& robot : robots_) {
+    const auto i = static_cast<std::size_t>(robot.body.index);
+    steered_[i] = landing_[i] ? nullptr : present_.agent(robot.body);
+  }
+  drift_.mark(sample.time, sights_, presence_, steered_);
+}
+
 std::vector<std::string> Summary::out_of_view() const {
   const Team& team = scenario_.team;
   std::vector<std::string> sentences;
@@ -283,6 +324,32 @@ std::vector<std::string> Summary::out_of_view() const {
     }
   }
   return sentences;
+}
+
+std::vector<SummaryValues::Chatter> Summary::chatter() const {
+  const Team& team = scenario_.team;
+  const auto is_region = [](const Weighted& term) { return term.potential.as<Region>() != nullptr; };
+  const auto feels_region = [&](BodyId robot) {
+    const auto felt = [&](const Coupling& c) {
+      return is_region(c.term) && std::count(c.felt_by.begin(), c.felt_by.end(), robot) > 0;
+    };
+    const auto own = [&](const Constraint& c) { return is_region(c.term) && c.agent == robot; };
+    const std::vector<Coupling> couplings = all_couplings(scenario_);
+    return std::any_of(couplings.begin(), couplings.end(), felt) ||
+           std::any_of(team.constraints().begin(), team.constraints().end(), own);
+  };
+  std::vector<SummaryValues::Chatter> all;
+  for (const Chatter::Found& found : chatter_.found()) {
+    const auto robot = std::find_if(robots_.rbegin(), robots_.rend(), [&](const Robot& r) {
+      return static_cast<std::size_t>(team.input_offset(r.body)) <= found.input;
+    });
+    const std::size_t input = found.input - static_cast<std::size_t>(team.input_offset(robot->body));
+    const auto names = team.model(robot->body).inputs();
+    all.push_back({std::string(team.name(robot->body)),
+                   input < names.size() ? std::string(names[input]) : fmt::format("u_{}", input), found.from,
+                   found.share, found.jump, feels_region(robot->body)});
+  }
+  return all;
 }
 
 SummaryValues Summary::values() const {
@@ -317,8 +384,14 @@ SummaryValues Summary::values() const {
     if (robot.idle.total > 0) v.idle_observers.push_back({name(robot.body), robot.idle});
   }
   for (const Limit& limit : limits_) {
-    v.limits.push_back(
-        {limit.name, share(limit.broken, limit.counted), limit.longest, limit.worst, limit.time});
+    v.limits.push_back({limit.name, share(limit.broken, limit.counted), limit.longest, limit.worst,
+                        std::string(unit_of(limit.potential)), limit.time});
+  }
+  v.chatter = chatter();
+  if (const auto found = drift_.found()) {
+    v.drift.emplace();
+    for (const Drift::Found& drift : *found)
+      v.drift->push_back({name(drift.robot), drift.v, drift.from_reference});
   }
   for (const Event& event : events_) {
     v.events.push_back(
@@ -341,6 +414,7 @@ std::string Summary::json() const {
   json["seed"] = scenario_.simulation.seed;
   json["version"] = version;
   json["solver"] = scenario_.solver.name;
+  json["settle"] = scenario_.simulation.settle;
   json["updates"] = v.updates;
   json["cost"] = v.cost;
   json["solve_us"] = {{"mean", v.solve_us.mean},
@@ -358,7 +432,8 @@ std::string Summary::json() const {
   json["max_abs_input"] = v.max_abs_input;
   json["min_distance"] = v.min_distance;
   if (!scenario_.team.swarms().empty()) json["pairs_active_max"] = v.pairs_active_max;
-  for (const char* list : {"pairs", "agents", "limits", "events"}) json[list] = Json::array();
+  for (const char* list : {"pairs", "agents", "limits", "chatter", "drift", "events"})
+    json[list] = Json::array();
   for (const auto& pair : v.pairs) {
     json["pairs"].push_back({{"observer", pair.observer},
                              {"target", pair.target},
@@ -379,8 +454,27 @@ std::string Summary::json() const {
     json["limits"].push_back({{"name", limit.name},
                               {"fraction", limit.fraction},
                               {"longest", limit.longest},
-                              {"worst", limit.worst}});
+                              {"worst", limit.worst},
+                              {"unit", limit.unit}});
     add_time(json["limits"].back(), limit.in_force);
+  }
+  for (const auto& c : v.chatter) {
+    json["chatter"].push_back({{"agent", c.agent},
+                               {"input", c.input},
+                               {"from", c.from},
+                               {"share", c.share},
+                               {"jump", c.jump},
+                               {"region", c.region}});
+  }
+  if (!v.drift) {
+    json["drift"] = nullptr;
+  } else {
+    for (const auto& d : *v.drift) {
+      json["drift"].push_back({{"agent", d.agent},
+                               {"speed", norm(d.v)},
+                               {"velocity", {d.v.x, d.v.y, d.v.z}},
+                               {"from_reference", d.from_reference}});
+    }
   }
   for (const auto& event : v.events) json["events"].push_back({{"time", event.time}, {"name", event.name}});
   if (const std::string safety = safety_.json(); !safety.empty()) json["safety"] = Json::parse(safety);

@@ -4,11 +4,14 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "sightline/io/chatter.hpp"
+#include "sightline/io/drift.hpp"
 #include "sightline/io/plan_summary.hpp"
 #include "sightline/io/present_team.hpp"
 #include "sightline/io/safety_summary.hpp"
@@ -52,7 +55,20 @@ struct SummaryValues {
     double fraction;   ///< of the time it was broken
     double longest;    ///< [s]
     double worst;      ///< excess, in the limit's unit; 0 while it holds
+    std::string unit;  ///< of `worst`, in words
     TimeInForce in_force;
+  };
+  struct Chatter {
+    std::string agent, input;
+    double from;   ///< [s]
+    double share;  ///< of the time
+    double jump;   ///< mean from period to period meanwhile, as u
+    bool region;   ///< the robot feels a limit as text, which `smooth` makes softer
+  };
+  struct Drift {
+    std::string agent;
+    Vec3<double> v;       ///< mean velocity of the end of the run, in G [m/s]
+    bool from_reference;  ///< else from what it follows, or from where it was
   };
   struct Happening {
     double time;  ///< [s]
@@ -74,6 +90,9 @@ struct SummaryValues {
   std::vector<Idle> idle_observers;
   std::vector<Robot> robots;
   std::vector<Limit> limits;
+  std::vector<Chatter> chatter;  ///< inputs that alternate at the period
+  std::optional<std::vector<Drift>>
+      drift;                      ///< robots that leave, the fastest first; none: not judged, too short
   std::vector<Happening> events;  ///< but for changes of status, which the log has; at most 1000
 };
 
@@ -147,6 +166,8 @@ class Summary {
   void add_views(double time);
   void add_limits(double time);
   void add_solvers(const Sample& sample);
+  void add_drift(const Sample& sample);
+  std::vector<SummaryValues::Chatter> chatter() const;
 
   Scenario scenario_;
   PresentTeam present_;
@@ -159,6 +180,10 @@ class Summary {
   std::vector<Robot> robots_;
   std::vector<Sight<double>> sights_;  // of all bodies at the present sample
   std::vector<double> x_ref_, u_min_, u_max_;
+  Chatter chatter_;
+  Drift drift_;
+  std::vector<const Agent*> steered_;  // of all bodies; none: not steered, or landing
+  std::vector<bool> landing_;
 
   std::int64_t updates_ = 0, not_finite_ = 0, input_violations_ = 0, applied_violations_ = 0,
                allocations_ = 0;
@@ -182,6 +207,10 @@ std::vector<SummaryLine> summary_lines(std::string_view json);
 /// Solvers side by side: a line for each summary.json, with its times to solve and its cost.
 /// @throws std::runtime_error where a text is no such summary
 std::vector<SummaryLine> comparison_lines(std::span<const std::string> summaries);
+
+/// partition.json in words; no line where it is not of the run that the summary tells.
+/// @throws std::runtime_error where a text is no such file
+std::vector<SummaryLine> partition_lines(std::string_view summary, std::string_view partition);
 
 /// Writes summary.json into the folder, whole or not at all.
 /// @return what went wrong, a sentence; empty if it stands there

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -11,6 +12,8 @@ namespace sightline {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::size_t lines_max = 12;  // of one kind; summary.json has all
 
 // A number as a person reads it; "-" for null.
 std::string words(const Json& value, std::string_view unit) {
@@ -45,6 +48,23 @@ std::vector<SummaryLine> of_summary(Read&& read) {
   }
 }
 
+// The entries of a list, of many those alone that score highest; `more` takes how many are left out.
+template <class Score, class Tell, class More>
+void tell_worst(const Json& list, Score&& score, Tell&& tell, More&& more) {
+  std::vector<const Json*> entries;
+  for (const Json& entry : list) entries.push_back(&entry);
+  if (entries.size() > lines_max) {
+    std::stable_sort(entries.begin(), entries.end(),
+                     [&](const Json* a, const Json* b) { return score(*a) > score(*b); });
+  }
+  for (std::size_t i = 0; i < std::min(entries.size(), lines_max); ++i) tell(*entries[i]);
+  if (entries.size() > lines_max) more(entries.size() - lines_max);
+}
+
+double number(const Json& value, double otherwise) {
+  return value.is_number() ? value.get<double>() : otherwise;
+}
+
 std::vector<SummaryLine> lines_of(const Json& s) {
   std::vector<SummaryLine> lines;
   const auto name = [](const Json& word) { return word.get<std::string>(); };
@@ -67,7 +87,8 @@ std::vector<SummaryLine> lines_of(const Json& s) {
     const std::string gap = without_plan_in_words(s.at("without_plan").dump());
     if (!gap.empty()) add("without a plan", gap);
   }
-  add("cost", words(s.at("cost"), "s"));
+  add("cost",
+      fmt::format("{}, the stage cost l, which has no unit, summed over time", words(s.at("cost"), "s")));
   add("time to solve", times_to_solve(s));
   add("allocations in an update", words(s.at("allocations_per_update"), ""));
   add("largest input", fmt::format("{} before the clamp, {} beyond a limit", words(s.at("max_abs_input"), ""),
@@ -78,32 +99,49 @@ std::vector<SummaryLine> lines_of(const Json& s) {
   add("least distance", words(s.at("min_distance"), "m"));
   if (s.contains("pairs_active_max"))
     add("pairs kept apart", fmt::format("at most {} at one time", words(s.at("pairs_active_max"), "")));
-  for (const Json& pair : s.at("pairs")) {
+  const auto and_more = [&](std::string_view of) {
+    return [&add, of](std::size_t count) {
+      add("...", fmt::format("{} more {}, none of them worse", count, of));
+    };
+  };
+  const auto tell_pair = [&](const Json& pair) {
     const Json &from = pair.at("in_view_from"), &distance = pair.at("distance");
     const std::string when = in_force(pair, "");
     const std::string at_the_end = from.is_null()
                                        ? when.empty() ? "not in view at the end" : "not in view at its end"
                                    : when.empty() ? "in view for good from " + words(from, "s")
                                                   : "in view to its end from " + words(from, "s");
-    add(fmt::format("{} sees {}", name(pair.at("observer")), name(pair.at("target"))),
-        when.starts_with("0.0 s")
-            ? "never in force"
-            : fmt::format("distance {} to {}, angle at most {}, {} of {}; {}", words(distance.at("min"), ""),
-                          words(distance.at("max"), "m"), words(pair.at("view_angle_max"), "rad"),
-                          percent(pair.at("in_view_fraction")), when.empty() ? "the time" : when,
-                          at_the_end));
-  }
+    const std::string who = fmt::format("{} sees {}", name(pair.at("observer")), name(pair.at("target")));
+    if (when.starts_with("0.0 s")) return add(who, "never in force");
+    if (pair.at("in_view_fraction").is_null()) {
+      return add(who, s.contains("settle")
+                          ? fmt::format("not judged: nothing after settle = {}", words(s.at("settle"), "s"))
+                          : "not judged");
+    }
+    add(who, fmt::format("distance {} to {}, angle at most {}, {} of {}; {}", words(distance.at("min"), ""),
+                         words(distance.at("max"), "m"), words(pair.at("view_angle_max"), "rad"),
+                         percent(pair.at("in_view_fraction")), when.empty() ? "the time" : when, at_the_end));
+  };
+  tell_worst(
+      s.at("pairs"), [](const Json& pair) { return -number(pair.at("in_view_fraction"), 2.0); }, tell_pair,
+      and_more("pairs"));
   if (s.contains("idle_observers")) {
     for (const Json& idle : s.at("idle_observers"))
       add(name(idle.at("observer")) + " observes nobody", time_words(idle.at("in_force")));
   }
-  for (const Json& agent : s.at("agents")) {
+  const auto tell_agent = [&](const Json& agent) {
     const Json& error = agent.at("rms_position_error");
     add(name(agent.at("name")),
         (error.is_null() ? "" : fmt::format("position error {} (RMS), ", words(error, "m"))) +
-            fmt::format("input energy {}", words(agent.at("energy"), "s")));
-  }
-  for (const Json& limit : s.at("limits")) {
+            fmt::format("input energy {}, u'Ru summed over time", words(agent.at("energy"), "s")));
+  };
+  tell_worst(
+      s.at("agents"),
+      [](const Json& agent) {
+        return std::pair(number(agent.at("rms_position_error"), 0.0), number(agent.at("energy"), 0.0));
+      },
+      tell_agent, and_more("robots"));
+  const auto tell_limit = [&](const Json& limit) {
     const std::string when = in_force(limit, "");
     add("limit " + name(limit.at("name")),
         limit.at("fraction").is_null() ? "never in force"
@@ -111,8 +149,37 @@ std::vector<SummaryLine> lines_of(const Json& s) {
             ? "kept" + (when.empty() ? "" : " for " + when)
             : fmt::format("broken {} of {}, at most {} on end, by up to {}", percent(limit.at("fraction")),
                           when.empty() ? "the time" : when, words(limit.at("longest"), "s"),
-                          words(limit.at("worst"), "")));
-  }
+                          words(limit.at("worst"), limit.value("unit", ""))));
+  };
+  tell_worst(
+      s.at("limits"),
+      [](const Json& limit) {
+        return std::pair(number(limit.at("fraction"), 0.0), number(limit.at("worst"), 0.0));
+      },
+      tell_limit, and_more("limits"));
+  const auto tell_chatter = [&](const Json& c) {
+    add(fmt::format("chatter of {}", name(c.at("agent"))),
+        fmt::format(
+            "{} jumps to and fro each period, by {} in the mean, {} of the time, first at {}; {} calms it",
+            name(c.at("input")), words(c.at("jump"), ""), percent(c.at("share")), words(c.at("from"), "s"),
+            c.at("region").get<bool>() ? "a larger smooth of the limit as text (0.01), or a larger R,"
+                                       : "a larger R or a shorter period"));
+  };
+  tell_worst(
+      s.value("chatter", Json::array()), [](const Json& c) { return number(c.at("share"), 0.0); },
+      tell_chatter, and_more("inputs that chatter"));
+  const auto tell_drift = [&](const Json& d) {
+    const Json& v = d.at("velocity");
+    add(fmt::format("drift of {}", name(d.at("agent"))),
+        fmt::format(
+            "leaves at {} until the end, (x, y, z) = ({:.3f}, {:.3f}, {:.3f}) m/s: {}",
+            words(d.at("speed"), "m/s"), v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>(),
+            d.at("from_reference").get<bool>() ? "its reference does not hold it"
+                                               : "it has no reference, and nothing that it feels holds it"));
+  };
+  tell_worst(
+      s.value("drift", Json()), [](const Json& d) { return number(d.at("speed"), 0.0); }, tell_drift,
+      and_more("robots that drift"));
   if (s.contains("safety")) {
     for (auto& [what, value] : safety_lines(s.at("safety").dump())) add(std::move(what), std::move(value));
   }
@@ -133,6 +200,36 @@ std::vector<SummaryLine> comparison_lines(std::span<const std::string> summaries
       const Json s = Json::parse(text);
       lines.push_back(
           {s.at("solver"), fmt::format("{}; cost {}", times_to_solve(s), words(s.at("cost"), "s"))});
+    }
+    return lines;
+  });
+}
+
+std::vector<SummaryLine> partition_lines(std::string_view summary, std::string_view partition) {
+  return of_summary([&] {
+    const Json s = Json::parse(summary), p = Json::parse(partition);
+    std::vector<SummaryLine> lines;
+    if (p.at("cost") != s.at("cost")) return lines;
+    std::string parts;
+    for (const Json& part : p.at("parts")) {
+      std::string names;
+      for (const Json& name : part)
+        names += fmt::format("{}{}", names.empty() ? "" : " ", name.get<std::string>());
+      parts += fmt::format("{}{}", parts.empty() ? "" : ", ", names);
+    }
+    lines.push_back({"parts", fmt::format("{}; {} order, exchanges an update: {}", parts,
+                                          p.at("order").get<std::string>(), words(p.at("exchanges"), ""))});
+    lines.push_back({"cost ∫ l dt", fmt::format("{}, by one solver for the whole team {}: {:+.4f} %",
+                                                words(p.at("cost"), "s"), words(p.at("whole_cost"), "s"),
+                                                100 * p.at("cost_excess").get<double>())});
+    lines.push_back(
+        {"slowest part", fmt::format("{} an update, in the median", words(p.at("part_us"), "µs"))});
+    for (const Json& sweep : p.at("sweeps")) {
+      lines.push_back(
+          {fmt::format("after exchange {}", words(sweep.at("sweep"), "")),
+           fmt::format("|u - u*| {}, |J - J*| / J* {}, residual {} (medians at {} moments)",
+                       words(sweep.at("input").at("median"), ""), words(sweep.at("cost").at("median"), ""),
+                       words(sweep.at("kkt").at("median"), "1/s"), words(p.at("moments"), ""))});
     }
     return lines;
   });

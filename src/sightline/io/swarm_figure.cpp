@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace sightline {
 namespace {
@@ -34,12 +35,14 @@ std::optional<Drawing> swarm_drawing(const Recording& recording) {
   }
   std::vector<double> least, mean, farthest;
   for (std::size_t k = 0; k < recording.time.size(); ++k) {
-    double nearest = std::nan(""), sum = 0.0, most = std::nan("");
+    double nearest2 = std::numeric_limits<double>::infinity(), sum = 0.0, most = std::nan("");
     int bound = 0;
     for (std::size_t i = 0; i < robots.size(); ++i) {
       if (k >= robots[i]->p.size()) continue;
       for (std::size_t j = 0; j < i; ++j) {
-        if (k < robots[j]->p.size()) nearest = std::fmin(nearest, norm(robots[i]->p[k] - robots[j]->p[k]));
+        if (k >= robots[j]->p.size()) continue;
+        const Vec3<double> r = robots[i]->p[k] - robots[j]->p[k];
+        if (dot(r, r) < nearest2) nearest2 = dot(r, r);
       }
       if (robots[i]->reference_p.empty()) continue;
       const double to_go = norm(robots[i]->p[k] - robots[i]->reference_p.back());
@@ -48,7 +51,7 @@ std::optional<Drawing> swarm_drawing(const Recording& recording) {
       most = std::fmax(most, to_go);
       ++bound;
     }
-    least.push_back(nearest);
+    least.push_back(std::isfinite(nearest2) ? std::sqrt(nearest2) : std::nan(""));
     mean.push_back(sum / bound);
     farthest.push_back(most);
   }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "sightline/io/present_team.hpp"
+#include "sightline/io/safety_parts.hpp"
 
 namespace sightline {
 namespace {
@@ -62,6 +63,17 @@ std::string team_json(const Scenario& scenario) {
   for (const Swarm& swarm : team.swarms()) {
     Json& robots = json["swarms"].emplace_back(Json::array());
     for (const AgentId agent : swarm.agents) robots.push_back(agent.index);
+  }
+  std::set<double> d_hard;
+  for (int i = 0; i < team.bodies(); ++i) {
+    for (int j = i + 1; j < team.bodies(); ++j) {
+      if (const auto d = hard_distance(scenario, BodyId{i}, BodyId{j})) d_hard.insert(*d);
+    }
+  }
+  if (!d_hard.empty()) json["d_hard"] = d_hard;
+  if (scenario.safety) {
+    json["floor"] = scenario.safety->barrier_options.floor;
+    json["ceiling"] = scenario.safety->barrier_options.ceiling;
   }
   for (const TeamEvent& event : scenario.script.events) json["events"].push_back(event.name);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
