@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "sightline/potential/bearing.hpp"
+#include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/region.hpp"
 #include "sightline/potential/sensor_cone.hpp"
@@ -165,6 +166,47 @@ TEST(Summary, ALimitTellsHowOftenHowLongAndHowFarItWasBroken) {
   EXPECT_DOUBLE_EQ(values.limits[1].fraction, 0.25);
   EXPECT_NEAR(values.limits[1].longest, 0.2, 1e-12);
   EXPECT_DOUBLE_EQ(values.limits[1].worst, 0.25);
+}
+
+TEST(Summary, TwoLimitsOfOneKindOnTheSameBodiesAreJudgedEachByItself) {
+  Team team;
+  const AgentId robot = team.add(Multirotor{});
+  const BodyId wall = team.add(Obstacle{"wall"});
+  team.couple(1.0 * TooNear{.d_min = 1.5}, Between{robot, wall});
+  team.couple(1.0 * TooNear{.d_min = 0.5}, Between{robot, wall});
+  team.constrain(1.0 * AltitudeBand{.z_min = -1.0, .z_max = -0.5}, robot);
+  team.constrain(1.0 * AltitudeBand{.z_min = -1.0, .z_max = 3.0}, robot);
+  const Scenario scenario = scenario_of(std::move(team));
+  Summary summary(scenario, 1);
+  add_watch(summary, scenario, 0.0, true, 1.0);
+  const auto limits = summary.values().limits;
+  ASSERT_EQ(limits.size(), 4U);
+  const auto worst = [&](std::size_t i) { return limits[i].worst; };
+  EXPECT_EQ(std::make_tuple(worst(0), worst(1), worst(2), worst(3)), std::make_tuple(0.5, 0.0, 0.5, 0.0));
+}
+
+TEST(Summary, WhatAnEventAddsIsJudgedBesideWhatIsThere) {
+  Team team;
+  const AgentId robot = team.add(Multirotor{});
+  const BodyId wall = team.add(Obstacle{"wall"});
+  team.couple(1.0 * TooNear{.d_min = 0.5}, Between{robot, wall});
+  Scenario scenario = scenario_of(std::move(team));
+  const Coupling wider = {.term = 1.0 * TooNear{.d_min = 1.5}, .between = {robot, wall}, .felt_by = {robot}};
+  const Constraint band = {.term = 1.0 * AltitudeBand{.z_min = 0.25, .z_max = 3.0}, .agent = robot};
+  scenario.script.events.push_back(
+      {.name = "more", .trigger = AtTime{0.0}, .actions = {AddCoupling{wider}, AddConstraint{band}}});
+  Summary summary(scenario, 1);
+  add_watch(summary, scenario, 0.0, true, 1.0);
+  EXPECT_EQ(summary.values().limits.size(), 1U);
+  Sample sample = sample_of(scenario, 0.01);
+  sample.x[7] = 1.0;
+  sample.events[0] = {0.01, EventKind::event_in_force, 0, 0.0};
+  sample.event_count = 1;
+  summary.add(sample);
+  const auto limits = summary.values().limits;
+  ASSERT_EQ(limits.size(), 3U);
+  const auto worst = [&](std::size_t i) { return limits[i].worst; };
+  EXPECT_EQ(std::make_tuple(worst(0), worst(1), worst(2)), std::make_tuple(0.0, 0.5, 0.25));
 }
 
 TEST(Summary, ARawInputViolatesItsOwnLimitAlone) {

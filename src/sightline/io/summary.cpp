@@ -41,6 +41,17 @@ bool weighs(const Agent& agent, std::span<const int> states) {
                      [&](int k) { return k >= 0 && agent.Q[static_cast<std::size_t>(k)] > 0; });
 }
 
+/// Whether two potentials of one kind state the same limit, asked at a few places near and far.
+bool same_limit(const Potential& a, const Potential& b) {
+  constexpr double far = 1000.0;  // [m]
+  constexpr std::array<Vec3<double>, 7> places = {
+      {{1.0, 0.5, 0.25}, {far, 0, 0}, {-far, 0, 0}, {0, far, 0}, {0, -far, 0}, {0, 0, far}, {0, 0, -far}}};
+  return a.name() == b.name() && std::all_of(places.begin(), places.end(), [&](const Vec3<double>& p) {
+           const Sight<double> one{{p, {1.0, 0.0}}, {}}, other{{{}, {1.0, 0.0}}, {}};
+           return a.violation(one, other) == b.violation(one, other);
+         });
+}
+
 double share(std::int64_t part, std::int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : none;
 }
@@ -126,15 +137,6 @@ void Summary::find_what_is_in_force() {
     };
     if (std::none_of(views_.begin(), views_.end(), same)) add_view(o);
   }
-  for (const Coupling& c : couplings) {
-    const auto same = [&](const Limit& l) {
-      return l.a == c.between.first && l.b == c.between.second &&
-             l.potential.name() == c.term.potential.name();
-    };
-    if (std::none_of(limits_.begin(), limits_.end(), same)) {
-      add_limit(c.term.potential, c.between.first, c.between.second);
-    }
-  }
   for (View& view : views_) {
     const auto now = std::find_if(observed.begin(), observed.end(), [&](const Observation& o) {
       return o.observer == view.pair.observer && o.target == view.pair.target;
@@ -143,28 +145,51 @@ void Summary::find_what_is_in_force() {
     if (view.in_force) view.pair.potential = now->potential;
     if (view.in_force && !was_in_force) view.in_since = view.out_since = none;
   }
-  const auto retake = [](Limit& limit, const Potential& potential) {
-    if (potential.name() != limit.potential.name()) return;
-    limit.in_force = true;
-    limit.potential = potential;
-  };
-  for (Limit& limit : limits_) {
-    limit.in_force = false;
-    for (const Coupling& c : couplings) {
-      if (c.between.first == limit.a && c.between.second == limit.b) retake(limit, c.term.potential);
-    }
-    for (const Constraint& c : constraints) {
-      if (c.agent == limit.a && c.agent == limit.b) retake(limit, c.term.potential);
-    }
-    // What protected two bodies is judged until they have parted.
-    if (!limit.in_force && !keeps_apart(limit.potential)) limit.broken_since = none;
-  }
+  find_limits_in_force(couplings, constraints);
   const std::vector<BodyId> asked = present_.observers();
   for (Robot& robot : robots_) {
     const bool observes = std::any_of(views_.begin(), views_.end(), [&](const View& view) {
       return view.in_force && view.pair.observer == robot.body;
     });
     robot.is_idle = !observes && std::find(asked.begin(), asked.end(), robot.body) != asked.end();
+  }
+}
+
+/// Of several limits of one kind on the same bodies each is one of limits_.
+void Summary::find_limits_in_force(const std::vector<Coupling>& couplings,
+                                   const std::vector<Constraint>& constraints) {
+  struct Stated {
+    const Potential* potential;
+    BodyId a, b;
+  };
+  std::vector<Stated> stated;
+  for (const Coupling& c : couplings) {
+    stated.push_back({&c.term.potential, c.between.first, c.between.second});
+  }
+  for (const Constraint& c : constraints) stated.push_back({&c.term.potential, c.agent, c.agent});
+  for (Limit& limit : limits_) limit.in_force = false;
+  const auto take = [&](const Stated& s, auto&& fits) {
+    const auto limit = std::find_if(limits_.begin(), limits_.end(), [&](const Limit& l) {
+      return !l.in_force && l.a == s.a && l.b == s.b && fits(l);
+    });
+    if (limit == limits_.end()) return false;
+    limit->in_force = true;
+    limit->potential = *s.potential;
+    return true;
+  };
+  // What was there goes on. What protected two bodies is judged until they have parted.
+  std::erase_if(stated, [&](const Stated& s) {
+    return take(s, [&](const Limit& limit) { return same_limit(limit.potential, *s.potential); });
+  });
+  for (Limit& limit : limits_) {
+    if (!limit.in_force && !keeps_apart(limit.potential)) limit.broken_since = none;
+  }
+  // What is new follows one of its kind that ended, or begins.
+  for (const Stated& s : stated) {
+    const bool follows = take(s, [&](const Limit& limit) {
+      return std::isnan(limit.broken_since) && limit.potential.name() == s.potential->name();
+    });
+    if (!follows) add_limit(*s.potential, s.a, s.b);
   }
 }
 

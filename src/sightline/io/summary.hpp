@@ -157,6 +157,8 @@ class Summary {
   void add_view(const Observation& pair);
   void add_limit(const Potential& potential, BodyId a, BodyId b);
   void find_what_is_in_force();
+  void find_limits_in_force(const std::vector<Coupling>& couplings,
+                            const std::vector<Constraint>& constraints);
   bool is_there(BodyId body) const {
     return presence_[static_cast<std::size_t>(body.index)] != Presence::absent;
   }
