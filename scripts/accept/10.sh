@@ -1,0 +1,97 @@
+#!/usr/bin/env bash
+# Every figure that "Promises kept" asks for, section by section:  scripts/accept/10.sh [--short] [SECTION ...]
+# What is finished stays in out/accept/10/ and is not done again; delete it to begin anew. A killed run goes on where it
+# was. Needs the release preset built with tests. BEFORE=path names the binary of the commit before, for `bench`.
+# --short is for CI, beside the short forms of all campaigns that scripts/test.sh flies: other seeds, and `bench_turns.sh` itself.
+set -uo pipefail
+cd "$(dirname "$0")/../.." || exit 1
+begin_commit=b18f400  # the last one before
+build=build/release
+form=whole out=out/accept/10
+if [[ ${1:-} == --short ]]; then
+  form=short out=$(mktemp -d)
+  trap 'rm -rf "$out"' EXIT
+  shift
+fi
+mkdir -p "$out"
+export SIGHTLINE_CAMPAIGN=$form
+whole() { [[ $form == whole ]]; }
+
+# Runs tests of a program by their names; none at all is a failure. $1: program, $2: filter.
+tests() {
+  local log code
+  log=$(mktemp -p "$out")
+  "$build/tests/$1" --gtest_filter="$2" >"$log" 2>&1
+  code=$?
+  grep -E '^\[  FAILED  \]|Failure|exit [012]:|[0-9] of [0-9]' "$log" | sort -u | head -n 40
+  sed -nE 's/^\[==========\] ([0-9]+ tests?) from .* ran.*/\1 of '"$1"'/p' "$log"
+  ((code == 0)) && grep -qE '^\[  PASSED  \] [1-9]' "$log"
+  code=$?
+  rm -f "$log"
+  return $code
+}
+
+# Tests that came with the work on this: their names are in the history.
+defects() {
+  local names
+  git cat-file -e "$begin_commit" 2>/dev/null || { echo "commit $begin_commit is not in this clone"; return 1; }
+  names=$(git diff "$begin_commit" HEAD -- 'tests/*_test.cpp' |
+    sed -nE 's/^\+(TYPED_)?TEST(_[FP])?\(([A-Za-z0-9_]+), *([A-Za-z0-9_]+)\).*/\3.*\4/p' | sort -u)
+  echo "$(wc -l <<<"$names") tests came since $begin_commit"
+  ctest --preset release -LE long -j "$(nproc)" --no-tests=error \
+    -R "[./](${names//$'\n'/|})(/|\$)" | grep -E 'tests passed|Failed|Timeout'
+  ((PIPESTATUS[0] == 0))
+}
+encirclements() { tests safety_campaign_test '*Encircle*:*Chasers*:*Surrounded*'; }
+one_attacker() { tests safety_campaign_test '*Barrier*:-*Encircle*:*Chasers*:*Surrounded*'; }
+mutants() { scripts/mutants.sh "$build"; }
+# Blocks of 50 side by side; each leaves what it printed.
+random() {
+  local from=0 to=1999 block=50
+  whole || from=20 to=29 block=10
+  mkdir -p "$out/random"
+  seq "$from" "$block" "$to" | xargs -P "$(nproc)" -I{} bash -c '
+    done=$1/$(printf %04d "$2").txt
+    [[ -s $done ]] && exit 0
+    SIGHTLINE_RANDOM="$2 $3" "$4/tests/cli_campaign_test" --gtest_filter="RandomScenarios.*" >"$done.part" 2>&1
+    mv "$done.part" "$done"' _ "$out/random" {} "$block" "$build"
+  cat "$out"/random/*.txt | awk '/^exit 0:/ { zero += $3; one += $6; refused += $8 }
+    END { printf "%d scenarios: exit 0 %d, exit 1 %d, refused %d\n", zero + one + refused, zero, one, refused }'
+  local bad
+  mapfile -t bad < <(grep -lE '^\[  FAILED  \]' "$out"/random/*.txt; grep -LE '^exit 0:' "$out"/random/*.txt)
+  ((${#bad[@]} == 0)) && return
+  grep -hE '^sightline run out/random' "${bad[@]}" | head -n 60
+  rm -f "${bad[@]}"  # flown again the next time
+  return 1
+}
+bench() {
+  local after=$build/bin/sightline
+  if ! whole; then TURNS=1 LIMIT=2 scripts/accept/bench_turns.sh "$after" "$after" pair; return; fi
+  [[ -x ${BEFORE:-} ]] || { echo "BEFORE = \"${BEFORE:-}\", expected the binary of commit $begin_commit"; return 1; }
+  scripts/accept/bench_turns.sh "$BEFORE" "$after"
+}
+kills() { tests cli_campaign_test 'Killed.*'; }
+
+all=(defects encirclements one_attacker mutants random bench kills)
+whole || all=(random bench)
+sections=("$@")
+((${#sections[@]} > 0)) || sections=("${all[@]}")
+bad=0 table=''
+for section in "${sections[@]}"; do
+  [[ " ${all[*]} " == *" $section "* ]] || { echo "10.sh: SECTION = $section, expected one of ${all[*]}" >&2; exit 2; }
+  result=$out/$section.txt
+  if [[ ! -f $result ]]; then
+    begin=$SECONDS
+    echo "=== $section"
+    if "$section" 2>&1 | tee "$result.part"; ((PIPESTATUS[0] == 0)); then
+      echo "$((SECONDS - begin)) s" >>"$result.part"
+      mv "$result.part" "$result"
+    fi
+  fi
+  verdict=pass
+  [[ -f $result ]] || { verdict=FAIL; bad=$((bad + 1)); result=$result.part; }
+  table+=$(printf '%-4s  %-13s  %s' "$verdict" "$section" "$(tail -n 2 "$result" | tr '\n' ' ')")$'\n'
+done
+printf '\n%s' "$table"
+echo "$((${#sections[@]} - bad)) passed, $bad failed"
+((bad == 0))

@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Times two builds in turns, case by case on one core, and fails where the second is more than 3 % slower:
+#   scripts/accept/bench_turns.sh BEFORE AFTER [CASE ...]
+# BEFORE and AFTER are sightline binaries, each told `bench --case`. The least of the medians of TURNS (5) turns counts:
+# what else the machine does only adds. A case beyond LIMIT (1.03) is timed anew, up to four times. One core (CORE, else 1).
+set -euo pipefail
+(($# >= 2)) || { echo "bench_turns.sh: expected BEFORE AFTER [CASE ...]" >&2; exit 2; }
+before=$(realpath "$1") after=$(realpath "$2")
+shift 2
+cases=("$@")
+if ((${#cases[@]} == 0)); then
+  IFS=', ' read -ra cases <<<"$("$after" bench --case none 2>&1 | sed -n 's/.*expected one of //p')"
+  cases+=(barrier_1 barrier_4 barrier_16 swarm_32 events_8)
+fi
+
+median() { taskset -c "${CORE:-1}" "$1" bench --case "$2" --json 2>/dev/null | sed -nE 's/.*"median_us": ([0-9.e+-]+),?/\1/p' | head -n 1; }
+least() { printf '%s\n' "$@" | sort -g | head -n 1; }
+
+bad=0
+printf '| case | before us | after us | ratio |\n|---|---|---|---|\n'
+for name in "${cases[@]}"; do
+  a='' b='' ratio=''
+  for ((again = 0; again < 4; ++again)); do
+    for ((turn = 0; turn < ${TURNS:-5}; ++turn)); do
+      a=$(least $a "$(median "$before" "$name")")
+      b=$(least $b "$(median "$after" "$name")")
+    done
+    ratio=$(awk -v a="${a:-0}" -v b="${b:-0}" 'BEGIN { printf "%.3f", (a > 0 ? b / a : 0) }')
+    awk -v r="$ratio" -v limit="${LIMIT:-1.03}" 'BEGIN { exit !(r > limit) }' || break
+  done
+  verdict=''
+  if [[ $ratio == 0.000 ]]; then
+    verdict=' (new)'
+  elif awk -v r="$ratio" -v limit="${LIMIT:-1.03}" 'BEGIN { exit !(r > limit) }'; then
+    verdict=' **slower**'
+    bad=$((bad + 1))
+  fi
+  printf '| %s | %s | %s | %s%s |\n' "$name" "${a:--}" "${b:--}" "$ratio" "$verdict"
+done
+echo "$bad of ${#cases[@]} cases more than $(awk -v l="${LIMIT:-1.03}" 'BEGIN { printf "%g", 100 * (l - 1) }') % slower"
+((bad == 0))
