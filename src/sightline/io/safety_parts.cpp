@@ -125,6 +125,10 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
     const auto mode = std::find(modes.begin(), modes.end(), at.word("barrier", modes)) - modes.begin();
     safety.barrier = static_cast<BarrierMode>(mode);
   }
+  const bool all = safety.barrier != BarrierMode::off;
+  if (all || at.has("floor")) safety.judged.floor = barrier.floor;
+  if (all || at.has("ceiling")) safety.judged.ceiling = barrier.ceiling;
+  if (all || at.has("world")) safety.judged.world = safety.world;
   if (at.has("supervisor")) {
     safety.supervisor = read_supervisor(at.table("supervisor"));
     TrackLimits& limits = safety.supervisor->limits;

@@ -1,4 +1,4 @@
-/// Whether the hard distances were kept, and what the barrier did: gathered sample by sample.
+/// Whether the hard distances and the walls were kept, and what the barrier did: gathered sample by sample.
 #pragma once
 
 #include <span>
@@ -18,8 +18,9 @@ class SafetySummary {
   explicit SafetySummary(const Scenario& scenario);
 
   /// @param sights  true ones of all bodies at `time` [s]; those that are absent do not count
+  /// @param rungs   of all bodies, or none; a robot that lands or is grounded has no floor
   void add(double time, std::span<const Sight<double>> sights, std::span<const Presence> presence,
-           std::span<const BarrierRecord> barriers);
+           std::span<const BarrierRecord> barriers, std::span<const Rung> rungs = {});
 
   /// Two bodies, of which one is a robot, that have a hard distance.
   struct Pair {
@@ -31,7 +32,26 @@ class SafetySummary {
     bool kept() const;
   };
   const std::vector<Pair>& pairs() const { return pairs_; }
-  /// A sentence for each hard distance that was broken; the worst first, at most eight.
+
+  /// The floor, the ceiling or the bounds of the world for one robot. One that begins beyond it, or ceases to land, is
+  /// judged from when it is within; one that never comes within has broken it.
+  struct Bound {
+    enum class Of { floor, ceiling, world };
+    BodyId robot;
+    Of of;
+    double limit;         ///< [m]
+    double excess;        ///< greatest since it was within [m]; negative where there always was room
+    double time;          ///< of it [s]
+    bool counts = false;  ///< now
+    bool within = false;  ///< since it counts
+    double begun = 0.0;   ///< by how much it was beyond when it began to count [m]
+    bool kept() const;
+    /// The height, or the greatest |p_x| and |p_y|, of the greatest excess [m].
+    double worst() const;
+  };
+  const std::vector<Bound>& bounds() const { return bounds_; }
+
+  /// A sentence for each hard distance and each wall that was broken; the worst first, at most eight of each.
   std::vector<std::string> broken() const;
 
   /// The value of `safety` in summary.json; empty where the scenario asks for nothing.
@@ -42,10 +62,14 @@ class SafetySummary {
     std::int64_t active = 0, conflicts = 0;  // samples
   };
   std::vector<Pair> by_margin() const;
+  std::vector<Bound> by_excess() const;
+  void add_bounds(double time, std::span<const Sight<double>> sights, std::span<const Presence> presence,
+                  std::span<const Rung> rungs);
 
   std::vector<std::string> names_;  // of all bodies
   BarrierMode mode_ = BarrierMode::off;
   std::vector<Pair> pairs_;
+  std::vector<Bound> bounds_;
   std::vector<Robot> robots_;
   std::int64_t samples_ = 0;
   double period_;  // [s]

@@ -47,12 +47,21 @@ struct Simulation {
   std::vector<TimedSignal> signals{};  ///< from outside, to events
 };
 
+/// The walls that a flight is judged by: those that the scenario states, and all where a barrier is to keep them;
+/// infinite where it is not judged.
+struct Walls {
+  double floor = -std::numeric_limits<double>::infinity();   ///< least height [m]
+  double ceiling = std::numeric_limits<double>::infinity();  ///< greatest height [m]
+  double world = std::numeric_limits<double>::infinity();    ///< greatest |p_x| and |p_y| [m]
+};
+
 /// What keeps the robots from harm, besides the solver.
 struct Safety {
   BarrierMode barrier = BarrierMode::off;
   double d_hard = 0.6;  ///< of a robot to any other body, centre to centre [m], > 0
   BarrierOptions barrier_options{};
-  double world = 100.0;         ///< greatest |p_x| and |p_y| [m], > 0
+  double world = 100.0;  ///< greatest |p_x| and |p_y| [m], > 0
+  Walls judged{};
   double position_sigma = 0.0;  ///< of a measurement, each axis [m], >= 0
   double heading_sigma = 0.0;   ///< [rad], >= 0
   std::optional<SupervisorOptions> supervisor{};

@@ -71,6 +71,7 @@ Guard::Guard(const Team& team, const GuardOptions& options)
       ages_(options_.bodies.size()),
       before_(static_cast<std::size_t>(team.nu())),
       presence_(options_.bodies.size(), Presence::steered),
+      rungs_(options_.bodies.size(), Rung::valid),
       oldest_(options.supervisor.value_or(SupervisorOptions{}).times.hold_after) {
   events_.reserve(3 * options_.bodies.size());
   if (options_.barrier == BarrierMode::off) return;
@@ -125,6 +126,10 @@ void Guard::filter(double t, std::span<const double> plan_ages, std::span<double
     supervisor_->command(t, plan_ages, u);
     for (const Notice& notice : supervisor_->notices()) {
       tell({t, kind_of(notice), 0, static_cast<double>(notice.body.index)});
+    }
+    for (int i = 0; i < team_.bodies(); ++i) {
+      const BodyId body{i};
+      if (team_.is_agent(body)) rungs_[index(body)] = supervisor_->rung(body);
     }
   }
   for (std::size_t i = 0; i < robots_.size(); ++i) keep_distance(i, t, u);

@@ -61,6 +61,7 @@ Sample sized_sample(const Team& plant, const Controllers& controllers) {
   sample.solvers.resize(controllers.size());
   sample.barriers.resize(plant.agents().size());
   sample.presence = everybody(plant);
+  sample.rungs.resize(sample.presence.size());
   sample.path.resize(size(horizon.N + 1) * nx);
   sample.path_step = horizon.h();
   return sample;
@@ -104,7 +105,8 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
   check_steered();
   const Sample* item = sink.claim();
   if (item == nullptr || item->x.size() != spare_.x.size() || item->path.size() != spare_.path.size() ||
-      item->solvers.size() != spare_.solvers.size() || item->barriers.size() != spare_.barriers.size()) {
+      item->solvers.size() != spare_.solvers.size() || item->barriers.size() != spare_.barriers.size() ||
+      item->rungs.size() != spare_.rungs.size()) {
     refuse(
         "the sink's samples are not of this loop's size, expected room in it for copies of sized_sample()");
   }
@@ -367,6 +369,8 @@ void Loop::guard(double t, Sample& sample) noexcept {
   for (const Event& event : options_.guard->events()) tell(event);
   const auto records = options_.guard->barriers();
   std::copy(records.begin(), records.end(), sample.barriers.begin());
+  const auto rungs = options_.guard->rungs();
+  std::copy(rungs.begin(), rungs.end(), sample.rungs.begin());
 }
 
 void Loop::command(int index, const Controller& controller, const Solution& solution, double t,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sightline/ocp/roster.hpp"
+#include "sightline/safety/ladder.hpp"
 #include "sightline/solver/solver.hpp"
 
 namespace sightline {
@@ -82,6 +83,7 @@ struct Sample {
   std::vector<SolverRecord> solvers;      ///< one for each controller
   std::vector<BarrierRecord> barriers{};  ///< one for each robot
   std::vector<Presence> presence{};       ///< of each body
+  std::vector<Rung> rungs{};              ///< of each body; all valid without a supervisor
   bool has_path = false;
   std::vector<double> path;  ///< predicted states (N+1 x nx), where has_path
   double path_step = 0.0;    ///< time between two predicted states [s]
