@@ -11,13 +11,14 @@ trap 'rm -rf "$work"' EXIT
 
 # As the build compiles the library's own barrier, at -O1.
 flags=(-std=c++20 -O1 -march=native -ffp-contract=off -fno-math-errno -fno-trapping-math -Wno-psabi)
-tests=(authority escape barrier)
-filter='Authority.*:Escape.*:Barrier.*'
+sources=(authority escape projection barrier barrier_several way_out)
+tests=(authority escape projection barrier barrier_several way_out)
+filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:WaysOut.*'
 
 # name | file | what stands there | what the mutant has in its place
 mutants=(
-  'sign of the normal flipped|barrier.cpp|return least - value(next);|return least + value(next);'
-  'sign of the velocity flipped|barrier.cpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
+  'sign of the normal flipped|barrier_rows.hpp|return least - value(next);|return least + value(next);'
+  'sign of the velocity flipped|barrier_rows.hpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
   'sign of the thrust flipped|escape.cpp|const double side = g.x \* x\[k\] + g.y \* y\[k\] < 0 ? -1.0 : 1.0;|const double side = g.x * x[k] + g.y * y[k] < 0 ? 1.0 : -1.0;'
   'drag dropped|barrier.cpp|plans_(can_.drag, dt)|plans_(0.0, dt)'
   'deceleration doubled|authority.cpp|const double reach = part|const double reach = 2 * part'
@@ -28,6 +29,14 @@ mutants=(
   'share of a member doubled|barrier.cpp|options_.share \* spare|2 * options_.share * spare'
   'step not looked ahead|barrier.cpp|const EscapeShape left = plans_.left(touch);|const EscapeShape left = touch.shape;'
   'cuts left out|barrier.cpp|    add_cuts(self, there, rows);||'
+  'floor traded for a distance|barrier.cpp|h.hard = row.wall != Wall::none;|h.hard = false;'
+  'hard rows missed as others are|projection.cpp|missable(row) ? slack_part : 0.0|slack_part'
+  'several each for itself|barrier_several.cpp|if (count < 2) return infinity;|return infinity;'
+  'plan for several climbs twice as fast|escape.cpp|std::clamp(tube.climb \* t, -tube.room, tube.room)|std::clamp(2 * tube.climb * t, -tube.room, tube.room)'
+  'height lags behind the plan|barrier_several.cpp|side \* self.p.z + step - lag|side * self.p.z + step - 1.0'
+  'ring not noticed|barrier.cpp|  if (lost) {|  if (lost \&\& joint > 1.0) {'
+  'chasers stand still|way_out.cpp|Pack(chaser.speed \* step.h)|Pack(0.0 * step.h)'
+  'way out flown the other way|barrier_several.cpp|step.e \* self.v.x + step.E \* a.x|step.e * self.v.x - step.E * a.x'
   'floor turned into a ceiling|barrier.cpp|of_wall({0, 0, 1}, 0.0, least, Wall::floor)|of_wall({0, 0, -1}, 0.0, least, Wall::floor)'
 )
 
@@ -41,29 +50,32 @@ prepare() {
   c++ "${flags[@]}" -I. -Isrc -c cli/allocations.cpp -o "$work/allocations.o" || fail "cli/allocations.cpp does not compile"
 }
 
-# $1: folder with the three sources. Links them before the library, so that they stand for its own.
+# $1: folder with the sources, and objects of those that need no compiling. Links them before the library, so that they stand for its own.
 program() {
   local source
-  for source in authority escape barrier; do
-    c++ "${flags[@]}" -Isrc -c "$1/$source.cpp" -o "$1/$source.o" || return 1
+  for source in "${sources[@]}"; do
+    [[ -f $1/$source.o ]] || c++ "${flags[@]}" -I"$1" -Isrc -c "$1/$source.cpp" -o "$1/$source.o" || return 1
   done
-  c++ "$1"/{authority,escape,barrier}.o "$work"/*_test.o "$work/allocations.o" "$build/lib/libsightline.a" \
+  c++ "$1"/*.o "$work"/*_test.o "$work/allocations.o" "$build/lib/libsightline.a" \
     -lgtest_main -lgmock -lgtest -lfmt -lpthread -o "$1/tests" || return 1
 }
 
 begin=$SECONDS
 survivors=0
 prepare
-mkdir "$work/none"
-cp src/sightline/safety/{authority,escape,barrier}.cpp "$work/none"
+mkdir -p "$work/none/sightline/safety"
+cp src/sightline/safety/barrier_rows.hpp "$work/none/sightline/safety"
+for source in "${sources[@]}"; do cp "src/sightline/safety/$source.cpp" "$work/none"; done
 program "$work/none" || fail "the barrier does not build"
 "$work/none/tests" --gtest_filter="$filter" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "the tests fail without a mutant"; }
 for mutant in "${mutants[@]}"; do
   IFS='|' read -r name file from to <<<"$mutant"
   folder=$work/mutant
-  rm -rf "$folder" && cp -r "$work/none" "$folder" && rm -f "$folder"/*.o "$folder/tests"
-  sed -i "s|$from|$to|" "$folder/$file"
-  cmp -s "$folder/$file" "src/sightline/safety/$file" && fail "mutant \"$name\" changes nothing, expected \"$from\" in $file"
+  rm -rf "$folder" && cp -r "$work/none" "$folder" && rm -f "$folder/${file%.cpp}.o" "$folder/tests"
+  mutated=$folder/$file
+  [[ $file == *.hpp ]] && mutated=$folder/sightline/safety/$file && rm -f "$folder"/barrier*.o
+  sed -i "s|$from|$to|" "$mutated"
+  cmp -s "$mutated" "src/sightline/safety/$file" && fail "mutant \"$name\" changes nothing, expected \"$from\" in $file"
   program "$folder" 2>"$work/log" || { cat "$work/log" >&2; fail "mutant \"$name\" does not build"; }
   if timeout 300 "$folder/tests" --gtest_filter="$filter" --gtest_fail_fast >"$work/log" 2>&1; then
     echo "SURVIVED  $name"

@@ -39,7 +39,8 @@ double least_by_integration(const Tube& tube, const Vec2<double>& a) {
   double E = 0.0, least = 1e9;
   constexpr double h = 1e-3;
   for (double t = 0; t < 8.0; t += h) {
-    const double x = q.x - t * tube.drift.x, y = q.y - t * tube.drift.y, z = tube.r.z - t * tube.drift.z;
+    const double x = q.x - t * tube.drift.x, y = q.y - t * tube.drift.y;
+    const double z = tube.r.z + std::clamp(tube.climb * t, -tube.room, tube.room) - t * tube.drift.z;
     const double rho = tube.rho0 + tube.speed * t + 0.5 * tube.growth * t * t + tube.spread * E;
     if (t >= dt) least = std::min(least, std::sqrt(x * x + y * y + z * z) - rho);
     const Vec2<double> half = {v.x + 0.5 * h * (a.x - drag * v.x), v.y + 0.5 * h * (a.y - drag * v.y)};
@@ -54,7 +55,11 @@ TEST(Escape, FindsTheLeastGapThatIntegrationFinds) {
   const EscapePlans plans(drag, dt);
   Random random(1);
   for (int k = 0; k < 300; ++k) {
-    const Tube tube = random_tube(random, false);
+    Tube tube = random_tube(random, false);
+    if (k % 2 == 0) {
+      tube.climb = uniform(random, -1.0, 1.0);
+      tube.room = uniform(random, 0.0, 3.0);
+    }
     const double angle = uniform(random, -3.2, 3.2);
     const Vec2<double> a = {1.3 * std::cos(angle), 1.3 * std::sin(angle)};
     const Escape plan = plans.with(tube, a);
@@ -63,6 +68,8 @@ TEST(Escape, FindsTheLeastGapThatIntegrationFinds) {
     EXPECT_LE(plan.later(), least_by_integration(tube, a) + 2e-2);
     EXPECT_NEAR(plan.later(), plans.touch(tube, a, plan.touches[0].time).gap, 1e-12);
     EXPECT_NEAR(plan.now, norm(tube.r) - tube.rho0, 1e-12);
+    EXPECT_GE(plans.least(tube, a), plan.reserve() - 1e-9);
+    EXPECT_LE(plans.least(tube, a), plan.reserve() + 0.1);
   }
 }
 

@@ -179,9 +179,9 @@ void Guard::keep_distance(std::size_t robot, double t, std::span<double> u) noex
   std::copy(applied.begin(), applied.end(), of.reported.begin());
   const bool lands = rung == Rung::land || presence_[index(of.body)] == Presence::land;
   const Barrier& barrier = lands ? of.landing : of.barrier;
-  const BarrierResult result =
-      barrier.filter(std::span(believed_).subspan(of.x, of.nx), std::span(neighbours_).first(count), of.u_min,
-                     of.u_max, options_.barrier == BarrierMode::on ? applied : std::span(of.reported));
+  const BarrierResult result = barrier.filter(
+      std::span(believed_).subspan(of.x, of.nx), std::span(neighbours_).first(count), of.u_min, of.u_max,
+      options_.barrier == BarrierMode::on ? applied : std::span(of.reported), of.way_out);
   record = {result.active, result.conflict, result.reserve};
   if (result.conflict && !was_in_conflict) {
     tell({t, EventKind::barrier_conflict, 0, static_cast<double>(of.body.index)});

@@ -82,6 +82,7 @@ class Guard {
     Barrier barrier, landing;  // with and without the floor
     std::vector<double> u_min, u_max, reported;
     const InputLimits* limits;  // in force
+    WayOut way_out{};
   };
   static std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
   bool is_there(BodyId body) const noexcept { return presence_[index(body)] != Presence::absent; }

@@ -43,6 +43,7 @@ Vec3<double> acceleration(const Model& model, const Motion& at) {
 /// Columns of the horizontal acceleration, and of the vertical velocity and acceleration, over the inputs.
 struct Columns {
   std::array<Vec2<double>, most_inputs> thrust{};
+  std::array<double, most_inputs> climb{};
   bool climbs = false, climbs_late = false;
 };
 
@@ -55,6 +56,7 @@ Columns columns(const Model& model, const Motion& at) {
     const Vec3<double> a = acceleration(model, up) - acceleration(model, down);
     const double climb = velocity(model, up).z - velocity(model, down).z;
     c.thrust[k] = {std::abs(a.x) > none ? a.x : 0.0, std::abs(a.y) > none ? a.y : 0.0};
+    c.climb[k] = std::abs(climb) > none ? climb : 0.0;
     c.climbs = c.climbs || std::abs(climb) > none;
     c.climbs_late = c.climbs_late || (std::abs(climb) <= none && std::abs(a.z) > none);
   }
@@ -164,11 +166,16 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
   }
   const std::vector<Place> all = places(model, u_min, u_max);
   Authority authority;
+  authority.climb = std::numeric_limits<double>::infinity();
   double along = 0.0, speed = 0.0;
   for (const Place& place : all) {
     along -= dot(place.drift, place.v);
     speed += dot(place.v, place.v);
     authority.climbs = authority.climbs || place.columns.climbs;
+    double climb = 0.0;
+    for (std::size_t k = 0; k < u_min.size(); ++k)
+      climb += std::abs(place.columns.climb[k]) * std::max(0.0, std::min(u_max[k], -u_min[k]));
+    authority.climb = std::min(authority.climb, climb);
     if (place.columns.climbs_late) {
       throw std::invalid_argument(
           fmt::format("barrier: the height of \"{}\" does not follow its commands at once, expected a "

@@ -22,6 +22,7 @@ struct Authority {
   int thrust_count = 0;
   bool turns = false;   ///< g_k are of V and turn with the heading; else of G
   bool climbs = false;  ///< commands change the height
+  double climb = 0.0;   ///< vertical speed that can be had both up and down [m/s]
 };
 
 /// @param u_min, u_max  limits of the inputs, finite

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/safety/projection.hpp"
+#include "sightline/safety/barrier_rows.hpp"
 
 namespace sightline {
 namespace {
@@ -54,53 +54,6 @@ std::string_view to_string(Wall wall) noexcept {
   return names[static_cast<std::size_t>(wall)];
 }
 
-/// What of the next sampled state counts.
-struct Barrier::Next {
-  Vec3<double> p;
-  Vec2<double> d, v;
-};
-
-/// A neighbour and the plan to flee it.
-struct Barrier::Threat {
-  Tube tube;
-  Escape plan;
-  Conduct conduct;
-  int neighbour;
-};
-
-/// n . (p+ + E v+ + R(d+) thrust) >= least at the next sample.
-struct Barrier::Row {
-  Vec3<double> n;
-  double E;             // [s]
-  Vec2<double> thrust;  // what the plan adds after it, in V [m]
-  double least;         // [m]
-  Wall wall;
-  int threat;                     // or -1
-  double time, slope, curvature;  // of the threat's gap at the time that the row holds
-  double e;                       // what a velocity is worth then
-  bool cut;                       // a second row holds the time to which the command has moved it
-
-  double value(const Next& next) const {
-    const Vec2<double> push = rotate(next.d, thrust);
-    return dot(n, next.p) + n.x * (E * next.v.x + push.x) + n.y * (E * next.v.y + push.y);
-  }
-  /// By how much it is missed [m].
-  double missed(const Next& next) const { return least - value(next); }
-};
-
-struct Barrier::Rows {
-  static Row of_wall(const Vec3<double>& n, double E, double least, Wall wall) {
-    return {n, E, {}, least, wall, -1, 0.0, 0.0, 0.0, 0.0, false};
-  }
-
-  std::array<Threat, most_neighbours> threat;
-  std::array<Row, most_half_spaces> row;
-  std::size_t threats = 0, count = 0;
-
-  void add(const Row& r) { row[count++] = r; }
-  std::span<const Row> all() const { return std::span<const Row>(row).first(count); }
-};
-
 Barrier::Barrier(const Model& model, std::span<const double> u_min, std::span<const double> u_max, double dt,
                  const BarrierOptions& options)
     : model_(model),
@@ -108,7 +61,13 @@ Barrier::Barrier(const Model& model, std::span<const double> u_min, std::span<co
       dt_(dt),
       can_(authority_of(model, u_min, u_max)),
       b_(options.authority * can_.acceleration),
-      plans_(can_.drag, dt) {}
+      plans_(can_.drag, dt),
+      ways_out_(can_.drag, can_.climbs ? can_.climb : 0.0) {
+  Arena arena{.disc = b_};
+  for (std::size_t k = 0; can_.thrust_count == 2 && k < 2; ++k)
+    arena.g[k] = {options.authority * can_.thrusts[k].x, options.authority * can_.thrusts[k].y};
+  for (std::size_t i = 0; i < joint_.size(); ++i) joint_[i] = WaysOut::thrust(arena, WaysOut::heading(i));
+}
 
 Barrier::Next Barrier::next(std::span<const double> x, std::span<const double> u) const noexcept {
   std::array<double, most_states> state;
@@ -137,7 +96,7 @@ Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n) c
     tube.beta = 2 * b_;
     tube.rho0 += 0.5 * a * age * age;
     tube.spread += a * age;
-    return {tube, plans_.best(tube), n.conduct, -1};
+    return {tube, plans_.best(tube), n.conduct};
   }
   tube.thrust_count = can_.thrust_count;
   for (std::size_t k = 0; k < static_cast<std::size_t>(tube.thrust_count); ++k) {
@@ -147,14 +106,14 @@ Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n) c
   Tube anywhere = tube;
   anywhere.rho0 += n.speed_max * age;
   anywhere.speed = n.speed_max;
-  const Threat worst = {anywhere, plans_.best(anywhere), n.conduct, -1};
+  const Threat worst = {anywhere, plans_.best(anywhere), n.conduct};
   if (n.acceleration_max == infinity) return worst;
   tube.r = tube.r - age * n.v;
   tube.drift = n.v;
   tube.rho0 += 0.5 * n.acceleration_max * age * age;
   tube.speed = n.acceleration_max * age;
   tube.growth = n.acceleration_max;
-  const Threat measured = {tube, plans_.best(tube), n.conduct, -1};
+  const Threat measured = {tube, plans_.best(tube), n.conduct};
   return measured.plan.reserve() > worst.plan.reserve() ? measured : worst;
 }
 
@@ -165,17 +124,27 @@ Barrier::Row Barrier::keep_away(const Sight<double>& self, const Rows& rows, int
   const double E = touch.shape.E, F = touch.shape.F;
   const EscapeShape left = plans_.left(touch);
   const auto level = [&](const Vec2<double>& v) { return touch.n.x * v.x + touch.n.y * v.y; };
-  const double planned = dot(touch.n, self.p) + E * level({self.v.x, self.v.y});
-  const double spare = touch.gap - (1.0 - options_.rate * dt_) * threat.plan.reserve();
+  Vec3<double> n = touch.n;
+  if (touch.level) n.z = 0.0;  // the height that the plan ends at does not depend on the command
+  const double risen = touch.level ? 0.0 : dt_ * n.z * threat.tube.climb;
+  const double planned = dot(n, self.p) + E * level({self.v.x, self.v.y}) + risen;
+  const double spare = touch.gap - threat.margin - (1.0 - options_.rate * dt_) * threat.reserve;
   if (threat.conduct == Conduct::member) {
     // Half of the acceleration apart is this robot's; so is its share of what the plan would leave.
     const double least = planned + 0.5 * (F - left.F) * level(a) - options_.share * spare;
-    return {touch.n,     left.E,          {},     least, Wall::none, index, touch.time,
-            touch.slope, touch.curvature, left.e, false};
+    return {n, left.E, {}, least, Wall::none, index, touch.time, touch.slope, touch.curvature, left.e, false};
   }
-  Row row{touch.n,         left.E, {},         planned + F * level(a) - spare,
-          Wall::none,      index,  touch.time, touch.slope,
-          touch.curvature, left.e, false};
+  Row row{n,
+          left.E,
+          {},
+          planned + F * level(a) - spare,
+          Wall::none,
+          index,
+          touch.time,
+          touch.slope,
+          touch.curvature,
+          left.e,
+          false};
   if (can_.turns) {
     const Vec2<double> a_V = rotate<double>({self.d.x, -self.d.y}, a);
     row.thrust = {left.F * a_V.x, left.F * a_V.y};
@@ -185,8 +154,8 @@ Barrier::Row Barrier::keep_away(const Sight<double>& self, const Rows& rows, int
   return row;
 }
 
-bool Barrier::add_neighbours(const Sight<double>& self, std::span<const Neighbour> neighbours,
-                             Rows& rows) const noexcept {
+bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
+                           Rows& rows) const noexcept {
   // The ones that press most, by the distance left after a second of closing in.
   std::array<int, most_neighbours> chosen;
   std::array<double, most_neighbours> key;
@@ -212,22 +181,34 @@ bool Barrier::add_neighbours(const Sight<double>& self, std::span<const Neighbou
     Threat& threat = rows.threat[k];
     threat = this->threat(self, neighbours[static_cast<std::size_t>(chosen[k])]);
     threat.neighbour = chosen[k];
-    for (std::size_t j = 0; j < threat.plan.count; ++j) {
-      rows.add(keep_away(self, rows, static_cast<int>(k), threat.plan.touches[j]));
-    }
+    threat.reserve = threat.plan.reserve();
   }
   rows.threats = count;
   return all_known;
 }
 
-void Barrier::add_walls(const Sight<double>& self, Rows& rows) const noexcept {
+void Barrier::add_neighbours(const Sight<double>& self, Heeded heeded, Rows& rows) const noexcept {
+  for (std::size_t k = 0; k < rows.threats; ++k) {
+    const Threat& threat = rows.threat[k];
+    if (heeded == Heeded::members && threat.conduct != Conduct::member) continue;
+    for (std::size_t j = 0; j < threat.plan.count; ++j) {
+      rows.add(keep_away(self, rows, static_cast<int>(k), threat.plan.touches[j]));
+    }
+  }
+}
+
+void Barrier::add_walls(const Sight<double>& self, Approach approach, Rows& rows) const noexcept {
   const double kept_part = 1.0 - options_.rate * dt_, c = can_.drag;
+  // A plan that climbs or sinks does so until it is there; the height follows the command at once.
+  const auto kept_height = [&](double room) {
+    return approach == Approach::at_once && room > 0 ? 0.0 : kept_part * room;
+  };
   if (can_.climbs && options_.floor > -infinity) {
-    const double least = options_.floor + kept_part * (self.p.z - options_.floor);
+    const double least = options_.floor + kept_height(self.p.z - options_.floor);
     rows.add(Rows::of_wall({0, 0, 1}, 0.0, least, Wall::floor));
   }
   if (can_.climbs && options_.ceiling < infinity) {
-    const double least = -options_.ceiling + kept_part * (options_.ceiling - self.p.z);
+    const double least = -options_.ceiling + kept_height(options_.ceiling - self.p.z);
     rows.add(Rows::of_wall({0, 0, -1}, 0.0, least, Wall::ceiling));
   }
   if (options_.world == infinity) return;
@@ -354,7 +335,7 @@ double Barrier::solve(std::span<const double> x, const Sight<double>& self, cons
 
 BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbour> neighbours,
                               std::span<const double> u_min, std::span<const double> u_max,
-                              std::span<double> u) const noexcept {
+                              std::span<double> u, WayOut& way_out) const noexcept {
   assert(u.size() == static_cast<std::size_t>(model_.nu()) &&
          "a command has as many numbers as the model inputs");
   assert(x.size() == static_cast<std::size_t>(model_.nx()) &&
@@ -372,28 +353,59 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   }
   const Sight<double> self = model_.sight(x.data(), u.data());
   Rows rows;
-  const bool all_known = add_neighbours(self, neighbours, rows);
-  add_walls(self, rows);
-  for (std::size_t k = 0; k < rows.threats; ++k) {
-    result.reserve = std::min(result.reserve, rows.threat[k].plan.reserve());
-  }
+  const bool all_known = find_threats(self, neighbours, rows);
+  for (std::size_t k = 0; k < rows.threats; ++k)
+    result.reserve = std::min(result.reserve, rows.threat[k].reserve);
+  const double joint = join(self, rows);
+  const double least = result.reserve;
+  if (std::isfinite(joint)) result.reserve = joint;
+  result.surrounded = joint == -infinity;
+  add_neighbours(self, Heeded::all, rows);
+  add_walls(self, std::isfinite(joint) ? Approach::at_once : Approach::slowing, rows);
 
+  std::array<double, most_inputs> nominal{};
+  std::copy(u.begin(), u.end(), nominal.begin());
   Next after = next(x, u);
-  double missed = 0.0;
-  for (const Row& row : rows.all()) missed = std::max(missed, row.missed(after));
-  if (missed > kept) {
-    std::array<double, most_inputs> nominal{};
-    std::copy(u.begin(), u.end(), nominal.begin());
+  const auto keep_rows = [&] {
+    double missed = 0.0;
+    for (const Row& row : rows.all()) missed = std::max(missed, row.missed(after));
+    if (missed <= kept) return;
     result.violation = solve(x, self, after, rows, u_min, u_max, u);
-    result.conflict = result.violation > corrected;
-    result.active = result.active || !std::equal(u.begin(), u.end(), nominal.begin());
     after = next(x, u);
+  };
+  keep_rows();
+  const bool contradicted = result.violation > corrected;
+  constexpr double serious = 0.02;  // [m]
+  // Without a plan for all, and in need of one; or with one that a wall cuts off.
+  const bool lost = joint == -infinity
+                        ? least < 0 || result.violation > serious || is_surrounded(self, neighbours, rows)
+                        : joint < infinity && result.violation > serious;
+  if (lost) {
+    if (leave(self, after, contradicted, neighbours, rows, way_out)) {
+      follow(x, self, way_out, u_min, u_max, u);
+      rows.count = 0;
+      add_neighbours(self, Heeded::members, rows);
+      add_walls(self, Approach::at_once, rows);
+      after = next(x, u);
+      result.violation = 0.0;
+      keep_rows();
+      result.violation = std::max(result.violation, -way_out.left);
+    }
+  } else {
+    way_out = {};
   }
+  result.conflict = result.violation > corrected;
+  result.active = result.active || !std::equal(u.begin(), u.end(), nominal.begin());
   const auto looser = [&](const Row& a, const Row& b) { return a.missed(after) < b.missed(after); };
   if (const auto tightest = std::max_element(rows.all().begin(), rows.all().end(), looser); rows.count > 0) {
     if (tightest->threat >= 0)
       result.neighbour = rows.threat[static_cast<std::size_t>(tightest->threat)].neighbour;
     result.wall = tightest->wall;
+  }
+  if (way_out.taken && result.neighbour < 0) {
+    const auto threats = std::span(rows.threat).first(rows.threats);
+    const auto tighter = [](const Threat& a, const Threat& b) { return a.reserve < b.reserve; };
+    result.neighbour = std::min_element(threats.begin(), threats.end(), tighter)->neighbour;
   }
   if (!all_known) {
     result.conflict = true;

@@ -12,7 +12,15 @@
 /// so that the distance is d_hard + B at least, now and on the plan. The filter asks of the next sampled state,
 /// found by the Runge-Kutta step the plant takes, that B+ >= (1 - rate dt) B against the worst the neighbour can
 /// do meanwhile. The plan's own command does that, so a robot with B >= 0 always has a command, and B stays
-/// >= 0. The mathematics, and what is not guaranteed, are in docs/safety.md.
+/// >= 0.
+///
+/// Of several strangers it asks the same of one plan that is for all of them, and may climb or sink:
+///
+///   B = max over plans of min over neighbours and t >= 0 of |p_a(t) - c(t)| - rho(t) - d_hard
+///
+/// Where no plan has B >= 0 the robot may be surrounded, and takes the best way out of those that chase (way_out.hpp).
+/// Floor, ceiling and world are kept before all of it. The mathematics, and what is not guaranteed, are in
+/// docs/safety.md.
 ///
 /// Units are SI, vectors in G. Constant after construction: one Barrier may serve many loops and threads.
 #pragma once
@@ -24,6 +32,7 @@
 #include "sightline/model/model.hpp"
 #include "sightline/safety/authority.hpp"
 #include "sightline/safety/escape.hpp"
+#include "sightline/safety/way_out.hpp"
 
 namespace sightline {
 
@@ -63,12 +72,17 @@ enum class Wall { none, floor, ceiling, x_min, x_max, y_min, y_max };
 std::string_view to_string(Wall wall) noexcept;
 
 struct BarrierResult {
-  bool active = false;     ///< the command was changed
-  bool conflict = false;   ///< no command within the limits keeps all; the largest violation was made least
-  double violation = 0.0;  ///< largest amount by which a row is missed [m]; 0 without a conflict
-  double reserve = std::numeric_limits<double>::infinity();  ///< least B of all neighbours [m]
-  int neighbour = -1;      ///< the one with the tightest row: index into the neighbours, or -1
-  Wall wall = Wall::none;  ///< the wall with the tightest row, if it is not a neighbour
+  bool active = false;  ///< the command was changed
+  bool conflict =
+      false;  ///< no command within the limits keeps all, or no way out; the violation was made least
+  double violation =
+      0.0;  ///< largest amount by which a row is missed, or by which the way out is too near [m];
+            ///< 0 without a conflict
+  /// Least B of all neighbours, or that of the plan for several strangers where its rows are kept [m].
+  double reserve = std::numeric_limits<double>::infinity();
+  bool surrounded = false;  ///< no plan is safe from all strangers whatever they do
+  int neighbour = -1;       ///< the one with the tightest row: index into the neighbours, or -1
+  Wall wall = Wall::none;   ///< the wall with the tightest row, if it is not a neighbour
 };
 
 class Barrier {
@@ -88,9 +102,17 @@ class Barrier {
   /// @param x             state of the robot, as believed (nx)
   /// @param u_min, u_max  limits now (nu)
   /// @param u             the solver's command (nu); afterwards finite and within the limits, always
+  /// @param way_out       what the robot does where it is surrounded; to be kept from one period to the next
+  BarrierResult filter(std::span<const double> x, std::span<const Neighbour> neighbours,
+                       std::span<const double> u_min, std::span<const double> u_max, std::span<double> u,
+                       WayOut& way_out) const noexcept;
+  /// The same for one that remembers nothing.
   BarrierResult filter(std::span<const double> x, std::span<const Neighbour> neighbours,
                        std::span<const double> u_min, std::span<const double> u_max,
-                       std::span<double> u) const noexcept;
+                       std::span<double> u) const noexcept {
+    WayOut none;
+    return filter(x, neighbours, u_min, u_max, u, none);
+  }
 
   /// B of one neighbour at a state [m].
   double reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept;
@@ -105,13 +127,26 @@ class Barrier {
   struct Row;
   struct Rows;
   struct Linear;
+  enum class Heeded { all, members };
+  enum class Approach { slowing, at_once };  // of floor and ceiling
 
   Next next(std::span<const double> x, std::span<const double> u) const noexcept;
   Threat threat(const Sight<double>& self, const Neighbour& neighbour) const noexcept;
   Row keep_away(const Sight<double>& self, const Rows& rows, int threat, const Touch& touch) const noexcept;
-  bool add_neighbours(const Sight<double>& self, std::span<const Neighbour> neighbours,
-                      Rows& rows) const noexcept;
-  void add_walls(const Sight<double>& self, Rows& rows) const noexcept;
+  bool find_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
+                    Rows& rows) const noexcept;
+  /// Gives the strangers one plan together. @return its reserve [m]; infinity where each has enough for itself
+  double join(const Sight<double>& self, Rows& rows) const noexcept;
+  bool is_surrounded(const Sight<double>& self, std::span<const Neighbour> neighbours,
+                     const Rows& rows) const noexcept;
+  Arena arena(const Sight<double>& self) const noexcept;
+  bool leave(const Sight<double>& self, const Next& after, bool contradicted,
+             std::span<const Neighbour> neighbours, const Rows& rows, WayOut& way_out) const noexcept;
+  void follow(std::span<const double> x, const Sight<double>& self, WayOut& way_out,
+              std::span<const double> u_min, std::span<const double> u_max,
+              std::span<double> u) const noexcept;
+  void add_neighbours(const Sight<double>& self, Heeded heeded, Rows& rows) const noexcept;
+  void add_walls(const Sight<double>& self, Approach approach, Rows& rows) const noexcept;
   void add_cuts(const Sight<double>& self, const Next& there, Rows& rows) const noexcept;
   double solve(std::span<const double> x, const Sight<double>& self, const Next& nominal, Rows& rows,
                std::span<const double> u_min, std::span<const double> u_max,
@@ -123,6 +158,8 @@ class Barrier {
   Authority can_;
   double b_;
   EscapePlans plans_;
+  WaysOut ways_out_;
+  std::array<Vec2<double>, WaysOut::headings> joint_;  // thrusts of plans for several, in V or G [m/s^2]
 };
 
 }  // namespace sightline

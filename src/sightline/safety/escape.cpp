@@ -14,6 +14,12 @@ Vec2<double> direction(const Vec2<double>& v, const Vec2<double>& other) {
   return length > tiny ? Vec2<double>{v.x / length, v.y / length} : other;
 }
 
+/// Whether the plan climbed or sank, and has done so as far as it may.
+bool is_level(const Tube& tube, double t) { return tube.climb != 0 && std::abs(tube.climb) * t >= tube.room; }
+
+/// By how much it has climbed [m].
+double risen(const Tube& tube, double t) { return std::clamp(tube.climb * t, -tube.room, tube.room); }
+
 /// The allowed acceleration that leads farthest along a direction.
 Vec2<double> farthest(const Tube& tube, const Vec2<double>& along) {
   if (tube.thrust_count == 0) return {tube.beta * along.x, tube.beta * along.y};
@@ -68,9 +74,9 @@ EscapePlans::Point EscapePlans::at(const Tube& tube, const Vec2<double>& a, doub
   p.shape = shape(t);
   const auto [e, E, F] = p.shape;
   p.q = {tube.r.x + E * tube.w.x + F * a.x - t * tube.drift.x,
-         tube.r.y + E * tube.w.y + F * a.y - t * tube.drift.y, tube.r.z - t * tube.drift.z};
+         tube.r.y + E * tube.w.y + F * a.y - t * tube.drift.y, tube.r.z + risen(tube, t) - t * tube.drift.z};
   const Vec3<double> rate = {e * tube.w.x + E * a.x - tube.drift.x, e * tube.w.y + E * a.y - tube.drift.y,
-                             -tube.drift.z};
+                             (is_level(tube, t) ? 0.0 : tube.climb) - tube.drift.z};
   const Vec2<double> bend = {e * (a.x - c_ * tube.w.x), e * (a.y - c_ * tube.w.y)};
   const double squared = dot(p.q, p.q), length = std::sqrt(squared);
   const double inverse = length > tiny ? 1.0 / length : 0.0, along = dot(p.q, rate) * inverse;
@@ -88,7 +94,7 @@ EscapePlans::Point EscapePlans::at(const Tube& tube, const Vec2<double>& a, doub
 
 Touch EscapePlans::touch(const Tube& tube, const Vec2<double>& a, double t) const noexcept {
   const Point p = at(tube, a, t);
-  return {p.f, t, p.n, p.shape, p.slope, p.curvature};
+  return {p.f, t, p.n, p.shape, is_level(tube, t), p.slope, p.curvature};
 }
 
 std::size_t EscapePlans::lowest(const Curve& f) noexcept {
@@ -120,8 +126,8 @@ double EscapePlans::least_of(const Curve& f, std::size_t i) const noexcept {
   return down > 0 ? t_[i] + std::clamp(up / down, -a, b) : t_[i];
 }
 
-Touch EscapePlans::nearest(const Tube& tube, const Vec2<double>& a, const Curve& f,
-                           std::size_t i) const noexcept {
+[[gnu::flatten]] Touch EscapePlans::nearest(const Tube& tube, const Vec2<double>& a, const Curve& f,
+                                            std::size_t i) const noexcept {
   double t = least_of(f, i);
   Point p = at(tube, a, t);
   constexpr double near = 1e-4;  // [s]
@@ -138,7 +144,7 @@ Touch EscapePlans::nearest(const Tube& tube, const Vec2<double>& a, const Curve&
     t = t_[i];
     p = at(tube, a, t);
   }
-  return {p.f, t, p.n, p.shape, p.slope, p.curvature};
+  return {p.f, t, p.n, p.shape, is_level(tube, t), p.slope, p.curvature};
 }
 
 Escape EscapePlans::refined(const Tube& tube, const Vec2<double>& a, const Curve& f) const noexcept {
@@ -168,20 +174,34 @@ Escape EscapePlans::refined(const Tube& tube, const Vec2<double>& a, const Curve
 EscapePlans::Curve EscapePlans::curve(const Tube& tube, const Curve& x, const Curve& y) const noexcept {
   Curve f;
   const double half = 0.5 * tube.growth;
+  Curve height;
+  for (std::size_t k = 0; k < times; ++k) height[k] = tube.r.z - t_[k] * tube.drift.z;
+  if (tube.climb != 0) {
+    for (std::size_t k = 0; k < times; ++k) height[k] += risen(tube, t_[k]);
+  }
   for (std::size_t k = 0; k < times; ++k) {
-    const double t = t_[k], z = tube.r.z - t * tube.drift.z;
+    const double t = t_[k], z = height[k];
     f[k] = std::sqrt(x[k] * x[k] + y[k] * y[k] + z * z) - t * (tube.speed + half * t) - tube.spread * E_[k];
   }
   return f;
 }
 
-Escape EscapePlans::with(const Tube& tube, const Vec2<double>& a) const noexcept {
+EscapePlans::Curve EscapePlans::along(const Tube& tube, const Vec2<double>& a) const noexcept {
   Curve x, y;
   for (std::size_t k = 0; k < times; ++k) {
     x[k] = tube.r.x + E_[k] * tube.w.x + F_[k] * a.x - t_[k] * tube.drift.x;
     y[k] = tube.r.y + E_[k] * tube.w.y + F_[k] * a.y - t_[k] * tube.drift.y;
   }
-  return refined(tube, a, curve(tube, x, y));
+  return curve(tube, x, y);
+}
+
+Escape EscapePlans::with(const Tube& tube, const Vec2<double>& a) const noexcept {
+  return refined(tube, a, along(tube, a));
+}
+
+double EscapePlans::least(const Tube& tube, const Vec2<double>& a) const noexcept {
+  const Curve f = along(tube, a);
+  return std::min(norm(tube.r), f[lowest(f)]) - tube.rho0;
 }
 
 Escape EscapePlans::best(const Tube& tube) const noexcept {

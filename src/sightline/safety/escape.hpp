@@ -4,6 +4,8 @@
 ///
 ///   q_a(t) = r + E(t) w + F(t) a - t g        r = p - c(0), w: horizontal velocity, g: that of the centre
 ///
+/// plus the height that the plan climbs, where it does,
+///
 /// and the neighbour within rho(t) = rho0 + speed t + growth t^2 / 2 + spread E(t) of the centre. Sought is the a
 /// that makes the least f_a(t) = |q_a(t)| - rho(t) greatest, in a disc |a| <= beta, or among the corners
 /// sum of +-g_k over the thrusts g_k. At a given t the best a is the one farthest along q_0(t) = r + E w - t g, so
@@ -26,6 +28,8 @@ struct Tube {
   Vec3<double> r{};      ///< from the centre to the robot [m]
   Vec2<double> w{};      ///< what drag takes off: velocity of the robot, less that of a member [m/s]
   Vec3<double> drift{};  ///< velocity of the centre [m/s]
+  double climb = 0.0;    ///< vertical speed of the robot [m/s], until it has
+  double room = 0.0;     ///< risen or sunk by this much [m], >= 0
   double beta = 0.0;     ///< radius of the disc [m/s^2], where there are no thrusts
   std::array<Vec2<double>, 4> thrusts{};  ///< g_k [m/s^2]
   int thrust_count = 0;
@@ -47,6 +51,7 @@ struct Touch {
   double time;        ///< t [s], >= dt
   Vec3<double> n;     ///< from the centre to the robot
   EscapeShape shape;  ///< at t
+  bool level;         ///< the plan climbed or sank, and has done so as far as it may
   double slope;       ///< f_a'(t) [m/s]
   double curvature;   ///< f_a''(t) [m/s^2]
 };
@@ -74,6 +79,8 @@ class EscapePlans {
   Escape best(const Tube& tube) const noexcept;
   /// The plan with one acceleration.
   Escape with(const Tube& tube, const Vec2<double>& a) const noexcept;
+  /// The least f of that plan over now and a grid of times [m]: up to 0.1 m more than its reserve.
+  double least(const Tube& tube, const Vec2<double>& a) const noexcept;
   Touch touch(const Tube& tube, const Vec2<double>& a, double t) const noexcept;
 
   double E(double t) const noexcept;
@@ -96,6 +103,7 @@ class EscapePlans {
 
   /// f + rho0 of horizontal positions x and y.
   Curve curve(const Tube& tube, const Curve& x, const Curve& y) const noexcept;
+  Curve along(const Tube& tube, const Vec2<double>& a) const noexcept;
   static std::size_t lowest(const Curve& f) noexcept;
   /// Where f is least around point i of the grid.
   double least_of(const Curve& f, std::size_t i) const noexcept;

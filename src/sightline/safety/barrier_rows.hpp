@@ -1,0 +1,62 @@
+/// What the two sources of Barrier share: the next state, the neighbours and the rows.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sightline/safety/barrier.hpp"
+#include "sightline/safety/projection.hpp"
+
+namespace sightline {
+
+/// What of the next sampled state counts.
+struct Barrier::Next {
+  Vec3<double> p;
+  Vec2<double> d, v;
+};
+
+/// A neighbour and the plan to flee it.
+struct Barrier::Threat {
+  Tube tube;
+  Escape plan;
+  Conduct conduct;
+  int neighbour = -1;
+  double reserve = 0.0;  // that the rows keep: of this plan, or of all that it is for [m]
+  double margin = 0.0;   // that they keep beside it [m]
+};
+
+/// n . (p+ + E v+ + R(d+) thrust) >= least at the next sample.
+struct Barrier::Row {
+  Vec3<double> n;
+  double E;             // [s]
+  Vec2<double> thrust;  // what the plan adds after it, in V [m]
+  double least;         // [m]
+  Wall wall;
+  int threat;                     // or -1
+  double time, slope, curvature;  // of the threat's gap at the time that the row holds
+  double e;                       // what a velocity is worth then
+  bool cut;                       // a second row holds the time to which the command has moved it
+
+  double value(const Next& next) const {
+    const Vec2<double> push = rotate(next.d, thrust);
+    return dot(n, next.p) + n.x * (E * next.v.x + push.x) + n.y * (E * next.v.y + push.y);
+  }
+  /// By how much it is missed [m].
+  double missed(const Next& next) const { return least - value(next); }
+};
+
+struct Barrier::Rows {
+  static Row of_wall(const Vec3<double>& n, double E, double least, Wall wall) {
+    return {n, E, {}, least, wall, -1, 0.0, 0.0, 0.0, 0.0, false};
+  }
+
+  std::array<Threat, most_neighbours> threat;
+  std::array<Row, most_half_spaces> row;
+  std::size_t threats = 0, count = 0;
+
+  void add(const Row& r) { row[count++] = r; }
+  std::span<const Row> all() const { return std::span<const Row>(row).first(count); }
+};
+
+}  // namespace sightline

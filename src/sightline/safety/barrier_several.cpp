@@ -1,0 +1,252 @@
+// What a barrier does about several strangers at once.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sightline/safety/barrier_rows.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
+  constexpr double near = 10.0;   // [m] who is farther is no part of a ring yet
+  constexpr double ample = 0.3;   // [m] more than a sample can take of it
+  constexpr double spare = 0.02;  // [m] the rows, which are linear, lose some of it where plans climb
+  std::array<Threat*, most_neighbours> strangers;
+  std::size_t count = 0;
+  for (Threat& threat : std::span(rows.threat).first(rows.threats)) {
+    if (threat.conduct == Conduct::stranger && norm(threat.tube.r) < near) strangers[count++] = &threat;
+  }
+  const auto all = std::span(strangers).first(count);
+  if (count < 2) return infinity;
+  const auto tighter = [](const Threat* a, const Threat* b) { return a->reserve < b->reserve; };
+  std::swap(strangers[0], *std::min_element(all.begin(), all.end(), tighter));
+  const double least = strangers[0]->reserve;
+
+  struct Plan {
+    Vec2<double> a;
+    double climb, room;
+  };
+  const auto climbing = [](const Tube& tube, const Plan& plan) {
+    Tube with = tube;
+    with.climb = plan.climb;
+    with.room = plan.room;
+    return with;
+  };
+  const auto own = [](const Threat& threat, const Plan& plan) {
+    return plan.climb == 0 && threat.plan.a.x == plan.a.x && threat.plan.a.y == plan.a.y;
+  };
+  // Each at the one time that is the tightest for its own plan: mostly that tells that a plan is none.
+  struct Look {
+    Vec3<double> q;
+    double t, F, rho;
+  };
+  std::array<Look, most_neighbours> looks;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Tube& tube = strangers[k]->tube;
+    const Touch& touch = strangers[k]->plan.touches[0];
+    const double t = touch.time, E = touch.shape.E;
+    looks[k] = {{tube.r.x + E * tube.w.x - t * tube.drift.x, tube.r.y + E * tube.w.y - t * tube.drift.y,
+                 tube.r.z - t * tube.drift.z},
+                t,
+                touch.shape.F,
+                tube.rho0 + t * (tube.speed + 0.5 * tube.growth * t) + tube.spread * E};
+  }
+  double best = 0.0, others = 0.0;  // others: what is left of those whose own plan is another
+  bool found = false;
+  Plan taken{};
+  const auto consider = [&](const Plan& plan) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const Look& look = looks[k];
+      const double x = look.q.x + look.F * plan.a.x, y = look.q.y + look.F * plan.a.y,
+                   z = look.q.z + std::clamp(plan.climb * look.t, -plan.room, plan.room);
+      if (x * x + y * y + z * z >= square(std::max(0.0, best + look.rho))) continue;
+      std::swap(looks[0], looks[k]);  // it will tell of the next ones too
+      return;
+    }
+    double reserve = infinity, beside = infinity;
+    for (const Threat* threat : all) {
+      if (own(*threat, plan)) {
+        reserve = std::min(reserve, threat->reserve);
+      } else {
+        beside = std::min(beside, plans_.least(climbing(threat->tube, plan), plan.a));
+      }
+      if (std::min(reserve, beside) < best) return;
+    }
+    // The grid may have missed the least between two of its times.
+    beside = infinity;
+    for (const Threat* threat : all) {
+      if (!own(*threat, plan))
+        beside = std::min(beside, plans_.with(climbing(threat->tube, plan), plan.a).reserve());
+      if (beside < best) return;
+    }
+    best = std::min(reserve, beside);
+    others = beside;
+    taken = plan;
+    found = true;
+  };
+  const auto enough = [&] { return found && (best >= least || best >= ample); };
+  consider({strangers[0]->plan.a, 0.0, 0.0});
+  const double up = can_.climbs ? std::max(0.0, options_.ceiling - self.p.z) : 0.0;
+  const double down = can_.climbs ? std::max(0.0, self.p.z - options_.floor) : 0.0;
+  const double climb = options_.authority * can_.climb;
+  for (const auto& [speed, room] : {std::pair{0.0, 0.0}, {climb, up}, {-climb, down}}) {
+    if (enough() || (speed != 0 && room == 0)) break;
+    for (const Vec2<double>& a_V : joint_) {
+      const Vec2<double> a = can_.turns ? rotate(self.d, a_V) : a_V;
+      consider({a, speed, room});
+      if (enough()) break;
+    }
+  }
+  if (!found) return -infinity;
+  // The rows of each keep this plan too where it is their own, and the others cannot lose it in a sample.
+  if (std::max(best, others) >= ample) return infinity;
+  for (Threat* threat : all) {
+    if (!own(*threat, taken)) {
+      threat->tube = climbing(threat->tube, taken);
+      threat->plan = plans_.with(threat->tube, taken.a);
+    }
+    threat->reserve = best - spare;
+    threat->margin = spare;
+  }
+  if (taken.climb != 0) {
+    // Height is worth what it is at every time until the plan is level: it may lag by what the rate allows.
+    const double side = std::copysign(1.0, taken.climb),
+                 step = std::min(std::abs(taken.climb) * dt_, taken.room);
+    const double lag = options_.rate * dt_ * std::max(best - spare, 0.0);
+    rows.add(Rows::of_wall({0, 0, side}, 0.0, side * self.p.z + step - lag, Wall::none));
+  }
+  return best - spare;
+}
+
+bool Barrier::is_surrounded(const Sight<double>& self, std::span<const Neighbour> neighbours,
+                            const Rows& rows) const noexcept {
+  std::array<Vec3<double>, most_neighbours> away;
+  std::size_t count = 0;
+  Vec2<double> sum{};
+  for (const Threat& threat : std::span(rows.threat).first(rows.threats)) {
+    if (threat.conduct != Conduct::stranger) continue;
+    const Vec3<double> r = self.p - neighbours[static_cast<std::size_t>(threat.neighbour)].p;
+    const Vec3<double> n = (1.0 / std::max(norm(r), 1e-9)) * r;
+    sum = {sum.x + n.x, sum.y + n.y};
+    away[count++] = n;
+  }
+  // On one side of it are bodies that all fall back where it goes straight on, with nothing in the way there.
+  constexpr double opening = 0.5, free_way = 5.0;  // [-], [m]
+  const double length = std::sqrt(dot(sum, sum));
+  const Vec2<double> m = {sum.x / length, sum.y / length};
+  const auto falls_back = [&](const Vec3<double>& n) { return n.x * m.x + n.y * m.y >= opening; };
+  const double x = self.p.x + free_way * m.x, y = self.p.y + free_way * m.y;
+  const bool free = std::max(std::abs(x), std::abs(y)) < options_.world;
+  return !(free && std::all_of(away.begin(), away.begin() + static_cast<std::ptrdiff_t>(count), falls_back));
+}
+
+Arena Barrier::arena(const Sight<double>& self) const noexcept {
+  Arena arena{.p = self.p,
+              .v = {self.v.x, self.v.y},
+              .disc = can_.acceleration,
+              .floor = can_.climbs ? options_.floor : -infinity,
+              .ceiling = can_.climbs ? options_.ceiling : infinity,
+              .world = options_.world};
+  for (std::size_t k = 0; can_.thrust_count == 2 && k < 2; ++k)
+    arena.g[k] = can_.turns ? rotate(self.d, can_.thrusts[k]) : can_.thrusts[k];
+  return arena;
+}
+
+/// Looks for a way out with the command as it is, which leads to `after`, and else for the best there is.
+/// @return whether the robot is to take it
+bool Barrier::leave(const Sight<double>& self, const Next& after, bool contradicted,
+                    std::span<const Neighbour> neighbours, const Rows& rows, WayOut& way_out) const noexcept {
+  const Arena arena = this->arena(self);
+  std::array<Chaser, most_neighbours> chasers;
+  const auto all = std::span(chasers).first(rows.threats);
+  for (std::size_t k = 0; k < rows.threats; ++k) {
+    const Neighbour& n = neighbours[static_cast<std::size_t>(rows.threat[k].neighbour)];
+    Chaser& chaser = chasers[k];
+    chaser = {.p = n.p, .hard = n.d_hard + options_.margin + 3 * n.sigma};
+    if (n.conduct == Conduct::member) {
+      chaser.v = n.v;
+      chaser.p = n.p + n.age * n.v;
+      continue;
+    }
+    // One that moves is taken to go on as fast; one that rests could go at its greatest speed.
+    constexpr double moves = 0.1;  // [m/s]
+    const double speed = norm(n.v);
+    chaser.speed = speed > moves ? std::min(speed, n.speed_max) : n.speed_max;
+    chaser.hard += chaser.speed * std::max(n.age, 0.0);
+  }
+  constexpr double enough = 0.25, more = 0.2, step = 0.05;  // [m]
+  const double wanted = way_out.taken ? enough + more : enough;
+  way_out = ways_out_.best(arena, all, way_out, wanted + step);
+  if (!contradicted && way_out.left >= wanted) {
+    Arena then = arena;
+    then.p = after.p;
+    then.v = after.v;
+    std::array<Chaser, most_neighbours> moved = chasers;
+    for (Chaser& chaser : std::span(moved).first(rows.threats)) {
+      const Vec3<double> r = after.p - chaser.p;
+      chaser.p =
+          chaser.p + dt_ * chaser.v + (chaser.speed * dt_ / std::max(norm(r), chaser.speed * dt_ + 1e-9)) * r;
+    }
+    if (ways_out_.left(then, std::span(moved).first(rows.threats), way_out) >= wanted) return false;
+  }
+  way_out.taken = true;
+  return true;
+}
+
+/// Makes of u the command that begins the way out, with the inputs that do nothing for it at zero.
+void Barrier::follow(std::span<const double> x, const Sight<double>& self, WayOut& way_out,
+                     std::span<const double> u_min, std::span<const double> u_max,
+                     std::span<double> u) const noexcept {
+  for (std::size_t k = 0; k < u.size(); ++k) u[k] = std::clamp(0.0, u_min[k], u_max[k]);
+  const bool begun = way_out.wait <= 0.5 * dt_;
+  const Vec2<double> a = begun ? WaysOut::thrust(arena(self), way_out.along) : Vec2<double>{};
+  way_out.wait = std::max(0.0, way_out.wait - dt_);
+  const EscapeShape step = plans_.shape(dt_);
+  const double climb = begun ? way_out.climb : 0.0;
+  const std::array<double, 3> wanted = {step.e * self.v.x + step.E * a.x, step.e * self.v.y + step.E * a.y,
+                                        self.p.z + dt_ * climb};
+  const auto outcome = [&] {
+    const Next n = next(x, u);
+    return std::array<double, 3>{n.v.x, n.v.y, n.p.z};
+  };
+  // du = J' (J J' + tiny)^-1 (wanted - outcome): the least change that does it.
+  const std::array<double, 3> now = outcome();
+  std::array<std::array<double, 3>, most_inputs> J{};
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    constexpr double difference = 1e-3;
+    const double at = u[k];
+    u[k] = at + difference;
+    const std::array<double, 3> there = outcome();
+    u[k] = at;
+    for (std::size_t i = 0; i < 3; ++i) J[k][i] = (there[i] - now[i]) / difference;
+  }
+  constexpr double tiny = 1e-12;
+  std::array<std::array<double, 3>, 3> L{};
+  std::array<double, 3> y{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = i == j ? tiny : 0.0;
+      for (std::size_t k = 0; k < u.size(); ++k) sum += J[k][i] * J[k][j];
+      for (std::size_t k = 0; k < j; ++k) sum -= L[i][k] * L[j][k];
+      L[i][j] = i == j ? std::sqrt(std::max(sum, tiny)) : sum / L[j][j];
+    }
+    y[i] = wanted[i] - now[i];
+    for (std::size_t k = 0; k < i; ++k) y[i] -= L[i][k] * y[k];
+    y[i] /= L[i][i];
+  }
+  for (std::size_t i = 3; i-- > 0;) {
+    for (std::size_t k = i + 1; k < 3; ++k) y[i] -= L[k][i] * y[k];
+    y[i] /= L[i][i];
+  }
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    const double moved = u[k] + J[k][0] * y[0] + J[k][1] * y[1] + J[k][2] * y[2];
+    u[k] = std::clamp(std::isfinite(moved) ? moved : 0.0, u_min[k], u_max[k]);
+  }
+}
+
+}  // namespace sightline
