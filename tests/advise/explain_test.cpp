@@ -180,7 +180,7 @@ TEST(Explain, ARegionOfTwoWindowsHasTwoBands) {
   TwoRobots two;
   two.team.couple(1.0 * Region(any_of({"1 m < distance < 2 m", "4 m < distance < 5 m"})),
                   Between{two.a, two.b});
-  const auto& holds = explain(two.team).pairs[0].limits[0].holds;
+  const std::vector<DistanceBand> holds = explain(two.team).pairs[0].limits[0].holds;
   ASSERT_EQ(holds.size(), 2u);
   EXPECT_NEAR(holds[0].low, 1.0, 1e-4);
   EXPECT_NEAR(holds[0].high, 2.0, 1e-4);

@@ -79,21 +79,21 @@ TEST(RobotsBeyondNoise, ARobotWithoutAVelocityIsToldAndOneWithItIsNot) {
 [agent.car]
 start = {{ p = [0.0, 0.0, 0.0] }}
 [agent.car.robot.text]
-states = ["x", "y", "z", "s"]
-inputs = ["u", "w"]
-position = ["x", "y", "z"]
-f.x = "{}"
-f.y = "w"
-f.z = 0
-f.s = "u"
+states = ["east", "north", "up", "speed"]
+inputs = ["push", "side"]
+position = ["east", "north", "up"]
+f.east = "{}"
+f.north = "side"
+f.up = 0
+f.speed = "push"
 [simulation.disturbance]
 noise = {{ velocity = 0.1, position = 0.1 }}
 )",
                                       rate),
                           "car.toml");
   };
-  EXPECT_THAT(robots_beyond_noise(scenario("s")), IsEmpty());
-  EXPECT_THAT(robots_beyond_noise(scenario("2 * s")),
+  EXPECT_THAT(robots_beyond_noise(scenario("speed")), IsEmpty());
+  EXPECT_THAT(robots_beyond_noise(scenario("2 * speed")),
               ElementsAre("no state of car (text) is a velocity [m/s]: noise.velocity does not reach it"));
 }
 

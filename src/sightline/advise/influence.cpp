@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <map>
 #include <string_view>
+#include <variant>
 
 #include "sightline/formula/derive.hpp"
-#include "sightline/io/present_team.hpp"
 #include "sightline/model/state_roles.hpp"
 
 namespace sightline {
@@ -105,11 +105,21 @@ std::array<bool, 2 * sight_size> seen_by(const Potential& potential) {
   return seen;
 }
 
+std::vector<Coupling> said_couplings(const Scenario& scenario) {
+  std::vector<Coupling> all = scenario.team.couplings();
+  for (const TeamEvent& event : scenario.script.events) {
+    for (const Action& action : event.actions) {
+      if (const auto* add = std::get_if<AddCoupling>(&action)) all.push_back(add->coupling);
+    }
+  }
+  return all;
+}
+
 std::vector<std::string> limits_beyond_influence(const Scenario& scenario) {
   const Team& team = scenario.team;
   Reach influence(team);
   std::vector<std::string> sentences;
-  const std::vector<Coupling> couplings = all_couplings(scenario);
+  const std::vector<Coupling> couplings = said_couplings(scenario);
   for (std::size_t i = 0; i < couplings.size(); ++i) {
     const Coupling& c = couplings[i];
     const auto seen = seen_by(c.term.potential);

@@ -15,6 +15,9 @@ std::array<bool, sight_size> reach_of(const Model& model);
 /// Of what a potential sees of its observer, then of its target: whether its value depends on it.
 std::array<bool, 2 * sight_size> seen_by(const Potential& potential);
 
+/// The couplings of a scenario's team, then those that its events add.
+std::vector<Coupling> said_couplings(const Scenario& scenario);
+
 /// A sentence for each coupling and constraint, events' ones included, that none of the robots that feel it can change.
 std::vector<std::string> limits_beyond_influence(const Scenario& scenario);
 

@@ -10,7 +10,6 @@
 #include "sightline/advise/observation.hpp"
 #include "sightline/advise/potential_page.hpp"
 #include "sightline/advise/starts.hpp"
-#include "sightline/io/present_team.hpp"
 #include "sightline/potential/finite.hpp"
 #include "sightline/potential/region.hpp"
 
@@ -76,7 +75,7 @@ class Regions {
 void look_at_regions(const Scenario& scenario, Preflight& to) {
   Regions regions(scenario, to);
   const auto& script = scenario.script;
-  const std::vector<Coupling> couplings = all_couplings(scenario);
+  const std::vector<Coupling> couplings = said_couplings(scenario);
   for (std::size_t i = 0; i < couplings.size(); ++i) {
     const bool of_file = i < scenario.team.couplings().size();
     const Potential& potential = couplings[i].term.potential;
