@@ -26,7 +26,7 @@ struct Encirclement {
   double d_hard = 0.6, floor = 0.3, duration = 12.0, dt = 0.01;
 };
 
-/// 2 to 6 pursuers of 0.3 to 1.5 m/s around a robot, from 1.5 to 4.5 m, at any height up to 2.5 m.
+/// 2 to 6 pursuers of 0.3 to 1.5 m/s around a robot, from 0.8 to 4 m, 0.3 to 2.5 m high.
 inline Encirclement any_encirclement(std::uint64_t seed) {
   Random random(seed);
   Encirclement e;

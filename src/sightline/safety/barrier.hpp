@@ -45,7 +45,7 @@ enum class Conduct {
 /// Another body, as this robot knows it.
 struct Neighbour {
   Vec3<double> p{};        ///< position [m]
-  Vec3<double> v{};        ///< velocity [m/s]; of a stranger it counts where acceleration_max is finite
+  Vec3<double> v{};        ///< velocity [m/s]; of a stranger for ways out and acceleration_max
   double d_hard = 1.0;     ///< centre to centre [m], > 0
   double speed_max = 1.5;  ///< of a stranger [m/s], >= 0; 0: at rest
   double acceleration_max = std::numeric_limits<double>::infinity();  ///< of a stranger [m/s^2], >= 0
