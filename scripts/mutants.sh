@@ -17,8 +17,8 @@ filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:WaysOut.*'
 
 # name | file | what stands there | what the mutant has in its place
 mutants=(
-  'sign of the normal flipped|barrier_rows.hpp|return least - value(next);|return least + value(next);'
-  'sign of the velocity flipped|barrier_rows.hpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
+  'sign of the normal flipped|barrier_several.hpp|return least - value(next);|return least + value(next);'
+  'sign of the velocity flipped|barrier_several.hpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
   'sign of the thrust flipped|escape.cpp|const double side = g.x \* x\[k\] + g.y \* y\[k\] < 0 ? -1.0 : 1.0;|const double side = g.x * x[k] + g.y * y[k] < 0 ? 1.0 : -1.0;'
   'drag dropped|barrier.cpp|plans_(can_.drag, dt)|plans_(0.0, dt)'
   'deceleration doubled|authority.cpp|const double reach = part|const double reach = 2 * part'
@@ -64,7 +64,7 @@ begin=$SECONDS
 survivors=0
 prepare
 mkdir -p "$work/none/sightline/safety"
-cp src/sightline/safety/barrier_rows.hpp "$work/none/sightline/safety"
+cp src/sightline/safety/barrier_several.hpp "$work/none/sightline/safety"
 for source in "${sources[@]}"; do cp "src/sightline/safety/$source.cpp" "$work/none"; done
 program "$work/none" || fail "the barrier does not build"
 "$work/none/tests" --gtest_filter="$filter" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "the tests fail without a mutant"; }

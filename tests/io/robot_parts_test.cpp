@@ -90,12 +90,10 @@ TEST(RobotParts, ALagOfZeroIsNoState) {
 }
 
 TEST(RobotParts, LimitsThatAreLeftOutAreTheRobots) {
-  constexpr std::string_view start = "start = { p = [0, 0, 1] }\n";
   const Scenario s = parse_scenario(
-      fmt::format(
-          "[agent.a]\nrobot = \"velocity_multirotor\"\n{0}[agent.b]\nrobot = \"velocity_multirotor\"\n"
-          "u_max = [1, 2, 0.5, 0.3]\n{0}",
-          start),
+      "[agent.a]\nrobot = \"velocity_multirotor\"\nstart = { p = [0, 0, 1] }\n"
+      "[agent.b]\nrobot = \"velocity_multirotor\"\nstart = { p = [0, 1, 1] }\n"
+      "u_max = [1, 2, 0.5, 0.3]\n",
       "a.toml");
   const auto limits = [&](std::size_t i) { return s.team.agents().at(i).limits; };
   EXPECT_EQ(limits(0).u_max().at(0), (std::vector<double>{3, 3, 1, 0.78}));

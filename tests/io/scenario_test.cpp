@@ -40,12 +40,15 @@ std::string refusal(const std::string& text) {
   return "not refused";
 }
 
-constexpr std::string_view robot = "robot = \"multirotor\"\nstart = { p = [1.0, 2.0, 3.0], heading = 0.5 }\n";
+/// The i-th robot, i metres beside the first.
+std::string robot(int i = 0) {
+  return fmt::format("robot = \"multirotor\"\nstart = {{ p = [1.0, {}, 3.0], heading = 0.5 }}\n", 2.0 + i);
+}
 
 std::string robots(int count) {
   std::string text;
   for (int i = 0; i < count; ++i)
-    text += fmt::format("[agent.r{}]\n{}sensor = {{ pitch = 0.5 }}\n", i, robot);
+    text += fmt::format("[agent.r{}]\n{}sensor = {{ pitch = 0.5 }}\n", i, robot(i));
   return text;
 }
 
@@ -141,7 +144,7 @@ TEST(Scenario, the_joint_scenario_differs_in_felt_by_alone) {
 }
 
 TEST(Scenario, what_is_left_out_has_the_defaults_of_the_structs) {
-  const Scenario s = parse_scenario(fmt::format("[agent.a]\n{}", robot), "folder/least.toml");
+  const Scenario s = parse_scenario("[agent.a]\n" + robot(), "folder/least.toml");
   EXPECT_EQ(s.name, "least");
   EXPECT_EQ(s.horizon.N, Horizon{}.N);
   EXPECT_EQ(s.solver.name, "newton_riccati");
@@ -154,10 +157,9 @@ TEST(Scenario, what_is_left_out_has_the_defaults_of_the_structs) {
 }
 
 TEST(Scenario, robots_come_first_then_targets_then_obstacles_each_in_the_order_of_the_file) {
-  const Scenario s = parse_scenario(fmt::format("[obstacle.z]\np = [1, 2, 3]\nv = [4, 5, "
-                                                "6]\n[agent.y]\n{0}[target.x]\np = [7, 8, 9]\n[agent.b]\n{0}"
-                                                "[obstacle.a]\np = [0, 0, 0]\n",
-                                                robot),
+  const Scenario s = parse_scenario("[obstacle.z]\np = [1, 2, 3]\nv = [4, 5, 6]\n[agent.y]\n" + robot(0) +
+                                        "[target.x]\np = [7, 8, 9]\n[agent.b]\n" + robot(1) +
+                                        "[obstacle.a]\np = [0, 0, 0]\n",
                                     "a.toml");
   std::string names;
   for (int i = 0; i < s.team.bodies(); ++i) names += s.team.name(BodyId{i});

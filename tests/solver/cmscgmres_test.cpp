@@ -36,7 +36,7 @@ TEST(Cmscgmres, AJumpOfTheStateBecomesADefectThatDecaysByOneMinusZetaDtAnUpdate)
           defects.push_back(first_defect(mpc.ocp(), s));
         },
         15.0);
-    EXPECT_NEAR(defects[0], 0.1 * (1 - 0.01 * zeta), 0.005);
+    EXPECT_NEAR(defects[0], 0.1, 1e-4);  // the prediction is the one before the step
     for (std::size_t k = 0; k + 1 < defects.size(); ++k)
       EXPECT_NEAR(defects[k + 1] / defects[k], 1 - 0.01 * zeta, 0.05) << zeta << ", update " << k;
   }

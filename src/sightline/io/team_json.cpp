@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -72,8 +73,9 @@ std::string team_json(const Scenario& scenario) {
   }
   if (!d_hard.empty()) json["d_hard"] = d_hard;
   if (scenario.safety) {
-    json["floor"] = scenario.safety->barrier_options.floor;
-    json["ceiling"] = scenario.safety->barrier_options.ceiling;
+    const BarrierOptions& walls = scenario.safety->barrier_options;
+    if (std::isfinite(walls.floor)) json["floor"] = walls.floor;
+    if (std::isfinite(walls.ceiling)) json["ceiling"] = walls.ceiling;
   }
   for (const TeamEvent& event : scenario.script.events) json["events"].push_back(event.name);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/safety/barrier_rows.hpp"
+#include "sightline/safety/barrier_several.hpp"
 
 namespace sightline {
 namespace {
@@ -394,7 +394,14 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   } else {
     way_out = {};
   }
-  result.conflict = result.violation > corrected;
+  // A row of the plan for all is missed only beyond what it keeps beside the hard distance.
+  const auto is_missed = [&](const Row& row) {
+    const double margin = row.threat < 0 ? 0.0 : rows.threat[static_cast<std::size_t>(row.threat)].margin;
+    return row.missed(after) > margin + corrected;
+  };
+  const bool planned = std::isfinite(joint) && !way_out.taken;
+  result.conflict = result.violation > corrected &&
+                    (!planned || std::any_of(rows.all().begin(), rows.all().end(), is_missed));
   result.active = result.active || !std::equal(u.begin(), u.end(), nominal.begin());
   const auto looser = [&](const Row& a, const Row& b) { return a.missed(after) < b.missed(after); };
   if (const auto tightest = std::max_element(rows.all().begin(), rows.all().end(), looser); rows.count > 0) {

@@ -1,9 +1,9 @@
 // What a barrier does about several strangers at once.
+#include "sightline/safety/barrier_several.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "sightline/safety/barrier_rows.hpp"
 
 namespace sightline {
 namespace {
