@@ -16,7 +16,10 @@ constexpr double period = 0.01;
 class Flown {
  public:
   /// @param d_hard  that the scenario itself asks for [m]
-  explicit Flown(CampaignPlan plan, std::optional<double> d_hard = {}) : plan_(std::move(plan)) {
+  /// @param walls   that it asks for
+  explicit Flown(CampaignPlan plan, std::optional<double> d_hard = {}, std::optional<Walls> walls = {})
+      : plan_(std::move(plan)) {
+    if (walls) scenario_.safety.emplace().judged = *walls;
     const AgentId seer = scenario_.team.add(Multirotor{}, {.R = {1, 2, 3, 4}, .name = "seer"});
     const BodyId tag = scenario_.team.add(Obstacle{"tag"});
     scenario_.strangers.push_back({.body = tag, .d_hard = d_hard});
@@ -166,6 +169,24 @@ TEST(Judge, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
     }
     EXPECT_EQ(flown.result().outcome, failed > 50 ? Outcome::failed : Outcome::recovered) << failed;
   }
+}
+
+TEST(Judge, AFloorCeilingOrBoundOfTheWorldThatIsBrokenFails) {
+  const auto outcome = [](const Walls& walls, std::size_t state, double place) {
+    Flown flown(plan(), {}, walls);
+    flown.fly(2.0);
+    flown.sample().x[state] = place;
+    flown.fly(state == 0 ? place + 2.0 : 2.0);
+    flown.sample().x[0] = 0.0, flown.sample().x[2] = 1.0;
+    flown.fly_to_end(2.0);
+    return flown.result().outcome;
+  };
+  EXPECT_EQ(outcome({.floor = 0.5}, 2, 0.501), Outcome::recovered);
+  EXPECT_EQ(outcome({.floor = 0.5}, 2, 0.499), Outcome::failed);
+  EXPECT_EQ(outcome({.ceiling = 1.5}, 2, 1.499), Outcome::recovered);
+  EXPECT_EQ(outcome({.ceiling = 1.5}, 2, 1.501), Outcome::failed);
+  EXPECT_EQ(outcome({.world = 3.0}, 0, 2.999), Outcome::recovered);
+  EXPECT_EQ(outcome({.world = 3.0}, 0, 3.001), Outcome::failed);
 }
 
 TEST(Judge, ChatterAndDriftAreToldAndAreNoOutcome) {

@@ -26,6 +26,7 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
       plan_(plan),
       period_(scenario.horizon.dt),
       hold_after_(hold_after(scenario)),
+      safety_(scenario),
       sample_(std::move(sample)),
       chatter_(static_cast<std::size_t>(scenario.team.nu())),
       drift_(scenario.team, scenario.simulation.settle),
@@ -113,6 +114,7 @@ void Judge::publish() noexcept {
   const bool good = inputs_hold() && all_finite(sample_.x);
   sound_ = sound_ && good;
   const bool apart = distances_hold();
+  safety_.add(sample_.time, sights_, sample_.presence, sample_.barriers, sample_.rungs);
   too_close_ = too_close_ || !apart;
   if (!good || !apart) ++result_.violations;
 
@@ -150,10 +152,13 @@ RunResult Judge::result(const LoopOutcome& outcome) const {
   result.chatter = chatter_.worst_share();
   const auto drift = drift_.found();
   result.drift = !drift ? none : drift->empty() ? 0.0 : norm(drift->front().v);
-  result.outcome = !sound_ || !outcome.finite || updates_ != periods ? Outcome::failed
-                   : too_close_                                      ? Outcome::too_close
-                   : !(in_time && at_end)                            ? Outcome::lost
-                                                                     : Outcome::recovered;
+  const auto& walls = safety_.bounds();
+  const bool within =
+      std::all_of(walls.begin(), walls.end(), [](const SafetySummary::Bound& wall) { return wall.kept(); });
+  result.outcome = !sound_ || !within || !outcome.finite || updates_ != periods ? Outcome::failed
+                   : too_close_                                                 ? Outcome::too_close
+                   : !(in_time && at_end)                                       ? Outcome::lost
+                                                                                : Outcome::recovered;
   return result;
 }
 

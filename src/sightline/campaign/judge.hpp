@@ -9,6 +9,7 @@
 
 #include "sightline/io/chatter.hpp"
 #include "sightline/io/drift.hpp"
+#include "sightline/io/safety_summary.hpp"
 #include "sightline/io/scenario.hpp"
 #include "sightline/io/summary.hpp"
 #include "sightline/run/loop.hpp"
@@ -21,7 +22,7 @@ enum class Outcome : std::uint8_t {
   lost,       ///< one did not
   too_close,  ///< a robot came nearer to another body than d_hard, although it could have braked at the start
   failed,  ///< a state or an applied input was not finite or beyond its limit, a solver gave no plan for longer
-           ///< than hold_after, or the run broke off
+           ///< than hold_after, a floor, ceiling or bound of the world was broken, or the run broke off
 };
 inline constexpr int outcome_count = 4;
 
@@ -79,6 +80,7 @@ class Judge final : public Sink<Sample> {
   const Team& team_;
   CampaignPlan plan_;
   double period_, hold_after_;  // [s]
+  SafetySummary safety_;
   Sample sample_;
   std::vector<View> views_;
   std::vector<BodyId> robots_;
