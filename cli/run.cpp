@@ -63,7 +63,7 @@ std::vector<std::string> faults_of(const LoopOutcome& outcome, const Log& log) {
 struct Flight {
   std::string summary;
   std::vector<std::string> faults;
-  bool logged;
+  bool logged;  // its files are whole
 };
 
 /// Flies the scenario under its controllers; leaves run.mcap, timing.csv and summary.json in the folder.
@@ -84,7 +84,10 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
   Flight flight = {log.summary().json(), faults_of(outcome, log), log.error().empty()};
   // Beside an earlier log stands its own summary.
   std::string lost = log.begun() ? write_summary(folder, flight.summary) : "";
-  if (!lost.empty()) flight.faults.push_back(std::move(lost));
+  if (!lost.empty()) {
+    flight.faults.push_back(std::move(lost));
+    flight.logged = false;
+  }
   return flight;
 }
 
@@ -148,6 +151,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
   const Flight flight =
       parts ? fly_logged(scenario, folder, clock, {*parts}) : fly_logged(scenario, folder, clock);
   for (const std::string& fault : flight.faults) say(fault);
+  bool bad = !flight.faults.empty();
 
   std::vector<std::string> summaries = {flight.summary};
   std::string of_parts;
@@ -156,6 +160,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
     scenario.solver = of_whole;
     const Flight whole = fly_logged(scenario, folder / "whole", simulated);
     for (const std::string& fault : whole.faults) say(fmt::format("the whole team by one solver: {}", fault));
+    bad = bad || !whole.logged;
     summaries.push_back(whole.summary);
     of_parts = parts->tell(folder, flight.summary, whole.summary);
   }
@@ -165,10 +170,10 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
     scenario.solver = solver_named(name);
     const Flight other = fly_logged(scenario, folder / name, simulated);
     for (const std::string& fault : other.faults) say(fmt::format("compared with {}: {}", name, fault));
+    bad = bad || !other.logged;
     summaries.push_back(other.summary);
   }
 
-  bool bad = !flight.faults.empty();
   if (flight.logged) {
     try {
       write_report(folder);
