@@ -36,9 +36,11 @@ TEST(Cgmres, ThePredictionHoldsTheDynamicsExactlyHoweverTheStateJumps) {
     const Solution s = mpc.solve(15.0 + 0.01 * k, x);
     if (k > 0) hamiltonian.flow(s.x.data(), before.data(), rate.data());
     before.assign(s.raw_u.begin(), s.raw_u.end());
-    for (std::size_t i = 0; k > 0 && i < 14; ++i) {
+    for (std::size_t i = 0; i < 14; ++i) {
       EXPECT_NEAR(s.x[i], x[i], 1e-15);
-      EXPECT_NEAR(s.x[14 + i], s.x[i] + 0.05 * rate[i], 1e-12);
+      if (k > 0) {
+        EXPECT_NEAR(s.x[14 + i], s.x[i] + 0.05 * rate[i], 1e-12);
+      }
     }
     advance(ocp.team(), x, s.u, 0.01);
   }
