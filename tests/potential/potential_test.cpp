@@ -225,6 +225,24 @@ TYPED_TEST(StepLaws, BehindTheInterfaceItsStepAndItsSharpnessAreItsOwn) {
   }
 }
 
+/// A floor that rises by 1 m/s.
+struct RisingFloor {
+  static constexpr const char* name = "rising_floor";
+  template <class S>
+  S operator()(const Sight<S>& a, const S& t) const {
+    return square(a.p.z - t);
+  }
+  double violation(const Sight<double>& a, double t) const { return t - a.p.z; }
+};
+
+TEST(Potential, OfOneRobotItsLimitMayDependOnTime) {
+  const Potential floor(RisingFloor{});
+  Sight<double> a;
+  a.p = {0, 0, 2};
+  EXPECT_FALSE(floor.is_pair());
+  for (const double t : {0.0, 2.0, 5.0}) EXPECT_EQ(floor.violation(a, {}, t), t - 2.0);
+}
+
 TEST(Potential, WithASensorItsSensorCanBeMoved) {
   const SensorMount level = {0.0, 0.3};
   const Potential cone(SensorCone{.mount = {0.4, 0.1}}), moved = cone.seen_from(level);

@@ -162,6 +162,8 @@ class Potential {
         return or_nan([&] { return potential.violation(a, b, t); });
       } else if constexpr (requires { potential.violation(a, b); }) {
         return or_nan([&] { return potential.violation(a, b); });
+      } else if constexpr (requires { potential.violation(a, t); }) {
+        return or_nan([&] { return potential.violation(a, t); });
       } else if constexpr (requires { potential.violation(a); }) {
         return or_nan([&] { return potential.violation(a); });
       } else {
