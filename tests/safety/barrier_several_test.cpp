@@ -69,6 +69,21 @@ TEST(BarrierAgainstSeveral, TellsAtOnceWhereThereIsNoWayOut) {
   EXPECT_GE(fate.nearest, test::fly_wish(e).nearest - 0.01);
 }
 
+TEST(BarrierAgainstSeveral, AtTheCeilingItSinksOutOfARing) {
+  // A ring above the middle of the room, around a robot that has nowhere left to climb.
+  const Barrier filter(Multirotor{}, lowest, highest, 0.01, {.floor = 0.3, .ceiling = 6.0, .world = 100.0});
+  const State x = {0, 0, 6.0, 1, 0, 0, 0};
+  std::array<Neighbour, 6> pursuers;
+  for (std::size_t i = 0; i < pursuers.size(); ++i) {
+    const double angle = std::numbers::pi * static_cast<double>(i) / 3;
+    pursuers[i] = {.p = {1.6 * std::cos(angle), 1.6 * std::sin(angle), 6.0}, .d_hard = 0.6, .speed_max = 0.2};
+  }
+  Command u = {0, 0, 0, 0};
+  const BarrierResult result = filter.filter(x, pursuers, lowest, highest, u);
+  EXPECT_FALSE(result.surrounded);
+  EXPECT_FALSE(result.conflict);
+}
+
 TEST(BarrierAgainstSeveral, WhoIsFarAwayOrOnTheSameSideChangesNothing) {
   const Barrier filter = barrier();
   const State x = {0, 0, 1, 1, 0, 0.4, 0};

@@ -119,7 +119,7 @@ Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n) c
 
 Barrier::Row Barrier::keep_away(const Sight<double>& self, const Rows& rows, int index,
                                 const Touch& touch) const noexcept {
-  const Threat& threat = rows.threat[static_cast<std::size_t>(index)];
+  const Threat& threat = rows.threats[static_cast<std::size_t>(index)];
   const Vec2<double>& a = threat.plan.a;
   const double E = touch.shape.E, F = touch.shape.F;
   const EscapeShape left = plans_.left(touch);
@@ -157,9 +157,9 @@ Barrier::Row Barrier::keep_away(const Sight<double>& self, const Rows& rows, int
 bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
                            Rows& rows) const noexcept {
   // The ones that press most, by the distance left after a second of closing in.
-  std::array<int, most_neighbours> chosen;
+  Bounded<int, most_neighbours> chosen;
   std::array<double, most_neighbours> key;
-  std::size_t count = 0;
+  const bool all_fit = neighbours.size() <= most_neighbours;
   bool all_known = true;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const Neighbour& n = neighbours[i];
@@ -169,30 +169,33 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
     }
     const Vec3<double> r = self.p - n.p;
     if (is_far(r)) continue;
+    if (all_fit) {
+      chosen.push_back(static_cast<int>(i));
+      continue;
+    }
     const Vec3<double> w = n.conduct == Conduct::member ? self.v - n.v : self.v;
     const double D = std::max(norm(r), 1e-9);
     const double left = D - n.d_hard + dot(r, w) / D - (n.conduct == Conduct::member ? 0.0 : n.speed_max);
-    if (count == most_neighbours && left >= key[count - 1]) continue;
-    std::size_t at = count < most_neighbours ? count++ : count - 1;
+    if (chosen.is_full() && left >= key[chosen.size() - 1]) continue;
+    if (!chosen.is_full()) chosen.push_back(-1);
+    std::size_t at = chosen.size() - 1;
     for (; at > 0 && key[at - 1] > left; --at) key[at] = key[at - 1], chosen[at] = chosen[at - 1];
     key[at] = left, chosen[at] = static_cast<int>(i);
   }
-  for (std::size_t k = 0; k < count; ++k) {
-    Threat& threat = rows.threat[k];
-    threat = this->threat(self, neighbours[static_cast<std::size_t>(chosen[k])]);
-    threat.neighbour = chosen[k];
+  for (const int i : chosen) {
+    Threat& threat = rows.threats.push_back(this->threat(self, neighbours[static_cast<std::size_t>(i)]));
+    threat.neighbour = i;
     threat.reserve = threat.plan.reserve();
   }
-  rows.threats = count;
   return all_known;
 }
 
 void Barrier::add_neighbours(const Sight<double>& self, Heeded heeded, Rows& rows) const noexcept {
-  for (std::size_t k = 0; k < rows.threats; ++k) {
-    const Threat& threat = rows.threat[k];
+  for (std::size_t k = 0; k < rows.threats.size(); ++k) {
+    const Threat& threat = rows.threats[k];
     if (heeded == Heeded::members && threat.conduct != Conduct::member) continue;
     for (std::size_t j = 0; j < threat.plan.count; ++j) {
-      rows.add(keep_away(self, rows, static_cast<int>(k), threat.plan.touches[j]));
+      rows.all.push_back(keep_away(self, rows, static_cast<int>(k), threat.plan.touches[j]));
     }
   }
 }
@@ -205,11 +208,11 @@ void Barrier::add_walls(const Sight<double>& self, Approach approach, Rows& rows
   };
   if (can_.climbs && options_.floor > -infinity) {
     const double least = options_.floor + kept_height(self.p.z - options_.floor);
-    rows.add(Rows::of_wall({0, 0, 1}, 0.0, least, Wall::floor));
+    rows.all.push_back(Rows::of_wall({0, 0, 1}, 0.0, least, Wall::floor));
   }
   if (can_.climbs && options_.ceiling < infinity) {
     const double least = -options_.ceiling + kept_height(options_.ceiling - self.p.z);
-    rows.add(Rows::of_wall({0, 0, -1}, 0.0, least, Wall::ceiling));
+    rows.all.push_back(Rows::of_wall({0, 0, -1}, 0.0, least, Wall::ceiling));
   }
   if (options_.world == infinity) return;
   constexpr std::array<Wall, 4> walls = {Wall::x_max, Wall::x_min, Wall::y_max, Wall::y_min};
@@ -223,19 +226,19 @@ void Barrier::add_walls(const Sight<double>& self, Approach approach, Rows& rows
     const double later = now + plans_.E(t) * away + b_ * plans_.F(t);
     const double wanted = kept_part * std::min(now, later);
     const double least = wanted - options_.world - b_ * plans_.F(left);
-    rows.add(Rows::of_wall(n, plans_.E(left), least, walls[i]));
+    rows.all.push_back(Rows::of_wall(n, plans_.E(left), least, walls[i]));
   }
 }
 
 void Barrier::add_cuts(const Sight<double>& self, const Next& there, Rows& rows) const noexcept {
   const EscapeShape step = plans_.shape(dt_);
-  const std::size_t before = rows.count;
-  for (std::size_t i = 0; i < before && rows.count < rows.row.size(); ++i) {
+  const std::size_t before = rows.all.size();
+  for (std::size_t i = 0; i < before && !rows.all.is_full(); ++i) {
     constexpr double tight = 2e-3, dip = 1e-5, longest = 0.25;  // [m], [m], [s]
-    const Row& row = rows.row[i];
+    const Row& row = rows.all[i];
     if (row.threat < 0 || row.cut || row.curvature <= 0 || row.missed(there) < -tight) continue;
     // How much less than the plan the command leaves of the gap's slope, and where the gap is least then.
-    const Threat& threat = rows.threat[static_cast<std::size_t>(row.threat)];
+    const Threat& threat = rows.threats[static_cast<std::size_t>(row.threat)];
     const double part = threat.conduct == Conduct::member ? 0.5 : 1.0;
     const Vec2<double>& a = threat.plan.a;
     Vec2<double> dv = {there.v.x - step.e * self.v.x - part * step.E * a.x,
@@ -248,8 +251,8 @@ void Barrier::add_cuts(const Sight<double>& self, const Next& there, Rows& rows)
     const double shift = -(row.slope + less) / row.curvature;
     const double time = std::max(dt_, row.time + std::clamp(shift, -longest, longest));
     if (0.5 * row.curvature * square(time - row.time) < dip) continue;
-    rows.row[i].cut = true;
-    rows.add(keep_away(self, rows, row.threat, plans_.touch(threat.tube, a, time)));
+    rows.all[i].cut = true;
+    rows.all.push_back(keep_away(self, rows, row.threat, plans_.touch(threat.tube, a, time)));
   }
 }
 
@@ -259,9 +262,8 @@ struct Barrier::Linear {
   std::array<double, most_inputs> u{};  // the nominal command
   Next nominal{};
   std::array<Next, most_inputs> slope{};
-  std::array<HalfSpace, most_half_spaces> half;
-  std::array<std::size_t, most_half_spaces> of;
-  std::size_t count = 0;
+  Bounded<HalfSpace, most_half_spaces> half;
+  Bounded<std::size_t, most_half_spaces> of;  // the rows they stand for
 
   /// Takes a row in, unless no command within the limits can miss it.
   void add(const Row& row, std::size_t index) {
@@ -277,17 +279,17 @@ struct Barrier::Linear {
     if (lowest - missing > bent) return;
     h.b = centre + missing;
     h.hard = row.wall != Wall::none;
-    of[count] = index;
-    half[count++] = h;
+    of.push_back(index);
+    half.push_back(h);
   }
 
   /// Puts what the linear step misses of the true one into the rows. @return the most
   double correct(const Rows& rows, const Next& there, const std::array<double, most_inputs>& at) {
     double most = 0.0;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < half.size(); ++i) {
       double linear = half[i].b;
       for (std::size_t k = 0; k < most_inputs; ++k) linear -= half[i].a[k] * at[k];
-      const double more = rows.row[of[i]].missed(there) - linear;
+      const double more = rows.all[of[i]].missed(there) - linear;
       half[i].b += more;
       most = std::max(most, std::abs(more));
     }
@@ -318,16 +320,15 @@ double Barrier::solve(std::span<const double> x, const Sight<double>& self, cons
   double violation = 0.0;
   constexpr int rounds = 5;
   for (int round = 0; round < rounds; ++round) {
-    for (; taken < rows.count; ++taken) linear.add(rows.row[taken], taken);
+    for (; taken < rows.all.size(); ++taken) linear.add(rows.all[taken], taken);
     at = linear.u;
-    const ProjectionResult result =
-        project(std::span(linear.half).first(linear.count), u_min, u_max, nearest);
+    const ProjectionResult result = project(linear.half, u_min, u_max, nearest);
     violation = result.violation;
     const Next there = next(x, nearest);
     const double most = linear.correct(rows, there, at);
     if (!result.feasible) break;
     add_cuts(self, there, rows);
-    if (most < corrected && taken == rows.count) break;
+    if (most < corrected && taken == rows.all.size()) break;
   }
   if (all_finite(nearest)) std::copy(nearest.begin(), nearest.end(), u.begin());
   return violation;
@@ -354,8 +355,7 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   const Sight<double> self = model_.sight(x.data(), u.data());
   Rows rows;
   const bool all_known = find_threats(self, neighbours, rows);
-  for (std::size_t k = 0; k < rows.threats; ++k)
-    result.reserve = std::min(result.reserve, rows.threat[k].reserve);
+  for (const Threat& threat : rows.threats) result.reserve = std::min(result.reserve, threat.reserve);
   const double joint = join(self, rows);
   const double least = result.reserve;
   if (std::isfinite(joint)) result.reserve = joint;
@@ -368,7 +368,7 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   Next after = next(x, u);
   const auto keep_rows = [&] {
     double missed = 0.0;
-    for (const Row& row : rows.all()) missed = std::max(missed, row.missed(after));
+    for (const Row& row : rows.all) missed = std::max(missed, row.missed(after));
     if (missed <= kept) return;
     result.violation = solve(x, self, after, rows, u_min, u_max, u);
     after = next(x, u);
@@ -383,7 +383,7 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   if (lost) {
     if (leave(self, after, contradicted, neighbours, rows, way_out)) {
       follow(x, self, way_out, u_min, u_max, u);
-      rows.count = 0;
+      rows.all.clear();
       add_neighbours(self, Heeded::members, rows);
       add_walls(self, Approach::at_once, rows);
       after = next(x, u);
@@ -396,23 +396,22 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   }
   // A row of the plan for all is missed only beyond what it keeps beside the hard distance.
   const auto is_missed = [&](const Row& row) {
-    const double margin = row.threat < 0 ? 0.0 : rows.threat[static_cast<std::size_t>(row.threat)].margin;
+    const double margin = row.threat < 0 ? 0.0 : rows.threats[static_cast<std::size_t>(row.threat)].margin;
     return row.missed(after) > margin + corrected;
   };
   const bool planned = std::isfinite(joint) && !way_out.taken;
-  result.conflict = result.violation > corrected &&
-                    (!planned || std::any_of(rows.all().begin(), rows.all().end(), is_missed));
+  result.conflict =
+      result.violation > corrected && (!planned || std::any_of(rows.all.begin(), rows.all.end(), is_missed));
   result.active = result.active || !std::equal(u.begin(), u.end(), nominal.begin());
   const auto looser = [&](const Row& a, const Row& b) { return a.missed(after) < b.missed(after); };
-  if (const auto tightest = std::max_element(rows.all().begin(), rows.all().end(), looser); rows.count > 0) {
+  if (const auto tightest = std::max_element(rows.all.begin(), rows.all.end(), looser); !rows.all.empty()) {
     if (tightest->threat >= 0)
-      result.neighbour = rows.threat[static_cast<std::size_t>(tightest->threat)].neighbour;
+      result.neighbour = rows.threats[static_cast<std::size_t>(tightest->threat)].neighbour;
     result.wall = tightest->wall;
   }
   if (way_out.taken && result.neighbour < 0) {
-    const auto threats = std::span(rows.threat).first(rows.threats);
     const auto tighter = [](const Threat& a, const Threat& b) { return a.reserve < b.reserve; };
-    result.neighbour = std::min_element(threats.begin(), threats.end(), tighter)->neighbour;
+    result.neighbour = std::min_element(rows.threats.begin(), rows.threats.end(), tighter)->neighbour;
   }
   if (!all_known) {
     result.conflict = true;

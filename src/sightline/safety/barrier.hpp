@@ -126,6 +126,7 @@ class Barrier {
   struct Threat;
   struct Row;
   struct Rows;
+  struct Joint;
   struct Linear;
   enum class Heeded { all, members };
   enum class Approach { slowing, at_once };  // of floor and ceiling

@@ -12,128 +12,153 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
-  constexpr double near = 10.0;   // [m] who is farther is no part of a ring yet
-  constexpr double ample = 0.3;   // [m] more than a sample can take of it
-  constexpr double spare = 0.02;  // [m] the rows, which are linear, lose some of it where plans climb
-  std::array<Threat*, most_neighbours> strangers;
-  std::size_t count = 0;
-  for (Threat& threat : std::span(rows.threat).first(rows.threats)) {
-    if (threat.conduct == Conduct::stranger && norm(threat.tube.r) < near) strangers[count++] = &threat;
-  }
-  const auto all = std::span(strangers).first(count);
-  if (count < 2) return infinity;
-  const auto tighter = [](const Threat* a, const Threat* b) { return a->reserve < b->reserve; };
-  std::swap(strangers[0], *std::min_element(all.begin(), all.end(), tighter));
-  const double least = strangers[0]->reserve;
-
+/// The search of one plan for several strangers. Those whose own plan it is have its reserve already.
+struct Barrier::Joint {
   struct Plan {
     Vec2<double> a;
     double climb, room;
   };
-  const auto climbing = [](const Tube& tube, const Plan& plan) {
-    Tube with = tube;
-    with.climb = plan.climb;
-    with.room = plan.room;
-    return with;
-  };
-  const auto own = [](const Threat& threat, const Plan& plan) {
-    return plan.climb == 0 && threat.plan.a.x == plan.a.x && threat.plan.a.y == plan.a.y;
-  };
-  // Each at the one time that is the tightest for its own plan: mostly that tells that a plan is none.
+  /// A stranger at the one time that is the tightest for its own plan: mostly that tells that a plan is none.
   struct Look {
     Vec3<double> q;
     double t, F, rho;
   };
-  std::array<Look, most_neighbours> looks;
-  for (std::size_t k = 0; k < count; ++k) {
-    const Tube& tube = strangers[k]->tube;
-    const Touch& touch = strangers[k]->plan.touches[0];
-    const double t = touch.time, E = touch.shape.E;
-    looks[k] = {{tube.r.x + E * tube.w.x - t * tube.drift.x, tube.r.y + E * tube.w.y - t * tube.drift.y,
-                 tube.r.z - t * tube.drift.z},
-                t,
-                touch.shape.F,
-                tube.rho0 + t * (tube.speed + 0.5 * tube.growth * t) + tube.spread * E};
+  using Escapes = Bounded<Escape, most_neighbours>;
+
+  Joint(const EscapePlans& escape_plans, std::span<Threat*> strangers)
+      : plans(escape_plans), all(strangers), kept(&first), tried(&second) {
+    for (const Threat* threat : all) {
+      const Tube& tube = threat->tube;
+      const Touch& touch = threat->plan.touches[0];
+      const double t = touch.time, E = touch.shape.E;
+      looks.push_back({{tube.r.x + E * tube.w.x - t * tube.drift.x,
+                        tube.r.y + E * tube.w.y - t * tube.drift.y, tube.r.z - t * tube.drift.z},
+                       t,
+                       touch.shape.F,
+                       tube.rho0 + t * (tube.speed + 0.5 * tube.growth * t) + tube.spread * E});
+    }
   }
-  double best = 0.0, others = 0.0;  // others: what is left of those whose own plan is another
-  bool found = false;
-  Plan taken{};
-  const auto consider = [&](const Plan& plan) {
-    for (std::size_t k = 0; k < count; ++k) {
-      const Look& look = looks[k];
+
+  static Tube climbing(const Tube& tube, const Plan& plan) {
+    Tube with = tube;
+    with.climb = plan.climb;
+    with.room = plan.room;
+    return with;
+  }
+  static bool own(const Threat& threat, const Plan& plan) {
+    return plan.climb == 0 && threat.plan.a.x == plan.a.x && threat.plan.a.y == plan.a.y;
+  }
+
+  /// Whether one look at each leaves it open that the plan is better than the best.
+  bool is_open(const Plan& plan) {
+    for (Look& look : looks) {
       const double x = look.q.x + look.F * plan.a.x, y = look.q.y + look.F * plan.a.y,
                    z = look.q.z + std::clamp(plan.climb * look.t, -plan.room, plan.room);
       if (x * x + y * y + z * z >= square(std::max(0.0, best + look.rho))) continue;
-      std::swap(looks[0], looks[k]);  // it will tell of the next ones too
-      return;
+      std::swap(looks[0], look);  // it will tell of the next ones too
+      return false;
     }
-    double reserve = infinity, beside = infinity;
+    for (const Threat* threat : all) {
+      const double most =
+          own(*threat, plan) ? threat->reserve : plans.least(climbing(threat->tube, plan), plan.a);
+      if (most < best) return false;
+    }
+    return true;
+  }
+
+  /// Takes the plan where it is better than the best.
+  void consider(const Plan& plan) {
+    double own_reserve = infinity, beside = infinity;
+    tried->clear();
     for (const Threat* threat : all) {
       if (own(*threat, plan)) {
-        reserve = std::min(reserve, threat->reserve);
+        own_reserve = std::min(own_reserve, threat->reserve);
       } else {
-        beside = std::min(beside, plans_.least(climbing(threat->tube, plan), plan.a));
+        const Escape& escape = tried->push_back(plans.with(climbing(threat->tube, plan), plan.a));
+        beside = std::min(beside, escape.reserve());
       }
-      if (std::min(reserve, beside) < best) return;
+      if (std::min(own_reserve, beside) < best) return;
     }
-    // The grid may have missed the least between two of its times.
-    beside = infinity;
-    for (const Threat* threat : all) {
-      if (!own(*threat, plan))
-        beside = std::min(beside, plans_.with(climbing(threat->tube, plan), plan.a).reserve());
-      if (beside < best) return;
-    }
-    best = std::min(reserve, beside);
+    std::swap(kept, tried);
+    best = std::min(own_reserve, beside);
     others = beside;
     taken = plan;
     found = true;
-  };
-  const auto enough = [&] { return found && (best >= least || best >= ample); };
-  consider({strangers[0]->plan.a, 0.0, 0.0});
+  }
+
+  const EscapePlans& plans;
+  std::span<Threat*> all;
+  Bounded<Look, most_neighbours> looks;
+  Escapes first, second;  // of `taken`, and of the plan that is tried, for those whose own plan is another
+  Escapes *kept, *tried;
+  double best = 0.0;    // the reserve of `taken` [m]
+  double others = 0.0;  // of those whose own plan is another
+  bool found = false;
+  Plan taken{};
+};
+
+double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
+  constexpr double near = 10.0;   // [m] who is farther is no part of a ring yet
+  constexpr double ample = 0.3;   // [m] more than a sample can take of it
+  constexpr double spare = 0.02;  // [m] the rows, which are linear, lose some of it where plans climb
+  Bounded<Threat*, most_neighbours> strangers;
+  for (Threat& threat : rows.threats) {
+    if (threat.conduct == Conduct::stranger && norm(threat.tube.r) < near) strangers.push_back(&threat);
+  }
+  if (strangers.size() < 2) return infinity;
+  const auto tighter = [](const Threat* a, const Threat* b) { return a->reserve < b->reserve; };
+  std::swap(strangers[0], *std::min_element(strangers.begin(), strangers.end(), tighter));
+  const double least = strangers[0]->reserve;
+
+  Joint joint(plans_, strangers);
+  const auto enough = [&] { return joint.found && (joint.best >= least || joint.best >= ample); };
+  joint.consider({strangers[0]->plan.a, 0.0, 0.0});
   const double up = can_.climbs ? std::max(0.0, options_.ceiling - self.p.z) : 0.0;
   const double down = can_.climbs ? std::max(0.0, self.p.z - options_.floor) : 0.0;
   const double climb = options_.authority * can_.climb;
   for (const auto& [speed, room] : {std::pair{0.0, 0.0}, {climb, up}, {-climb, down}}) {
-    if (enough() || (speed != 0 && room == 0)) break;
+    if (enough()) break;
+    if (speed != 0 && room == 0) continue;
     for (const Vec2<double>& a_V : joint_) {
-      const Vec2<double> a = can_.turns ? rotate(self.d, a_V) : a_V;
-      consider({a, speed, room});
+      const Joint::Plan plan = {can_.turns ? rotate(self.d, a_V) : a_V, speed, room};
+      if (joint.is_open(plan)) joint.consider(plan);
       if (enough()) break;
     }
   }
-  if (!found) return -infinity;
+  if (!joint.found) return -infinity;
   // The rows of each keep this plan too where it is their own, and the others cannot lose it in a sample.
-  if (std::max(best, others) >= ample) return infinity;
-  for (Threat* threat : all) {
-    if (!own(*threat, taken)) {
-      threat->tube = climbing(threat->tube, taken);
-      threat->plan = plans_.with(threat->tube, taken.a);
+  if (std::max(joint.best, joint.others) >= ample) return infinity;
+  const Joint::Plan& taken = joint.taken;
+  const double reserve = joint.best - spare;
+  const Escape* escape = joint.kept->begin();
+  for (Threat* threat : strangers) {
+    if (!Joint::own(*threat, taken)) {
+      threat->tube = Joint::climbing(threat->tube, taken);
+      threat->plan = *escape++;
     }
-    threat->reserve = best - spare;
+    threat->reserve = reserve;
     threat->margin = spare;
   }
   if (taken.climb != 0) {
     // Height is worth what it is at every time until the plan is level: it may lag by what the rate allows.
     const double side = std::copysign(1.0, taken.climb),
                  step = std::min(std::abs(taken.climb) * dt_, taken.room);
-    const double lag = options_.rate * dt_ * std::max(best - spare, 0.0);
-    rows.add(Rows::of_wall({0, 0, side}, 0.0, side * self.p.z + step - lag, Wall::none));
+    const double lag = options_.rate * dt_ * std::max(reserve, 0.0);
+    rows.all.push_back(Rows::of_wall({0, 0, side}, 0.0, side * self.p.z + step - lag, Wall::none));
   }
-  return best - spare;
+  return reserve;
 }
 
 bool Barrier::is_surrounded(const Sight<double>& self, std::span<const Neighbour> neighbours,
                             const Rows& rows) const noexcept {
-  std::array<Vec3<double>, most_neighbours> away;
-  std::size_t count = 0;
+  Bounded<Vec3<double>, most_neighbours> away;
   Vec2<double> sum{};
-  for (const Threat& threat : std::span(rows.threat).first(rows.threats)) {
+  for (const Threat& threat : rows.threats) {
     if (threat.conduct != Conduct::stranger) continue;
     const Vec3<double> r = self.p - neighbours[static_cast<std::size_t>(threat.neighbour)].p;
     const Vec3<double> n = (1.0 / std::max(norm(r), 1e-9)) * r;
     sum = {sum.x + n.x, sum.y + n.y};
-    away[count++] = n;
+    away.push_back(n);
   }
   // On one side of it are bodies that all fall back where it goes straight on, with nothing in the way there.
   constexpr double opening = 0.5, free_way = 5.0;  // [-], [m]
@@ -142,7 +167,7 @@ bool Barrier::is_surrounded(const Sight<double>& self, std::span<const Neighbour
   const auto falls_back = [&](const Vec3<double>& n) { return n.x * m.x + n.y * m.y >= opening; };
   const double x = self.p.x + free_way * m.x, y = self.p.y + free_way * m.y;
   const bool free = std::max(std::abs(x), std::abs(y)) < options_.world;
-  return !(free && std::all_of(away.begin(), away.begin() + static_cast<std::ptrdiff_t>(count), falls_back));
+  return !(free && std::all_of(away.begin(), away.end(), falls_back));
 }
 
 Arena Barrier::arena(const Sight<double>& self) const noexcept {
@@ -162,12 +187,10 @@ Arena Barrier::arena(const Sight<double>& self) const noexcept {
 bool Barrier::leave(const Sight<double>& self, const Next& after, bool contradicted,
                     std::span<const Neighbour> neighbours, const Rows& rows, WayOut& way_out) const noexcept {
   const Arena arena = this->arena(self);
-  std::array<Chaser, most_neighbours> chasers;
-  const auto all = std::span(chasers).first(rows.threats);
-  for (std::size_t k = 0; k < rows.threats; ++k) {
-    const Neighbour& n = neighbours[static_cast<std::size_t>(rows.threat[k].neighbour)];
-    Chaser& chaser = chasers[k];
-    chaser = {.p = n.p, .hard = n.d_hard + options_.margin + 3 * n.sigma};
+  Bounded<Chaser, most_neighbours> chasers;
+  for (const Threat& threat : rows.threats) {
+    const Neighbour& n = neighbours[static_cast<std::size_t>(threat.neighbour)];
+    Chaser& chaser = chasers.push_back({.p = n.p, .hard = n.d_hard + options_.margin + 3 * n.sigma});
     if (n.conduct == Conduct::member) {
       chaser.v = n.v;
       chaser.p = n.p + n.age * n.v;
@@ -181,18 +204,18 @@ bool Barrier::leave(const Sight<double>& self, const Next& after, bool contradic
   }
   constexpr double enough = 0.25, more = 0.2, step = 0.05;  // [m]
   const double wanted = way_out.taken ? enough + more : enough;
-  way_out = ways_out_.best(arena, all, way_out, wanted + step);
+  way_out = ways_out_.best(arena, chasers, way_out, wanted + step);
   if (!contradicted && way_out.left >= wanted) {
     Arena then = arena;
     then.p = after.p;
     then.v = after.v;
-    std::array<Chaser, most_neighbours> moved = chasers;
-    for (Chaser& chaser : std::span(moved).first(rows.threats)) {
+    Bounded<Chaser, most_neighbours> moved = chasers;
+    for (Chaser& chaser : moved) {
       const Vec3<double> r = after.p - chaser.p;
       chaser.p =
           chaser.p + dt_ * chaser.v + (chaser.speed * dt_ / std::max(norm(r), chaser.speed * dt_ + 1e-9)) * r;
     }
-    if (ways_out_.left(then, std::span(moved).first(rows.threats), way_out) >= wanted) return false;
+    if (ways_out_.left(then, moved, way_out) >= wanted) return false;
   }
   way_out.taken = true;
   return true;

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "sightline/math/bounded.hpp"
 #include "sightline/safety/barrier.hpp"
 #include "sightline/safety/projection.hpp"
 
@@ -51,12 +51,8 @@ struct Barrier::Rows {
     return {n, E, {}, least, wall, -1, 0.0, 0.0, 0.0, 0.0, false};
   }
 
-  std::array<Threat, most_neighbours> threat;
-  std::array<Row, most_half_spaces> row;
-  std::size_t threats = 0, count = 0;
-
-  void add(const Row& r) { row[count++] = r; }
-  std::span<const Row> all() const { return std::span<const Row>(row).first(count); }
+  Bounded<Threat, most_neighbours> threats;
+  Bounded<Row, most_half_spaces> all;
 };
 
 }  // namespace sightline

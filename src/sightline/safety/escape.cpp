@@ -1,7 +1,9 @@
 #include "sightline/safety/escape.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 namespace sightline {
 namespace {
@@ -98,24 +100,18 @@ Touch EscapePlans::touch(const Tube& tube, const Vec2<double>& a, double t) cons
 }
 
 std::size_t EscapePlans::lowest(const Curve& f) noexcept {
-  using Pack = NativeLane;
-  constexpr std::size_t width = Pack::width;
-  static_assert(times % width == 0);
-  alignas(row_alignment) static constexpr std::array<double, 8> first = {0, 1, 2, 3, 4, 5, 6, 7};
-  Pack place = Pack::load(first.data()), value = Pack::load(f.data()), at = place;
-  for (std::size_t k = width; k < times; k += width) {
-    const Pack next = Pack::load(&f[k]), lower = next - value;
-    place = place + Pack(static_cast<double>(width));
-    value = where_negative(lower, next, value);
-    at = where_negative(lower, place, at);
+  // The place rides in the last bits of f, where it is worth 1e-14 of it: one minimum finds both.
+  constexpr std::uint64_t place = 31;
+  constexpr std::size_t third = times / 3;
+  static_assert(times <= place && third == 8);
+  Curve g;
+  for (std::size_t k = 0; k < times; ++k)
+    g[k] = std::bit_cast<double>((std::bit_cast<std::uint64_t>(f[k]) & ~place) | k);
+  for (std::size_t k = 0; k < third; ++k) g[k] = std::min(std::min(g[k], g[k + third]), g[k + 2 * third]);
+  for (std::size_t half = third / 2; half > 0; half /= 2) {
+    for (std::size_t k = 0; k < half; ++k) g[k] = std::min(g[k], g[k + half]);
   }
-  double least = value[0], index = at[0];
-  for (int k = 1; k < Pack::width; ++k) {
-    const bool lower = value[k] < least || (value[k] == least && at[k] < index);
-    least = lower ? value[k] : least;
-    index = lower ? at[k] : index;
-  }
-  return static_cast<std::size_t>(index);
+  return std::bit_cast<std::uint64_t>(g[0]) & place;
 }
 
 double EscapePlans::least_of(const Curve& f, std::size_t i) const noexcept {
@@ -250,7 +246,7 @@ Escape EscapePlans::best(const Tube& tube) const noexcept {
     // At its own nearest time no other corner is better: it is the optimum.
     const Touch& nearest = plan.touches[0];
     const Vec2<double> a = best_at(nearest.time, nearest.shape.E);
-    return a.x == plan.a.x && a.y == plan.a.y ? plan : best_corner(tube);
+    return a.x == plan.a.x && a.y == plan.a.y ? plan : best_corner(tube, plan);
   }
   const double t = least_of(f, lowest(f));
   const Escape plan = with(tube, best_at(t, E(t)));
@@ -260,8 +256,8 @@ Escape EscapePlans::best(const Tube& tube) const noexcept {
   return touch(tube, a, nearest.time).gap <= plan.later() + met ? plan : climbed(tube, plan, away);
 }
 
-Escape EscapePlans::best_corner(const Tube& tube) const noexcept {
-  Escape best{};
+Escape EscapePlans::best_corner(const Tube& tube, Escape best) const noexcept {
+  const Vec2<double> known = best.a;
   for (unsigned corner = 0; corner < 1U << tube.thrust_count; ++corner) {
     Vec2<double> a;
     for (int k = 0; k < tube.thrust_count; ++k) {
@@ -269,8 +265,12 @@ Escape EscapePlans::best_corner(const Tube& tube) const noexcept {
       const double side = (corner >> k & 1U) != 0 ? 1.0 : -1.0;
       a = {a.x + side * g.x, a.y + side * g.y};
     }
-    const Escape plan = with(tube, a);
-    if (corner == 0 || plan.later() > best.later()) best = plan;
+    if (a.x == known.x && a.y == known.y) continue;
+    const Curve f = along(tube, a);
+    if (f[lowest(f)] - tube.rho0 <= best.later())
+      continue;  // between the times of the grid it is lower still
+    const Escape plan = refined(tube, a, f);
+    if (plan.later() > best.later()) best = plan;
   }
   return best;
 }

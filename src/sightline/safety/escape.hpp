@@ -97,7 +97,8 @@ class EscapePlans {
   struct Point;
 
   Point at(const Tube& tube, const Vec2<double>& a, double t) const noexcept;
-  Escape best_corner(const Tube& tube) const noexcept;
+  /// The best of all corners, where one of them is known.
+  Escape best_corner(const Tube& tube, Escape best) const noexcept;
   /// Ascent in the disc from a plan and from straight away.
   Escape climbed(const Tube& tube, Escape plan, const Vec2<double>& away) const noexcept;
 
