@@ -84,6 +84,24 @@ TEST(BarrierAgainstSeveral, AtTheCeilingItSinksOutOfARing) {
   EXPECT_FALSE(result.conflict);
 }
 
+TEST(BarrierAgainstSeveral, APlanThatClimbsLagsByWhatTheRateAllowsAtMost) {
+  const Barrier filter = barrier();
+  const State x = {0, 0, 1, 1, 0, 0, 0};
+  for (const double far : {0.9, 1.0}) {
+    std::array<Neighbour, 6> pursuers;
+    for (std::size_t i = 0; i < pursuers.size(); ++i) {
+      const double angle = std::numbers::pi * static_cast<double>(i) / 3;
+      const Vec3<double> p = {far * std::cos(angle), far * std::sin(angle), 1};
+      pursuers[i] = {.p = p, .d_hard = 0.6, .speed_max = 0.4};
+    }
+    Command u = {0, 0, -1, 0};
+    const BarrierResult result = filter.filter(x, pursuers, lowest, highest, u);
+    EXPECT_FALSE(result.surrounded);
+    const double climb = filter.options().authority, rate = filter.options().rate;
+    EXPECT_GE(u[2], climb - rate * std::max(result.reserve, 0.0) - 1e-6) << far;
+  }
+}
+
 TEST(BarrierAgainstSeveral, WhoIsFarAwayOrOnTheSameSideChangesNothing) {
   const Barrier filter = barrier();
   const State x = {0, 0, 1, 1, 0, 0.4, 0};

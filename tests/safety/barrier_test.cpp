@@ -216,6 +216,19 @@ TEST(Barrier, KeepsTheFloorWhateverPressesFromAbove) {
   EXPECT_GT(conflicts, 1000);
 }
 
+TEST(Barrier, KeepsFloorAndCeilingBeforeADistanceThatIsLost) {
+  const Barrier filter = barrier({.floor = 0.3, .ceiling = 2.0});
+  for (const double side : {1.0, -1.0}) {  // at the floor with one above, and at the ceiling with one below
+    State x = {0, 0, side > 0 ? 0.3 : 2.0, 1, 0, 0, 0};
+    const Neighbour pressing{.p = {0.05, 0, x[2] + 0.3 * side}, .d_hard = 0.6, .speed_max = 0.0};
+    Command u = {0, 0, 0, 0};
+    EXPECT_TRUE(filter.filter(x, std::span(&pressing, 1), lowest, highest, u).conflict);
+    const double z = x[2];
+    test::fly(Multirotor{}, x, u, dt, [](const Vec3<double>&, double) {});
+    EXPECT_GE(side * x[2], side * z - 1e-9);
+  }
+}
+
 TEST(Barrier, TellsAConflictAndDividesIt) {
   const Barrier filter = barrier();
   const State x = {0, 0, 1, 1, 0, 0, 0};
