@@ -202,19 +202,29 @@ class FlightJudge {
     if (!safety || safety["barrier"].value_or<std::string>("off") != "on") return;
     const double floor = safety["floor"].value_or(0.3), ceiling = safety["ceiling"].value_or(10.0),
                  world = safety["world"].value_or(100.0);
+    const auto said = [&](const std::string& name, std::size_t k) {
+      const auto& p = team_.seen(name, k)->p;
+      expect(code_ != 0,
+             "exit 0, and {} is at ({:.3f}, {:.3f}, {:.3f}) at {:.2f} s, beyond floor, ceiling or world",
+             name, p[0], p[1], p[2], log_.time(k));
+    };
     for (const auto& [name, body] : log_.bodies) {
       if (!body.is_robot) continue;
-      for (std::size_t k = 0; k < body.seen.size(); ++k) {
+      bool within = false;  // who takes off has to get there first
+      std::size_t k = 0;
+      for (; k < body.seen.size(); ++k) {
         const FlightLog::Seen* seen = team_.seen(name, k);
-        if (seen == nullptr || team_.lands(name, log_.time(k))) continue;
-        const auto& p = seen->p;
-        const bool kept = p[2] >= floor - 2e-3 && p[2] <= ceiling + 2e-3 && std::abs(p[0]) <= world + 2e-3 &&
-                          std::abs(p[1]) <= world + 2e-3;
-        if (kept) continue;
-        expect(code_ != 0,
-               "exit 0, and {} is at ({:.3f}, {:.3f}, {:.3f}) at {:.2f} s, beyond floor, ceiling or world",
-               name, p[0], p[1], p[2], log_.time(k));
-        break;
+        const bool counts = seen != nullptr && !team_.lands(name, log_.time(k));
+        const bool kept = counts && seen->p[2] >= floor - 2e-3 && seen->p[2] <= ceiling + 2e-3 &&
+                          std::abs(seen->p[0]) <= world + 2e-3 && std::abs(seen->p[1]) <= world + 2e-3;
+        if (within && counts && !kept) break;
+        within = kept;
+      }
+      if (k < body.seen.size()) {
+        said(name, k);
+      } else if (k > 0 && !within && team_.seen(name, k - 1) != nullptr &&
+                 !team_.lands(name, log_.time(k - 1))) {
+        said(name, k - 1);
       }
     }
   }
