@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "bench/ipopt.hpp"
-#include "sightline/io/version.hpp"
+#include "sightline/base/version.hpp"
 #include "sightline/sim/plant.hpp"
 
 namespace sightline {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/cases.hpp"
-#include "sightline/io/scenario.hpp"
+#include "sightline/scenario/scenario.hpp"
 
 namespace sightline {
 

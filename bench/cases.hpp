@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sightline/ocp/ocp.hpp"
-#include "sightline/solver/kernel_table.hpp"
+#include "sightline/solver/kernels/kernel_table.hpp"
 
 namespace sightline {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sightline/solver/newton_riccati.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/swap_team.hpp"
 

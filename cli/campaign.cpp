@@ -12,11 +12,11 @@
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
-#include "sightline/campaign/evasion_page.hpp"
 #include "sightline/campaign/page.hpp"
 #include "sightline/campaign/paired.hpp"
 #include "sightline/campaign/table.hpp"
-#include "sightline/io/text_file.hpp"
+#include "sightline/record/text_file.hpp"
+#include "sightline/studies/evasion_page.hpp"
 
 namespace sightline::cli {
 namespace {

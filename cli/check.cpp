@@ -2,10 +2,10 @@
 
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
-#include "sightline/advise/preflight.hpp"
-#include "sightline/io/closed_loop.hpp"
-#include "sightline/io/scenario.hpp"
-#include "sightline/io/version.hpp"
+#include "sightline/analysis/preflight.hpp"
+#include "sightline/base/version.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/scenario.hpp"
 
 namespace sightline::cli {
 

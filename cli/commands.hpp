@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 
-#include "sightline/io/folder_lock.hpp"
-#include "sightline/io/scenario.hpp"
+#include "sightline/record/folder_lock.hpp"
 #include "sightline/run/clock.hpp"
+#include "sightline/scenario/scenario.hpp"
 
 namespace sightline::cli {
 

@@ -1,11 +1,11 @@
-#include "sightline/advise/explain.hpp"
+#include "sightline/analysis/explain.hpp"
 
 #include <fmt/format.h>
 
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
-#include "sightline/advise/observation.hpp"
-#include "sightline/io/scenario.hpp"
+#include "sightline/analysis/observation.hpp"
+#include "sightline/scenario/scenario.hpp"
 
 namespace sightline::cli {
 

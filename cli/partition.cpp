@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "sightline/io/text_file.hpp"
-#include "sightline/solver/sweeps.hpp"
+#include "sightline/record/text_file.hpp"
+#include "sightline/solver/distributed/sweeps.hpp"
 
 namespace sightline::cli {
 namespace {

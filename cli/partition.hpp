@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sightline/io/scenario.hpp"
-#include "sightline/solver/partition.hpp"
+#include "sightline/scenario/scenario.hpp"
+#include "sightline/solver/distributed/partition.hpp"
 
 namespace sightline::cli {
 

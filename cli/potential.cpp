@@ -4,10 +4,10 @@
 
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
-#include "sightline/advise/potential_page.hpp"
-#include "sightline/io/folder_lock.hpp"
-#include "sightline/io/scenario.hpp"
-#include "sightline/io/text_file.hpp"
+#include "sightline/analysis/potential_page.hpp"
+#include "sightline/record/folder_lock.hpp"
+#include "sightline/record/text_file.hpp"
+#include "sightline/scenario/scenario.hpp"
 
 namespace sightline::cli {
 namespace {

@@ -8,11 +8,11 @@
 #include "cli/output.hpp"
 #include "cli/partition.hpp"
 #include "cli/progress.hpp"
-#include "sightline/io/closed_loop.hpp"
-#include "sightline/io/folder_lock.hpp"
-#include "sightline/io/log.hpp"
-#include "sightline/io/report.hpp"
-#include "sightline/io/scenario.hpp"
+#include "sightline/record/folder_lock.hpp"
+#include "sightline/record/log.hpp"
+#include "sightline/report/report.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/scenario.hpp"
 
 namespace sightline::cli {
 namespace {

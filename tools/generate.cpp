@@ -16,7 +16,7 @@
 #include "sightline/potential/pass_right.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/potential/slope.hpp"
-#include "sightline/solver/generator.hpp"
+#include "sightline/solver/kernels/generator.hpp"
 
 namespace sightline {
 namespace {

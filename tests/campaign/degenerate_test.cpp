@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "sightline/campaign/judge.hpp"
-#include "sightline/io/closed_loop.hpp"
+#include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
 namespace {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "sightline/io/version.hpp"
+#include "sightline/base/version.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/small_campaign.hpp"

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "sightline/io/recording.hpp"
+#include "sightline/record/recording.hpp"
 #include "tests/support/command.hpp"
 
 namespace sightline::cli {

@@ -8,10 +8,10 @@
 
 #include "cli/allocations.hpp"
 #include "cli/partition.hpp"
-#include "sightline/io/closed_loop.hpp"
-#include "sightline/io/event_words.hpp"
-#include "sightline/io/present_team.hpp"
-#include "sightline/io/summary.hpp"
+#include "sightline/record/event_words.hpp"
+#include "sightline/record/present_team.hpp"
+#include "sightline/record/summary.hpp"
+#include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
 namespace {

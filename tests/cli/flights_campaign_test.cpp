@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/io/recording.hpp"
+#include "sightline/record/recording.hpp"
 #include "tests/support/command.hpp"
 
 namespace sightline {

@@ -6,7 +6,7 @@
 #include <map>
 #include <regex>
 
-#include "sightline/io/recording.hpp"
+#include "sightline/record/recording.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/command.hpp"
 

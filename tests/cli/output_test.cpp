@@ -8,7 +8,7 @@
 
 #include <regex>
 
-#include "sightline/io/recording.hpp"
+#include "sightline/record/recording.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/command.hpp"
 

@@ -6,9 +6,9 @@
 #include <map>
 #include <set>
 
-#include "sightline/io/closed_loop.hpp"
-#include "sightline/io/safety_parts.hpp"
-#include "sightline/io/summary.hpp"
+#include "sightline/record/summary.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/safety_parts.hpp"
 #include "tests/support/campaign.hpp"
 
 namespace sightline {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "sightline/io/scenario.hpp"
-#include "sightline/solver/newton_riccati.hpp"
+#include "sightline/scenario/scenario.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/swap_team.hpp"

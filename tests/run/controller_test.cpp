@@ -5,7 +5,7 @@
 
 #include "sightline/ocp/roster.hpp"
 #include "sightline/sim/plant.hpp"
-#include "sightline/solver/newton_riccati.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {

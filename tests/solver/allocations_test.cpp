@@ -6,9 +6,9 @@
 #include <array>
 #include <limits>
 
-#include "sightline/solver/cgmres.hpp"
-#include "sightline/solver/cmscgmres.hpp"
-#include "sightline/solver/newton_riccati.hpp"
+#include "sightline/solver/continuation/cgmres.hpp"
+#include "sightline/solver/continuation/cmscgmres.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"
 

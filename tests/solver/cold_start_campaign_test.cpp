@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "sightline/solver/newton_riccati.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/cold_start.hpp"
 

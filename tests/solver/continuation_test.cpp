@@ -1,4 +1,4 @@
-#include "sightline/solver/continuation.hpp"
+#include "sightline/solver/continuation/continuation.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <functional>
 #include <limits>
 
-#include "sightline/solver/cgmres.hpp"
-#include "sightline/solver/cmscgmres.hpp"
+#include "sightline/solver/continuation/cgmres.hpp"
+#include "sightline/solver/continuation/cmscgmres.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/paper_team.hpp"

@@ -1,9 +1,9 @@
-#include "sightline/solver/coupling.hpp"
+#include "sightline/solver/newton/coupling.hpp"
 
 #include <gtest/gtest.h>
 
 #include "sightline/formula/derive.hpp"
-#include "sightline/solver/groups.hpp"
+#include "sightline/solver/newton/groups.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random_team.hpp"

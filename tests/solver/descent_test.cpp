@@ -1,4 +1,4 @@
-#include "sightline/solver/descent.hpp"
+#include "sightline/solver/newton/descent.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/solver/generator.hpp"
+#include "sightline/solver/kernels/generator.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/solver/gmres.hpp"
+#include "sightline/solver/continuation/gmres.hpp"
 
 #include <gtest/gtest.h>
 

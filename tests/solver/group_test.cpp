@@ -1,9 +1,9 @@
-#include "sightline/solver/group.hpp"
+#include "sightline/solver/newton/group.hpp"
 
 #include <gtest/gtest.h>
 
 #include "sightline/model/robots.hpp"
-#include "sightline/solver/kernel_table.hpp"
+#include "sightline/solver/kernels/kernel_table.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 

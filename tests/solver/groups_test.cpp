@@ -1,4 +1,4 @@
-#include "sightline/solver/groups.hpp"
+#include "sightline/solver/newton/groups.hpp"
 
 #include <gtest/gtest.h>
 

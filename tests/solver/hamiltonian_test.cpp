@@ -1,4 +1,4 @@
-#include "sightline/solver/hamiltonian.hpp"
+#include "sightline/solver/continuation/hamiltonian.hpp"
 
 #include <gtest/gtest.h>
 

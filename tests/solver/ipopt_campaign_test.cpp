@@ -8,7 +8,7 @@
 #include <string>
 
 #include "bench/ipopt.hpp"
-#include "sightline/solver/newton_riccati.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/random_team.hpp"
 
 namespace sightline {

@@ -1,4 +1,4 @@
-#include "sightline/solver/kernel_table.hpp"
+#include "sightline/solver/kernels/kernel_table.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 #include "sightline/potential/limits.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/potential/slope.hpp"
-#include "sightline/solver/pose_potential.hpp"
+#include "sightline/solver/kernels/pose_potential.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

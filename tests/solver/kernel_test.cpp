@@ -1,4 +1,4 @@
-#include "sightline/solver/kernel.hpp"
+#include "sightline/solver/kernels/kernel.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/solver/krylov.hpp"
+#include "sightline/solver/newton/krylov.hpp"
 
 #include <gtest/gtest.h>
 

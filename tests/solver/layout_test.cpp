@@ -1,4 +1,4 @@
-#include "sightline/solver/layout.hpp"
+#include "sightline/solver/newton/layout.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/solver/neighbourhood.hpp"
+#include "sightline/solver/newton/neighbourhood.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include "cli/allocations.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/pass_right.hpp"
-#include "sightline/solver/coupling.hpp"
-#include "sightline/solver/groups.hpp"
+#include "sightline/solver/newton/coupling.hpp"
+#include "sightline/solver/newton/groups.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

@@ -1,4 +1,4 @@
-#include "sightline/solver/newton_riccati.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -12,7 +12,7 @@
 
 #include "cli/allocations.hpp"
 #include "examples/own_potential.hpp"
-#include "sightline/solver/hamiltonian.hpp"
+#include "sightline/solver/continuation/hamiltonian.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"

@@ -1,4 +1,4 @@
-#include "sightline/solver/pair_batch.hpp"
+#include "sightline/solver/newton/pair_batch.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "bench/ipopt.hpp"
-#include "sightline/solver/cgmres.hpp"
-#include "sightline/solver/cmscgmres.hpp"
+#include "sightline/solver/continuation/cgmres.hpp"
+#include "sightline/solver/continuation/cmscgmres.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"
 

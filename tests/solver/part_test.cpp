@@ -1,4 +1,4 @@
-#include "sightline/solver/part.hpp"
+#include "sightline/solver/distributed/part.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/solver/partition.hpp"
+#include "sightline/solver/distributed/partition.hpp"
 
 #include <gtest/gtest.h>
 

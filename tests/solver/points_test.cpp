@@ -1,4 +1,4 @@
-#include "sightline/solver/points.hpp"
+#include "sightline/solver/newton/points.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/solver/pose_potential.hpp"
+#include "sightline/solver/kernels/pose_potential.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/solver/riccati.hpp"
+#include "sightline/solver/kernels/riccati.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,10 +9,10 @@
 #include <set>
 #include <stdexcept>
 
-#include "sightline/solver/cgmres.hpp"
-#include "sightline/solver/cmscgmres.hpp"
-#include "sightline/solver/newton_riccati.hpp"
-#include "sightline/solver/partition.hpp"
+#include "sightline/solver/continuation/cgmres.hpp"
+#include "sightline/solver/continuation/cmscgmres.hpp"
+#include "sightline/solver/distributed/partition.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/paper_team.hpp"

@@ -1,4 +1,4 @@
-#include "sightline/solver/stage.hpp"
+#include "sightline/solver/kernels/stage.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,9 +4,9 @@
 #include <array>
 
 #include "cli/allocations.hpp"
-#include "sightline/solver/cgmres.hpp"
-#include "sightline/solver/cmscgmres.hpp"
-#include "sightline/solver/newton_riccati.hpp"
+#include "sightline/solver/continuation/cgmres.hpp"
+#include "sightline/solver/continuation/cmscgmres.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/swap_team.hpp"

@@ -1,4 +1,4 @@
-#include "sightline/solver/sweeps.hpp"
+#include "sightline/solver/distributed/sweeps.hpp"
 
 #include <gtest/gtest.h>
 

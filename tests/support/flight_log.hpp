@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "sightline/io/cdr.hpp"
-#include "sightline/io/mcap.hpp"
+#include "sightline/record/cdr.hpp"
+#include "sightline/record/mcap.hpp"
 
 namespace sightline::test {
 

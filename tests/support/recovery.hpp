@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/io/scenario.hpp"
+#include "sightline/scenario/scenario.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/random.hpp"
 

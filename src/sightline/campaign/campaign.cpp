@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-#include "sightline/io/closed_loop.hpp"
+#include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
 namespace {

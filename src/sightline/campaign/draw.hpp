@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sightline/io/campaign_plan.hpp"
+#include "sightline/scenario/campaign_plan.hpp"
 #include "sightline/sim/disturbance.hpp"
 
 namespace sightline {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/io/safety_parts.hpp"
+#include "sightline/scenario/safety_parts.hpp"
 
 namespace sightline {
 namespace {

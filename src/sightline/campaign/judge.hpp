@@ -7,12 +7,12 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/io/chatter.hpp"
-#include "sightline/io/drift.hpp"
-#include "sightline/io/safety_summary.hpp"
-#include "sightline/io/scenario.hpp"
-#include "sightline/io/summary.hpp"
+#include "sightline/record/chatter.hpp"
+#include "sightline/record/drift.hpp"
+#include "sightline/record/safety_summary.hpp"
+#include "sightline/record/summary.hpp"
 #include "sightline/run/loop.hpp"
+#include "sightline/scenario/scenario.hpp"
 
 namespace sightline {
 

@@ -14,7 +14,7 @@
 #include "sightline/campaign/paired.hpp"
 #include "sightline/campaign/success_map.hpp"
 #include "sightline/campaign/table.hpp"
-#include "sightline/io/page.hpp"
+#include "sightline/plot/page.hpp"
 
 namespace sightline {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/io/campaign_plan.hpp"
+#include "sightline/scenario/campaign_plan.hpp"
 
 namespace sightline {
 

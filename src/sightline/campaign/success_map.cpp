@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/io/page.hpp"
+#include "sightline/plot/page.hpp"
 
 namespace sightline {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/io/text_file.hpp"
-#include "sightline/io/version.hpp"
+#include "sightline/base/version.hpp"
+#include "sightline/record/text_file.hpp"
 
 namespace sightline {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "sightline/campaign/draw.hpp"
-#include "sightline/io/scenario.hpp"
-#include "sightline/io/scenario_numbers.hpp"
+#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario/scenario_numbers.hpp"
 
 namespace sightline {
 

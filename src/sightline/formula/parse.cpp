@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sightline/base/nearest.hpp"
 #include "sightline/formula/lexer.hpp"
-#include "sightline/formula/nearest.hpp"
 
 namespace sightline {
 namespace {

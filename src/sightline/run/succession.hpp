@@ -25,7 +25,7 @@
 #include "sightline/ocp/watch.hpp"
 #include "sightline/run/controller.hpp"
 #include "sightline/run/sample.hpp"
-#include "sightline/solver/newton_riccati.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 
 namespace sightline {
 

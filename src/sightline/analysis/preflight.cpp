@@ -1,0 +1,130 @@
+#include "sightline/analysis/preflight.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "sightline/analysis/influence.hpp"
+#include "sightline/analysis/observation.hpp"
+#include "sightline/analysis/potential_page.hpp"
+#include "sightline/analysis/starts.hpp"
+#include "sightline/potential/finite.hpp"
+#include "sightline/potential/region.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr std::size_t most_of_a_kind = 20;  // sentences
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& sentences) {
+  const std::size_t shown = std::min(sentences.size(), most_of_a_kind);
+  to.insert(to.end(), sentences.begin(), sentences.begin() + static_cast<std::ptrdiff_t>(shown));
+  if (shown < sentences.size()) to.push_back(fmt::format("and {} more like it", sentences.size() - shown));
+}
+
+/// The middle of the starts of all bodies.
+Vec3<double> middle(const Scenario& scenario) {
+  const Team& team = scenario.team;
+  const std::vector<double> none(static_cast<std::size_t>(team.nu()) + 1, 0.0);
+  Vec3<double> sum{};
+  for (int i = 0; i < team.bodies(); ++i) {
+    sum = sum + team.model(BodyId{i}).sight(scenario.x0.data() + team.state_offset(BodyId{i}), none.data()).p;
+  }
+  return (1.0 / team.bodies()) * sum;
+}
+
+/// Says what is to be known of a region that was written as text.
+class Regions {
+ public:
+  Regions(const Scenario& scenario, Preflight& to)
+      : file_(scenario.file.native()),
+        to_(to),
+        search_{.until = scenario.simulation.duration + scenario.horizon.T,
+                .period = scenario.horizon.dt,
+                .centre = middle(scenario)} {}
+
+  /// @param where         ":line" of the file, or nothing
+  /// @param whole_flight  else it is in force for a part of the flight that is not known
+  void look_at(const Potential& potential, std::string_view where, std::string_view who, bool whole_flight) {
+    const auto* region = potential.as<Region>();
+    if (region == nullptr) return;
+    if (const auto smoothed = region->smoothed(); !smoothed.empty()) {
+      to_.remarks.push_back(fmt::format("{}: corners of {} are rounded off over {} (m, rad)", who,
+                                        fmt::join(smoothed, ", "), region->width()));
+    }
+    const auto spot = not_finite_at(potential, search_);
+    if (!spot) return;
+    const std::string what = fmt::format("{} is no finite number with {}", who, to_string(*spot));
+    if (whole_flight || !spot->ends) {
+      to_.refusals.push_back(
+          fmt::format("{}{}: {}, expected one everywhere until {:.6g} s, the end of the last plan", file_,
+                      where, what, search_.until));
+    } else {
+      to_.warnings.push_back(what + ": let an event end it before");
+    }
+  }
+
+ private:
+  std::string file_;
+  Preflight& to_;
+  FiniteSearch search_;
+};
+
+void look_at_regions(const Scenario& scenario, Preflight& to) {
+  Regions regions(scenario, to);
+  const auto& script = scenario.script;
+  const std::vector<Coupling> couplings = said_couplings(scenario);
+  for (std::size_t i = 0; i < couplings.size(); ++i) {
+    const bool of_file = i < scenario.team.couplings().size();
+    const Potential& potential = couplings[i].term.potential;
+    const std::string who = of_file ? fmt::format("couple[{}] {}", i, potential.name())
+                                    : fmt::format("{} of an event", potential.name());
+    const std::string where = of_file ? fmt::format(":{}", scenario.coupling_lines[i]) : "";
+    regions.look_at(potential, where, who, of_file && script.empty());
+  }
+  const auto& constraints = scenario.team.constraints();
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    const Potential& potential = constraints[i].term.potential;
+    regions.look_at(potential, "", fmt::format("constrain[{}] {}", i, potential.name()), script.empty());
+  }
+}
+
+/// Where the barrier reckons with less than what it will meet.
+std::vector<std::string> warnings_of_speeds(const Scenario& scenario) {
+  std::vector<std::string> sentences;
+  if (!scenario.safety || scenario.safety->barrier == BarrierMode::off) return sentences;
+  for (const Stranger& stranger : scenario.strangers) {
+    const double speed = stranger.motion ? top_speed(*stranger.motion) : 0.0;
+    if (speed <= stranger.speed_max) continue;
+    sentences.push_back(fmt::format("{} moves at up to {} m/s, the barrier reckons with speed_max = {} m/s",
+                                    scenario.team.name(stranger.body), speed, stranger.speed_max));
+  }
+  return sentences;
+}
+
+}  // namespace
+
+Preflight preflight(const Scenario& scenario) {
+  Preflight p;
+  look_at_regions(scenario, p);
+  if (!p.refusals.empty()) return p;
+  for (const JudgedCoupling& one : judge_couplings(scenario.team, {}, {}, scenario.x0)) {
+    const std::string_view name = scenario.team.couplings()[one.coupling].term.potential.name();
+    for (const std::string& sentence : one.verdict.warnings)
+      p.warnings.push_back(fmt::format("couple[{}] {}: {}", one.coupling, name, sentence));
+  }
+  append(p.warnings, warnings_of_starts(scenario));
+  append(p.warnings, limits_beyond_influence(scenario));
+  append(p.warnings, robots_beyond_noise(scenario));
+  std::vector<std::string> cycles;
+  for (const ObservationCycle& cycle : observation_cycles(scenario)) {
+    if (norm(cycle.drift) > 0) cycles.push_back(to_string(cycle, scenario.team));
+  }
+  append(p.warnings, cycles);
+  append(p.warnings, warnings_of_speeds(scenario));
+  return p;
+}
+
+}  // namespace sightline

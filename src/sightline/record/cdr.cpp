@@ -1,0 +1,140 @@
+#include "sightline/record/cdr.hpp"
+
+#include <cmath>
+#include <initializer_list>
+
+namespace sightline {
+namespace {
+
+constexpr std::string_view rule =
+    "================================================================================\n";
+constexpr std::string_view pose_stamped = "std_msgs/Header header\ngeometry_msgs/Pose pose\n";
+constexpr std::string_view header =
+    "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+    "================================================================================\n"
+    "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
+constexpr std::string_view pose_parts =
+    "MSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n"
+    "================================================================================\n"
+    "MSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n"
+    "================================================================================\n"
+    "MSG: geometry_msgs/Quaternion\nfloat64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n";
+constexpr std::string_view twist_parts =
+    "MSG: geometry_msgs/Twist\ngeometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n"
+    "================================================================================\n"
+    "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n";
+
+std::string join(std::initializer_list<std::string_view> definitions) {
+  std::string text;
+  for (const std::string_view definition : definitions) {
+    if (!text.empty()) text += rule;
+    text += definition;
+  }
+  return text;
+}
+
+constexpr std::uint64_t second = 1'000'000'000;  // [ns]
+
+void put_header(CdrEncoder& to, std::uint64_t time, std::string_view frame) {
+  to.put(static_cast<std::int32_t>(time / second)).put(static_cast<std::uint32_t>(time % second)).put(frame);
+}
+
+// The turn about z that takes the x axis to d: (cos ψ/2, sin ψ/2) without an angle, w >= 0.
+void put_pose(CdrEncoder& to, const StampedPose& pose) {
+  const double length = std::hypot(pose.d[0], pose.d[1]);
+  const double c = pose.d[0] / length, s = pose.d[1] / length;
+  const double larger = std::sqrt(0.5 * (1 + std::abs(c)));
+  const double smaller = 0.5 * std::abs(s) / larger;
+  const double w = c >= 0 ? larger : smaller;
+  const double z = std::copysign(c >= 0 ? smaller : larger, s);
+  for (const double x : pose.p) to.put(x);
+  to.put(0.0).put(0.0).put(z).put(w);
+}
+
+std::uint64_t read_header(CdrDecoder& from) {
+  const auto seconds = static_cast<std::uint32_t>(from.number<std::int32_t>());
+  const auto nanoseconds = from.number<std::uint32_t>();
+  from.string();
+  return seconds * second + nanoseconds;
+}
+
+StampedPose read_pose(CdrDecoder& from) {
+  StampedPose pose;
+  pose.time = read_header(from);
+  for (double& x : pose.p) x = from.number<double>();
+  const auto x = from.number<double>(), y = from.number<double>(), z = from.number<double>(),
+             w = from.number<double>();
+  pose.d = {w * w + x * x - y * y - z * z, 2 * (w * z + x * y)};
+  return pose;
+}
+
+constexpr std::size_t least_pose = 12 + 1 + 7 * sizeof(double);  // header with an empty frame, pose [B]
+
+}  // namespace
+
+RosSchema pose_schema() {
+  return {"geometry_msgs/msg/PoseStamped", join({pose_stamped, header, pose_parts})};
+}
+
+RosSchema twist_schema() {
+  return {"geometry_msgs/msg/TwistStamped",
+          join({"std_msgs/Header header\ngeometry_msgs/Twist twist\n", header, twist_parts})};
+}
+
+RosSchema path_schema() {
+  const std::string pose = "MSG: geometry_msgs/PoseStamped\n" + std::string(pose_stamped);
+  return {"nav_msgs/msg/Path",
+          join({"std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n", pose, header, pose_parts})};
+}
+
+void encode_pose(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose) {
+  CdrEncoder to(bytes);
+  put_header(to, pose.time, frame);
+  put_pose(to, pose);
+}
+
+void encode_twist(std::vector<std::byte>& bytes, std::string_view frame, const StampedTwist& twist) {
+  CdrEncoder to(bytes);
+  put_header(to, twist.time, frame);
+  for (const double v : twist.linear) to.put(v);
+  for (const double w : twist.angular) to.put(w);
+}
+
+void encode_path(std::vector<std::byte>& bytes, std::string_view frame, std::uint64_t time,
+                 std::span<const StampedPose> poses) {
+  CdrEncoder to(bytes);
+  put_header(to, time, frame);
+  to.put(static_cast<std::uint32_t>(poses.size()));
+  for (const StampedPose& pose : poses) {
+    put_header(to, pose.time, frame);
+    put_pose(to, pose);
+  }
+}
+
+std::optional<StampedPose> decode_pose(std::span<const std::byte> bytes) {
+  CdrDecoder from(bytes);
+  const StampedPose pose = read_pose(from);
+  if (!from.finished()) return std::nullopt;
+  return pose;
+}
+
+std::optional<StampedTwist> decode_twist(std::span<const std::byte> bytes) {
+  CdrDecoder from(bytes);
+  StampedTwist twist;
+  twist.time = read_header(from);
+  for (double& v : twist.linear) v = from.number<double>();
+  for (double& w : twist.angular) w = from.number<double>();
+  if (!from.finished()) return std::nullopt;
+  return twist;
+}
+
+std::optional<std::vector<StampedPose>> decode_path(std::span<const std::byte> bytes) {
+  CdrDecoder from(bytes);
+  read_header(from);
+  std::vector<StampedPose> poses(from.length(least_pose));
+  for (StampedPose& pose : poses) pose = read_pose(from);
+  if (!from.finished()) return std::nullopt;
+  return poses;
+}
+
+}  // namespace sightline

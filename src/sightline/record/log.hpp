@@ -1,0 +1,71 @@
+/// The log of a run: what the loop puts into the ring goes to disk, on a thread of its own.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "sightline/record/summary.hpp"
+#include "sightline/run/loop.hpp"
+
+namespace sightline {
+
+/// Writes into the folder of a run
+///
+///   run.mcap      what depends on simulated time alone, so that equal runs give equal bytes; log time is the
+///                 simulated time from 0 [ns]. Topics:
+///                   /BODY/state                {time, x}: all numbers, exactly
+///                   /BODY/pose, /BODY/twist    of the true state, in G
+///                   /BODY/measured             the pose the controllers saw, where noise or delay change it
+///                   /AGENT/input               {time, u, raw}: applied, and before the solver's clamp
+///                   /AGENT/path                the prediction, where the sample has one
+///                   /AGENT/reference           {time, p, d}, each 0.1 s; without p or d where that is free
+///                   /AGENT/barrier             {time, active, conflict, reserve}, where there is a barrier
+///                   /solver                    {time, status, residual, iterations, cost}; of several
+///                                              controllers /controller0/solver, ...; with pairs where robots
+///                                              are kept apart
+///                   /events                    {time, kind, controller, value}
+///                 and the words "sightline": scenario, version, compiler, seed, solver, the team.
+///   timing.csv    measured times [us], allocations and missed periods; a row for each period
+///
+/// In JSON, null is a number that was not finite; ROS messages with such numbers are left out.
+///
+/// Each 0.1 s of simulated time a chunk closes and is handed to the kernel with the rows of timing.csv, so a
+/// killed run leaves all that was before. Where the disk fails, or a sample cannot be written or judged, the ring is
+/// still drained: the loop goes on, and error() tells what is lost.
+class Log {
+ public:
+  /// Makes the folder if need be and begins the files beside those of an earlier run. Once they open, they take their
+  /// place, and the earlier results go.
+  /// @param ring     outlives the log
+  /// @param written  called by the thread with the simulated time [s] up to which all is on its way to the
+  ///                 disk; not after a failure, nor after it threw
+  Log(const Scenario& scenario, const std::filesystem::path& folder, const Controllers& controllers,
+      Ring<Sample>& ring, std::function<void(double)> written = {});
+  ~Log();  ///< As finish(), once the ring is closed, which it is here for a loop that never ran.
+  Log(const Log&) = delete;
+  Log& operator=(const Log&) = delete;
+
+  /// Starts the thread.
+  void start();
+  /// Waits until the ring is closed and drained, and ends the files.
+  void finish();
+
+  /// After finish(): the first failure, a sentence; empty if all was written and judged.
+  std::string error() const;
+  /// Whether the folder holds this log, and not what was there before.
+  bool begun() const;
+  /// After finish(): of all samples that could be judged, written or not.
+  const Summary& summary() const;
+
+ private:
+  class Files;
+
+  Ring<Sample>& ring_;
+  std::unique_ptr<Files> files_;
+  std::thread thread_;
+};
+
+}  // namespace sightline

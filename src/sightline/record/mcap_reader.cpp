@@ -1,0 +1,339 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <concepts>
+#include <system_error>
+#include <utility>
+
+#include "sightline/record/mcap.hpp"
+
+namespace sightline {
+namespace {
+
+using namespace mcap;
+using Span = std::span<const std::byte>;
+
+constexpr std::uint64_t window_bytes = 64 << 10;  // least piece read from the file
+
+std::uint32_t crc32_of(std::uint32_t crc, Span bytes) {
+  return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+std::string reason(int error_number) { return std::generic_category().message(error_number); }
+
+// Reading: never past the end; once short, everything after is zero and good() says so.
+class Cursor {
+ public:
+  explicit Cursor(Span bytes) : rest_(bytes) {}
+
+  Span take(std::uint64_t count) {
+    if (count > rest_.size()) {
+      good_ = false;
+      rest_ = {};
+      return {};
+    }
+    const Span taken = rest_.first(count);
+    rest_ = rest_.subspan(count);
+    return taken;
+  }
+
+  template <std::unsigned_integral T>
+  T number() {
+    T value = 0;
+    const Span bytes = take(sizeof(T));
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+      value |= static_cast<T>(static_cast<T>(bytes[i]) << (8 * i));
+    return value;
+  }
+
+  std::string_view string() {
+    const Span bytes = take(number<std::uint32_t>());
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+
+  McapWords words() {
+    McapWords words;
+    Cursor list(take(number<std::uint32_t>()));
+    while (list.good() && !list.rest_.empty()) {
+      const std::string_view key = list.string();
+      words.insert_or_assign(std::string(key), std::string(list.string()));
+    }
+    good_ = good_ && list.good();
+    return words;
+  }
+
+  bool good() const { return good_; }
+  bool finished() const { return good_ && rest_.empty(); }  // everything read, and nothing was missing
+
+ private:
+  Span rest_;
+  bool good_ = true;
+};
+
+// The magic, or what is left of it in a file cut short.
+bool is_magic(Span bytes) {
+  return bytes.size() <= magic.size() &&
+         std::ranges::equal(bytes, std::as_bytes(std::span(magic)).first(bytes.size()));
+}
+
+}  // namespace
+
+McapReader::McapReader(const std::filesystem::path& path) : path_(path.string()) {
+  file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a FIFO must not hold us up
+  struct stat status {};
+  if (file_ < 0 || ::fstat(file_, &status) != 0) {
+    error_ = fmt::format("{}: cannot be read: {}", path_, reason(errno));
+    return;
+  }
+  if (!S_ISREG(status.st_mode)) {
+    error_ = fmt::format("{}: is not a regular file, expected an MCAP log", path_);
+    ::close(std::exchange(file_, -1));
+    return;
+  }
+  size_ = static_cast<std::uint64_t>(status.st_size);
+
+  Span bytes;
+  if (!fetch(0, std::min<std::uint64_t>(size_, magic.size()), bytes)) return;
+  if (!is_magic(bytes)) {
+    fail(0, "the file does not begin as MCAP logs do");
+    ::close(std::exchange(file_, -1));
+    return;
+  }
+  if (size_ > magic.size() + record_head) {
+    if (!fetch(size_ - magic.size(), magic.size(), bytes)) return;
+    sealed_ = is_magic(bytes);
+  }
+
+  // A first walk over the records' heads finds the metadata and whether the end is there.
+  std::uint64_t position = magic.size();
+  for (Record record; next(position, record);) {
+    if (record.kind == footer) {
+      finish(position);
+      return;
+    }
+    if (record.kind != header && record.kind != metadata_record) continue;
+    if (!fetch(record.at + record_head, record.length, bytes) || !read_words(record, bytes)) return;
+  }
+}
+
+McapReader::~McapReader() {
+  if (file_ >= 0) ::close(file_);
+}
+
+bool McapReader::visit(const std::function<void(const McapMessage&)>& visitor) {
+  if (file_ < 0 || size_ < magic.size()) return ok();
+  schemas_.clear();
+  channels_.clear();
+
+  Span bytes;
+  if (!fetch(0, magic.size(), bytes)) return false;
+  std::uint32_t crc = crc32_of(0, bytes);  // of the data section, then of the summary
+  bool in_summary = false;
+  std::uint64_t position = magic.size();
+  for (Record record; next(position, record);) {
+    if (!fetch(record.at, record_head + record.length, bytes)) return false;
+    const Span content = bytes.subspan(record_head);
+    if (record.kind == data_end && !in_summary) {
+      if (record.length != 4 || Cursor(content).number<std::uint32_t>() != crc) {
+        fail(record.at, "the data end here does not match the CRC of the data before it");
+        return false;
+      }
+      in_summary = true;
+      crc = 0;
+      continue;
+    }
+    if (record.kind == footer) {
+      const bool whole = in_summary && record.length == 20;
+      if (!whole ||
+          Cursor(content.last(4)).number<std::uint32_t>() != crc32_of(crc, bytes.first(bytes.size() - 4))) {
+        fail(record.at, "the footer here does not match the CRC of the summary before it");
+        return false;
+      }
+      return finish(position) && ok();
+    }
+    crc = crc32_of(crc, bytes);
+    if (in_summary) continue;
+    const bool sound = record.kind == chunk_record ? read_chunk(record, content, visitor)
+                                                   : read_record(record.at, record.kind, content, visitor);
+    if (!sound) return false;
+  }
+  return ok();
+}
+
+void McapReader::fail(std::uint64_t at, std::string_view what) {
+  if (error_.empty()) error_ = fmt::format("{}: byte {}: {}", path_, at, what);
+}
+
+// Bytes [at, at + count) of the file, good until the next call.
+bool McapReader::fetch(std::uint64_t at, std::uint64_t count, Span& bytes) {
+  const bool held =
+      at >= window_at_ && at - window_at_ <= window_.size() && count <= window_.size() - (at - window_at_);
+  if (!held) {
+    window_at_ = at;
+    window_.resize(std::min(std::max(count, window_bytes), size_ - at));
+    for (std::size_t done = 0; done < window_.size();) {
+      const ssize_t got =
+          ::pread(file_, window_.data() + done, window_.size() - done, static_cast<off_t>(at + done));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) {
+        fail(at, got < 0 ? "cannot be read: " + reason(errno)
+                         : std::string("the file became shorter while it was read"));
+        window_.clear();
+        return false;
+      }
+      done += static_cast<std::size_t>(got);
+    }
+  }
+  bytes = Span(window_).subspan(at - window_at_, count);
+  return true;
+}
+
+// Steps to the record at `position` if it is there whole.
+bool McapReader::next(std::uint64_t& position, Record& record) {
+  const std::uint64_t rest = position < size_ ? size_ - position : 0;
+  if (rest < record_head) {
+    end_of_records(position, "the file ends without a footer");
+    return false;
+  }
+  Span head;
+  if (!fetch(position, record_head, head)) return false;
+  Cursor cursor(head);
+  record = {cursor.number<std::uint8_t>(), position, cursor.number<std::uint64_t>()};
+  if (record.kind < header || record.kind > data_end) {
+    fail(position, fmt::format("a record of kind {:#04x}, expected one of 0x01 to 0x0f", record.kind));
+    return false;
+  }
+  if (record.length > rest - record_head) {
+    end_of_records(position,
+                   fmt::format("a record of {} bytes where {} are left", record.length, rest - record_head));
+    return false;
+  }
+  if (record.length > record_limit) {
+    fail(position, fmt::format("a record of {} bytes, expected at most {}", record.length, record_limit));
+    return false;
+  }
+  position += record_head + record.length;
+  return true;
+}
+
+// A log that was cut off has no closing magic; with it, a record that does not fit is a fault.
+void McapReader::end_of_records(std::uint64_t position, std::string_view what) {
+  if (sealed_) return fail(position, what);
+  truncated_ = true;
+}
+
+// Only the closing magic may follow the footer.
+bool McapReader::finish(std::uint64_t position) {
+  const std::uint64_t rest = size_ - position;
+  Span bytes;
+  if (!fetch(position, std::min<std::uint64_t>(rest, magic.size()), bytes)) return false;
+  if (rest > magic.size() || !is_magic(bytes)) {
+    fail(position, "the file does not end as MCAP logs do");
+    return false;
+  }
+  truncated_ = rest < magic.size();
+  return true;
+}
+
+// The header, or words about the log.
+bool McapReader::read_words(const Record& record, Span content) {
+  Cursor cursor(content);
+  const std::string_view name = cursor.string();
+  if (record.kind == header) {
+    profile_ = name;
+    library_ = cursor.string();
+  } else {
+    metadata_.insert_or_assign(std::string(name), cursor.words());
+  }
+  if (!cursor.finished()) fail(record.at, "a header or metadata record that contradicts its own lengths");
+  return cursor.finished();
+}
+
+bool McapReader::read_chunk(const Record& record, Span content,
+                            const std::function<void(const McapMessage&)>& visitor) {
+  Cursor cursor(content);
+  cursor.take(16);  // first and last time
+  const auto length = cursor.number<std::uint64_t>();
+  const auto crc = cursor.number<std::uint32_t>();
+  const std::string_view compression = cursor.string();
+  const Span compressed = cursor.take(cursor.number<std::uint64_t>());
+  if (!cursor.finished() || length > record_limit || compression != "zstd") {
+    fail(record.at, "a chunk that contradicts its own lengths or is not compressed by zstd");
+    return false;
+  }
+  chunk_.resize(length);
+  const std::size_t got = ZSTD_decompress(chunk_.data(), chunk_.size(), compressed.data(), compressed.size());
+  if (ZSTD_isError(got) != 0 || got != length || crc32_of(0, chunk_) != crc) {
+    fail(record.at, "a chunk that does not match its CRC");
+    return false;
+  }
+  return read_records(record.at, chunk_, visitor);
+}
+
+bool McapReader::read_records(std::uint64_t at, Span records,
+                              const std::function<void(const McapMessage&)>& visitor) {
+  Cursor cursor(records);
+  while (!cursor.finished()) {
+    const auto kind = cursor.number<std::uint8_t>();
+    const Span content = cursor.take(cursor.number<std::uint64_t>());
+    if (!cursor.good()) fail(at, "a chunk whose last record is not whole");
+    if (!cursor.good() || !read_record(at, kind, content, visitor)) return false;
+  }
+  return true;
+}
+
+bool McapReader::read_record(std::uint64_t at, std::uint8_t kind, Span content,
+                             const std::function<void(const McapMessage&)>& visitor) {
+  Cursor cursor(content);
+  if (kind == schema_record) {
+    const auto id = cursor.number<std::uint16_t>();
+    schemas_.insert_or_assign(id, std::string(cursor.string()));
+    cursor.string();  // encoding
+    cursor.string();  // text
+  } else if (kind == channel_record) {
+    const auto id = cursor.number<std::uint16_t>();
+    const auto schema = schemas_.find(cursor.number<std::uint16_t>());
+    if (schema == schemas_.end()) {
+      fail(at, fmt::format("channel {} follows a schema that is not there", id));
+      return false;
+    }
+    const std::string_view topic = cursor.string(), encoding = cursor.string();
+    channels_.insert_or_assign(id, Channel{std::string(topic), schema->second, std::string(encoding)});
+    cursor.words();
+  } else if (kind == message_record) {
+    const auto id = cursor.number<std::uint16_t>();
+    const auto channel = channels_.find(id);
+    if (channel == channels_.end()) {
+      fail(at, fmt::format("a message on channel {}, which is not there", id));
+      return false;
+    }
+    McapMessage message;
+    message.topic = channel->second.topic;
+    message.schema = channel->second.schema;
+    message.encoding = channel->second.encoding;
+    message.sequence = cursor.number<std::uint32_t>();
+    message.log_time = cursor.number<std::uint64_t>();
+    cursor.number<std::uint64_t>();  // time of publication
+    if (cursor.good()) {
+      message.bytes = content.last(content.size() - 22);
+      visitor(message);
+      return true;
+    }
+  } else if (kind == message_index) {
+    cursor.number<std::uint16_t>();
+    cursor.take(cursor.number<std::uint32_t>());
+  } else {
+    return true;  // header and metadata are read on opening
+  }
+  if (!cursor.finished())
+    fail(at, fmt::format("a record of kind {:#04x} that contradicts its own lengths", kind));
+  return cursor.finished();
+}
+
+}  // namespace sightline

@@ -1,0 +1,152 @@
+#include "sightline/record/present_team.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sightline/potential/bearing.hpp"
+#include "sightline/potential/protection.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+std::size_t size(int n) { return static_cast<std::size_t>(n); }
+
+}  // namespace
+
+std::vector<Observation> observations(std::span<const Coupling> couplings) {
+  std::vector<Observation> found;
+  const auto same = [](const Observation& o, BodyId a, BodyId b) { return o.observer == a && o.target == b; };
+  for (const Coupling& c : couplings) {
+    const BodyId a = c.between.first, b = c.between.second;
+    const Potential& potential = c.term.potential;
+    if (!watches(potential) || potential.violation({}, {}) == -std::numeric_limits<double>::infinity())
+      continue;
+    if (std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); }))
+      continue;
+    const auto* cone = potential.as<SensorCone>();
+    const auto* bearing = potential.as<Bearing>();
+    const double alpha = cone != nullptr ? cone->alpha : bearing != nullptr ? bearing->alpha : none;
+    found.push_back({a, b, potential, *potential.mount(), alpha, none, none});
+  }
+  // A distance has no direction. fmax and fmin pass over what is not a number.
+  for (const Coupling& c : couplings) {
+    const BodyId a = c.between.first, b = c.between.second;
+    for (Observation& o : found) {
+      if (!same(o, a, b) && !same(o, b, a)) continue;
+      o.d_min = std::fmax(o.d_min, c.term.potential.d_min().value_or(none));
+      o.d_max = std::fmin(o.d_max, c.term.potential.d_max().value_or(none));
+    }
+  }
+  return found;
+}
+
+std::vector<Coupling> all_couplings(const Scenario& scenario) {
+  std::vector<Coupling> all = scenario.team.couplings();
+  if (scenario.script.empty()) return all;
+  const std::vector<Presence> everybody(size(scenario.team.bodies()), Presence::steered);
+  Roster roster(scenario.team, everybody);
+  for (const TeamEvent& event : scenario.script.events) {
+    for (const Action& action : event.actions) {
+      if (std::holds_alternative<RemoveBody>(action)) continue;
+      (void)roster.apply(action, 0.0, 0.0);
+      for (const Coupling& c : roster.couplings()) {
+        const auto same = [&](const Coupling& other) {
+          return other.between.first == c.between.first && other.between.second == c.between.second &&
+                 other.term.potential.name() == c.term.potential.name();
+        };
+        if (std::none_of(all.begin(), all.end(), same)) all.push_back(c);
+      }
+    }
+  }
+  return all;
+}
+
+PresentTeam::PresentTeam(const Scenario& scenario)
+    : script_(scenario.script), roster_(scenario.team, scenario.presence) {
+  compose(0.0);
+}
+
+void PresentTeam::compose(double t) {
+  team_ = roster_.team(t);
+  const double settled = roster_.at_rest_from(t);
+  settles_at_ = settled > t ? settled : std::numeric_limits<double>::infinity();
+  world_.clear();
+  for (int i = 0; i < team_.bodies(); ++i) world_.push_back(roster_.all().find(team_.name(BodyId{i})));
+  x_.resize(size(team_.nx()));
+  u_.resize(size(team_.nu()));
+}
+
+bool PresentTeam::follow(const Sample& sample) {
+  bool changed = false;
+  for (int i = 0; i < sample.event_count; ++i) {
+    const Event& event = sample.events[size(i)];
+    if (event.kind != EventKind::event_in_force) continue;
+    const TeamEvent& what = script_.events[static_cast<std::size_t>(event.value)];
+    for (const Action& action : what.actions) (void)roster_.apply(action, event.time, ramp_of(what));
+    changed = true;
+  }
+  constexpr double same_time = 1e-9;
+  if (changed || sample.time >= settles_at_ - same_time) compose(sample.time);
+  return changed;
+}
+
+std::vector<Coupling> PresentTeam::couplings() const {
+  std::vector<Coupling> list;
+  const auto is_there = [&](BodyId body) { return roster_.presence(body) != Presence::absent; };
+  for (const Coupling& c : roster_.couplings()) {
+    const bool felt = std::any_of(c.felt_by.begin(), c.felt_by.end(), [&](AgentId agent) {
+      return roster_.presence(agent) == Presence::steered;
+    });
+    if (c.ramp.to > 0 && felt && is_there(c.between.first) && is_there(c.between.second)) list.push_back(c);
+  }
+  return list;
+}
+
+std::vector<Constraint> PresentTeam::constraints() const {
+  std::vector<Constraint> list;
+  for (const Constraint& c : roster_.constraints()) {
+    if (c.ramp.to > 0 && roster_.presence(c.agent) == Presence::steered) list.push_back(c);
+  }
+  return list;
+}
+
+std::vector<BodyId> PresentTeam::observers() const {
+  std::vector<BodyId> list;
+  for (const Coupling& c : roster_.couplings()) {
+    const BodyId robot = c.between.first;
+    if (!(c.ramp.to > 0) || roster_.presence(robot) != Presence::steered || !watches(c.term.potential))
+      continue;
+    if (std::find(list.begin(), list.end(), robot) == list.end()) list.push_back(robot);
+  }
+  return list;
+}
+
+const Agent* PresentTeam::agent(BodyId robot) const {
+  const auto found = std::find(world_.begin(), world_.end(), robot);
+  if (found == world_.end()) return nullptr;
+  const BodyId body{static_cast<int>(found - world_.begin())};
+  return team_.is_agent(body) ? &team_.agent(body) : nullptr;
+}
+
+double PresentTeam::cost(const Sample& sample) {
+  const Team& all = roster_.all();
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i}, in_world = world_[size(i)];
+    const double* const x = &sample.x[size(all.state_offset(in_world))];
+    const double* const u = sample.u.data() + all.input_offset(in_world);
+    double* const to = &x_[size(team_.state_offset(body))];
+    if (team_.is_agent(body) == all.is_agent(in_world)) {
+      std::copy_n(x, team_.model(body).nx(), to);
+      std::copy_n(u, team_.model(body).nu(), u_.begin() + team_.input_offset(body));
+    } else {
+      write_body(all.model(in_world).sight(x, u), {to, size(team_.model(body).nx())});
+    }
+  }
+  return stage_cost(team_, sample.time, x_, u_);
+}
+
+}  // namespace sightline

@@ -1,0 +1,316 @@
+#include "sightline/record/recording.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
+#include "sightline/record/cdr.hpp"
+#include "sightline/record/mcap.hpp"
+
+namespace sightline {
+namespace {
+
+using nlohmann::json;
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+template <class... Args>
+[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
+  throw std::runtime_error(fmt::format(sentence, std::forward<Args>(args)...));
+}
+
+// null stands for a number that was not finite.
+double number(const json& value) { return value.is_null() ? none : value.get<double>(); }
+
+Vec3<double> point(const json& list) { return {number(list.at(0)), number(list.at(1)), number(list.at(2))}; }
+
+void read_team(const json& team, Recording& run) {
+  for (const json& entry : team.at("bodies")) {
+    Recording::Body body;
+    body.name = entry.at("name");
+    body.robot = entry.at("robot");
+    body.is_agent = entry.at("kind") == "agent";
+    if (body.is_agent) {
+      body.inputs = entry.at("inputs").get<std::vector<std::string>>();
+      body.u_min = entry.at("limits").at("u_min").at(0).get<std::vector<double>>();
+      body.u_max = entry.at("limits").at("u_max").at(0).get<std::vector<double>>();
+      body.u.resize(body.u_min.size());
+    }
+    run.bodies.push_back(std::move(body));
+  }
+  for (const json& entry : team.at("pairs")) {
+    const Recording::Pair pair{
+        entry.at("observer"),      entry.at("target"),        {entry.at("pitch"), entry.at("offset")},
+        number(entry.at("alpha")), number(entry.at("d_min")), number(entry.at("d_max"))};
+    if (pair.observer >= run.bodies.size() || pair.target >= run.bodies.size()) {
+      refuse("a pair names body {}, expected one of {}", std::max(pair.observer, pair.target),
+             run.bodies.size());
+    }
+    run.pairs.push_back(pair);
+  }
+  for (const json& entry : team.value("swarms", json::array())) {
+    const auto& robots = run.swarms.emplace_back(entry.get<std::vector<std::size_t>>());
+    for (const std::size_t robot : robots) {
+      if (robot >= run.bodies.size())
+        refuse("a swarm names body {}, expected one of {}", robot, run.bodies.size());
+    }
+  }
+  for (const json& entry : team.value("couplings", json::array())) {
+    const Recording::Coupled coupled{entry.at("between").at(0), entry.at("between").at(1),
+                                     entry.at("felt").at(0), entry.at("felt").at(1)};
+    if (coupled.first >= run.bodies.size() || coupled.second >= run.bodies.size()) {
+      refuse("a coupling names body {}, expected one of {}", std::max(coupled.first, coupled.second),
+             run.bodies.size());
+    }
+    run.couplings.push_back(coupled);
+  }
+  run.d_hard = team.value("d_hard", std::vector<double>{});
+  run.floor = team.value("floor", none);
+  run.ceiling = team.value("ceiling", none);
+  run.script = team.value("events", std::vector<std::string>{});
+}
+
+// Each step is the shorter way round; what is not a number is stepped over.
+void unwrap(std::vector<double>& psi) {
+  constexpr double turn = 2 * std::numbers::pi;
+  double last = none;
+  for (double& value : psi) {
+    if (std::isnan(value)) continue;
+    if (!std::isnan(last)) value -= turn * std::round((value - last) / turn);
+    last = value;
+  }
+}
+
+// Puts each message where it belongs. State and solver messages begin a row; what may be missing behind
+// them, where a number was not finite, stays not a number.
+class Rows {
+ public:
+  Rows(Recording& run, std::size_t controllers) : run_(run) {
+    for (Recording::Body& body : run.bodies) {
+      const std::string topic = "/" + body.name + "/";
+      places_[topic + "state"] = [this, &body](const McapMessage& m) { state(body, m); };
+      places_[topic + "pose"] = [&body](const McapMessage& m) { pose(body, m); };
+      places_[topic + "twist"] = [&body](const McapMessage& m) { twist(body, m); };
+      places_[topic + "input"] = [&body](const McapMessage& m) { input(body, m); };
+      places_[topic + "barrier"] = [&body](const McapMessage& m) { barrier(body, m); };
+      places_[topic + "reference"] = [&body](const McapMessage& m) { reference(body, m); };
+    }
+    run.controllers.resize(controllers);
+    for (std::size_t c = 0; c < controllers; ++c) {
+      run.controllers[c].name = controllers > 1 ? fmt::format("controller{}", c) : "solver";
+      places_[controllers > 1 ? "/" + run.controllers[c].name + "/solver" : "/solver"] =
+          [this, c](const McapMessage& m) { solver(c, m); };
+    }
+    places_["/events"] = [this](const McapMessage& m) { event(m); };
+  }
+
+  void take(const McapMessage& message) const {
+    const auto place = places_.find(message.topic);
+    if (place != places_.end()) place->second(message);
+  }
+
+  // A chunk that closed by itself may end within a period.
+  void trim() {
+    std::size_t rows = std::min(run_.time.size(), run_.cost.size());
+    for (const Recording::Body& body : run_.bodies) {
+      rows = std::min(rows, body.p.size());
+      for (const auto& row : body.u) rows = std::min(rows, row.size());
+      if (!body.barrier.empty()) rows = std::min(rows, body.barrier.size());
+    }
+    for (const Recording::Controller& c : run_.controllers) rows = std::min(rows, c.status.size());
+    run_.time.resize(rows);
+    run_.cost.resize(rows);
+    for (Recording::Body& body : run_.bodies) {
+      body.p.resize(rows);
+      body.heading.resize(rows);
+      body.v.resize(rows);
+      for (auto& row : body.u) row.resize(rows);
+      if (!body.barrier.empty()) body.barrier.resize(rows), body.reserve.resize(rows);
+      // A heading that is free at times is no line to draw.
+      if (body.reference_heading.size() < body.reference_time.size()) body.reference_heading.clear();
+      if (body.reference_p.size() < body.reference_time.size()) body.reference_p.clear();
+      unwrap(body.heading);
+      unwrap(body.reference_heading);
+    }
+    for (Recording::Controller& c : run_.controllers) {
+      c.status.resize(rows);
+      c.residual.resize(rows);
+      c.iterations.resize(rows);
+      if (!c.pairs.empty()) c.pairs.resize(rows);
+    }
+  }
+
+ private:
+  static json parsed(const McapMessage& message) {
+    const auto* text = reinterpret_cast<const char*>(message.bytes.data());
+    return json::parse(text, text + message.bytes.size());
+  }
+
+  void state(Recording::Body& body, const McapMessage& message) {
+    if (&body == &run_.bodies.front()) run_.time.push_back(parsed(message).at("time"));
+    body.p.push_back({none, none, none});
+    body.heading.push_back(none);
+    body.v.push_back({none, none, none});
+  }
+  static void pose(Recording::Body& body, const McapMessage& message) {
+    const auto pose = decode_pose(message.bytes);
+    if (!pose || body.p.empty()) refuse("a message of {} is no pose of a state", message.topic);
+    body.p.back() = {pose->p[0], pose->p[1], pose->p[2]};
+    body.heading.back() = std::atan2(pose->d[1], pose->d[0]);
+  }
+  static void twist(Recording::Body& body, const McapMessage& message) {
+    const auto twist = decode_twist(message.bytes);
+    if (!twist || body.v.empty()) refuse("a message of {} is no twist of a state", message.topic);
+    body.v.back() = {twist->linear[0], twist->linear[1], twist->linear[2]};
+  }
+  static void input(Recording::Body& body, const McapMessage& message) {
+    const json values = parsed(message).at("u");
+    if (values.size() != body.u.size()) {
+      refuse("{} holds {} inputs, expected {}", message.topic, values.size(), body.u.size());
+    }
+    for (std::size_t i = 0; i < body.u.size(); ++i) body.u[i].push_back(number(values[i]));
+  }
+  static void barrier(Recording::Body& body, const McapMessage& message) {
+    const json values = parsed(message);
+    body.barrier.push_back(values.at("active").get<bool>() ? 1.0 : 0.0);
+    body.reserve.push_back(number(values.at("reserve")));
+  }
+  static void reference(Recording::Body& body, const McapMessage& message) {
+    const json values = parsed(message);
+    body.reference_time.push_back(values.at("time"));
+    if (values.contains("p")) body.reference_p.push_back(point(values["p"]));
+    if (values.contains("d")) {
+      body.reference_heading.push_back(std::atan2(number(values["d"].at(1)), number(values["d"].at(0))));
+    }
+  }
+  void solver(std::size_t index, const McapMessage& message) {
+    const json values = parsed(message);
+    Recording::Controller& controller = run_.controllers[index];
+    controller.status.push_back(values.at("status"));
+    controller.residual.push_back(number(values.at("residual")));
+    controller.iterations.push_back(values.at("iterations"));
+    if (values.contains("pairs")) controller.pairs.push_back(number(values["pairs"]));
+    if (index == 0) run_.cost.push_back(number(values.at("cost")));
+  }
+  void event(const McapMessage& message) {
+    const json values = parsed(message);
+    run_.events.push_back(
+        {number(values.at("time")), values.at("kind"), values.at("controller"), number(values.at("value"))});
+  }
+
+  Recording& run_;
+  std::map<std::string, std::function<void(const McapMessage&)>, std::less<>> places_;
+};
+
+// Never waits, as a pipe would have it.
+std::ifstream opened(const std::filesystem::path& path) {
+  std::error_code ignored;
+  std::ifstream file;
+  if (std::filesystem::is_regular_file(path, ignored)) file.open(path, std::ios::binary);
+  if (!file.is_open()) file.setstate(std::ios::failbit);
+  return file;
+}
+
+// Times to solve of all controllers together. Whole rows alone: the last may have been cut off.
+std::vector<double> read_timing(const std::filesystem::path& path, std::size_t controllers) {
+  std::ifstream file = opened(path);
+  if (!file) refuse("{} cannot be read, expected the measured times of a run", path.string());
+  std::string line;
+  std::getline(file, line);
+  const std::size_t columns = 2 + controllers + 3;
+  std::vector<double> solve_us;
+  while (std::getline(file, line) && !file.eof()) {
+    std::vector<double> row;
+    const char* const end = line.data() + line.size();
+    for (const char* at = line.data(); at < end; ++at) {
+      const auto [next, fault] = std::from_chars(at, end, row.emplace_back());
+      if (fault != std::errc() || (next != end && *next != ',')) {
+        refuse("{}: \"{}\", expected {} numbers with commas between them", path.string(), line, columns);
+      }
+      at = next;
+    }
+    if (row.size() != columns) {
+      refuse("{}: \"{}\", expected {} numbers with commas between them", path.string(), line, columns);
+    }
+    double sum = 0.0;
+    for (std::size_t c = 0; c < controllers; ++c) sum += row[2 + c];
+    solve_us.push_back(sum);
+  }
+  return solve_us;
+}
+
+// Folders within the run's that hold a summary of the same scenario and seed.
+std::vector<Recording::Comparison> read_comparisons(const std::filesystem::path& folder,
+                                                    const Recording& run) {
+  std::vector<Recording::Comparison> comparisons;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::ifstream file = opened(entry.path() / "summary.json");
+    if (!file) continue;
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const json summary = json::parse(text, nullptr, false);
+    if (summary.is_discarded() || summary.value("scenario", "") != run.name ||
+        summary.value("seed", 0ULL) != run.seed)
+      continue;
+    comparisons.push_back({text, summary.value("solver", ""), read_timing(entry.path() / "timing.csv", 1)});
+  }
+  std::sort(comparisons.begin(), comparisons.end(),
+            [](const auto& a, const auto& b) { return a.solver < b.solver; });
+  return comparisons;
+}
+
+template <class Number>
+Number number_of(const McapWords& words, const char* key) {
+  const std::string& text = words.at(key);
+  Number value{};
+  if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc()) {
+    refuse("{} = \"{}\", expected a number", key, text);
+  }
+  return value;
+}
+
+}  // namespace
+
+Recording read_recording(const std::filesystem::path& folder) {
+  const std::string path = (folder / "run.mcap").string();
+  McapReader log(path);
+  if (!log.ok()) refuse("{}", log.error());
+  const auto found = log.metadata().find("sightline");
+  if (found == log.metadata().end()) refuse("{} is no log of a run, expected the words \"sightline\"", path);
+  const McapWords& words = found->second;
+
+  Recording run;
+  try {
+    run.name = words.at("name");
+    run.scenario = words.at("scenario");
+    run.version = words.at("version");
+    run.compiler = words.at("compiler");
+    run.solver = words.at("solver");
+    run.seed = number_of<std::uint64_t>(words, "seed");
+    run.period = number_of<double>(words, "period");
+    read_team(json::parse(words.at("team")), run);
+    Rows rows(run, number_of<std::size_t>(words, "controllers"));
+    log.visit([&](const McapMessage& message) { rows.take(message); });
+    rows.trim();
+  } catch (const std::exception& e) {
+    refuse("{} is no sound log of a run: {}", path, e.what());
+  }
+  if (!log.ok()) refuse("{}", log.error());
+  run.complete = !log.truncated();
+  run.solve_us = read_timing(folder / "timing.csv", run.controllers.size());
+  run.comparisons = read_comparisons(folder, run);
+  return run;
+}
+
+}  // namespace sightline

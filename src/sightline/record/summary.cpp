@@ -1,0 +1,426 @@
+#include "sightline/record/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "sightline/potential/bearing.hpp"
+#include "sightline/potential/bounds.hpp"
+#include "sightline/potential/distance.hpp"
+#include "sightline/potential/pass_right.hpp"
+#include "sightline/potential/protection.hpp"
+#include "sightline/potential/region.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/slope.hpp"
+#include "sightline/record/event_words.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double same_time = 1e-9;        // times of samples are multiples of the period, up to rounding [s]
+constexpr double raw_tolerance = 1e-9;    // of a raw input beyond its limit
+constexpr double lost_after = 2.0;        // out of view at the end for so long is a failure [s]
+constexpr std::size_t events_max = 1000;  // in the summary; the log has all
+constexpr double solves_reserved = 1e6;   // at most at the start
+
+bool weighs(const Agent& agent, std::span<const int> states) {
+  return std::any_of(states.begin(), states.end(),
+                     [&](int k) { return k >= 0 && agent.Q[static_cast<std::size_t>(k)] > 0; });
+}
+
+/// Whether two potentials of one kind state the same limit, asked at a few places near and far.
+bool same_limit(const Potential& a, const Potential& b) {
+  constexpr double far = 1000.0;  // [m]
+  constexpr std::array<Vec3<double>, 7> places = {
+      {{1.0, 0.5, 0.25}, {far, 0, 0}, {-far, 0, 0}, {0, far, 0}, {0, -far, 0}, {0, 0, far}, {0, 0, -far}}};
+  return a.name() == b.name() && std::all_of(places.begin(), places.end(), [&](const Vec3<double>& p) {
+           const Sight<double> one{{p, {1.0, 0.0}}, {}}, other{{{}, {1.0, 0.0}}, {}};
+           return a.violation(one, other) == b.violation(one, other);
+         });
+}
+
+double share(std::int64_t part, std::int64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : none;
+}
+
+// The least of the sorted values that this share of them does not exceed.
+double quantile(const std::vector<double>& sorted, double q) {
+  if (sorted.empty()) return none;
+  const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(sorted.size())));
+  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
+}
+
+template <class... Potentials>
+bool is_any_of(const Potential& potential) {
+  return (... || (potential.as<Potentials>() != nullptr));
+}
+
+// Of what a limit is exceeded by.
+std::string_view unit_of(const Potential& limit) {
+  if (is_any_of<SensorCone, Bearing>(limit)) return "rad";
+  if (is_any_of<KeepOut, Cohesion, TooNear, TooFar, PassRight, AltitudeBand, Geofence>(limit)) return "m";
+  return limit.as<Region>() != nullptr ? "in the unit of its formula" : "in its own unit";
+}
+
+// An extreme starts at infinity and stays there where nothing was counted.
+double counted(double value) { return std::isfinite(value) ? value : none; }
+
+}  // namespace
+
+bool tracks_position(const Agent& agent, const StateRoles& roles) { return weighs(agent, roles.position); }
+bool tracks_heading(const Agent& agent, const StateRoles& roles) {
+  return weighs(agent, roles.direction) || weighs(agent, std::array{roles.angle});
+}
+
+Summary::Summary(const Scenario& scenario, std::size_t controllers)
+    : scenario_(scenario),
+      present_(scenario),
+      safety_(scenario),
+      plans_(scenario, controllers),
+      period_(scenario.horizon.dt),
+      chatter_(static_cast<std::size_t>(scenario.team.nu())),
+      drift_(scenario.team, scenario.simulation.settle),
+      least_distance2_(infinity) {
+  const Team& team = scenario_.team;
+  const std::vector<Coupling> couplings = all_couplings(scenario_);
+  for (const Observation& pair : observations(couplings)) add_view(pair);
+  for (const Coupling& c : couplings) {
+    add_limit(c.term.potential, c.between.first, c.between.second);
+  }
+  for (const Constraint& c : team.constraints()) add_limit(c.term.potential, c.agent, c.agent);
+  for (int i = 0; i < team.bodies(); ++i) {
+    if (team.is_agent(BodyId{i})) robots_.push_back({BodyId{i}, roles_of(team.model(BodyId{i}))});
+  }
+  sights_.resize(static_cast<std::size_t>(team.bodies()));
+  presence_.assign(sights_.size(), Presence::steered);
+  steered_.resize(sights_.size());
+  landing_.resize(sights_.size());
+  find_what_is_in_force();
+  const double solves = scenario_.simulation.duration / period_ * static_cast<double>(controllers);
+  solve_us_.reserve(static_cast<std::size_t>(std::clamp(solves, 0.0, solves_reserved)) + 1);
+}
+
+void Summary::add_view(const Observation& pair) {
+  views_.push_back({pair, infinity, -infinity, -infinity, none, none});
+}
+
+void Summary::add_limit(const Potential& potential, BodyId a, BodyId b) {
+  if (potential.violation({}, {}) == -infinity) return;
+  const Team& team = scenario_.team;
+  const std::string who =
+      a == b ? std::string(team.name(a)) : fmt::format("{}-{}", team.name(a), team.name(b));
+  limits_.push_back({fmt::format("{} {}", potential.name(), who), potential, a, b, none});
+}
+
+/// Views and limits of what is not in force do not count.
+void Summary::find_what_is_in_force() {
+  const std::vector<Coupling> couplings = present_.couplings();
+  const std::vector<Constraint> constraints = present_.constraints();
+  const std::vector<Observation> observed = observations(couplings);
+  // What only a flight can tell joins those that were foreseen.
+  for (const Observation& o : observed) {
+    const auto same = [&](const View& v) {
+      return v.pair.observer == o.observer && v.pair.target == o.target;
+    };
+    if (std::none_of(views_.begin(), views_.end(), same)) add_view(o);
+  }
+  for (View& view : views_) {
+    const auto now = std::find_if(observed.begin(), observed.end(), [&](const Observation& o) {
+      return o.observer == view.pair.observer && o.target == view.pair.target;
+    });
+    const bool was_in_force = std::exchange(view.in_force, now != observed.end());
+    if (view.in_force) view.pair.potential = now->potential;
+    if (view.in_force && !was_in_force) view.in_since = view.out_since = none;
+  }
+  find_limits_in_force(couplings, constraints);
+  const std::vector<BodyId> asked = present_.observers();
+  for (Robot& robot : robots_) {
+    const bool observes = std::any_of(views_.begin(), views_.end(), [&](const View& view) {
+      return view.in_force && view.pair.observer == robot.body;
+    });
+    robot.is_idle = !observes && std::find(asked.begin(), asked.end(), robot.body) != asked.end();
+  }
+}
+
+/// Of several limits of one kind on the same bodies each is one of limits_.
+void Summary::find_limits_in_force(const std::vector<Coupling>& couplings,
+                                   const std::vector<Constraint>& constraints) {
+  struct Stated {
+    const Potential* potential;
+    BodyId a, b;
+  };
+  std::vector<Stated> stated;
+  for (const Coupling& c : couplings) {
+    stated.push_back({&c.term.potential, c.between.first, c.between.second});
+  }
+  for (const Constraint& c : constraints) stated.push_back({&c.term.potential, c.agent, c.agent});
+  for (Limit& limit : limits_) limit.in_force = false;
+  const auto take = [&](const Stated& s, auto&& fits) {
+    const auto limit = std::find_if(limits_.begin(), limits_.end(), [&](const Limit& l) {
+      return !l.in_force && l.a == s.a && l.b == s.b && fits(l);
+    });
+    if (limit == limits_.end()) return false;
+    limit->in_force = true;
+    limit->potential = *s.potential;
+    return true;
+  };
+  // What was there goes on. What protected two bodies is judged until they have parted.
+  std::erase_if(stated, [&](const Stated& s) {
+    return take(s, [&](const Limit& limit) { return same_limit(limit.potential, *s.potential); });
+  });
+  for (Limit& limit : limits_) {
+    if (!limit.in_force && !keeps_apart(limit.potential)) limit.broken_since = none;
+  }
+  // What is new follows one of its kind that ended, or begins.
+  for (const Stated& s : stated) {
+    const bool follows = take(s, [&](const Limit& limit) {
+      return std::isnan(limit.broken_since) && limit.potential.name() == s.potential->name();
+    });
+    if (!follows) add_limit(*s.potential, s.a, s.b);
+  }
+}
+
+void Summary::add(const Sample& sample) {
+  const Team& team = scenario_.team;
+  if (present_.follow(sample)) {
+    find_what_is_in_force();
+    drift_.restart(present_.couplings());
+  }
+  std::copy(sample.presence.begin(), sample.presence.end(), presence_.begin());
+  ++updates_;
+  end_ = sample.time + period_;
+  if (!all_finite(sample.x) || !all_finite(sample.u) || !all_finite(sample.raw_u)) ++not_finite_;
+  stage_cost_ = present_.cost(sample);
+  cost_ += period_ * stage_cost_;
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    sights_[static_cast<std::size_t>(i)] = team.model(body).sight(sample.x.data() + team.state_offset(body),
+                                                                  sample.u.data() + team.input_offset(body));
+  }
+  add_inputs(sample);
+  add_robots(sample);
+  add_places();
+  add_views(sample.time);
+  add_limits(sample.time);
+  add_solvers(sample);
+  plans_.add(sample);
+  add_drift(sample);
+  safety_.add(sample.time, sights_, presence_, sample.barriers, sample.rungs);
+}
+
+void Summary::add_inputs(const Sample& sample) {
+  const auto beyond = [&](double u, std::size_t i) {
+    return !(u >= u_min_[i] - raw_tolerance && u <= u_max_[i] + raw_tolerance);
+  };
+  for (const Robot& robot : robots_) {
+    if (!is_there(robot.body)) continue;
+    const Agent& agent = scenario_.team.agent(robot.body);
+    const auto offset = static_cast<std::size_t>(scenario_.team.input_offset(robot.body));
+    u_min_.resize(agent.R.size());
+    u_max_.resize(agent.R.size());
+    present_.limits(robot.body).at(sample.time, u_min_, u_max_);
+    for (std::size_t i = 0; i < u_min_.size(); ++i) {
+      const double raw = sample.raw_u[offset + i];
+      max_abs_input_ = std::max(max_abs_input_, std::abs(raw));
+      input_violations_ += beyond(raw, i) ? 1 : 0;
+      applied_violations_ += beyond(sample.u[offset + i], i) ? 1 : 0;
+      chatter_.add(offset + i, sample.time, sample.u[offset + i], u_max_[i] - u_min_[i]);
+    }
+  }
+}
+
+void Summary::add_robots(const Sample& sample) {
+  for (Robot& robot : robots_) {
+    if (robot.is_idle) robot.idle.count(sample.time, period_);
+    const Agent* const steered = present_.agent(robot.body);
+    if (steered == nullptr) continue;
+    const Agent& agent = *steered;
+    const double* u = sample.u.data() + scenario_.team.input_offset(robot.body);
+    for (std::size_t i = 0; i < agent.R.size(); ++i) robot.energy += period_ * agent.R[i] * u[i] * u[i];
+    if (!tracks_position(agent, robot.roles) || sample.time < scenario_.simulation.rms_from - same_time)
+      continue;
+    x_ref_.resize(agent.Q.size());
+    agent.x_ref(sample.time, agent.model, x_ref_);
+    const Vec3<double> e = sight(robot.body).p - agent.model.sight(x_ref_.data(), agent.u_ref.data()).p;
+    robot.squared_error += dot(e, e);
+    ++robot.errors;
+  }
+}
+
+void Summary::add_places() {
+  const Team& team = scenario_.team;
+  for (const Robot& robot : robots_) {
+    for (int i = 0; i < team.bodies(); ++i) {
+      const BodyId other{i};
+      // Two robots once; a robot and what is not controlled, whichever stands first.
+      if (other == robot.body || (team.is_agent(other) && i < robot.body.index)) continue;
+      if (!is_there(robot.body) || !is_there(other)) continue;
+      const Vec3<double> r = sight(robot.body).p - sight(other).p;
+      least_distance2_ = std::min(least_distance2_, dot(r, r));
+    }
+  }
+}
+
+void Summary::add_views(double time) {
+  for (View& view : views_) {
+    if (!view.in_force) continue;
+    view.time.count(time, period_);
+    const Sight<double>&observer = sight(view.pair.observer), &target = sight(view.pair.target);
+    const double angle = view_angle(view.pair.mount, observer, target.p);
+    const bool seen = view.pair.potential.violation(observer, target, time) <= 0;
+    double &begun = seen ? view.in_since : view.out_since, &over = seen ? view.out_since : view.in_since;
+    if (std::isnan(begun)) begun = time;
+    over = none;
+    if (time < scenario_.simulation.settle - same_time) continue;
+    const double distance = norm(observer.p - target.p);
+    view.nearest = std::min(view.nearest, distance);
+    view.farthest = std::max(view.farthest, distance);
+    view.angle_max = std::max(view.angle_max, angle);
+    ++view.settled;
+    view.seen += seen ? 1 : 0;
+  }
+}
+
+void Summary::add_limits(double time) {
+  for (Limit& limit : limits_) {
+    if (!limit.in_force && (std::isnan(limit.broken_since) || !is_there(limit.a) || !is_there(limit.b)))
+      continue;
+    const double excess = limit.potential.violation(sight(limit.a), sight(limit.b), time);
+    if (excess <= 0) limit.broken_since = none;
+    if (excess <= 0 && !limit.in_force) continue;
+    ++limit.counted;
+    limit.time.count(time, period_);
+    if (excess <= 0) continue;
+    if (std::isnan(limit.broken_since)) limit.broken_since = time;
+    ++limit.broken;
+    limit.longest = std::max(limit.longest, end_ - limit.broken_since);
+    limit.worst = std::max(limit.worst, excess);
+  }
+}
+
+void Summary::add_solvers(const Sample& sample) {
+  std::int64_t allocations = 0;
+  for (const SolverRecord& record : sample.solvers) {
+    ++statuses_[static_cast<std::size_t>(record.status)];
+    solve_us_.push_back(record.solve_us);
+    allocations += record.allocations;
+    pairs_ = std::max(pairs_, record.pairs);
+  }
+  allocations_ = std::max(allocations_, allocations);
+  for (int i = 0; i < sample.event_count; ++i) {
+    const Event& event = sample.events[static_cast<std::size_t>(i)];
+    if (event.kind != EventKind::solver_status && events_.size() < events_max) events_.push_back(event);
+  }
+}
+
+void Summary::add_drift(const Sample& sample) {
+  for (int i = 0; i < sample.event_count; ++i) {
+    const Event& event = sample.events[static_cast<std::size_t>(i)];
+    if (event.kind == EventKind::land) landing_[static_cast<std::size_t>(event.value)] = true;
+  }
+  if (!drift_.due(sample.time)) return;
+  for (const Robot& robot : robots_) {
+    const auto i = static_cast<std::size_t>(robot.body.index);
+    steered_[i] = landing_[i] ? nullptr : present_.agent(robot.body);
+  }
+  drift_.mark(sample.time, sights_, presence_, steered_);
+}
+
+std::vector<std::string> Summary::out_of_view() const {
+  const Team& team = scenario_.team;
+  std::vector<std::string> sentences;
+  for (const View& view : views_) {
+    if (view.in_force && end_ - view.out_since >= lost_after - same_time) {
+      sentences.push_back(fmt::format("{} has not seen {} since {:.2f} s", team.name(view.pair.observer),
+                                      team.name(view.pair.target), view.out_since));
+    }
+  }
+  return sentences;
+}
+
+std::vector<SummaryValues::Chatter> Summary::chatter() const {
+  const Team& team = scenario_.team;
+  const auto is_region = [](const Weighted& term) { return term.potential.as<Region>() != nullptr; };
+  const auto feels_region = [&](BodyId robot) {
+    const auto felt = [&](const Coupling& c) {
+      return is_region(c.term) && std::count(c.felt_by.begin(), c.felt_by.end(), robot) > 0;
+    };
+    const auto own = [&](const Constraint& c) { return is_region(c.term) && c.agent == robot; };
+    const std::vector<Coupling> couplings = all_couplings(scenario_);
+    return std::any_of(couplings.begin(), couplings.end(), felt) ||
+           std::any_of(team.constraints().begin(), team.constraints().end(), own);
+  };
+  std::vector<SummaryValues::Chatter> all;
+  for (const Chatter::Found& found : chatter_.found()) {
+    const auto robot = std::find_if(robots_.rbegin(), robots_.rend(), [&](const Robot& r) {
+      return static_cast<std::size_t>(team.input_offset(r.body)) <= found.input;
+    });
+    const std::size_t input = found.input - static_cast<std::size_t>(team.input_offset(robot->body));
+    const auto names = team.model(robot->body).inputs();
+    all.push_back({std::string(team.name(robot->body)),
+                   input < names.size() ? std::string(names[input]) : fmt::format("u_{}", input), found.from,
+                   found.share, found.jump, feels_region(robot->body)});
+  }
+  return all;
+}
+
+SummaryValues Summary::values() const {
+  const Team& team = scenario_.team;
+  const auto name = [&](BodyId body) { return std::string(team.name(body)); };
+  std::vector<double> solves = solve_us_;
+  std::sort(solves.begin(), solves.end());
+  double sum = 0.0;
+  for (const double us : solves) sum += us;
+
+  SummaryValues v;
+  v.updates = updates_;
+  v.cost = cost_;
+  v.solve_us = {solves.empty() ? none : sum / static_cast<double>(solves.size()), quantile(solves, 0.5),
+                quantile(solves, 0.99), quantile(solves, 1.0)};
+  v.allocations_per_update = allocations_;
+  v.statuses = statuses_;
+  v.not_finite = not_finite_;
+  v.input_violations = input_violations_;
+  v.applied_violations = applied_violations_;
+  v.max_abs_input = max_abs_input_;
+  v.pairs_active_max = pairs_;
+  v.min_distance = counted(std::sqrt(least_distance2_));
+  for (const View& view : views_) {
+    v.pairs.push_back({name(view.pair.observer), name(view.pair.target), counted(view.nearest),
+                       counted(view.farthest), counted(view.angle_max), view.in_since,
+                       share(view.seen, view.settled), view.time});
+  }
+  for (const Robot& robot : robots_) {
+    const double mean_square = robot.squared_error / static_cast<double>(robot.errors);
+    v.robots.push_back({name(robot.body), robot.errors > 0 ? std::sqrt(mean_square) : none, robot.energy});
+    if (robot.idle.total > 0) v.idle_observers.push_back({name(robot.body), robot.idle});
+  }
+  for (const Limit& limit : limits_) {
+    v.limits.push_back({limit.name, share(limit.broken, limit.counted), limit.longest, limit.worst,
+                        std::string(unit_of(limit.potential)), limit.time});
+  }
+  v.chatter = chatter();
+  if (const auto found = drift_.found()) {
+    v.drift.emplace();
+    for (const Drift::Found& drift : *found)
+      v.drift->push_back({name(drift.robot), drift.v, drift.from_reference});
+  }
+  for (const Event& event : events_) {
+    v.events.push_back(
+        {event.time, event_words(to_string(event.kind), event.value,
+                                 {[&](int body) { return name(BodyId{body}); },
+                                  [&](int place) {
+                                    return scenario_.script.events[static_cast<std::size_t>(place)].name;
+                                  }})});
+  }
+  return v;
+}
+
+}  // namespace sightline

@@ -1,0 +1,27 @@
+#include "sightline/record/time_in_force.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace sightline {
+
+void TimeInForce::count(double time, double period) {
+  if (total == 0) from = time;
+  to = time + period;
+  total += period;
+}
+
+bool TimeInForce::is_whole(double end) const {
+  constexpr double rounding = 1e-6;  // of a sum of periods, of its length
+  return total >= end * (1 - rounding);
+}
+
+nlohmann::ordered_json TimeInForce::json() const { return {{"from", from}, {"to", to}, {"total", total}}; }
+
+std::string time_words(const nlohmann::ordered_json& in_force) {
+  const auto number = [&](const char* key) { return in_force.at(key).get<double>(); };
+  return fmt::format("{:.1f} s, {:.1f} to {:.1f} s", number("total"), number("from"), number("to"));
+}
+
+}  // namespace sightline

@@ -1,0 +1,152 @@
+#include "sightline/report/paths_figure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+namespace sightline {
+namespace {
+
+using Mark = Drawing::Mark;
+using Curve = Drawing::Curve;
+using Panel = Drawing::Panel;
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double apart = 1.67;           // between two simultaneous positions of Fig. 20 [s]
+constexpr std::size_t places_max = 600;  // that are joined by a line
+constexpr std::size_t names_max = 32;    // that stand beside the paths
+constexpr std::size_t side_names_max = 12;
+constexpr std::size_t observers_max = 32;  // whose headings and cones are drawn
+constexpr double footprint_max = 2.0;      // [m], where no d_max is stated
+
+/// The extent of one coordinate of all paths.
+struct Extent {
+  double low = none, high = none;
+
+  explicit Extent(const Recording& r, double Vec3<double>::*axis) {
+    for (const Recording::Body& body : r.bodies) {
+      for (const Vec3<double>& p : body.p) low = std::fmin(low, p.*axis), high = std::fmax(high, p.*axis);
+    }
+  }
+  double length() const { return high - low; }
+};
+
+/// The last place of a path that is known.
+std::size_t last_of(const Recording::Body& body) {
+  std::size_t k = body.p.size();
+  while (k > 0 && !std::isfinite(body.p[k - 1].x)) --k;
+  return k;
+}
+
+/// Where a cone of half angle alpha, pitched by beta, sees: its shadow on the ground is a sector of half angle
+/// asin(sin alpha / cos beta).
+Curve footprint(const Recording& r, const Recording::Pair& pair) {
+  const Recording::Body& body = r.bodies[pair.observer];
+  Curve edge{"", pair.observer % Drawing::colours, Mark::dashed, {}, {}};
+  const std::size_t end = std::min(last_of(body), body.heading.size());
+  if (end == 0 || !std::isfinite(pair.alpha)) return edge;
+  const double psi = body.heading[end - 1], reach = std::isfinite(pair.d_max) ? pair.d_max : footprint_max;
+  const double half = std::asin(std::min(1.0, std::sin(pair.alpha) / std::cos(pair.mount.pitch)));
+  const double x = body.p[end - 1].x + pair.mount.offset * std::cos(psi),
+               y = body.p[end - 1].y + pair.mount.offset * std::sin(psi);
+  const auto corner = [&](double angle, double length) {
+    edge.x.push_back(x + length * std::cos(psi + angle));
+    edge.y.push_back(y + length * std::sin(psi + angle));
+  };
+  constexpr int arc = 16;
+  corner(0, 0);
+  for (int i = 0; i <= arc; ++i) corner(half * (2.0 * i / arc - 1), reach);
+  corner(0, 0);
+  return edge;
+}
+
+}  // namespace
+
+Drawing paths_drawing(const Recording& r, const Curves& curves) {
+  const Extent of_x(r, &Vec3<double>::x), of_y(r, &Vec3<double>::y);
+  const bool along_x = !(of_y.length() > of_x.length());
+  Panel above{.x_label = "x [m]", .y_label = "y [m]", .height = 620, .equal_scales = true};
+  Panel side{.x_label = along_x ? "x [m]" : "y [m]", .y_label = "z [m]", .height = 220};
+  side.title = along_x ? "From the side, along y" : "From the side, along x";
+  above.title = "From above";
+  const bool by_colour = r.bodies.size() <= Drawing::colours,
+             by_name = !by_colour && r.bodies.size() <= names_max;
+  Curve starts{"start", Drawing::faint_colour, Mark::points, {}, {}},
+      begun{"", Drawing::faint_colour, Mark::points, {}, {}};
+  for (std::size_t i = 0; i < r.bodies.size(); ++i) {
+    const Recording::Body& body = r.bodies[i];
+    const auto x = along(body.p, &Vec3<double>::x), y = along(body.p, &Vec3<double>::y),
+               z = along(body.p, &Vec3<double>::z);
+    const auto& across = along_x ? x : y;
+    const auto first = static_cast<std::size_t>(
+        std::find_if(x.begin(), x.end(), [](double v) { return std::isfinite(v); }) - x.begin());
+    if (first == x.size()) continue;
+    starts.x.push_back(x[first]), starts.y.push_back(y[first]);
+    begun.x.push_back(across[first]), begun.y.push_back(z[first]);
+    const std::size_t colour = i % Drawing::colours;
+    above.curves.push_back(curves.curve(by_colour ? label(body.name) : "", colour, Mark::line, x, y));
+    side.curves.push_back(curves.curve("", colour, Mark::line, across, z));
+    if (by_name) {
+      const std::size_t end = last_of(body) - 1;
+      above.labels.push_back({x[end], y[end], label(body.name, 10)});
+      if (r.bodies.size() <= side_names_max)
+        side.labels.push_back({across[end], z[end], label(body.name, 10)});
+    }
+  }
+  const double arrow = std::max(0.05, 0.05 * std::max(of_x.length(), of_y.length()));
+  const std::size_t stride =
+      std::max({std::size_t{1}, static_cast<std::size_t>(std::lround(apart / std::max(r.period, 1e-4))),
+                r.time.size() / places_max});
+  Curve joined{"at the same time", Drawing::faint_colour, Mark::thin, {}, {}};
+  std::set<std::size_t> observers;
+  bool cones = false;
+  for (const Recording::Pair& pair : r.pairs) {
+    if (observers.size() == observers_max) break;
+    const bool is_new = observers.insert(pair.observer).second;
+    const auto &from = r.bodies.at(pair.observer).p, &to = r.bodies.at(pair.target).p;
+    for (std::size_t k = 0; k < std::min(from.size(), to.size()); k += stride) {
+      joined.x.insert(joined.x.end(), {from[k].x, to[k].x, none});
+      joined.y.insert(joined.y.end(), {from[k].y, to[k].y, none});
+    }
+    Curve cone = footprint(r, pair);
+    if (cone.x.empty() || !is_new) continue;
+    if (!std::exchange(cones, true) && by_colour) cone.title = "seen at the end";
+    above.curves.push_back(std::move(cone));
+  }
+  for (std::size_t i = 0; i < r.bodies.size() && r.pairs.empty() && observers.size() < observers_max; ++i) {
+    if (r.bodies[i].is_agent) observers.insert(i);
+  }
+  for (const std::size_t i : observers) {
+    const Recording::Body& body = r.bodies[i];
+    Curve headings{"", i % Drawing::colours, Mark::arrows, {}, {}};
+    for (std::size_t k = 0; k < std::min(body.p.size(), body.heading.size()); k += stride) {
+      headings.x.insert(headings.x.end(), {body.p[k].x, body.p[k].x + arrow * std::cos(body.heading[k])});
+      headings.y.insert(headings.y.end(), {body.p[k].y, body.p[k].y + arrow * std::sin(body.heading[k])});
+    }
+    above.curves.push_back(std::move(headings));
+  }
+  above.curves.insert(above.curves.begin(), std::move(joined));
+  above.curves.push_back(std::move(starts));
+  side.curves.push_back(std::move(begun));
+  if (const Extent& extent = along_x ? of_x : of_y; std::isfinite(r.floor) && extent.length() > 0) {
+    side.curves.push_back({fmt::format("floor {:.4g} m", r.floor),
+                           Drawing::limit_colour,
+                           Mark::dashed,
+                           {extent.low, extent.high},
+                           {r.floor, r.floor}});
+  }
+  std::string caption =
+      fmt::format("Arrows: headings of {}, each {:.4g} s", r.pairs.empty() ? "the robots" : "the observers",
+                  static_cast<double>(stride) * r.period);
+  if (!r.pairs.empty()) caption += "; grey: observer and target at the same time";
+  if (cones) caption += "; dashed: what the sensor covers at the end";
+  if (by_name) caption += "; names stand at the ends of the paths";
+  return {"Paths", caption + ".", {std::move(above), std::move(side)}};
+}
+
+}  // namespace sightline

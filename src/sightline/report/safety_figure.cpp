@@ -1,0 +1,94 @@
+#include "sightline/report/safety_figure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sightline/report/curves.hpp"
+#include "sightline/safety/ladder.hpp"
+
+namespace sightline {
+namespace {
+
+using Mark = Drawing::Mark;
+using Curve = Drawing::Curve;
+using Panel = Drawing::Panel;
+
+constexpr std::size_t robots_shown = Drawing::colours;
+
+/// The rung of a robot over time, as steps; empty where it never left the first.
+Curve rungs_of(const Recording& r, std::size_t robot) {
+  Curve steps{r.bodies[robot].name, robot % Drawing::colours, Mark::line, {}, {}};
+  double rung = 0.0;
+  const auto corner = [&](double t) {
+    steps.x.push_back(t);
+    steps.y.push_back(rung);
+  };
+  for (const Recording::Event& event : r.events) {
+    if (event.value != static_cast<double>(robot)) continue;
+    for (int i = 0; i < rung_count; ++i) {
+      if (event.kind != to_string(static_cast<Rung>(i))) continue;
+      if (steps.x.empty()) corner(r.time.front());
+      corner(event.time);
+      rung = i;
+      corner(event.time);
+    }
+  }
+  if (!steps.x.empty()) corner(r.time.back() + r.period);
+  return steps;
+}
+
+/// Where the barrier acted: a line at the robot's own height, with gaps.
+Curve acts_of(const Recording& r, std::size_t robot, double height) {
+  const Recording::Body& body = r.bodies[robot];
+  Curve acts{body.name, robot % Drawing::colours, Mark::line, {}, {}};
+  for (std::size_t k = 0; k < std::min(body.barrier.size(), r.time.size()); ++k) {
+    const bool acted = body.barrier[k] > 0, before = k > 0 && body.barrier[k - 1] > 0;
+    if (acted == before) continue;
+    // A gap ends where it begins again: what is not a number is not drawn.
+    if (acted && !acts.x.empty()) acts.x.push_back(r.time[k]), acts.y.push_back(std::nan(""));
+    acts.x.push_back(r.time[k]);
+    acts.y.push_back(height);
+  }
+  if (acts.x.size() % 3 == 1) acts.x.push_back(r.time.back() + r.period), acts.y.push_back(height);
+  return acts;
+}
+
+}  // namespace
+
+std::optional<Drawing> safety_drawing(const Recording& recording) {
+  if (recording.time.empty()) return std::nullopt;
+  Panel rungs{.x_label = "", .y_label = "", .height = 180},
+      barrier{.x_label = "t [s]", .y_label = "", .height = 140};
+  double height = 0.0;
+  barrier.y_names = {""};
+  for (std::size_t i = 0; i < std::min(recording.bodies.size(), robots_shown); ++i) {
+    if (!recording.bodies[i].is_agent) continue;
+    if (Curve steps = rungs_of(recording, i); !steps.x.empty()) rungs.curves.push_back(std::move(steps));
+    height += 1.0;
+    barrier.y_names.push_back(label(recording.bodies[i].name, 10));
+    if (Curve acts = acts_of(recording, i, height); !acts.x.empty())
+      barrier.curves.push_back(std::move(acts));
+  }
+  Drawing drawing{"Safety", "", {}};
+  if (!rungs.curves.empty()) {
+    for (int i = 0; i < rung_count; ++i) rungs.y_names.emplace_back(to_string(static_cast<Rung>(i)));
+    rungs.y_range = {{-0.3, rung_count - 0.7}};
+    drawing.caption = "What each robot flew by as its data grew old.";
+  }
+  if (!barrier.curves.empty()) {
+    barrier.y_range = {{0.4, height + 0.6}};
+    drawing.caption += fmt::format("{}Lines: when the barrier changed a robot's command.",
+                                   drawing.caption.empty() ? "" : " ");
+  }
+  for (Panel* panel : {&rungs, &barrier}) {
+    if (!panel->curves.empty()) drawing.panels.push_back(std::move(*panel));
+  }
+  if (drawing.panels.empty()) return std::nullopt;
+  drawing.panels.back().x_label = "t [s]";
+  return drawing;
+}
+
+}  // namespace sightline

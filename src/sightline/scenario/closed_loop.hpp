@@ -1,0 +1,56 @@
+/// A scenario in the air: its world around the controllers, as `sightline run` and a campaign fly it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "sightline/run/loop.hpp"
+#include "sightline/scenario/scenario.hpp"
+
+namespace sightline {
+
+/// @throws std::invalid_argument where the team changes in flight, or keeps apart as a swarm, and its solver, or one
+/// that is to be compared, does not know how
+void check_solvers(const Scenario& scenario);
+
+/// Who steers a scenario: a solver of its team, or a succession of them where the team changes in flight.
+class Controls {
+ public:
+  /// @throws as check_solvers(), and for a script with faults
+  explicit Controls(const Scenario& scenario);
+
+  /// Of the start.
+  Controllers controllers() const;
+  /// None for a team that stays.
+  Succession* succession() const { return succession_.get(); }
+
+ private:
+  std::unique_ptr<Solver> solver_;
+  std::unique_ptr<Succession> succession_;
+};
+
+/// Plant, sensor, guard and loop of one flight, as the scenario says. All memory is taken when it is made.
+class ClosedLoop {
+ public:
+  /// @param controllers  a solver of the scenario's team; they, the clock and the sink outlive this
+  /// @param sink         its items are copies of sized_sample()
+  /// @param succession   of the Controls, if the scenario has one
+  /// @param allocations  of the calling thread so far, where they are counted
+  /// @throws std::invalid_argument for a start, a disturbance or a sink that cannot be, named
+  ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
+             std::int64_t (*allocations)() noexcept = nullptr, Succession* succession = nullptr);
+  ClosedLoop(const ClosedLoop&) = delete;
+  ClosedLoop& operator=(const ClosedLoop&) = delete;
+
+  /// Flies to the end, once; closes the sink.
+  LoopOutcome fly() noexcept { return loop_.run(); }
+
+ private:
+  Plant plant_;
+  Sensor sensor_;
+  std::optional<Guard> guard_;
+  Loop loop_;
+};
+
+}  // namespace sightline

@@ -1,0 +1,36 @@
+/// Regions of a scenario: limits as text, in the scenario itself or in a file that several share.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "sightline/potential/region.hpp"
+#include "sightline/scenario/toml_table.hpp"
+
+namespace sightline {
+
+/// `{ inside = ..., parameters = {...}, slope = {...}, kappa_A = ..., smooth = ... }`, or
+/// `{ file = "sensors/camera.toml", ... }`: what that file says, its path relative to the scenario's, but for
+/// what is said here, and named after it.
+Region read_region(const TomlTable& at);
+
+/// The limits under `key`, with the `parameters` beside it; or the region of a file, `{ file = ... }`.
+Region read_inside(const TomlTable& at, std::string_view key);
+
+/// Where the formula under `key` is at most 0: its violation is the formula's value.
+Region read_formula(const TomlTable& at, std::string_view key);
+
+/// A number, or a formula in quotes, as text.
+std::string formula_text(const TomlValue& value, std::string_view expected);
+
+/// Runs `read`; a formula that is refused is said at its place in the value.
+template <class Read>
+auto in_text(const TomlValue& value, Read&& read) {
+  try {
+    return read();
+  } catch (const FormulaError& error) {
+    value.refuse_at(error.offset(), error.sentence());
+  }
+}
+
+}  // namespace sightline

@@ -1,0 +1,31 @@
+/// What a scenario says of safety: [safety], [safety.supervisor], and the faults of [[simulation.fault]].
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario/toml_table.hpp"
+
+namespace sightline {
+
+/// [safety], where there is one. What is left out of the noise that is to be reckoned with is the simulated one.
+std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& disturbances);
+
+/// [[simulation.fault]], into the simulation.
+void read_faults(const TomlTable& simulation, const Team& team, Simulation& to);
+
+/// What guards the scenario's loop; none without a [safety] section that switches something on.
+std::optional<GuardOptions> guard_options(const Scenario& scenario);
+
+/// The distance that is never to be fallen short of between two bodies [m]; none where nobody asks for one.
+std::optional<double> hard_distance(const Scenario& scenario, BodyId a, BodyId b);
+
+/// For how long a robot flies on without a new plan before it holds [s]; without a supervisor the default's.
+double hold_after(const Scenario& scenario);
+
+/// A line for each thing that is switched on or injected, for a person.
+std::string in_words(const Safety& safety);
+std::string in_words(const Simulation& simulation, const Team& team);
+
+}  // namespace sightline

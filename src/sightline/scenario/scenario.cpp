@@ -1,0 +1,410 @@
+#include "sightline/scenario/scenario.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+#include "sightline/scenario/campaign_parts.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/coupling_parts.hpp"
+#include "sightline/scenario/event_parts.hpp"
+#include "sightline/scenario/keep_apart_parts.hpp"
+#include "sightline/scenario/motion_parts.hpp"
+#include "sightline/scenario/safety_parts.hpp"
+#include "sightline/scenario/scenario_parts.hpp"
+#include "sightline/scenario/script_words.hpp"
+#include "sightline/scenario/shape_parts.hpp"
+#include "sightline/scenario/toml_table.hpp"
+
+namespace sightline {
+namespace {
+
+/// Fills a Scenario from a document, section by section; sections that others refer to come first.
+class Reader {
+ public:
+  Reader(const TomlDocument& document, Scenario& scenario) : root_(document), scenario_(scenario) {}
+
+  void read() {
+    root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart",
+                       "constrain", "event", "simulation", "safety", "log", "campaign"});
+    read_horizon();
+    scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
+    read_simulation();
+    read_log();
+    read_agents();
+    read_bodies("target", scenario_.targets);
+    read_bodies("obstacle", scenario_.obstacles);
+    for (const TomlTable& at : root_.tables("couple")) {
+      read_couple(at, observers_, scenario_.team);
+      scenario_.coupling_lines.resize(scenario_.team.couplings().size(), at.line());
+    }
+    for (const TomlTable& at : root_.tables("shape")) {
+      read_shape(at, observers_, scenario_.team, scenario_.script);
+      scenario_.coupling_lines.resize(scenario_.team.couplings().size(), at.line());
+    }
+    for (const TomlTable& at : root_.tables("keep_apart")) read_keep_apart(at, scenario_.team);
+    read_constraints();
+    scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);
+    if (const auto options = guard_options(scenario_)) {
+      root_.table("safety").checked([&] { return Guard(scenario_.team, *options); });
+    }
+    read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
+    scenario_.script = read_events(root_, scenario_, observers_);
+    root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
+  }
+
+ private:
+  void read_horizon() {
+    const TomlTable at = root_.table_or_empty("horizon");
+    Horizon& horizon = scenario_.horizon;
+    at.read({{"duration", &horizon.T, {std::numeric_limits<double>::min(), 1e6, "> 0 s, at most 1e6 s"}},
+             {"period", &horizon.dt, {1e-4, 1e3, "1e-4 to 1000 s"}}},
+            {"stages"});
+    if (at.has("stages")) horizon.N = static_cast<int>(at.integer("stages", 1, 1000));
+  }
+
+  void read_simulation() {
+    const TomlTable at = root_.table_or_empty("simulation");
+    Simulation& s = scenario_.simulation;
+    at.read({{"duration", &s.duration, positive("> 0 s")},
+             {"settle", &s.settle, not_negative(">= 0 s")},
+             {"rms_from", &s.rms_from, not_negative(">= 0 s")}},
+            {"seed", "compare", "disturbance", "fault", "signal"});
+    s.signals = read_signals(at);
+    if (at.has("compare")) read_compare(at);
+    if (at.has("seed")) {
+      s.seed = static_cast<std::uint64_t>(at.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
+    }
+    const double updates = s.duration / scenario_.horizon.dt;
+    if (updates > updates_max) {
+      at.refuse("duration", fmt::format("at most {:g} periods of {} s", updates_max, scenario_.horizon.dt));
+    }
+    if (updates < 0.5)
+      at.refuse("duration", fmt::format("at least one period of {} s", scenario_.horizon.dt));
+    read_disturbances(at.table_or_empty("disturbance"));
+  }
+
+  void read_compare(const TomlTable& at) {
+    const auto known = solver_names();
+    auto& compare = scenario_.simulation.compare;
+    compare = at.texts("compare", TomlTable::any_length, "solvers");
+    for (std::size_t i = 0; i < compare.size(); ++i) {
+      const auto name = compare.begin() + static_cast<std::ptrdiff_t>(i);
+      if (std::find(known.begin(), known.end(), *name) == known.end() ||
+          std::find(compare.begin(), name, *name) != name) {
+        at.refuse("compare", i, fmt::format("one of {}, each once", fmt::join(known, ", ")));
+      }
+    }
+  }
+
+  void read_disturbances(const TomlTable& at) {
+    Disturbances& d = scenario_.simulation.disturbances;
+    constexpr Range delay = {0.0, 1.0, "0 to 1 s"};
+    at.read({{"input_delay", &d.input_delay, delay},
+             {"yaw_lag", &d.yaw_lag, not_negative("0 or >= 0.001 s")},
+             {"input_gain", &d.input_gain, positive("> 0")},
+             {"delay", &d.measurement_delay, delay}},
+            {"wind", "gust", "airflow", "noise"});
+    if (at.has("wind")) d.wind = at.vec3("wind");
+    at.table_or_empty("gust").read(
+        {{"sigma", &d.gust_sigma, not_negative(">= 0 m/s^2")}, {"time", &d.gust_time, positive("> 0 s")}});
+    at.table_or_empty("airflow").read({{"amplitude", &d.airflow.amplitude, not_negative(">= 0 m/s^2")},
+                                       {"distance", &d.airflow.distance, positive("> 0 m")},
+                                       {"frequency", &d.airflow.frequency, not_negative(">= 0 Hz")}});
+    at.table_or_empty("noise").read({{"position", &d.noise.position, not_negative(">= 0 m")},
+                                     {"heading", &d.noise.heading, not_negative(">= 0 rad")},
+                                     {"velocity", &d.noise.velocity, not_negative(">= 0 m/s")}});
+    at.checked([&] { d.check(); });
+  }
+
+  void read_log() {
+    root_.table_or_empty("log").read({{"paths", &scenario_.log.paths, {1e-4, largest_number, ">= 1e-4 s"}}});
+  }
+
+  void read_agents() {
+    const auto agents = root_.named_tables("agent");
+    if (agents.empty()) root_.refuse("agent", "at least one [agent.NAME]");
+    if (agents.size() > agents_max) root_.refuse("agent", fmt::format("at most {} robots", agents_max));
+    for (const auto& [name, at] : agents) {
+      at.expect_only({"robot", "parameters", "start", "Q", "R", "Q_f", "u_ref", "u_min", "u_max", "limits",
+                      "reference", "sensor", "present"});
+      const Model model = read_robot(at);
+      const auto nx = static_cast<std::size_t>(model.nx()), nu = static_cast<std::size_t>(model.nu());
+      const auto list = [&at = at](std::string_view key, std::size_t n, double missing, const Range& range) {
+        return at.has(key) ? at.numbers(key, n, range) : std::vector<double>(n, missing);
+      };
+      const auto bound = [&at = at, nu](std::string_view key, std::span<const double> of_model) {
+        return at.has(key) ? at.numbers(key, nu) : std::vector<double>(of_model.begin(), of_model.end());
+      };
+      Agent agent{.name = name,
+                  .model = model,
+                  .Q = list("Q", nx, 0.0, not_negative(">= 0")),
+                  .R = list("R", nu, 1.0, positive("> 0")),
+                  .Q_f = list("Q_f", nx, 0.0, not_negative(">= 0")),
+                  .x_ref = read_reference(at, model),
+                  .u_ref = list("u_ref", nu, 0.0, any_number()),
+                  .limits = read_limits(at, bound("u_min", model.u_min()), bound("u_max", model.u_max()))};
+      const std::vector<double> start = read_start(at.table("start", "a table with p and heading"), model);
+      check_motion(at, model, start, agent.u_ref);
+      if (is_present(at)) check_place(name, at, model.sight(start.data(), agent.u_ref.data()).p);
+      scenario_.x0.insert(scenario_.x0.end(), start.begin(), start.end());
+
+      Observer observer{name, {}};
+      if (at.has("sensor")) {
+        SensorMount mount;
+        constexpr Range pitch = {-1.57, 1.57, "in (-pi/2, pi/2) rad"};
+        at.table("sensor").read({{"pitch", &mount.pitch, pitch}, {"offset", &mount.offset}});
+        observer.mount = mount;
+      }
+      observers_.push_back(observer);
+      enter(name, at, [&] { return scenario_.team.add(std::move(agent)); });
+      scenario_.presence.push_back(is_present(at) ? Presence::steered : Presence::absent);
+    }
+  }
+
+  /// Refuses a robot whose text gives no number where it starts, as 1 / v does at rest.
+  static void check_motion(const TomlTable& at, const Model& model, const std::vector<double>& start,
+                           const std::vector<double>& u_ref) {
+    std::vector<double> rate(start.size());
+    model.f(start.data(), u_ref.data(), rate.data());
+    if (!all_finite(rate)) at.refuse("start", "a state in which the rates of the robot are finite");
+  }
+
+  /// Refuses a robot that starts in the place of another, unless a campaign draws the starts.
+  void check_place(const std::string& name, const TomlTable& at, const Vec3<double>& p) {
+    constexpr double one_place = 1e-3;  // m
+    for (const auto& [other, place] : places_) {
+      if (root_.has("campaign") || norm(p - place) >= one_place) continue;
+      at.table("start").refuse("p", fmt::format("a place of its own, {} starts there", other));
+    }
+    places_.emplace_back(name, p);
+  }
+
+  /// Refuses a u_min that is not below its u_max; `where` is the key that holds it.
+  static void check_crossing(const TomlTable& at, std::string_view where, const std::vector<double>& u_min,
+                             const std::vector<double>& u_max) {
+    for (std::size_t i = 0; i < u_min.size(); ++i) {
+      if (u_min[i] < u_max[i]) continue;
+      at.refuse(where, fmt::format("u_min < u_max, but u_min[{0}] = {1} and u_max[{0}] = {2}", i, u_min[i],
+                                   u_max[i]));
+    }
+  }
+
+  static InputLimits read_limits(const TomlTable& agent, std::vector<double> u_min,
+                                 std::vector<double> u_max) {
+    if (!agent.has("limits")) {
+      check_crossing(agent, agent.has("u_min") ? "u_min" : "u_max", u_min, u_max);
+      return {std::move(u_min), std::move(u_max)};
+    }
+    for (const std::string_view key : {"u_min", "u_max"}) {
+      if (agent.has(key)) agent.refuse(key, "no such key beside limits, which has its own");
+    }
+    const TomlTable at = agent.table("limits");
+    at.expect_only({"times", "u_min", "u_max"});
+    const std::vector<double> times = at.rising("times");
+    const auto lower = at.rows("u_min", times.size(), u_min.size()),
+               upper = at.rows("u_max", times.size(), u_min.size());
+    for (std::size_t k = 0; k < times.size(); ++k) check_crossing(at, "u_min", lower[k], upper[k]);
+    return {times, lower, upper};
+  }
+
+  std::vector<double> read_start(const TomlTable& at, const Model& model) {
+    at.expect_only({"p", "heading", "v"});
+    const double heading = at.has("heading") ? at.number("heading") : 0.0;
+    std::vector<double> x(static_cast<std::size_t>(model.nx()));
+    model.at_rest({at.vec3("p"), {cos(heading), sin(heading)}}, x.data());
+    const auto place = [states = model.states()](std::string_view name) {
+      return static_cast<std::size_t>(std::find(states.begin(), states.end(), name) - states.begin());
+    };
+    const auto has = [&](std::string_view name) { return place(name) < model.states().size(); };
+    const bool turns = model.turns();
+    if (!turns && heading != 0) at.refuse("heading", fmt::format("0, {} has no heading", model.name()));
+    if (!at.has("v")) return x;
+
+    // Forward and sideward velocity, where the robot has them as states; of G for one that has no heading.
+    const std::string_view forward = turns ? "v_f" : "v_x", sideward = turns ? "v_s" : "v_y";
+    if (!has(forward)) at.refuse("v", fmt::format("no velocity, {} has none", model.name()));
+    const std::vector<double> v = at.numbers("v", 2);
+    x[place(forward)] = v[0];
+    if (has(sideward)) {
+      x[place(sideward)] = v[1];
+    } else if (v[1] != 0) {
+      at.refuse("v", 1, fmt::format("0, {} does not drive sideward", model.name()));
+    }
+    return x;
+  }
+
+  void read_bodies(std::string_view section, std::vector<BodyId>& ids) {
+    const auto bodies = root_.named_tables(section);
+    if (scenario_.targets.size() + bodies.size() > agents_max) {
+      root_.refuse(section, fmt::format("at most {} targets and obstacles", agents_max));
+    }
+    for (const auto& [name, at] : bodies) {
+      StrangerStart read = read_stranger(at, [&](const TomlTable& table) { return agent_of(table); });
+      const Vec3<double>&p = read.p, &v = read.v;
+      scenario_.x0.insert(scenario_.x0.end(), {p.x, p.y, p.z, v.x, v.y, v.z});
+      enter(name, at, [&, &n = name] { return scenario_.team.add(Obstacle{n}); });
+      ids.push_back(read.stranger.body = bodies_.at(name));
+      scenario_.strangers.push_back(std::move(read.stranger));
+      scenario_.presence.push_back(is_present(at) ? Presence::hold : Presence::absent);
+    }
+  }
+
+  static bool is_present(const TomlTable& at) { return !at.has("present") || at.boolean("present"); }
+
+  /// Adds a body to the team under a name that is fit for a topic and not yet taken.
+  template <class Add>
+  void enter(const std::string& name, const TomlTable& at, Add&& add) {
+    const bool fit =
+        !name.empty() && name.size() <= name_size_max && std::all_of(name.begin(), name.end(), [](char c) {
+          return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+                 c == '-';
+        });
+    if (!fit) at.refuse(fmt::format("a name of 1 to {} letters, digits, _ and -", name_size_max));
+    if (bodies_.contains(name))
+      at.refuse("a name of its own, another robot, target or obstacle has this one");
+    bodies_[name] = at.checked(add);
+  }
+
+  /// The robot named under `agent`.
+  AgentId agent_of(const TomlTable& at) const {
+    const std::string name = at.text("agent", "the name of a robot");
+    const auto found = bodies_.find(name);
+    if (found == bodies_.end() || !scenario_.team.is_agent(found->second)) {
+      std::vector<std::string_view> known;
+      for (const Agent& agent : scenario_.team.agents()) known.push_back(agent.name);
+      at.refuse("agent", fmt::format("a robot, the nearest is \"{}\"",
+                                     nearest(shortened(name, name_size_max), known)));
+    }
+    return AgentId{found->second};
+  }
+
+  void read_constraints() {
+    for (const TomlTable& at : root_.tables("constrain")) {
+      if (at.has("limit")) {
+        at.expect_only({"agent", "limit"});
+      } else {
+        at.expect_only({"name", "agent", "potential", "limit", "weight"});
+      }
+      const AgentId agent = agent_of(at);
+      if (at.has("limit")) {
+        const RelaxedBarrier barrier = read_limit(at);
+        at.checked([&] { scenario_.team.constrain(barrier, agent); });
+        continue;
+      }
+      const Weighted term = read_potential(at, observer_of(scenario_.team, observers_, agent));
+      at.checked(
+          [&] { scenario_.team.constrain({.term = term, .agent = agent, .name = read_term_name(at)}); });
+    }
+  }
+
+  TomlTable root_;
+  Scenario& scenario_;
+  Observers observers_;
+  std::unordered_map<std::string, BodyId> bodies_;
+  std::vector<std::pair<std::string, Vec3<double>>> places_;  // of the robots that are there at first
+};
+
+}  // namespace
+
+Scenario parse_scenario(std::string text, const std::filesystem::path& file) {
+  const TomlDocument document = parse_toml(text, file.native());
+  Scenario scenario;
+  Reader(document, scenario).read();
+  if (document.root.contains("campaign")) scenario.campaign = read_campaign(document, scenario.team);
+  scenario.name = file.stem().string();
+  scenario.file = file;
+  scenario.text = std::move(text);
+  if (scenario.campaign) scenario.campaign->text = scenario.text;
+  return scenario;
+}
+
+Scenario read_scenario(const std::filesystem::path& file) { return parse_scenario(read_text(file), file); }
+
+PlantOptions plant_options(const Scenario& scenario) {
+  PlantOptions options{.seed = scenario.simulation.seed,
+                       .disturbances = scenario.simulation.disturbances,
+                       .period = scenario.horizon.dt,
+                       .motions = {}};
+  for (const Stranger& stranger : scenario.strangers) {
+    if (stranger.motion) options.motions.push_back({stranger.body, *stranger.motion});
+  }
+  return options;
+}
+
+bool changes_in_flight(const Scenario& scenario) {
+  const auto& presence = scenario.presence;
+  return !scenario.script.empty() ||
+         std::find(presence.begin(), presence.end(), Presence::absent) != presence.end();
+}
+
+SensorOptions sensor_options(const Scenario& scenario) {
+  SensorOptions options{.seed = scenario.simulation.seed,
+                        .noise = scenario.simulation.disturbances.noise,
+                        .delay = scenario.simulation.disturbances.measurement_delay,
+                        .period = scenario.horizon.dt,
+                        .velocity_unknown = {},
+                        .faults = scenario.simulation.faults};
+  for (const Stranger& stranger : scenario.strangers) {
+    if (stranger.velocity == SeenVelocity::unknown) options.velocity_unknown.push_back(stranger.body);
+  }
+  return options;
+}
+
+std::string summary(const Scenario& scenario) {
+  const Team& team = scenario.team;
+  const Horizon& horizon = scenario.horizon;
+  const Simulation& simulation = scenario.simulation;
+  std::string text;
+  const auto line = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+    text += '\n';
+  };
+  line("scenario    {}", scenario.name);
+  line("horizon     {} s, {} stages, period {} s", horizon.T, horizon.N, horizon.dt);
+  line("solver      {}", scenario.solver.name);
+  line("simulation  {} s, {:.0f} updates, seed {}", simulation.duration,
+       std::round(simulation.duration / horizon.dt), simulation.seed);
+  line("team        {} states, {} inputs", team.nx(), team.nu());
+  for (const Agent& agent : team.agents()) {
+    const bool present =
+        scenario.presence[static_cast<std::size_t>(team.find(agent.name).index)] != Presence::absent;
+    line("agent       {}: {}, {} states, {} inputs{}", agent.name, agent.model.name(), agent.model.nx(),
+         agent.model.nu(), present ? "" : ", not there at first");
+  }
+  for (const Stranger& stranger : scenario.strangers) {
+    const auto& targets = scenario.targets;
+    const bool target = std::find(targets.begin(), targets.end(), stranger.body) != targets.end();
+    line("{:12}{}", target ? "target" : "obstacle", in_words(stranger, team));
+  }
+  for (const Coupling& coupling : team.couplings()) {
+    std::string feeling;
+    for (const AgentId id : coupling.felt_by)
+      feeling += fmt::format("{}{}", feeling.empty() ? "" : ", ", team.name(id));
+    line("couple      {} {} between {} and {}, felt by {}", coupling.term.weight,
+         coupling.term.potential.name(), team.name(coupling.between.first),
+         team.name(coupling.between.second), feeling);
+  }
+  for (const Swarm& swarm : team.swarms()) {
+    line("keep_apart  {} {} between pairs of {} robots within {} m, at most {} at one time",
+         swarm.term.weight, swarm.term.potential.name(), swarm.agents.size(), swarm.radius, swarm.capacity);
+  }
+  for (const Constraint& constraint : team.constraints()) {
+    line("constrain   {} {} of {}", constraint.term.weight, constraint.term.potential.name(),
+         team.name(constraint.agent));
+  }
+  for (const BarrierTerm& term : team.barriers()) {
+    line("constrain   limit {} of {}, mu {}, delta {}", term.barrier.limit.name(), team.name(term.agent),
+         term.barrier.mu, term.barrier.delta);
+  }
+  for (const TeamEvent& event : scenario.script.events) line("event       {}", in_words(event, team));
+  if (scenario.safety) text += in_words(*scenario.safety);
+  return text + in_words(simulation, team);
+}
+
+}  // namespace sightline

@@ -1,0 +1,139 @@
+/// A scenario: everything a run needs, from one TOML file.
+///
+/// The words are those of the C++ interface; every number that may be left out has the default of the struct
+/// it sets.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "sightline/ocp/ocp.hpp"
+#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/team.hpp"
+#include "sightline/run/guard.hpp"
+#include "sightline/scenario/campaign_plan.hpp"
+#include "sightline/scenario/scenario_text.hpp"
+#include "sightline/sim/fault.hpp"
+#include "sightline/sim/plant.hpp"
+#include "sightline/sim/sensor.hpp"
+#include "sightline/solver/continuation/cgmres.hpp"
+#include "sightline/solver/continuation/cmscgmres.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
+
+namespace sightline {
+
+/// Which solver, and its options.
+struct SolverChoice {
+  std::string name = "newton_riccati";
+  std::variant<NewtonRiccatiOptions, ContinuationOptions> options{};
+};
+
+/// The closed loop and how it is judged.
+struct Simulation {
+  double duration = 60.0;              ///< [s], > 0
+  std::uint64_t seed = 1;              ///< of all chance
+  double settle = 6.0;                 ///< distances and views count from here [s], >= 0
+  double rms_from = 10.0;              ///< position errors count from here [s], >= 0
+  std::vector<std::string> compare{};  ///< these solvers fly the same afterwards, but for the run's own
+  Disturbances disturbances{};
+  std::vector<Fault> faults{};  ///< of measurements
+  std::vector<LatePlan> late_plans{};
+  std::vector<TimedSignal> signals{};  ///< from outside, to events
+};
+
+/// The walls that a flight is judged by: those that the scenario states, and all where a barrier is to keep them;
+/// infinite where it is not judged.
+struct Walls {
+  double floor = -std::numeric_limits<double>::infinity();   ///< least height [m]
+  double ceiling = std::numeric_limits<double>::infinity();  ///< greatest height [m]
+  double world = std::numeric_limits<double>::infinity();    ///< greatest |p_x| and |p_y| [m]
+};
+
+/// What keeps the robots from harm, besides the solver.
+struct Safety {
+  BarrierMode barrier = BarrierMode::off;
+  double d_hard = 0.6;  ///< of a robot to any other body, centre to centre [m], > 0
+  BarrierOptions barrier_options{};
+  double world = 100.0;  ///< greatest |p_x| and |p_y| [m], > 0
+  Walls judged{};
+  double position_sigma = 0.0;  ///< of a measurement, each axis [m], >= 0
+  double heading_sigma = 0.0;   ///< [rad], >= 0
+  std::optional<SupervisorOptions> supervisor{};
+};
+
+/// What the controllers see of a velocity; one that is unknown they take to be zero.
+enum class SeenVelocity { measured, unknown };
+
+/// A target or an obstacle, which nobody here controls: how it moves, and what is known of it.
+struct Stranger {
+  BodyId body{};
+  std::optional<Motion> motion{};  ///< none: it keeps the velocity it has
+  SeenVelocity velocity = SeenVelocity::measured;
+  double speed_max = 1.5;          ///< what the robots take to be its top speed [m/s], >= 0
+  std::optional<double> d_hard{};  ///< never nearer to a robot [m]; none: as the [safety] section says
+};
+
+struct LogOptions {
+  double paths = 0.1;  ///< time between two logged predictions [s], > 0
+};
+
+/// Limits of what is read.
+inline constexpr std::size_t agents_max = 1024;   // robots; as many targets and obstacles together
+inline constexpr double updates_max = 1e9;        // duration / period
+inline constexpr std::size_t name_size_max = 64;  // of a robot; names become topics of the log
+
+struct Scenario {
+  std::string name;  ///< of the file, without folder and extension
+  std::string text;  ///< as it was read
+  std::filesystem::path file;
+  Horizon horizon{};
+  SolverChoice solver{};
+  Team team{};  ///< robots, then targets, then obstacles, each in the order of the file
+  std::vector<std::size_t> coupling_lines;  ///< of the file, where each coupling of the team is said
+  std::vector<BodyId> targets;
+  std::vector<BodyId> obstacles;
+  std::vector<Stranger> strangers;  ///< targets, then obstacles
+  std::vector<double> x0;           ///< states of all bodies at the start (team.nx())
+  std::vector<Presence> presence;   ///< of the bodies at the start; those that are missing are there
+  Script script{};                  ///< what changes the team in flight; `team` has all there will ever be
+  Simulation simulation{};
+  std::optional<Safety> safety{};
+  LogOptions log{};
+  std::optional<CampaignPlan> campaign{};
+};
+
+/// @throws ScenarioError
+Scenario read_scenario(const std::filesystem::path& file);
+
+/// The same from a text that is already read; `file` stands in the refusals.
+/// @throws ScenarioError
+Scenario parse_scenario(std::string text, const std::filesystem::path& file);
+
+/// The simulated world of a scenario, and what its controllers see of it.
+PlantOptions plant_options(const Scenario& scenario);
+SensorOptions sensor_options(const Scenario& scenario);
+
+/// Whether robots come, go or are coupled anew in flight: then a Succession steers.
+bool changes_in_flight(const Scenario& scenario);
+
+/// The names of all solvers.
+std::vector<std::string_view> solver_names();
+
+/// A solver with its default options.
+/// @throws std::invalid_argument for a name that is none, with the names there are
+SolverChoice solver_named(std::string_view name);
+
+/// The chosen solver of a team over a horizon.
+std::unique_ptr<Solver> make_solver(const SolverChoice& choice, const Team& team, const Horizon& horizon);
+
+/// What a person reads to see that the scenario is what they meant: a few words per robot, coupling and
+/// setting.
+std::string summary(const Scenario& scenario);
+
+}  // namespace sightline

@@ -1,0 +1,71 @@
+#include "sightline/scenario/scenario_numbers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace sightline {
+namespace {
+
+/// Turns lines and columns (of characters, from 1) into bytes.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : text_(text), begins_{0} {
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      if (text[i] == '\n') begins_.push_back(i + 1);
+    }
+  }
+
+  std::size_t offset(const toml::source_position& at) const {
+    std::size_t i = begins_[at.line - 1];
+    for (std::size_t column = 1; column < at.column && i < text_.size(); ++column) {
+      do ++i;
+      while (i < text_.size() && (static_cast<unsigned char>(text_[i]) & 0xc0U) == 0x80);
+    }
+    return i;
+  }
+
+ private:
+  std::string_view text_;
+  std::vector<std::size_t> begins_;
+};
+
+void collect(const toml::node& node, const std::string& key, const Lines& lines, ScenarioNumbers& numbers) {
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [name, inner] : *table) {
+      collect(inner, key.empty() ? std::string(name.str()) : fmt::format("{}.{}", key, name.str()), lines,
+              numbers);
+    }
+  } else if (const toml::array* array = node.as_array()) {
+    for (std::size_t i = 0; i < array->size(); ++i)
+      collect((*array)[i], fmt::format("{}[{}]", key, i), lines, numbers);
+  } else if (node.is_number()) {
+    const std::size_t begin = lines.offset(node.source().begin), end = lines.offset(node.source().end);
+    numbers[key] = {begin, end - begin, *node.value<double>()};
+  }
+}
+
+}  // namespace
+
+ScenarioNumbers numbers_of(const TomlDocument& document) {
+  ScenarioNumbers numbers;
+  collect(document.root, "", Lines(document.text), numbers);
+  return numbers;
+}
+
+std::string with_numbers(std::string_view text, std::span<const std::pair<NumberInText, double>> changes) {
+  std::vector<std::pair<NumberInText, double>> sorted(changes.begin(), changes.end());
+  std::sort(sorted.begin(), sorted.end(),
+            [](const auto& a, const auto& b) { return a.first.offset < b.first.offset; });
+  std::string result;
+  std::size_t done = 0;
+  for (const auto& [place, value] : sorted) {
+    result += text.substr(done, place.offset - done);
+    result += fmt::format("{}", value);
+    done = place.offset + place.size;
+  }
+  return result += text.substr(done);
+}
+
+}  // namespace sightline

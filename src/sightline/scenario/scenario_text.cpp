@@ -1,0 +1,208 @@
+#include "sightline/scenario/scenario_text.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace sightline {
+namespace {
+
+/// A character of UTF-8; size 0: the byte begins none.
+struct Character {
+  char32_t code = 0;
+  std::size_t size = 0;
+};
+
+Character first_character(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned lead = byte(0);
+  if (lead < 0x80) return {lead, 1};
+  const std::size_t size = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+  if (lead < 0xc2 || lead > 0xf4 || text.size() < size) return {};
+  char32_t code = lead & (0x7fU >> size);
+  for (std::size_t i = 1; i < size; ++i) {
+    if ((byte(i) & 0xc0U) != 0x80) return {};
+    code = code << 6 | (byte(i) & 0x3fU);
+  }
+  // Longer than need be, half of a pair of UTF-16, or beyond Unicode.
+  constexpr char32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (code < least[size] || (code >= 0xd800 && code <= 0xdfff) || code > 0x10ffff) return {};
+  return {code, size};
+}
+
+bool breaks_the_line(char32_t code) {
+  return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x2028 || code == 0x2029;
+}
+
+/// Index of the last character of the string that begins at `i`, of one line or of several.
+std::size_t string_end(std::string_view text, std::size_t i, std::size_t& line) {
+  const char quote = text[i];
+  const bool multi_line = text.substr(i, 3) == std::string(3, quote);
+  for (i += multi_line ? 3 : 1; i < text.size(); ++i) {
+    if (text[i] == '\\' && quote == '"') {
+      ++i;
+      if (i < text.size() && text[i] == '\n') ++line;
+    } else if (text[i] == '\n') {
+      if (!multi_line) return i - 1;
+      ++line;
+    } else if (text[i] == quote) {
+      if (!multi_line) return i;
+      if (text.substr(i, 3) != std::string(3, quote)) continue;
+      i += 2;
+      // Up to two more quotes belong to the content.
+      for (int more = 0; more < 2 && i + 1 < text.size() && text[i + 1] == quote; ++more) ++i;
+      return i;
+    }
+  }
+  return text.size();
+}
+
+void check_keys(std::string_view text, std::string_view file) {
+  std::size_t line = 1;
+  int parts = 1;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    switch (text[i]) {
+      case '\n':
+        ++line;
+        parts = 1;
+        break;
+      case '#':
+        i = std::min(text.find('\n', i), text.size()) - 1;
+        break;
+      case '"':
+      case '\'':
+        i = string_end(text, i, line);
+        break;
+      case '.':
+        if (++parts > key_parts_max) {
+          throw ScenarioError(file, line,
+                              fmt::format("the key has too many parts, expected at most {}", key_parts_max));
+        }
+        break;
+      case '=':
+      case ',':
+      case '[':
+      case ']':
+      case '{':
+      case '}':
+        parts = 1;
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+struct Descriptor {
+  int number;
+  ~Descriptor() {
+    if (number >= 0) ::close(number);
+  }
+};
+
+std::string_view kind_of(mode_t mode) {
+  if (S_ISDIR(mode)) return "a directory";
+  if (S_ISFIFO(mode)) return "a pipe";
+  if (S_ISSOCK(mode)) return "a socket";
+  return "a device";
+}
+
+}  // namespace
+
+ScenarioError::ScenarioError(std::string_view file, std::size_t line, std::string_view sentence)
+    : std::runtime_error(fmt::format("{}:{}: {}", one_line(file), line, one_line(sentence))) {}
+
+ScenarioError::ScenarioError(std::string_view file, std::size_t line, std::size_t column,
+                             std::string_view sentence)
+    : std::runtime_error(fmt::format("{}:{}:{}: {}", one_line(file), line, column, one_line(sentence))) {}
+
+std::string one_line(std::string_view text) {
+  std::string line;
+  while (!text.empty()) {
+    const auto [code, size] = first_character(text);
+    if (size == 0) {
+      line += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[0]));
+    } else if (code == '\n') {
+      line += "\\n";
+    } else if (code == '\r') {
+      line += "\\r";
+    } else if (code == '\t') {
+      line += "\\t";
+    } else if (breaks_the_line(code)) {
+      line += fmt::format("\\u{:04x}", static_cast<unsigned>(code));
+    } else {
+      line += text.substr(0, size);
+    }
+    text.remove_prefix(std::max<std::size_t>(size, 1));
+  }
+  return line;
+}
+
+std::string shortened(std::string_view text, std::size_t size) {
+  if (text.size() <= size) return std::string(text);
+  std::size_t end = size;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80) --end;
+  return std::string(text.substr(0, end)) + "...";
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  const std::string& file = path.native();
+  const auto refuse = [&](std::string_view sentence) { return ScenarioError(file, 1, sentence); };
+  const auto fault = [&] {
+    return refuse(fmt::format("cannot be read ({}), expected a scenario file", std::strerror(errno)));
+  };
+
+  const auto too_large = [&] {
+    return refuse(fmt::format("too large, expected at most {} bytes", scenario_size_max));
+  };
+
+  // Asked for its kind before it is opened: opening a device may already do something.
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) throw fault();
+  if (!S_ISREG(status.st_mode)) {
+    throw refuse(fmt::format("this is {}, expected a scenario file", kind_of(status.st_mode)));
+  }
+  if (status.st_size > static_cast<off_t>(scenario_size_max)) throw too_large();
+  const Descriptor in{::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)};
+  if (in.number < 0) throw fault();
+
+  std::string text;
+  char block[1 << 16];
+  for (;;) {
+    const ssize_t n = ::read(in.number, block, sizeof block);
+    if (n == 0) return text;
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw fault();
+    text.append(block, static_cast<std::size_t>(n));
+    if (text.size() > scenario_size_max) throw too_large();
+  }
+}
+
+void check_text(std::string_view text, std::string_view file) {
+  if (text.empty()) throw ScenarioError(file, 1, "the file is empty, expected at least one [agent.NAME]");
+  std::size_t line = 1;
+  for (std::string_view rest = text; !rest.empty();) {
+    const auto [code, size] = first_character(rest);
+    if (size == 0) {
+      throw ScenarioError(
+          file, line,
+          fmt::format("the byte 0x{:02x} is not UTF-8, expected text", static_cast<unsigned char>(rest[0])));
+    }
+    const bool ordinary = code == '\t' || code == '\n' || code == '\r';
+    if ((code < 0x20 && !ordinary) || code == 0x7f) {
+      throw ScenarioError(
+          file, line,
+          fmt::format("the control character 0x{:02x}, expected text", static_cast<unsigned>(code)));
+    }
+    if (code == '\n') ++line;
+    rest.remove_prefix(size);
+  }
+  check_keys(text, file);
+}
+
+}  // namespace sightline

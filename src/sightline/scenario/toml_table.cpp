@@ -1,0 +1,347 @@
+#include "sightline/scenario/toml_table.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/scenario/string_place.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr std::size_t shown_size = 60;  // of a key or a value in a message [bytes]
+
+std::size_t line_of(const toml::node& node) { return std::max<std::size_t>(node.source().begin.line, 1); }
+
+std::string shown_key(std::string_view key) {
+  const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+  return bare ? shortened(key, shown_size) : fmt::format("\"{}\"", shortened(key, shown_size));
+}
+
+/// A value as it stands in a message: short, whatever it is.
+std::string shown(const toml::node& node) {
+  if (const auto* v = node.as_integer()) return fmt::format("{}", v->get());
+  if (const auto* v = node.as_floating_point()) return fmt::format("{}", v->get());
+  if (const auto* v = node.as_boolean()) return v->get() ? "true" : "false";
+  if (const auto* v = node.as_string()) return fmt::format("\"{}\"", shortened(v->get(), shown_size));
+  if (const auto* table = node.as_table()) return table->empty() ? "{}" : "{...}";
+  const toml::array* array = node.as_array();
+  if (array == nullptr) return "a date or time";
+  std::string list;
+  for (const toml::node& entry : *array) {
+    if (!list.empty()) list += ", ";
+    list += entry.is_array() ? "[...]" : shown(entry);
+    if (list.size() > shown_size) return fmt::format("[{}]", shortened(list, shown_size));
+  }
+  return fmt::format("[{}]", list);
+}
+
+/// A text is a name, a path or a formula; those of the system end where U+0000 stands.
+void refuse_null_characters(const toml::node& node, const std::string& key, std::string_view file) {
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [name, inner] : *table)
+      refuse_null_characters(inner, key.empty() ? shown_key(name.str()) : key + '.' + shown_key(name.str()),
+                             file);
+  } else if (const toml::array* array = node.as_array()) {
+    for (std::size_t i = 0; i < array->size(); ++i)
+      refuse_null_characters((*array)[i], fmt::format("{}[{}]", key, i), file);
+  } else if (const auto* text = node.as_string();
+             text != nullptr && text->get().find('\0') != std::string::npos) {
+    throw ScenarioError(file, line_of(node),
+                        fmt::format("{} = {}, expected a text without U+0000", key, shown(node)));
+  }
+}
+
+}  // namespace
+
+TomlDocument parse_toml(std::string_view text, std::string file) {
+  check_text(text, file);
+  try {
+    toml::table root = toml::parse(text);
+    refuse_null_characters(root, "", file);
+    return {std::move(file), std::move(root), std::string(text)};
+  } catch (const toml::parse_error& error) {
+    throw ScenarioError(file, std::max<std::size_t>(error.source().begin.line, 1),
+                        fmt::format("{}, expected TOML", shortened(error.description(), 4 * shown_size)));
+  }
+}
+
+TomlTable::TomlTable(const TomlDocument& document) : document_(&document), table_(&document.root), line_(1) {}
+
+TomlTable::TomlTable(const TomlDocument& document, const toml::table& table, std::string path)
+    : document_(&document), table_(&table), path_(std::move(path)), line_(line_of(table)) {}
+
+const toml::node* TomlTable::find(std::string_view key) const { return table_->get(key); }
+
+const toml::node& TomlTable::need(std::string_view key, std::string_view expected) const {
+  const toml::node* node = find(key);
+  if (node == nullptr) refuse(key, expected);
+  return *node;
+}
+
+std::string TomlTable::place(std::string_view key) const {
+  return path_.empty() ? shown_key(key) : fmt::format("{}.{}", path_, shown_key(key));
+}
+
+void TomlTable::expect_only(std::span<const std::string_view> known) const {
+  for (const auto& [key, node] : *table_) {
+    if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
+    const std::string expected = known.empty()
+                                     ? std::string("no key here")
+                                     : fmt::format("a known key, the nearest is \"{}\"",
+                                                   nearest(shortened(key.str(), shown_size), known));
+    throw ScenarioError(file(), key.source().begin.line,
+                        fmt::format("{} = {}, expected {}", place(key.str()), shown(node), expected));
+  }
+}
+
+void TomlTable::read(std::initializer_list<Field> fields,
+                     std::initializer_list<std::string_view> others) const {
+  std::vector<std::string_view> known(others);
+  for (const Field& field : fields) known.push_back(field.key);
+  expect_only(known);
+  for (const Field& field : fields) {
+    if (has(field.key)) *field.value = number(field.key, field.range);
+  }
+}
+
+std::string_view TomlTable::choice(std::span<const std::string_view> known,
+                                   std::initializer_list<std::string_view> others) const {
+  std::vector<std::string_view> all(known.begin(), known.end());
+  all.insert(all.end(), others);
+  expect_only(all);
+  const auto has_key = [&](std::string_view key) { return has(key); };
+  if (std::count_if(known.begin(), known.end(), has_key) != 1) {
+    refuse(fmt::format("exactly one of {}", fmt::join(known, ", ")));
+  }
+  return *std::find_if(known.begin(), known.end(), has_key);
+}
+
+double TomlTable::number_at(const toml::node& node, const std::string& at, const Range& range) const {
+  const bool is_number = node.is_floating_point() || node.is_integer();
+  const double value = is_number ? *node.value<double>() : 0.0;
+  if (!is_number) refuse_node(node, at, fmt::format("a number, {}", range.expected));
+  // Written so that NaN is refused.
+  if (!(value >= range.low && value <= range.high)) refuse_node(node, at, range.expected);
+  return value;
+}
+
+double TomlTable::number(std::string_view key, const Range& range) const {
+  return number_at(need(key, fmt::format("a number, {}", range.expected)), place(key), range);
+}
+
+std::int64_t TomlTable::integer(std::string_view key, std::int64_t low, std::int64_t high) const {
+  const std::string expected = fmt::format("an integer, {} to {}", low, high);
+  const toml::node& node = need(key, expected);
+  const auto* value = node.as_integer();
+  if (value == nullptr || value->get() < low || value->get() > high) refuse_node(node, place(key), expected);
+  return value->get();
+}
+
+std::string TomlTable::text(std::string_view key, std::string_view expected) const {
+  const toml::node& node = need(key, expected);
+  const auto* value = node.as_string();
+  if (value == nullptr) refuse_node(node, place(key), expected);
+  return value->get();
+}
+
+std::string_view TomlTable::word(std::string_view key, std::span<const std::string_view> known) const {
+  return word(key, known, fmt::format("one of \"{}\"", fmt::join(known, "\", \"")));
+}
+
+std::string_view TomlTable::word(std::string_view key, std::span<const std::string_view> known,
+                                 std::string_view expected) const {
+  return value(key, expected).word(known, expected);
+}
+
+bool TomlTable::boolean(std::string_view key) const {
+  constexpr std::string_view expected = "true or false";
+  const auto* value = need(key, expected).as_boolean();
+  if (value == nullptr) refuse(key, expected);
+  return value->get();
+}
+
+const toml::array& TomlTable::array(std::string_view key, std::size_t length, std::string_view of) const {
+  const std::string count = length == any_length ? std::string("one or more") : fmt::format("{}", length);
+  const std::string expected = fmt::format("an array of {} {}", count, of);
+  const toml::node& node = need(key, expected);
+  const toml::array* entries = node.as_array();
+  if (entries == nullptr || entries->empty() || (length != any_length && entries->size() != length)) {
+    refuse_node(node, place(key), expected);
+  }
+  return *entries;
+}
+
+std::vector<double> TomlTable::numbers(std::string_view key, std::size_t length, const Range& range) const {
+  const toml::array& entries = array(key, length, "numbers");
+  std::vector<double> values;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    values.push_back(number_at(entries[i], fmt::format("{}[{}]", place(key), i), range));
+  }
+  return values;
+}
+
+Vec3<double> TomlTable::vec3(std::string_view key) const {
+  const std::vector<double> v = numbers(key, 3);
+  return {v[0], v[1], v[2]};
+}
+
+std::vector<double> TomlTable::rising(std::string_view key) const {
+  std::vector<double> times = numbers(key, any_length);
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (!(times[i] > times[i - 1])) refuse(key, i, "times that rise [s]");
+  }
+  return times;
+}
+
+std::vector<std::vector<double>> TomlTable::rows(std::string_view key, std::size_t count,
+                                                 std::size_t length) const {
+  const toml::array& entries = array(key, count, fmt::format("arrays of {} numbers", length));
+  std::vector<std::vector<double>> values;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const std::string at = fmt::format("{}[{}]", place(key), i);
+    const toml::array* row = entries[i].as_array();
+    if (row == nullptr || row->size() != length)
+      refuse_node(entries[i], at, fmt::format("an array of {} numbers", length));
+    std::vector<double>& to = values.emplace_back();
+    for (std::size_t j = 0; j < length; ++j) {
+      to.push_back(number_at((*row)[j], fmt::format("{}[{}]", at, j), any_number()));
+    }
+  }
+  return values;
+}
+
+std::vector<std::string> TomlTable::texts(std::string_view key, std::size_t length,
+                                          std::string_view expected) const {
+  const toml::array& entries = array(key, length, expected);
+  std::vector<std::string> values;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const auto* value = entries[i].as_string();
+    if (value == nullptr) refuse(key, i, "a name in quotes");
+    values.push_back(value->get());
+  }
+  return values;
+}
+
+TomlTable TomlTable::table(std::string_view key, std::string_view expected) const {
+  const toml::node& node = need(key, expected);
+  const toml::table* inner = node.as_table();
+  if (inner == nullptr) refuse_node(node, place(key), expected);
+  return TomlTable(*document_, *inner, place(key));
+}
+
+TomlTable TomlTable::table_or_empty(std::string_view key) const {
+  if (has(key)) return table(key);
+  static const toml::table empty;
+  TomlTable inner(*document_, empty, place(key));
+  inner.line_ = line_;
+  return inner;
+}
+
+std::vector<std::pair<std::string, TomlTable>> TomlTable::named_tables(std::string_view key) const {
+  if (!has(key)) return {};
+  const TomlTable inner = table(key);
+  std::vector<std::pair<std::string, TomlTable>> list;
+  for (const std::string& name : inner.keys()) list.emplace_back(name, inner.table(name));
+  return list;
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
+  const toml::node* node = find(key);
+  if (node == nullptr) return {};
+  const toml::array* entries = node->as_array();
+  const std::string expected = fmt::format("tables under [[{}]]", key);
+  if (entries == nullptr) refuse(key, expected);
+  std::vector<TomlTable> list;
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    const toml::table* inner = (*entries)[i].as_table();
+    if (inner == nullptr) refuse(key, i, expected);
+    list.push_back(TomlTable(*document_, *inner, fmt::format("{}[{}]", place(key), i)));
+  }
+  return list;
+}
+
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<const toml::key*> keys;
+  for (const auto& entry : *table_) keys.push_back(&entry.first);
+  std::sort(keys.begin(), keys.end(),
+            [](const toml::key* a, const toml::key* b) { return a->source().begin < b->source().begin; });
+  std::vector<std::string> list;
+  for (const toml::key* k : keys) list.emplace_back(k->str());
+  return list;
+}
+
+TomlValue TomlTable::value(std::string_view key, std::string_view expected) const {
+  return {*document_, need(key, expected), place(key)};
+}
+
+std::string_view TomlValue::word(std::span<const std::string_view> known, std::string_view expected) const {
+  if (!is_text()) refuse(expected);
+  const auto found = std::find(known.begin(), known.end(), text());
+  if (found != known.end()) return *found;
+  if (known.empty()) refuse(fmt::format("{}, there is none", expected));
+  refuse(fmt::format("{}, the nearest is \"{}\"", expected, nearest(shortened(text(), shown_size), known)));
+}
+
+std::vector<TomlValue> TomlValue::items() const {
+  std::vector<TomlValue> list;
+  for (const toml::node& node : *node_->as_array()) {
+    list.push_back(TomlValue(*document_, node, fmt::format("{}[{}]", path_, list.size())));
+  }
+  return list;
+}
+
+double TomlValue::number(const Range& range) const {
+  const double value = *node_->value<double>();
+  if (!(value >= range.low && value <= range.high)) refuse(range.expected);
+  return value;
+}
+
+void TomlValue::refuse(std::string_view expected) const {
+  throw ScenarioError(document_->file, line_of(*node_),
+                      fmt::format("{} = {}, expected {}", path_, shown(*node_), expected));
+}
+
+void TomlValue::refuse_at(std::size_t offset, std::string_view sentence) const {
+  const auto begin = node_->source().begin;
+  const TextPlace place = place_in_string(document_->text, {begin.line, begin.column},
+                                          is_text() ? text() : std::string_view(), offset);
+  throw ScenarioError(document_->file, place.line, place.column,
+                      fmt::format("{} = {}, {}", path_, shown(*node_), sentence));
+}
+
+void TomlTable::refuse_node(const toml::node& node, std::string_view at, std::string_view expected) const {
+  throw ScenarioError(file(), line_of(node), fmt::format("{} = {}, expected {}", at, shown(node), expected));
+}
+
+void TomlTable::refuse(std::string_view key, std::string_view expected) const {
+  if (const toml::node* node = find(key)) refuse_node(*node, place(key), expected);
+  throw ScenarioError(file(), line_, fmt::format("{} is missing, expected {}", place(key), expected));
+}
+
+void TomlTable::refuse(std::string_view key, std::size_t i, std::string_view expected) const {
+  refuse_node((*find(key)->as_array())[i], fmt::format("{}[{}]", place(key), i), expected);
+}
+
+void TomlTable::refuse(std::string_view expected) const {
+  throw ScenarioError(file(), line_, fmt::format("{} = {}, expected {}", path_, shown(*table_), expected));
+}
+
+void TomlTable::refuse_as_said(std::string_view sentence) const {
+  // The key's line is nearer than the table's own.
+  const std::size_t dot = sentence.find('.'), equals = sentence.find(" = ");
+  if (equals != std::string_view::npos) {
+    const std::size_t begin = dot < equals ? dot + 1 : 0;
+    const std::string_view key = sentence.substr(begin, equals - begin);
+    if (const toml::node* node = find(key)) {
+      throw ScenarioError(file(), line_of(*node), fmt::format("{}{}", place(key), sentence.substr(equals)));
+    }
+  }
+  throw ScenarioError(file(), line_, fmt::format("{}: {}", path_, sentence));
+}
+
+}  // namespace sightline

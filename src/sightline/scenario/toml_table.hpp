@@ -1,0 +1,184 @@
+/// A TOML table read with types and ranges; every refusal says file, line, key, value and what was expected.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "sightline/base/nearest.hpp"
+#include "sightline/math/fixed.hpp"
+#include "sightline/scenario/scenario_text.hpp"
+
+namespace sightline {
+
+/// Which numbers a key takes, and the words for it: "> 0 s".
+struct Range {
+  double low, high;           // both are allowed
+  std::string_view expected;  // ends with the unit
+};
+
+/// Nothing a scenario measures is larger; beyond it squares and sixth powers are no longer safe.
+inline constexpr double largest_number = 1e9;
+
+constexpr Range any_number(std::string_view expected = "finite, at most 1e9 either way") {
+  return {-largest_number, largest_number, expected};
+}
+constexpr Range not_negative(std::string_view expected) { return {0.0, largest_number, expected}; }
+constexpr Range positive(std::string_view expected) {
+  return {std::numeric_limits<double>::min(), largest_number, expected};
+}
+
+/// A key and the number it sets; without the key the number stays what it is.
+struct Field {
+  std::string_view key;
+  double* value;
+  Range range = any_number();
+};
+
+/// A parsed file, owner of what its tables look at.
+struct TomlDocument {
+  std::string file;
+  toml::table root;
+  std::string text{};
+};
+
+/// @throws ScenarioError where the text is refused by check_text() or is not TOML
+TomlDocument parse_toml(std::string_view text, std::string file);
+
+class TomlValue;
+
+/// One table of a document. A view: the document outlives it. Every reading function throws ScenarioError.
+class TomlTable {
+ public:
+  explicit TomlTable(const TomlDocument& document);
+
+  bool has(std::string_view key) const { return find(key) != nullptr; }
+  std::size_t size() const { return table_->size(); }
+  /// Its place in the file, `agent.uav0`.
+  const std::string& path() const { return path_; }
+
+  /// Refuses keys that are not in the list.
+  void expect_only(std::span<const std::string_view> known) const;
+  void expect_only(std::initializer_list<std::string_view> known) const { expect_only(std::span(known)); }
+  /// Reads numbers that have defaults; refuses keys that are neither in `fields` nor in `others`.
+  void read(std::initializer_list<Field> fields, std::initializer_list<std::string_view> others = {}) const;
+  /// The only key of a table that chooses one of several; `others` may stand beside it.
+  std::string_view choice(std::span<const std::string_view> known,
+                          std::initializer_list<std::string_view> others = {}) const;
+
+  double number(std::string_view key, const Range& range = any_number()) const;
+  std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high) const;
+  std::string text(std::string_view key, std::string_view expected) const;
+  /// The text, one of `known`.
+  std::string_view word(std::string_view key, std::span<const std::string_view> known) const;
+  /// The same, where `expected` says what the words are.
+  std::string_view word(std::string_view key, std::span<const std::string_view> known,
+                        std::string_view expected) const;
+  bool boolean(std::string_view key) const;
+  Vec3<double> vec3(std::string_view key) const;
+  /// An array of numbers; of this length, or of any where `length` is `any_length`.
+  std::vector<double> numbers(std::string_view key, std::size_t length,
+                              const Range& range = any_number()) const;
+  /// An array of times [s], each later than the one before.
+  std::vector<double> rising(std::string_view key) const;
+  /// An array of `count` arrays of `length` numbers.
+  std::vector<std::vector<double>> rows(std::string_view key, std::size_t count, std::size_t length) const;
+  std::vector<std::string> texts(std::string_view key, std::size_t length, std::string_view expected) const;
+
+  /// The keys, in the order of the file.
+  std::vector<std::string> keys() const;
+  /// Whatever stands under the key.
+  TomlValue value(std::string_view key, std::string_view expected) const;
+
+  TomlTable table(std::string_view key, std::string_view expected = "a table") const;
+  /// The table, or an empty one where the key is missing.
+  TomlTable table_or_empty(std::string_view key) const;
+  /// The named tables within a table, in the order of the file.
+  std::vector<std::pair<std::string, TomlTable>> named_tables(std::string_view key) const;
+  /// The tables of [[key]].
+  std::vector<TomlTable> tables(std::string_view key) const;
+
+  /// Makes something of this table; what it says of itself by std::invalid_argument becomes a ScenarioError.
+  template <class Make>
+  auto checked(Make&& make) const {
+    try {
+      return make();
+    } catch (const std::invalid_argument& error) {
+      refuse_as_said(error.what());
+    }
+  }
+
+  /// `path.key = value, expected ...`, or `path.key is missing, expected ...`.
+  [[noreturn]] void refuse(std::string_view key, std::string_view expected) const;
+  /// `path.key[i] = value, expected ...`.
+  [[noreturn]] void refuse(std::string_view key, std::size_t i, std::string_view expected) const;
+  /// Refuses the table itself, as `path = {...}, expected ...`.
+  [[noreturn]] void refuse(std::string_view expected) const;
+  /// Refuses it with a sentence; one that begins with a key, or with `word.key`, at the line of that key.
+  [[noreturn]] void refuse_as_said(std::string_view sentence) const;
+
+  static constexpr std::size_t any_length = static_cast<std::size_t>(-1);
+
+  /// The file, as its refusals name it.
+  const std::string& file() const { return document_->file; }
+  /// The line on which it begins, from 1.
+  std::size_t line() const { return line_; }
+
+ private:
+  friend class TomlValue;
+  TomlTable(const TomlDocument& document, const toml::table& table, std::string path);
+
+  const toml::node* find(std::string_view key) const;
+  const toml::node& need(std::string_view key, std::string_view expected) const;
+  const toml::array& array(std::string_view key, std::size_t length, std::string_view of) const;
+  std::string place(std::string_view key) const;
+  double number_at(const toml::node& node, const std::string& place, const Range& range) const;
+  [[noreturn]] void refuse_node(const toml::node& node, std::string_view place,
+                                std::string_view expected) const;
+
+  const TomlDocument* document_;
+  const toml::table* table_;
+  std::string path_;
+  std::size_t line_;
+};
+
+/// A value of any kind. A view, as a table is.
+class TomlValue {
+ public:
+  bool is_text() const { return node_->is_string(); }
+  bool is_number() const { return node_->is_number(); }
+  bool is_table() const { return node_->is_table(); }
+  bool is_array() const { return node_->is_array(); }
+
+  /// Each for a value of that kind; the text as it is meant, not as it is written.
+  const std::string& text() const { return node_->as_string()->get(); }
+  TomlTable table() const { return {*document_, *node_->as_table(), path_}; }
+  /// The text, one of `known`; `expected` says what they are.
+  std::string_view word(std::span<const std::string_view> known, std::string_view expected) const;
+  std::vector<TomlValue> items() const;
+  double number(const Range& range = any_number()) const;
+
+  /// `path = value, expected ...`.
+  [[noreturn]] void refuse(std::string_view expected) const;
+  /// At the byte `offset` of a text, at the beginning of any other value: `file:line:column: path = value, sentence`.
+  [[noreturn]] void refuse_at(std::size_t offset, std::string_view sentence) const;
+
+ private:
+  friend class TomlTable;
+  TomlValue(const TomlDocument& document, const toml::node& node, std::string path)
+      : document_(&document), node_(&node), path_(std::move(path)) {}
+
+  const TomlDocument* document_;
+  const toml::node* node_;
+  std::string path_;
+};
+
+}  // namespace sightline

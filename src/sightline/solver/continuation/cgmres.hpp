@@ -1,0 +1,28 @@
+/// Single-shooting continuation/GMRES (Ohtsuka 2004): the unknowns are the inputs alone.
+///
+/// States and costates are rolled out from the measured state at every update, so the dynamics hold exactly;
+/// what CMSCGMRES lets decay as defects stands here in F at once. docs/equations.md, 7.5.
+#pragma once
+
+#include "sightline/solver/continuation/continuation.hpp"
+
+namespace sightline {
+
+using CgmresOptions = ContinuationOptions;
+
+class Cgmres final : public Continuation {
+ public:
+  /// @throws std::invalid_argument naming an option out of its range
+  explicit Cgmres(Ocp ocp, const CgmresOptions& options = {}) : Continuation(std::move(ocp), options) {}
+  Cgmres(const Team& team, const Horizon& horizon, const CgmresOptions& options = {})
+      : Cgmres(Ocp(team, horizon), options) {}
+
+  std::string_view name() const override { return "cgmres"; }
+
+ private:
+  void residuals(Hamiltonian& hamiltonian, const std::vector<double>& x, double* F,
+                 Defects& none) noexcept override;
+  void advance(double step) noexcept override;
+};
+
+}  // namespace sightline

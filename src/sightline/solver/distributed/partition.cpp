@@ -1,0 +1,271 @@
+#include "sightline/solver/distributed/partition.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "sightline/base/nearest.hpp"
+#include "sightline/math/subnormals.hpp"
+
+namespace sightline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+template <class... Args>
+[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
+  throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
+}
+
+std::string_view trimmed(std::string_view s) {
+  const auto first = s.find_first_not_of(" \t\n");
+  return first == s.npos ? std::string_view() : s.substr(first, s.find_last_not_of(" \t\n") - first + 1);
+}
+
+std::vector<std::string_view> split(std::string_view s, char separator) {
+  std::vector<std::string_view> pieces;
+  for (std::size_t end = s.find(separator); end != s.npos; end = s.find(separator)) {
+    pieces.push_back(trimmed(s.substr(0, end)));
+    s.remove_prefix(end + 1);
+  }
+  pieces.push_back(trimmed(s));
+  return pieces;
+}
+
+/// Every robot in exactly one part, named where not.
+void check(const Partition& partition, const Team& team) {
+  if (partition.empty()) refuse("the partition has no part, expected at least one");
+  std::vector<int> taken(at(team.bodies()), 0);
+  for (const std::vector<AgentId>& part : partition) {
+    if (part.empty()) refuse("the partition has a part without robots, expected at least one in each");
+    for (const AgentId agent : part) {
+      if (agent.index < 0 || agent.index >= team.bodies() || !team.is_agent(agent))
+        refuse("the partition names body {}, expected a robot of the team", agent.index);
+      if (++taken[at(agent.index)] > 1)
+        refuse("the partition names \"{}\" twice, expected every robot in one part", team.name(agent));
+    }
+  }
+  for (int i = 0; i < team.bodies(); ++i) {
+    if (team.is_agent(BodyId{i}) && taken[at(i)] == 0)
+      refuse("the partition leaves out \"{}\", expected every robot in one part", team.name(BodyId{i}));
+  }
+}
+
+/// The worse of two outcomes of parts: later in the list of Status.
+Status worse(Status a, Status b) { return std::max(a, b); }
+
+}  // namespace
+
+std::string_view to_string(ExchangeOrder order) {
+  return order == ExchangeOrder::jacobi ? "jacobi" : "gauss_seidel";
+}
+
+ExchangeOrder exchange_order(std::string_view word) {
+  for (const ExchangeOrder order : {ExchangeOrder::jacobi, ExchangeOrder::gauss_seidel}) {
+    if (word == to_string(order)) return order;
+  }
+  refuse("order = \"{}\", expected jacobi or gauss_seidel", word);
+}
+
+Partition read_partition(std::string_view text, const Team& team) {
+  std::vector<std::string_view> names;
+  for (const Agent& agent : team.agents()) names.push_back(agent.name);
+  if (names.empty()) refuse("the team has no robot, expected at least one");
+  Partition partition;
+  for (const std::string_view words : split(text, '|')) {
+    if (words.empty())
+      refuse("partition = \"{}\" has a part without robots, expected at least one in each", text);
+    std::vector<AgentId>& part = partition.emplace_back();
+    for (const std::string_view word : split(words, ',')) {
+      const BodyId body = word.empty() ? BodyId{} : team.find(word);
+      if (body.index < 0 || !team.is_agent(body)) {
+        refuse("partition = \"{}\": \"{}\" is no robot of the team, expected one such as \"{}\"", text, word,
+               nearest(word, names));
+      }
+      part.push_back(AgentId{body});
+    }
+  }
+  check(partition, team);
+  return partition;
+}
+
+PartitionedSolver::PartitionedSolver(Ocp ocp, const Partition& partition, const PartitionOptions& options)
+    : options_(options) {
+  check(partition, ocp.team());
+  if (options.exchanges < 1 || options.exchanges > 1000)
+    refuse("exchanges = {}, expected 1 to 1000", options.exchanges);
+  whole_ = std::make_unique<NewtonRiccati>(std::move(ocp), options.solver);
+  const Team& team = whole_->ocp().team();
+  for (const std::vector<AgentId>& own : partition) {
+    Member member;
+    member.part = std::make_unique<Part>(team, whole_->ocp().horizon(), own, options.solver);
+    member.u.resize(at(member.part->ocp().nu()));
+    members_.push_back(std::move(member));
+  }
+  x_now_.resize(at(team.nx()));
+  for (std::vector<double>* u : {&u_, &raw_u_, &u_stage_}) u->resize(at(team.nu()));
+  x_.resize(at(team.nx()) * at(whole_->ocp().horizon().N + 1));
+}
+
+bool PartitionedSolver::accepts(double time, std::span<const double> states) noexcept {
+  if (!std::isfinite(time) || states.size() != x_now_.size()) return false;
+  std::copy(states.begin(), states.end(), x_now_.begin());
+  const Team& team = ocp().team();
+  for (int b = 0; b < team.bodies(); ++b) {
+    if (!team.model(BodyId{b}).normalise(&x_now_[at(team.state_offset(BodyId{b}))])) return false;
+  }
+  return true;
+}
+
+void PartitionedSolver::tell(const Member& teller) noexcept {
+  for (const Prediction& told : teller.part->told()) {
+    for (const Member& other : members_) {
+      if (&other != &teller) other.part->hear(told);
+    }
+  }
+}
+
+void PartitionedSolver::tell_all(double time, std::span<const double> states) noexcept {
+  if (states.size() != x_now_.size()) return;
+  for (const Member& member : members_) member.part->look_ahead(time, states);
+  for (const Member& member : members_) tell(member);
+}
+
+/// Every part once.
+void PartitionedSolver::round(double time, std::span<const double> states) noexcept {
+  for (Member& member : members_) {
+    const Clock::time_point begin = Clock::now();
+    member.solution = member.part->solve(time, states);
+    member.elapsed += seconds_since(begin);
+    if (options_.order == ExchangeOrder::gauss_seidel) tell(member);
+  }
+  if (options_.order == ExchangeOrder::gauss_seidel) return;
+  for (const Member& member : members_) tell(member);
+}
+
+void PartitionedSolver::scatter(const Part& part, std::span<const double> of_part,
+                                std::span<double> of_whole) const noexcept {
+  const Team& team = part.ocp().team();
+  for (const BodyId body : part.ocp().agent_bodies()) {
+    const auto to = of_whole.begin() + ocp().team().input_offset(part.in_whole(body));
+    std::copy_n(of_part.begin() + team.input_offset(body), team.model(body).nu(), to);
+  }
+}
+
+/// The robots' states as their parts plan them; of what is not controlled, the velocity it has.
+void PartitionedSolver::write_states(std::span<const double> states) noexcept {
+  const Team& team = ocp().team();
+  const int N = ocp().horizon().N;
+  const double h = ocp().horizon().h();
+  for (int b = 0; b < team.bodies(); ++b) {
+    if (team.is_agent(BodyId{b})) continue;
+    const double* const from = states.data() + team.state_offset(BodyId{b});
+    for (int k = 0; k <= N; ++k) {
+      double* const to = &x_[at(k * team.nx() + team.state_offset(BodyId{b}))];
+      for (int i = 0; i < 3; ++i) {
+        to[i] = from[i] + k * h * from[3 + i];
+        to[3 + i] = from[3 + i];
+      }
+    }
+  }
+  for (const Member& member : members_) {
+    const Part& part = *member.part;
+    const int nx = part.ocp().nx();
+    for (const BodyId body : part.ocp().agent_bodies()) {
+      const int from = part.ocp().team().state_offset(body), to = team.state_offset(part.in_whole(body));
+      for (int k = 0; k <= N; ++k) {
+        std::copy_n(member.solution.x.begin() + k * nx + from, part.ocp().team().model(body).nx(),
+                    x_.begin() + k * team.nx() + to);
+      }
+    }
+  }
+}
+
+Solution PartitionedSolver::solve(double time, std::span<const double> states) noexcept {
+  const Clock::time_point begin = Clock::now();
+  const FlushSubnormals guard;
+  const bool accepted = accepts(time, states);
+  Solution solution{.u = u_, .raw_u = raw_u_, .x = x_, .status = Status::converged};
+  for (Member& member : members_) member.elapsed = 0.0;
+  for (int i = 0; i < (accepted ? options_.exchanges : 1); ++i) {
+    round(time, accepted ? states : std::span<const double>());
+    for (const Member& member : members_) solution.iterations += member.solution.iterations;
+  }
+  for (const Member& member : members_) {
+    scatter(*member.part, member.solution.u, u_);
+    scatter(*member.part, member.solution.raw_u, raw_u_);
+    solution.status = worse(solution.status, member.solution.status);
+  }
+  const bool usable = gives_plan(solution.status);
+  if (usable) write_states(x_now_);
+  solution.elapsed = seconds_since(begin);
+  if (!usable) return solution;
+  has_plan_ = true;
+  solution.residual = kkt(time, states);
+  if (solution.status == Status::deadline) return solution;
+  solution.status = solution.residual <= options_.solver.tolerance ? Status::converged
+                                                                   : worse(solution.status, Status::stepped);
+  return solution;
+}
+
+double PartitionedSolver::kkt(double time, std::span<const double> states) noexcept {
+  for (int k = 0; has_plan_ && k < ocp().horizon().N; ++k) {
+    plan(k, u_stage_);
+    whole_->set_plan(k, u_stage_);
+  }
+  return whole_->kkt(time, states);
+}
+
+void PartitionedSolver::planned(double time, std::span<double> u) const noexcept {
+  if (u.size() != u_.size()) return;
+  for (const Member& member : members_) {
+    // Each part writes the inputs of its own robots, where they stand in the whole.
+    member.part->planned(time, member.u);
+    scatter(*member.part, member.u, u);
+  }
+}
+
+void PartitionedSolver::plan(int k, std::span<double> u) const noexcept {
+  if (u.size() != u_.size()) return;
+  for (const Member& member : members_) {
+    member.part->plan(k, member.u);
+    scatter(*member.part, member.u, u);
+  }
+}
+
+void PartitionedSolver::set_plan(int k, std::span<const double> u) noexcept {
+  if (u.size() != u_.size() || k < 0 || k >= ocp().horizon().N) return;
+  has_plan_ = true;
+  for (Member& member : members_) {
+    const Team& team = member.part->ocp().team();
+    for (const BodyId body : member.part->ocp().agent_bodies()) {
+      const int from = ocp().team().input_offset(member.part->in_whole(body)), nu = team.model(body).nu();
+      std::copy_n(u.begin() + from, nu, member.u.begin() + team.input_offset(body));
+    }
+    member.part->set_plan(k, member.u);
+  }
+}
+
+void PartitionedSolver::restart() noexcept {
+  whole_->restart();
+  has_plan_ = false;
+  std::fill(x_.begin(), x_.end(), 0.0);
+  for (Member& member : members_) member.part->restart();
+}
+
+double PartitionedSolver::slowest() const noexcept {
+  double most = 0.0;
+  for (const Member& member : members_) most = std::max(most, member.elapsed);
+  return most;
+}
+
+}  // namespace sightline

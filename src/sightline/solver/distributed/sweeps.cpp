@@ -1,0 +1,85 @@
+#include "sightline/solver/distributed/sweeps.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "sightline/potential/tracking.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double stationary = 1e-9;  // [1/s]
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::vector<double> plan_of(const auto& solver) {
+  const std::size_t nu = at(solver.ocp().nu());
+  std::vector<double> u(at(solver.ocp().horizon().N) * nu);
+  for (int k = 0; k < solver.ocp().horizon().N; ++k) solver.plan(k, std::span(u).subspan(at(k) * nu, nu));
+  return u;
+}
+
+}  // namespace
+
+double horizon_cost(const Ocp& ocp, double time, std::span<const double> states, std::span<const double> u) {
+  const Team& team = ocp.team();
+  const double h = ocp.horizon().h();
+  const std::size_t nu = at(team.nu());
+  if (states.size() != at(team.nx()) || u.size() != nu * at(ocp.horizon().N)) {
+    throw std::invalid_argument(fmt::format("{} states and a plan of {} inputs, expected {} and {}",
+                                            states.size(), u.size(), team.nx(), nu * at(ocp.horizon().N)));
+  }
+  std::vector<double> x(states.begin(), states.end()), rate(x.size());
+  double cost = 0.0;
+  for (int k = 0; k < ocp.horizon().N; ++k) {
+    const std::span<const double> now = u.subspan(at(k) * nu, nu);
+    cost += h * stage_cost(team, time + k * h, x, now);
+    for (int b = 0; b < team.bodies(); ++b) {
+      const int from = team.state_offset(BodyId{b});
+      team.model(BodyId{b}).f(&x[at(from)], now.data() + team.input_offset(BodyId{b}), &rate[at(from)]);
+    }
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += h * rate[i];
+  }
+  for (const BodyId body : ocp.agent_bodies()) {
+    const Agent& agent = team.agent(body);
+    std::vector<double> x_ref(agent.Q_f.size());
+    agent.x_ref(time + ocp.horizon().T, agent.model, x_ref);
+    cost +=
+        tracking_cost<double>({&x[at(team.state_offset(body))], x_ref.size()}, x_ref, agent.Q_f, {}, {}, {});
+  }
+  return cost;
+}
+
+NewtonRiccatiOptions to_the_end() {
+  return {.max_newton_steps = 20, .tolerance = stationary, .max_krylov = 60, .krylov_stop = 1e-10};
+}
+
+std::vector<Sweep> sweep(PartitionedSolver& solver, NewtonRiccati& whole, double time,
+                         std::span<const double> states, int rounds) {
+  constexpr int attempts = 20;
+  const Ocp& ocp = solver.ocp();
+  const std::size_t nu = at(ocp.nu());
+  const std::vector<double> first = plan_of(solver);
+  for (int k = 0; k < ocp.horizon().N; ++k) whole.set_plan(k, std::span(first).subspan(at(k) * nu, nu));
+  for (int i = 0; i < attempts && whole.kkt(time, states) > stationary; ++i) (void)whole.solve(time, states);
+  if (!(whole.kkt(time, states) <= stationary)) return {};
+  const std::vector<double> best = plan_of(whole);
+  const double best_cost = horizon_cost(ocp, time, states, best);
+
+  std::vector<Sweep> sweeps;
+  solver.tell_all(time, states);
+  for (int round = 0; round < rounds; ++round) {
+    const Solution solution = solver.solve(time, states);
+    const std::vector<double> u = plan_of(solver);
+    Sweep& s = sweeps.emplace_back();
+    for (std::size_t i = 0; i < u.size(); ++i) s.input = std::max(s.input, std::abs(u[i] - best[i]));
+    s.cost = (horizon_cost(ocp, time, states, u) - best_cost) / best_cost;
+    s.kkt = solution.residual;
+  }
+  return sweeps;
+}
+
+}  // namespace sightline

@@ -1,0 +1,33 @@
+/// How far a partitioned plan is from the optimum of the whole team, round by round, while time stands.
+#pragma once
+
+#include <vector>
+
+#include "sightline/solver/distributed/partition.hpp"
+
+namespace sightline {
+
+/// What is left after one round of all parts.
+struct Sweep {
+  double input = 0.0;  ///< greatest |u - u*| of any input along the horizon [-]
+  double cost = 0.0;   ///< (J(u) - J(u*)) / J(u*); below 0 where masked robots pay for others
+  double kkt = 0.0;    ///< of the whole team [1/s]
+};
+
+/// J of a plan over the horizon from these states: h sum of l(x_k, u_k) + phi(x_N), every weight of the team,
+/// masked or not. Bodies that are not controlled keep their velocity.
+/// @param u  [stage][input], N x nu
+/// @throws std::invalid_argument where states and plan are not of the problem
+double horizon_cost(const Ocp& ocp, double time, std::span<const double> states, std::span<const double> u);
+
+/// Options with which a solver goes to the stationary point of the whole team, whatever it takes.
+NewtonRiccatiOptions to_the_end();
+
+/// Round after round at these states. The solver begins from its plan, of which all have told, and is left with the
+/// plan of the last round. u* is the stationary point that `whole`, of the same team and made `to_the_end()`, finds from
+/// the same plan.
+/// @return one entry a round; none where that finds no stationary point
+std::vector<Sweep> sweep(PartitionedSolver& solver, NewtonRiccati& whole, double time,
+                         std::span<const double> states, int rounds);
+
+}  // namespace sightline

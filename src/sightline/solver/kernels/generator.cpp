@@ -1,0 +1,125 @@
+#include "sightline/solver/kernels/generator.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <sstream>
+
+namespace sightline {
+namespace {
+
+constexpr double h = 0.05;  // any: it is a parameter
+
+/// Prints a function as a member of the struct that the lines before it have opened.
+std::string member(const BlockProgram& p, std::string_view name) {
+  return emit(p.program, name, p.inputs, p.outputs);
+}
+
+std::string in_braces(const ProgramSize& n) {
+  return fmt::format("{{{}, {}, {}, {}}}", n.inputs, n.outputs, n.constants, n.instructions);
+}
+
+/// A constant, so that it is there before any table is registered.
+std::string list(std::string_view type, std::string_view name, const std::string& rows) {
+  return fmt::format("constexpr std::array<{}, {}> {} = {{{{\n{}}}}};\n", type,
+                     std::count(rows.begin(), rows.end(), '\n'), name, rows);
+}
+
+std::string head() {
+  return "// Printed by the generator; not to be edited.\n#include "
+         "\"sightline/solver/kernels/kernel_table.hpp\"\n\n"
+         "namespace sightline {\n";
+}
+
+/// Of the function that puts a part in front of the others.
+std::string declaration(std::string_view part) {
+  return fmt::format("const KernelTable& {}_kernels(const KernelTable* next)", part);
+}
+
+}  // namespace
+
+void Generator::add(const Model& model, Seen seen, const std::vector<RelaxedBarrier>& barriers) {
+  const StagePrograms programs = trace_stage(model, h, seen, barriers);
+  const std::uint64_t key = structure(programs);
+  if (!known_.insert(key).second) return;
+  const StageSizes& n = programs.sizes;
+  const std::string name = fmt::format("Stage_{:016x}", key);
+  functions_ += fmt::format("/// {}\nstruct {} {{\nstatic constexpr StageSizes sizes{{{}, {}, {}, {}}};\n",
+                            model.name(), name, n.nx, n.nu, n.ns, n.stored);
+  constexpr std::array<std::string_view, 5> names = {"step", "back", "back_first", "precondition_back",
+                                                     "precondition_forward"};
+  for (std::size_t i = 0; i < names.size(); ++i) functions_ += member(*programs.all()[i], names[i]);
+  functions_ += "};\n\n";
+  for (const std::string_view width : {"2", "native_width"}) {
+    stage_rows_ += fmt::format("    {{0x{:016x}, {}, {}, make_compiled<{}, {}>}},\n", key, width,
+                               in_braces(size_of(programs)), width, name);
+  }
+}
+
+void Generator::add(const std::vector<Weighted>& terms) {
+  std::vector<const Weighted*> pointers;
+  for (const Weighted& t : terms) pointers.push_back(&t);
+  std::vector<Ends> kinds = {{true, false, true, false}};
+  if (terms.at(0).potential.is_pair())
+    kinds.insert(kinds.end(), {{}, {.b_feels = false}, {.a_feels = false}});
+  for (const Ends& ends : kinds)
+    add(trace_potential(pointers, h, ends, Numbers::parameters).derivatives, terms[0].potential.name());
+}
+
+void Generator::add_swarm(const Weighted& term) {
+  const SwarmPotential swarm = trace_swarm(term, h, Numbers::parameters);
+  for (const Program* program : {&swarm.value, &swarm.derivatives}) add(*program, term.potential.name());
+}
+
+void Generator::add(const Program& program, std::string_view potential_name) {
+  const std::uint64_t key = structure(program);
+  if (!known_.insert(key).second) return;
+  const std::string name = fmt::format("Formula_{:016x}", key);
+  functions_ += fmt::format("/// {}\nstruct {} {{\nstatic constexpr int inputs = {}, outputs = {};\n",
+                            potential_name, name, program.inputs(), program.outputs());
+  const std::array<Block, 1> in = {Block{"in", program.inputs()}}, out = {Block{"out", program.outputs()}};
+  functions_ += emit(program, "evaluate", in, out) + "};\n\n";
+  formula_rows_ += fmt::format("    {{0x{:016x}, native_width, {}, run_compiled<native_width, {}>}},\n", key,
+                               in_braces(size_of(program)), name);
+}
+
+std::string Generator::text() const {
+  std::string text = "#include <array>\n\n" + head() + "namespace {\n\n" + functions_ +
+                     list("StageKernel", "stage_kernels", stage_rows_) +
+                     list("FormulaKernel", "formula_kernels", formula_rows_) + "\n";
+  if (part_.empty()) {
+    text +=
+        "KernelTable table{stage_kernels, formula_kernels};\n"
+        "[[maybe_unused]] const bool registered = register_kernels(table);\n\n}  // namespace\n";
+  } else {
+    text += fmt::format(
+        "}}  // namespace\n\n{};\n{} {{\n  static const KernelTable table{{stage_kernels, formula_kernels, "
+        "next}};\n  return table;\n}}\n",
+        declaration(part_), declaration(part_));
+  }
+  return text + "}  // namespace sightline\n";
+}
+
+std::string Generator::index(std::span<const Generator> parts) {
+  std::string text = head(), chain;
+  for (const Generator& g : parts) {
+    text += declaration(g.part()) + ";\n";
+    chain += fmt::format("  first = &{}_kernels(first);\n", g.part());
+  }
+  return text + "\nconst KernelTable& built_in_kernels() {\n  const KernelTable* first = nullptr;\n" + chain +
+         "  return *first;\n}\n\n}  // namespace sightline\n";
+}
+
+bool write_text(const std::string& path, std::string_view text) {
+  std::ostringstream there;
+  there << std::ifstream(path, std::ios::binary).rdbuf();
+  if (!text.empty() && there.view() == text) return true;
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  return file.good();
+}
+
+}  // namespace sightline

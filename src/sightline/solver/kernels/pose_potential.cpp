@@ -1,0 +1,274 @@
+#include "sightline/solver/kernels/pose_potential.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <optional>
+
+#include "sightline/formula/derive.hpp"
+
+namespace sightline {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// The weighted sum over given variables, those not given being zero.
+Term record(Graph& graph, std::span<const Weighted* const> terms, double h, std::span<const int> variables,
+            Numbers numbers) {
+  std::vector<Symbol> z(at(PosePotential::time_variable + 1), Symbol(graph, graph.constant(0.0)));
+  int input = 0;
+  for (const int v : variables) z[at(v)] = Symbol(graph, graph.input(input++));
+  const auto part = [&](int from) { return std::span<const Symbol>(z).subspan(at(from), at(sight_size)); };
+  const Sight<Symbol> a = sight_from<Symbol>(part(0)), b = sight_from<Symbol>(part(sight_size));
+  Term l = graph.constant(0.0);
+  for (const Weighted* term : terms) {
+    if (numbers == Numbers::parameters) graph.keep_parameters();
+    l = graph.add(l, (h * term->weight * term->potential(a, b, z.back())).in(graph));
+  }
+  return l;
+}
+
+/// One order for all teams, so that one program serves them.
+std::vector<const Weighted*> sorted(std::span<const Weighted* const> terms) {
+  std::vector<const Weighted*> list(terms.begin(), terms.end());
+  std::stable_sort(list.begin(), list.end(), [](const Weighted* a, const Weighted* b) {
+    return a->potential.name() > b->potential.name();
+  });
+  return list;
+}
+
+std::vector<Term> inputs(Graph& graph, int n) {
+  std::vector<Term> z;
+  for (int i = 0; i < n; ++i) z.push_back(graph.input(i));
+  return z;
+}
+
+std::vector<int> range(int n) {
+  std::vector<int> list(at(n));
+  std::iota(list.begin(), list.end(), 0);
+  return list;
+}
+
+/// The inputs that the outputs depend on.
+std::vector<int> occurring(const Graph& graph, Term out, int n) {
+  std::vector<bool> live(at(graph.size()), false);
+  live[at(out.node)] = true;
+  std::vector<int> list;
+  std::vector<bool> occurs(at(n), false);
+  for (std::size_t v = live.size(); v-- > 0;) {
+    if (!live[v]) continue;
+    const Node& node = graph.nodes()[v];
+    if (node.op == Op::input) {
+      occurs[static_cast<std::size_t>(node.value)] = true;
+    } else if (node.op != Op::constant) {
+      live[at(node.a.node)] = true;
+      if (node.b.node >= 0) live[at(node.b.node)] = true;
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    if (occurs[at(i)]) list.push_back(i);
+  }
+  return list;
+}
+
+/// l(p_a - p_b, d_a): the gradient with respect to p_b is literally the negative of that to p_a.
+bool is_relative(Graph& graph, Term l, const std::vector<int>& variables) {
+  const bool pose_of_a_and_position_of_b = std::all_of(variables.begin(), variables.end(), [](int v) {
+    return v < 5 || (v >= sight_size && v < sight_size + 3);
+  });
+  if (!pose_of_a_and_position_of_b) return false;
+  const std::vector<Term> first = gradient(graph, l, inputs(graph, 2 * sight_size));
+  for (int i = 0; i < 3; ++i) {
+    const Term a = first[at(i)], b = first[at(sight_size + i)];
+    if (!(graph.is_zero(a) && graph.is_zero(b)) && a != -b) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool PosePotential::sees_motion(bool of_b) const {
+  const int from = (of_b ? sight_size : 0) + 5;
+  return std::any_of(variables.begin(), variables.end(), [&](int v) { return v >= from && v < from + 3; });
+}
+
+PosePotential trace_potential(std::span<const Weighted* const> given, double h, const Ends& ends,
+                              Numbers numbers) {
+  const std::vector<const Weighted*> terms = sorted(given);
+  PosePotential p;
+  {
+    Graph graph;
+    const Term l = record(graph, terms, h, range(PosePotential::time_variable + 1), numbers);
+    p.variables = occurring(graph, l, PosePotential::time_variable + 1);
+    p.relative = ends.a_is_agent && ends.b_is_agent && is_relative(graph, l, p.variables);
+  }
+  if (p.relative) p.variables = range(PosePotential::relative_size);
+  Graph graph;
+  const int n = static_cast<int>(p.variables.size());
+  const Term l = record(graph, terms, h, p.variables, numbers);
+  p.value = Program(graph, std::vector{l}, n);
+  const Derivatives d = derive(graph, l, inputs(graph, n));
+  std::vector<Term> outputs;
+  if (p.relative) {
+    outputs = d.first;
+    outputs.insert(outputs.end(), d.second.begin(), d.second.end());
+    p.derivatives = Program(graph, outputs, n);
+    return p;
+  }
+
+  const auto output = [&](Term t) {
+    const auto found = std::find_if(outputs.begin(), outputs.end(), [&](Term o) { return o.node == t.node; });
+    if (found != outputs.end()) return static_cast<int>(found - outputs.begin());
+    outputs.push_back({t.node, false});
+    return static_cast<int>(outputs.size()) - 1;
+  };
+  const auto of_b = [](int v) { return v >= sight_size; };
+  const auto feels = [&](int v) {
+    return of_b(v) ? ends.b_feels && ends.b_is_agent : ends.a_feels && ends.a_is_agent;
+  };
+  for (int i = 0; i < n; ++i) {
+    const int v = p.variables[at(i)];
+    const Term t = d.first[at(i)];
+    if (v == PosePotential::time_variable || graph.is_zero(t)) continue;
+    if (feels(v)) p.gradient.push_back({v, output(t), t.negative});
+    for (int j = i; j < n; ++j) {
+      const int w = p.variables[at(j)];
+      const Term s = d.second[at(upper_index(i, j, n))];
+      if (w == PosePotential::time_variable || graph.is_zero(s)) continue;
+      if (of_b(v) == of_b(w)) {
+        if (feels(v)) p.own.push_back({v, w, output(s), s.negative});
+      } else if (ends.a_is_agent && ends.b_is_agent) {
+        p.cross.push_back({v, w, output(s), s.negative});
+      }
+    }
+  }
+  p.derivatives = Program(graph, outputs, n);
+  return p;
+}
+
+namespace {
+
+using Terms = std::vector<const Weighted*>;
+
+/// The program of the most terms that was compiled, if any; takes them away.
+std::optional<PosePotential> take_compiled(Terms& terms, double h, const Ends& ends,
+                                           const IsCompiled& is_compiled) {
+  constexpr std::size_t few = 6;  // beyond it: all of them, or one
+  const std::size_t n = terms.size();
+  for (std::size_t size = n; size > 0; --size) {
+    if (n > few && size > 1 && size < n) continue;
+    std::vector<bool> chosen(n, false);
+    std::fill_n(chosen.begin(), size, true);
+    do {
+      Terms some, rest;
+      for (std::size_t i = 0; i < n; ++i) (chosen[i] ? some : rest).push_back(terms[i]);
+      PosePotential p = trace_potential(some, h, ends, Numbers::parameters);
+      if (!is_compiled(p.derivatives)) continue;
+      terms = rest;
+      return p;
+    } while (std::prev_permutation(chosen.begin(), chosen.end()));
+  }
+  return std::nullopt;
+}
+
+/// The terms of one pair, or one robot, as one potential if they are relative, else as several.
+std::vector<PosePotential> trace_terms(const Terms& terms, double h, const Ends& ends,
+                                       const IsCompiled& is_compiled) {
+  Terms left = terms;
+  std::vector<PosePotential> parts;
+  while (is_compiled && !left.empty()) {
+    std::optional<PosePotential> compiled = take_compiled(left, h, ends, is_compiled);
+    if (!compiled) break;
+    parts.push_back(std::move(*compiled));
+  }
+  if (!left.empty()) parts.push_back(trace_potential(left, h, ends));
+  if (parts.size() == 1 || !std::all_of(parts.begin(), parts.end(), [](const auto& p) { return p.relative; }))
+    return parts;
+  PosePotential whole = std::move(parts[0]);
+  for (std::size_t i = 1; i < parts.size(); ++i) whole.others.push_back(std::move(parts[i].derivatives));
+  whole.value = trace_potential(terms, h, ends).value;
+  return {std::move(whole)};
+}
+
+}  // namespace
+
+std::vector<BodyPotential> trace_potentials(const Ocp& ocp, const IsCompiled& is_compiled) {
+  const Team& team = ocp.team();
+  const double h = ocp.horizon().h();
+  std::vector<int> agent_of(at(team.bodies()), -1);
+  for (std::size_t i = 0; i < ocp.agent_bodies().size(); ++i) {
+    agent_of[at(ocp.agent_bodies()[i].index)] = static_cast<int>(i);
+  }
+  std::vector<BodyPotential> list;
+  std::vector<bool> taken(team.couplings().size(), false);
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    if (taken[i]) continue;
+    const Coupling& first = team.couplings()[i];
+    std::vector<const Weighted*> terms;
+    for (std::size_t j = i; j < taken.size(); ++j) {
+      const Coupling& c = team.couplings()[j];
+      if (taken[j] || !alike(c, first)) continue;
+      terms.push_back(&c.term);
+      taken[j] = true;
+    }
+    const auto feels = [&](BodyId body) {
+      return std::find(first.felt_by.begin(), first.felt_by.end(), body) != first.felt_by.end();
+    };
+    const BodyId a = first.between.first, b = first.between.second;
+    const Ends ends{team.is_agent(a), team.is_agent(b), feels(a), feels(b)};
+    for (PosePotential& p : trace_terms(terms, h, ends, is_compiled))
+      list.push_back(
+          {agent_of[at(a.index)], agent_of[at(b.index)], a.index, b.index, ends, std::move(p), first.ramp});
+  }
+  std::vector<bool> constrained(team.constraints().size(), false);
+  for (std::size_t i = 0; i < constrained.size(); ++i) {
+    if (constrained[i]) continue;
+    const Constraint& first = team.constraints()[i];
+    std::vector<const Weighted*> terms;
+    for (std::size_t j = i; j < constrained.size(); ++j) {
+      const Constraint& c = team.constraints()[j];
+      if (constrained[j] || c.agent != first.agent || c.ramp != first.ramp) continue;
+      terms.push_back(&c.term);
+      constrained[j] = true;
+    }
+    const Ends ends{true, false, true, false};
+    const int body = first.agent.index;
+    for (PosePotential& p : trace_terms(terms, h, ends, is_compiled))
+      list.push_back({agent_of[at(body)], -1, body, -1, ends, std::move(p), first.ramp});
+  }
+  return list;
+}
+
+SwarmPotential trace_swarm(const Weighted& term, double h, Numbers numbers) {
+  constexpr int n = PosePotential::relative_size;
+  Graph graph;
+  const std::vector<int> variables = range(n);
+  const Term l = record(graph, std::array{&term}, h, variables, numbers);
+  const std::vector<int> seen = occurring(graph, l, n);
+  SwarmPotential p;
+  p.sees_headings = std::any_of(seen.begin(), seen.end(), [](int v) { return v >= 3; });
+  p.value = Program(graph, std::vector{l}, n);
+  const Derivatives d = derive(graph, l, inputs(graph, n));
+  std::vector<Term> outputs = d.first;
+  outputs.insert(outputs.end(), d.second.begin(), d.second.end());
+  p.derivatives = Program(graph, outputs, n);
+  return p;
+}
+
+std::vector<SwarmPotential> trace_swarms(const Ocp& ocp, const IsCompiled& is_compiled) {
+  std::vector<SwarmPotential> list;
+  const std::vector<BodyId>& bodies = ocp.agent_bodies();
+  for (const Swarm& swarm : ocp.team().swarms()) {
+    const double h = ocp.horizon().h();
+    SwarmPotential p = trace_swarm(swarm.term, h, Numbers::parameters);
+    if (!is_compiled || !is_compiled(p.derivatives)) p = trace_swarm(swarm.term, h, Numbers::known);
+    for (const AgentId agent : swarm.agents)
+      p.agents.push_back(static_cast<int>(std::find(bodies.begin(), bodies.end(), agent) - bodies.begin()));
+    p.radius = swarm.radius;
+    p.capacity = swarm.capacity;
+    list.push_back(std::move(p));
+  }
+  return list;
+}
+
+}  // namespace sightline

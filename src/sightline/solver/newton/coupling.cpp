@@ -1,0 +1,443 @@
+#include "sightline/solver/newton/coupling.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "sightline/formula/derive.hpp"
+#include "sightline/solver/newton/neighbourhood.hpp"
+#include "sightline/solver/newton/pair_batch.hpp"
+
+namespace sightline {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr int relative = PosePotential::relative_size;
+constexpr int relative_outputs = relative + relative * (relative + 1) / 2;
+constexpr int upper(int i, int j) {
+  return i < j ? upper_index(i, j, relative) : upper_index(j, i, relative);
+}
+
+/// Row i of the potentials' Hessian in (r, d) times (v_0, v_1, v_2).
+template <class L>
+[[gnu::always_inline]] inline L row_of_three(const L* H, int i, const L* v) {
+  return fma(H[upper(i, 2)], v[2], fma(H[upper(i, 1)], v[1], H[upper(i, 0)] * v[0]));
+}
+template <class L>
+[[gnu::always_inline]] inline L row_of_five(const L* H, int i, const L* v) {
+  return fma(H[upper(i, 4)], v[4], fma(H[upper(i, 3)], v[3], row_of_three(H, i, v)));
+}
+
+/// Pairs of relative potentials whose agents stand in two groups, each lane used once: one product for all of
+/// them.
+template <int W>
+struct Slot {
+  typename Lane<W>::Bits b_of_a{}, a_of_b{};  // lane of the partner
+  Lane<W> a_mask = 0.0, b_mask = 0.0;         // lanes in use
+  int group_a = 0, group_b = 0;
+  bool a_feels = true, b_feels = true;
+  int pairs = 0;
+  const PosePotential* potential = nullptr;   // of all pairs, if one
+  Ramp ramp{};                                // of all pairs
+  double part = 1.0;                          // of the weights in force
+  bool in_place = false;                      // evaluated over lanes of agents
+  bool assigns_c = false, assigns_y = false;  // the first to write there
+  std::vector<PackFormula<W>> formulas;       // the potential's derivatives, to be added up
+  Rows H;                                     // [stage][15][lane], zero in lanes not in use
+};
+
+template <int W>
+class LaneCouplings final : public Couplings {
+  using L = Lane<W>;
+
+ public:
+  LaneCouplings(std::span<const BodyPotential> pairs, const Layout& layout, int bodies, KernelChoice choice,
+                std::span<const SwarmPotential> swarms)
+      : layout_(layout),
+        first_(pairs.data()),
+        surroundings_{Rows(sight_size * bodies, layout.stages), Rows(1, layout.stages)} {
+    for (const BodyPotential& pair : pairs) add(pair, choice);
+    // Against the order of a chain, so that each slot but one finds its second group written.
+    std::sort(slots_.begin(), slots_.end(),
+              [](const Slot<W>& a, const Slot<W>& b) { return a.group_a > b.group_a; });
+    for (Slot<W>& slot : slots_) settle(slot, choice);
+    for (const SwarmPotential& swarm : swarms) swarms_.emplace_back(swarm, layout_, choice);
+    find_first_writers(swarms);
+    find_slots_of_pairs();
+    for (PairBatch& b : general_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
+    for (PairBatch& b : relative_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
+    lone_pair_ = W == 2 && swarms.empty() && pairs.size() == 1 && slots_.size() == 1 &&
+                 layout.groups.size() == 1 && layout.groups[0].ns == relative;
+  }
+
+  void set_time(int k, double t) noexcept override { surroundings_.time[0][k] = t; }
+  void set_weights(double t) noexcept override {
+    for (std::vector<PairBatch>* batches : {&relative_, &general_}) {
+      for (PairBatch& batch : *batches) batch.points.set_part(batch.pairs[0]->ramp.at(t));
+    }
+    for (Slot<W>& slot : slots_) slot.part = slot.ramp.at(t);
+  }
+  void set_body(int body, int k, const Sight<double>& sight) noexcept override {
+    std::array<double, sight_size> s;
+    write_sight(sight, s);
+    for (int i = 0; i < sight_size; ++i) surroundings_.bodies[body * sight_size + i][k] = s[at(i)];
+  }
+
+  void evaluate(const double* s, double* c) noexcept override {
+    if (lone_pair_) return evaluate_lone_pair(s, c);
+    for (const int g : zeros_in_c_) {
+      const Layout::Part& part = layout_.groups[at(g)];
+      std::fill_n(c + part.c, layout_.stages * part.nc() * W, 0.0);
+    }
+    for (Slot<W>& slot : slots_) {
+      if (slot.in_place) evaluate_in_place(slot, s, c);
+    }
+    for (std::size_t b = 0; b < relative_.size(); ++b) {
+      if (in_place_[b]) continue;
+      relative_[b].gather(layout_, surroundings_, s);
+      relative_[b].points.derive();
+      scatter_relative(relative_[b], slots_of_[b], c);
+    }
+    for (PairBatch& batch : general_) {
+      batch.gather(layout_, surroundings_, s);
+      batch.points.derive();
+      batch.scatter(layout_, c);
+    }
+    for (Neighbourhood& swarm : swarms_) swarm.evaluate(s, c);
+  }
+
+  void values(const double* s, std::span<double> sums) noexcept override {
+    for (std::vector<PairBatch>* batches : {&relative_, &general_}) {
+      for (PairBatch& batch : *batches) {
+        batch.gather(layout_, surroundings_, s);
+        batch.points.evaluate();
+        int point = 0;
+        for (const BodyPotential* pair : batch.pairs) {
+          double& sum = sums[static_cast<std::size_t>(pair - first_)];
+          sum = 0.0;
+          for (int k = 0; k < layout_.stages; ++k) sum += batch.points.value(point++);
+        }
+      }
+    }
+  }
+
+  void product(const double* z, double* y) const noexcept override {
+    if (lone_pair_) return product_of_lone_pair(z, y);
+    for (const int g : zeros_in_y_) {
+      const Layout::Part& part = layout_.groups[at(g)];
+      std::fill_n(y + part.s, layout_.stages * part.ns * W, 0.0);
+    }
+    for (const Slot<W>& slot : slots_) product(slot, z, y);
+    for (const PairBatch& batch : general_) batch.product(layout_, z, y);
+    for (const Neighbourhood& swarm : swarms_) swarm.product(z, y);
+  }
+
+  void find_neighbours(const double* s) noexcept override {
+    for (Neighbourhood& swarm : swarms_) swarm.find(s);
+  }
+  Neighbours neighbours() const noexcept override {
+    Neighbours all;
+    for (const Neighbourhood& swarm : swarms_) {
+      all.pairs += static_cast<int>(swarm.pairs().size());
+      all.left_out += swarm.left_out();
+    }
+    return all;
+  }
+  void swarm_values(const double* s, std::span<double> of_agents) noexcept override {
+    for (Neighbourhood& swarm : swarms_) swarm.values(s, of_agents);
+  }
+
+ private:
+  /// One formula for all pairs; relative ones are told apart by their slots too.
+  PairBatch& batch_of(std::vector<PairBatch>& batches, const BodyPotential& pair, KernelChoice choice) {
+    for (PairBatch& b : batches) {
+      if (b.suits(pair)) return b;
+    }
+    batches.push_back({{}, Points(pair.potential, choice)});
+    return batches.back();
+  }
+
+  void add(const BodyPotential& pair, KernelChoice choice) {
+    if (!pair.potential.relative) {
+      batch_of(general_, pair, choice).pairs.push_back(&pair);
+      return;
+    }
+    PairBatch& batch = batch_of(relative_, pair, choice);
+    const PosePotential* const potential = batch.pairs.empty() ? &pair.potential : &batch.pairs[0]->potential;
+    batch.pairs.push_back(&pair);
+    const Layout::Place a = layout_.place(pair.a), b = layout_.place(pair.b);
+    const auto fits = [&](const Slot<W>& s) {
+      return s.group_a == a.group && s.group_b == b.group && s.potential == potential &&
+             s.a_mask[a.lane] == 0 && s.b_mask[b.lane] == 0;
+    };
+    auto slot = std::find_if(slots_.begin(), slots_.end(), fits);
+    if (slot == slots_.end()) {
+      Slot<W> s;
+      s.group_a = a.group;
+      s.group_b = b.group;
+      s.a_feels = pair.ends.a_feels;
+      s.b_feels = pair.ends.b_feels;
+      s.potential = potential;
+      s.ramp = pair.ramp;
+      slots_.push_back(std::move(s));
+      slot = slots_.end() - 1;
+    }
+    slot->b_of_a[a.lane] = b.lane;
+    slot->a_of_b[b.lane] = a.lane;
+    slot->a_mask.v[a.lane] = 1.0;
+    slot->b_mask.v[b.lane] = 1.0;
+    ++slot->pairs;
+    in_place_.resize(relative_.size());
+  }
+
+  /// Where a slot is the first to write, it need not add; other parts that are written to begin as zeros.
+  void find_first_writers(std::span<const SwarmPotential> swarms) {
+    std::vector<bool> in_c(layout_.groups.size(), false), in_y(in_c);
+    const auto begin_as_zeros = [](int group, std::vector<bool>& written, std::vector<int>& zeros) {
+      if (!written[at(group)]) zeros.push_back(group);
+      written[at(group)] = true;
+    };
+    for (const SwarmPotential& swarm : swarms) {
+      for (const int agent : swarm.agents) {
+        begin_as_zeros(layout_.place(agent).group, in_c, zeros_in_c_);
+        begin_as_zeros(layout_.place(agent).group, in_y, zeros_in_y_);
+      }
+    }
+    // Slots leave out stage 0, others do not.
+    const bool slots_alone = general_.empty();
+    const bool all_in_place = std::all_of(in_place_.begin(), in_place_.end(), [](char c) { return c != 0; });
+    for (Slot<W>& slot : slots_) {
+      slot.assigns_y = slots_alone && slot.a_feels && slot.group_a != slot.group_b && !in_y[at(slot.group_a)];
+      if (slot.assigns_y) in_y[at(slot.group_a)] = true;
+      if (slot.a_feels) begin_as_zeros(slot.group_a, in_y, zeros_in_y_);
+      if (slot.b_feels) begin_as_zeros(slot.group_b, in_y, zeros_in_y_);
+      if (!slot.in_place) continue;
+      slot.assigns_c = slots_alone && all_in_place && slot.a_feels && slot.group_a != slot.group_b &&
+                       !in_c[at(slot.group_a)] && layout_.groups[at(slot.group_a)].ns == relative;
+      if (slot.assigns_c) in_c[at(slot.group_a)] = true;
+      if (slot.a_feels) begin_as_zeros(slot.group_a, in_c, zeros_in_c_);
+      if (slot.b_feels) begin_as_zeros(slot.group_b, in_c, zeros_in_c_);
+    }
+    for (const std::vector<PairBatch>* batches : {&relative_, &general_}) {
+      for (const PairBatch& batch : *batches) {
+        for (const BodyPotential* pair : batch.pairs) {
+          for (const int agent : {pair->a, pair->b}) {
+            if (agent < 0) continue;
+            const int group = layout_.place(agent).group;
+            if (batches == &general_ || !in_place_[static_cast<std::size_t>(&batch - batches->data())])
+              begin_as_zeros(group, in_c, zeros_in_c_);
+            begin_as_zeros(group, in_y, zeros_in_y_);
+          }
+        }
+      }
+    }
+  }
+
+  void find_slots_of_pairs() {
+    for (const PairBatch& batch : relative_) {
+      std::vector<int>& list = slots_of_.emplace_back();
+      for (const BodyPotential* pair : batch.pairs) {
+        const Layout::Place a = layout_.place(pair->a), b = layout_.place(pair->b);
+        const auto slot = std::find_if(slots_.begin(), slots_.end(), [&](const Slot<W>& s) {
+          return s.potential == &batch.pairs[0]->potential && s.group_a == a.group && s.group_b == b.group &&
+                 s.a_mask[a.lane] != 0 && s.b_of_a[a.lane] == b.lane;
+        });
+        list.push_back(static_cast<int>(slot - slots_.begin()));
+      }
+    }
+  }
+
+  /// Lanes of agents pay where half of them are in use; pairs of one formula are evaluated one way.
+  void settle(Slot<W>& slot, KernelChoice choice) {
+    const Program& derivatives = slot.potential->derivatives;
+    slot.H = Rows(1, layout_.stages * 15 * W);
+    slot.formulas.emplace_back(derivatives, choice);
+    for (const Program& p : slot.potential->others) slot.formulas.emplace_back(p, choice);
+    for (std::size_t b = 0; b < relative_.size(); ++b) {
+      if (&relative_[b].pairs[0]->potential != slot.potential) continue;
+      int slots = 0;
+      for (const Slot<W>& s : slots_) slots += s.potential == slot.potential;
+      const int pairs = static_cast<int>(relative_[b].pairs.size());
+      slot.in_place = W >= 4 && 2 * pairs >= W * slots;
+      in_place_[b] = slot.in_place;
+    }
+  }
+
+  void scatter_relative(const PairBatch& batch, const std::vector<int>& slots, double* c) noexcept {
+    int point = 0;
+    for (std::size_t p = 0; p < batch.pairs.size(); ++p) {
+      const BodyPotential& pair = *batch.pairs[p];
+      const Layout::View a = layout_.c(pair.a), b = layout_.c(pair.b);
+      const int ns_a = layout_.part(pair.a).ns, ns_b = layout_.part(pair.b).ns;
+      double* const H = slots_[at(slots[p])].H[0] + layout_.place(pair.a).lane;
+      for (int k = 0; k < layout_.stages; ++k, ++point) {
+        const auto out = [&](int i) { return *batch.points.out(point, i); };
+        for (int i = 0; i < 15; ++i) H[(k * 15 + i) * W] = out(relative + i);
+        if (pair.ends.a_feels) {
+          for (int i = 0; i < relative; ++i) {
+            c[a(k, i)] += out(i);
+            for (int j = i; j < relative; ++j)
+              c[a(k, ns_a + upper_index(i, j, ns_a))] += out(relative + upper(i, j));
+          }
+        }
+        if (pair.ends.b_feels) {
+          for (int i = 0; i < 3; ++i) {
+            c[b(k, i)] -= out(i);
+            for (int j = i; j < 3; ++j)
+              c[b(k, ns_b + upper_index(i, j, ns_b))] += out(relative + upper(i, j));
+          }
+        }
+      }
+    }
+  }
+
+  void evaluate_in_place(Slot<W>& slot, const double* s, double* c) noexcept {
+    const Layout::Part &part_a = layout_.groups[at(slot.group_a)], &part_b = layout_.groups[at(slot.group_b)];
+    alignas(row_alignment) std::array<double, relative * W> in;
+    alignas(row_alignment) std::array<double, relative_outputs * W> out, more;
+    const auto add = [](double* to, L value) { (L::load(to) + value).store(to); };
+    for (int k = 1; k < layout_.stages; ++k) {
+      const double* const a = s + part_a.s + k * part_a.ns * W;
+      const double* const b = s + part_b.s + k * part_b.ns * W;
+      for (int i = 0; i < 3; ++i) {
+        (L::load(a + i * W) - permuted(L::load(b + i * W), slot.b_of_a)).store(&in[at(i * W)]);
+      }
+      for (int i = 3; i < relative; ++i) L::load(a + i * W).store(&in[at(i * W)]);
+      slot.formulas[0].run(in.data(), out.data());
+      for (std::size_t o = 1; o < slot.formulas.size(); ++o) {
+        slot.formulas[o].run(in.data(), more.data());
+        for (int i = 0; i < relative_outputs; ++i) add(&out[at(i * W)], L::load(&more[at(i * W)]));
+      }
+      if (slot.part != 1.0) {
+        for (int i = 0; i < relative_outputs; ++i)
+          (L(slot.part) * L::load(&out[at(i * W)])).store(&out[at(i * W)]);
+      }
+      double* const c_a = c + part_a.c + k * part_a.nc() * W;
+      double* const c_b = c + part_b.c + k * part_b.nc() * W;
+      double* const H = slot.H[0] + k * 15 * W;
+      const auto to_a = [&](double* to, L value) { slot.assigns_c ? value.store(to) : add(to, value); };
+      for (int i = 0; i < relative; ++i) {
+        const L g = L::load(&out[at(i * W)]) * slot.a_mask;
+        if (slot.a_feels) to_a(c_a + i * W, g);
+        if (slot.b_feels && i < 3) add(c_b + i * W, -(permuted(g, slot.a_of_b) * slot.b_mask));
+        for (int j = i; j < relative; ++j) {
+          const L h = L::load(&out[at((relative + upper(i, j)) * W)]) * slot.a_mask;
+          h.store(H + upper(i, j) * W);
+          if (slot.a_feels) to_a(c_a + (part_a.ns + upper_index(i, j, part_a.ns)) * W, h);
+          if (slot.b_feels && j < 3) {
+            add(c_b + (part_b.ns + upper_index(i, j, part_b.ns)) * W, permuted(h, slot.a_of_b) * slot.b_mask);
+          }
+        }
+      }
+    }
+  }
+
+  void product(const Slot<W>& slot, const double* z, double* y) const noexcept {
+    const Layout::Part &part_a = layout_.groups[at(slot.group_a)], &part_b = layout_.groups[at(slot.group_b)];
+    for (int k = 1; k < layout_.stages; ++k) {
+      const std::ptrdiff_t at_a = part_a.s + k * part_a.ns * W, at_b = part_b.s + k * part_b.ns * W;
+      std::array<L, 15> H;
+      for (int i = 0; i < 15; ++i) H[at(i)] = L::load(slot.H[0] + (k * 15 + i) * W);
+      if (slot.a_feels) {
+        std::array<L, 3> b;
+        for (int i = 0; i < 3; ++i) b[at(i)] = permuted(L::load(z + at_b + i * W), slot.b_of_a);
+        for (int i = 0; i < relative; ++i) {
+          double* const to = y + at_a + i * W;
+          const L row = row_of_three(H.data(), i, b.data());
+          (slot.assigns_y ? -row : L::load(to) - row).store(to);
+        }
+      }
+      if (slot.b_feels) {
+        std::array<L, relative> a;
+        for (int i = 0; i < relative; ++i) a[at(i)] = L::load(z + at_a + i * W);
+        for (int i = 0; i < 3; ++i) {
+          double* const to = y + at_b + i * W;
+          (L::load(to) - permuted(row_of_five(H.data(), i, a.data()), slot.a_of_b) * slot.b_mask).store(to);
+        }
+      }
+    }
+  }
+
+  // One pair alone in one group of two lanes: nothing to add up, both directions in one product.
+  void evaluate_lone_pair(const double* s, double* c) noexcept {
+    constexpr int M = native_width;
+    const BodyPotential& pair = *relative_[0].pairs[0];
+    Points& points = relative_[0].points;
+    const Slot<W>& slot = slots_[0];
+    const Layout::View a = layout_.s(pair.a), b = layout_.s(pair.b);
+    for (int k = 0; k < layout_.stages; k += M) {
+      std::array<std::ptrdiff_t, M> stage;  // the last pack repeats the last stage
+      for (int i = 0; i < M; ++i) stage[at(i)] = a.stage * std::min(k + i, layout_.stages - 1);
+      double* const in = &points.in(k, 0);
+      for (int i = 0; i < relative; ++i) {
+        const Lane<M> of_a = Lane<M>::gather(s + a(0, i), stage);
+        (i < 3 ? of_a - Lane<M>::gather(s + b(0, i), stage) : of_a).store(in + i * M);
+      }
+    }
+    points.derive();
+    const L none = 0.0;
+    const L a_row = pair.ends.a_feels ? slot.a_mask : none, b_row = pair.ends.b_feels ? slot.b_mask : none;
+    const L both = a_row + b_row, difference = a_row - b_row;
+    const double* const out = points.out(0, 0);
+    for (int k = 1; k < layout_.stages; ++k) {
+      double* const c_k = c + k * relative_outputs * W;
+      const double* const of_k = out + k / M * relative_outputs * M + k % M;
+      for (int i = 0; i < relative; ++i) (L(of_k[i * M]) * (i < 3 ? difference : a_row)).store(c_k + i * W);
+      for (int i = 0; i < relative; ++i) {
+        for (int j = i; j < relative; ++j) {
+          const int at_ij = relative + upper(i, j);
+          (L(of_k[at_ij * M]) * (j < 3 ? both : a_row)).store(c_k + at_ij * W);
+        }
+      }
+    }
+  }
+
+  void product_of_lone_pair(const double* z, double* y) const noexcept {
+    constexpr int M = native_width;
+    const Slot<W>& slot = slots_[0];
+    const BodyPotential& pair = *relative_[0].pairs[0];
+    const Layout::Part& part = layout_.groups[0];
+    const L none = 0.0;
+    const L a_row = -(pair.ends.a_feels ? slot.a_mask : none),
+            b_row = -(pair.ends.b_feels ? slot.b_mask : none);
+    const L both = a_row + b_row;
+    typename L::Bits other{};
+    for (int i = 0; i < W; ++i) other[i] = (i + 1) % W;
+    const double* const out = relative_[0].points.out(0, relative);
+    for (int k = 1; k < layout_.stages; ++k) {
+      const double* const z_k = z + k * part.ns * W;
+      double* const y_k = y + k * part.ns * W;
+      const double* const of_k = out + k / M * relative_outputs * M + k % M;
+      std::array<L, 15> H;
+      for (int i = 0; i < 15; ++i) H[at(i)] = L(of_k[i * M]);
+      std::array<L, relative> v;  // the partner's; b's heading is not seen
+      for (int i = 0; i < relative; ++i) v[at(i)] = permuted(L::load(z_k + i * W), other);
+      for (int i = 3; i < relative; ++i) v[at(i)] *= slot.b_mask;
+      for (int i = 0; i < 3; ++i) (both * row_of_five(H.data(), i, v.data())).store(y_k + i * W);
+      for (int i = 3; i < relative; ++i) (a_row * row_of_three(H.data(), i, v.data())).store(y_k + i * W);
+    }
+  }
+
+  const Layout layout_;
+  const BodyPotential* first_;
+  Surroundings surroundings_;
+  std::vector<PairBatch> general_, relative_;
+  std::vector<std::vector<int>> slots_of_;    // [relative batch][pair]
+  std::vector<char> in_place_;                // [relative batch]
+  std::vector<int> zeros_in_c_, zeros_in_y_;  // groups
+  std::vector<Slot<W>> slots_;
+  std::vector<Neighbourhood> swarms_;
+  bool lone_pair_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Couplings> make_couplings(std::span<const BodyPotential> pairs, const Layout& layout,
+                                          int bodies, KernelChoice choice,
+                                          std::span<const SwarmPotential> swarms) {
+  if (layout.width == native_width)
+    return std::make_unique<LaneCouplings<native_width>>(pairs, layout, bodies, choice, swarms);
+  return std::make_unique<LaneCouplings<2>>(pairs, layout, bodies, choice, swarms);
+}
+
+}  // namespace sightline

@@ -1,0 +1,128 @@
+#include "sightline/solver/newton/descent.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace sightline {
+namespace {
+
+constexpr int halvings = 12, doublings = 6;
+constexpr double rounding = 1e-12;  // of costs, relative
+constexpr int deepest = 4;          // beyond it a cascade is searched along at once
+
+}  // namespace
+
+Descent::Descent(std::span<const BodyPotential> potentials, const Layout& layout, const InfluenceGraph& graph)
+    : layout_(layout), values_(potentials.size()), of_swarms_(layout.agents.size()) {
+  const int agents = static_cast<int>(layout.agents.size()), all = static_cast<int>(potentials.size());
+  if (graph.kind == Influence::mutual) {
+    Unit& team = units_.emplace_back();
+    team.agents.resize(layout.agents.size());
+    team.potentials.resize(potentials.size());
+    std::iota(team.agents.begin(), team.agents.end(), 0);
+    std::iota(team.potentials.begin(), team.potentials.end(), 0);
+    share_ = 0.5;
+    return;
+  }
+  const bool in_order = graph.kind == Influence::cascade && graph.depth <= deepest;
+  if (in_order) levels_ = graph.depth + 1;
+  sure_ = in_order || graph.kind == Influence::none;
+  for (int a = 0; a < agents; ++a) {
+    Unit& unit = units_.emplace_back();
+    unit.agents = {a};
+    if (in_order) unit.level = graph.depth_of[static_cast<std::size_t>(a)];
+    for (int p = 0; p < all; ++p) {
+      const BodyPotential& potential = potentials[static_cast<std::size_t>(p)];
+      const bool felt =
+          (potential.a == a && potential.ends.a_feels) || (potential.b == a && potential.ends.b_feels);
+      if (felt) unit.potentials.push_back(p);
+    }
+  }
+}
+
+void Descent::move(const Unit& unit, double alpha, const double* start, const double* d, const double* low,
+                   const double* high, double* u) const noexcept {
+  for (const int a : unit.agents) {
+    const Layout::View view = layout_.u(a);
+    for (int k = 0; k < layout_.stages; ++k) {
+      for (int i = 0; i < layout_.part(a).nu; ++i) {
+        const std::ptrdiff_t at = view(k, i);
+        u[at] = clamp(start[at] + alpha * d[at], low[at], high[at]);
+      }
+    }
+  }
+}
+
+void Descent::pay(Groups& groups, Couplings& couplings, const double* u, double* s) noexcept {
+  groups.roll_out(u, s);
+  couplings.values(s, values_);
+  std::fill(of_swarms_.begin(), of_swarms_.end(), 0.0);
+  couplings.swarm_values(s, of_swarms_);
+  for (Unit& unit : units_) {
+    unit.cost = 0.0;
+    for (const int a : unit.agents)
+      unit.cost += groups.own_cost(u, a) + share_ * of_swarms_[static_cast<std::size_t>(a)];
+    for (const int p : unit.potentials) unit.cost += values_[static_cast<std::size_t>(p)];
+  }
+}
+
+double Descent::search(Groups& groups, Couplings& couplings, const double* start, const double* d,
+                       const double* low, const double* high, double* u, double* s) noexcept {
+  std::copy_n(start, layout_.u_length, u);
+  double smallest = 1.0;
+  fell_ = false;
+  for (int level = 0; level < levels_; ++level) {
+    const auto each = [&](auto&& f) {
+      for (Unit& unit : units_) {
+        if (unit.level == level) f(unit);
+      }
+    };
+    const auto try_at = [&](double alpha) {
+      each([&](Unit& unit) {
+        if (!unit.settled) move(unit, alpha, start, d, low, high, u);
+      });
+      pay(groups, couplings, u, s);
+    };
+    pay(groups, couplings, u, s);
+    each([](Unit& unit) {
+      unit.before = unit.best = unit.cost;
+      unit.alpha = 0.0;
+      unit.settled = false;
+    });
+    bool pending = true;
+    double alpha = 1.0;
+    for (int i = 0; i < halvings && pending; ++i, alpha *= 0.5) {
+      try_at(alpha);
+      pending = false;
+      each([&](Unit& unit) {
+        if (unit.settled) return;
+        unit.settled = unit.cost < unit.before + rounding * std::fabs(unit.before);
+        pending |= !unit.settled;
+        if (unit.settled) unit.alpha = alpha, unit.best = unit.cost;
+      });
+    }
+    // A damped step may be far too short.
+    each([&](Unit& unit) { unit.settled = unit.alpha < 1.0; });
+    alpha = 2.0;
+    for (int i = 0; i < doublings; ++i, alpha *= 2.0) {
+      bool growing = false;
+      each([&](Unit& unit) { growing |= !unit.settled; });
+      if (!growing) break;
+      try_at(alpha);
+      each([&](Unit& unit) {
+        if (unit.settled) return;
+        unit.settled = !(unit.cost < unit.best);
+        if (!unit.settled) unit.alpha = alpha, unit.best = unit.cost;
+      });
+    }
+    each([&](Unit& unit) {
+      move(unit, unit.alpha, start, d, low, high, u);
+      smallest = std::min(smallest, unit.alpha);
+      fell_ |= unit.best < unit.before - rounding * std::fabs(unit.before);
+    });
+  }
+  return smallest;
+}
+
+}  // namespace sightline

@@ -1,0 +1,49 @@
+/// What is done with a step that cannot be trusted: it is shortened, or lengthened, until a cost falls.
+///
+/// Where all agents share one cost they are searched along together. In a cascade each agent has a cost of
+/// its own, given those it feels: agents are searched along one by one, in the order of the influence graph.
+/// In a cyclic team, or in a deep cascade, all at once, each by its own cost.
+#pragma once
+
+#include <vector>
+
+#include "sightline/solver/newton/krylov.hpp"
+
+namespace sightline {
+
+class Descent {
+ public:
+  Descent(std::span<const BodyPotential> potentials, const Layout& layout, const InfluenceGraph& graph);
+
+  /// u <- start + alpha d within the limits, alpha of each unit such that its cost does not rise.
+  /// @return the smallest alpha; 0 where a cost rises along d from the start
+  double search(Groups& groups, Couplings& couplings, const double* start, const double* d, const double* low,
+                const double* high, double* u, double* s) noexcept;
+  /// Whether costs are sure to lead on: one cost for all, or agents in order. Not where all search at once.
+  bool sure() const { return sure_; }
+  /// Whether a cost fell in the last search, beyond what rounding does to it.
+  bool fell() const { return fell_; }
+
+ private:
+  /// Agents that move by one alpha, and what they pay together.
+  struct Unit {
+    int level = 0;
+    std::vector<int> agents, potentials;
+    double before = 0.0, best = 0.0, cost = 0.0, alpha = 0.0;
+    bool settled = false;
+  };
+
+  void move(const Unit& unit, double alpha, const double* start, const double* d, const double* low,
+            const double* high, double* u) const noexcept;
+  void pay(Groups& groups, Couplings& couplings, const double* u, double* s) noexcept;
+
+  Layout layout_;
+  std::vector<Unit> units_;
+  std::vector<double> values_;
+  std::vector<double> of_swarms_;  // of each agent
+  double share_ = 1.0;             // of a pair's cost that each of the two pays
+  int levels_ = 1;
+  bool sure_ = true, fell_ = false;
+};
+
+}  // namespace sightline

@@ -1,0 +1,156 @@
+/// Agents of one model side by side in lanes: their roll-out, their Riccati factorisation and what it solves.
+///
+/// Trajectories are [stage][entry][lane]. What is seen (s) and what the couplings give (c) is one array of
+/// the team, in which each group has its part.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+
+#include "sightline/formula/derive.hpp"
+#include "sightline/solver/kernels/kernel.hpp"
+
+namespace sightline {
+
+class Group {
+ public:
+  Group(std::shared_ptr<const StagePrograms> programs, int stages, int width)
+      : programs_(std::move(programs)), sizes_(programs_->sizes), stages_(stages), width_(width) {}
+  virtual ~Group() = default;
+  Group(const Group&) = delete;
+  Group& operator=(const Group&) = delete;
+
+  const StageSizes& sizes() const { return sizes_; }
+
+  /// One number of one agent: state of stage k; reference of stage k; 2 h Q, 2 h R, u*, rho; Q_f.
+  double x(int k, int i, int lane) const { return *(x_[0] + at(k, sizes_.nx, i, lane)); }
+  double& x(int k, int i, int lane) { return *(x_[0] + at(k, sizes_.nx, i, lane)); }
+  double& x_ref(int k, int i, int lane) { return *(x_ref_[0] + at(k, sizes_.nx, i, lane)); }
+  double& weight(int i, int lane) { return *(weights_[0] + at(0, 0, i, lane)); }
+  double& Q_f(int i, int lane) { return *(Q_f_[0] + at(0, 0, i, lane)); }
+  double& rho(int lane) { return weight(sizes_.nx + 2 * sizes_.nu, lane); }
+
+  /// States of all stages of the agents in lanes 0 .. n - 1, each stage by stage.
+  void copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept;
+
+  /// One agent's own cost along the trajectory, times h; the part of x_0 is constant.
+  double tracking_cost(const double* u, int lane) const noexcept;
+
+  /// x of all stages from x of stage 0 under u; s of all stages but the last.
+  virtual void roll_out(const double* u, double* s) noexcept = 0;
+  /// The backward sweep at the trajectory of the last roll-out, with the couplings' gradients and Hessians c.
+  /// @param H_u  h times the gradient of the Hamiltonian of all stages
+  /// @return whether all pivots were sound; `doubtful` names the lanes where one was not
+  virtual bool backward(const double* u, const double* held, const double* c, double* H_u) noexcept = 0;
+  bool doubtful(int lane) const { return !(doubt_[0][lane] <= 0.0); }
+  /// du and the change of s along the horizon, for the right side of the backward sweep.
+  virtual void forward(double* du, double* ds) noexcept = 0;
+  /// The same for the right side r in s.
+  virtual void precondition(const double* r, double* du, double* ds) noexcept = 0;
+
+ protected:
+  std::ptrdiff_t at(int k, int n, int i, int lane) const {
+    return (static_cast<std::ptrdiff_t>(k) * n + i) * width_ + lane;
+  }
+  void allocate() {
+    const auto row = [&](int packs) { return Rows(1, packs * width_); };
+    x_ = row((stages_ + 1) * sizes_.nx);
+    x_ref_ = row((stages_ + 1) * sizes_.nx);
+    weights_ = row(sizes_.weights());
+    Q_f_ = row(sizes_.nx);
+    gain_ = row(stages_ * sizes_.gain());
+    k_ = row(stages_ * sizes_.nu);
+    trial_k_ = row(stages_ * sizes_.nu);
+    carry_ = Rows(2, sizes_.carry() * width_);
+    doubt_ = row(1);
+  }
+
+  std::shared_ptr<const StagePrograms> programs_;
+  StageSizes sizes_;
+  int stages_, width_;
+  Rows x_, x_ref_, weights_, Q_f_, gain_, k_, trial_k_, carry_, doubt_;
+};
+
+/// A group over the functions of a kernel.
+template <int W, class Kernel>
+class StageGroup final : public Group {
+ public:
+  StageGroup(std::shared_ptr<const StagePrograms> programs, int stages)
+      : Group(std::move(programs), stages, W), kernel_(*programs_) {
+    allocate();
+  }
+
+  void roll_out(const double* u, double* s) noexcept override {
+    const StageSizes n = kernel_.sizes();
+    double* x = x_[0];
+    std::copy_n(x, n.nx * W, carry_[0]);
+    typename Kernel::State now(carry_[0]), next(carry_[1]);
+    for (int k = 0; k < stages_; ++k, u += n.nu * W, s += n.ns * W) {
+      x += n.nx * W;
+      kernel_.step(now.numbers(), u, next.numbers(), s);
+      next.store(x, n.nx * W);
+      now.take(next);
+    }
+  }
+
+  bool backward(const double* u, const double* held, const double* c, double* H_u) noexcept override {
+    const StageSizes n = kernel_.sizes();
+    start_carry(carry_[0]);
+    typename Kernel::Carry carry(carry_[0]), next(carry_[1]);
+    for (int k = stages_ - 1; k > 0; --k) {
+      kernel_.back(x_[0] + k * n.nx * W, u + k * n.nu * W, x_ref_[0] + k * n.nx * W, held + k * n.nu * W,
+                   weights_[0], c + k * n.coupling() * W, carry.numbers(), H_u + k * n.nu * W,
+                   gain_[0] + k * n.gain() * W, k_[0] + k * n.nu * W, next.numbers());
+      carry.take(next);
+    }
+    kernel_.back_first(x_[0], u, x_ref_[0], held, weights_[0], c, carry.numbers(), H_u, gain_[0], k_[0],
+                       doubt_[0]);
+    bool sound = true;
+    for (int l = 0; l < W; ++l) sound &= doubt_[0][l] <= 0.0;
+    return sound;
+  }
+
+  void forward(double* du, double* ds) noexcept override { sweep_forward(k_[0], du, ds); }
+
+  void precondition(const double* r, double* du, double* ds) noexcept override {
+    const StageSizes n = kernel_.sizes();
+    std::fill_n(carry_[0], n.nx * W, 0.0);
+    typename Kernel::State p(carry_[0]), next(carry_[1]);
+    for (int k = stages_ - 1; k >= 0; --k) {
+      kernel_.precondition_back(p.numbers(), r + k * n.ns * W, gain_[0] + k * n.gain() * W, next.numbers(),
+                                trial_k_[0] + k * n.nu * W);
+      p.take(next);
+    }
+    sweep_forward(trial_k_[0], du, ds);
+  }
+
+ private:
+  void sweep_forward(const double* k_rows, double* du, double* ds) noexcept {
+    const StageSizes n = kernel_.sizes();
+    std::fill_n(carry_[0], n.nx * W, 0.0);
+    typename Kernel::State y(carry_[0]), next(carry_[1]);
+    for (int k = 0; k < stages_; ++k) {
+      kernel_.precondition_forward(y.numbers(), gain_[0] + k * n.gain() * W, k_rows + k * n.nu * W,
+                                   du + k * n.nu * W, next.numbers(), ds + k * n.ns * W);
+      y.take(next);
+    }
+  }
+
+  /// Behind the last stage: lambda = 2 Q_f (x - x*), e = 0, P = 2 Q_f.
+  void start_carry(double* carry) noexcept {
+    const StageSizes n = kernel_.sizes();
+    using L = Lane<W>;
+    std::fill_n(carry, n.carry() * W, 0.0);
+    double *const lambda = carry + W, *const P = carry + (1 + 2 * n.nx) * W;
+    const double *const x = x_[0] + stages_ * n.nx * W, *const x_ref = x_ref_[0] + stages_ * n.nx * W;
+    for (int i = 0; i < n.nx; ++i) {
+      const L curvature = L(2.0) * L::load(Q_f_[0] + i * W);
+      (curvature * (L::load(x + i * W) - L::load(x_ref + i * W))).store(lambda + i * W);
+      curvature.store(P + upper_index(i, i, n.nx) * W);
+    }
+  }
+
+  Kernel kernel_;
+};
+
+}  // namespace sightline

@@ -1,0 +1,190 @@
+#include "sightline/solver/newton/groups.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace sightline {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Agents of one model with equal barriers and input scales that are seen alike.
+struct Kind {
+  BlockProgram step;
+  Program barriers;
+  std::vector<double> scales;
+  std::shared_ptr<const StagePrograms> programs;
+  std::vector<int> agents;
+};
+
+std::vector<Kind> sort_into_kinds(const Ocp& ocp, std::span<const BodyPotential> potentials) {
+  std::vector<Kind> kinds;
+  const double h = ocp.horizon().h();
+  for (int a = 0; a < static_cast<int>(ocp.agent_bodies().size()); ++a) {
+    const bool moving = std::any_of(potentials.begin(), potentials.end(), [&](const BodyPotential& p) {
+      return (p.a == a && p.potential.sees_motion(false)) || (p.b == a && p.potential.sees_motion(true));
+    });
+    const Seen seen = moving ? Seen::pose_and_motion : Seen::pose;
+    const Model& model = ocp.team().model(ocp.agent_bodies()[at(a)]);
+    const std::vector<RelaxedBarrier> limits = ocp.team().barriers(ocp.agent_bodies()[at(a)]);
+    BlockProgram step = trace_step(model, h, seen);
+    Program barriers = trace_barriers(model, limits);
+    std::vector<double> scales = input_scales(ocp.team().agents()[at(a)]);
+    const auto same = [&](const Kind& k) {
+      return k.step.program == step.program && k.step.inputs == step.inputs &&
+             k.step.outputs == step.outputs && k.barriers == barriers && k.scales == scales;
+    };
+    auto kind = std::find_if(kinds.begin(), kinds.end(), same);
+    if (kind == kinds.end()) {
+      auto programs = std::make_shared<const StagePrograms>(trace_stage(model, h, seen, limits, scales));
+      kind = kinds.insert(kinds.end(),
+                          {std::move(step), std::move(barriers), std::move(scales), std::move(programs), {}});
+    }
+    kind->agents.push_back(a);
+  }
+  return kinds;
+}
+
+}  // namespace
+
+double Group::tracking_cost(const double* u, int lane) const noexcept {
+  const int nx = sizes_.nx, nu = sizes_.nu;
+  double running = 0.0, end = 0.0;
+  const auto weight = [&](int i) { return *(weights_[0] + at(0, 0, i, lane)); };
+  for (int k = 0; k <= stages_; ++k) {
+    for (int i = 0; i < nx; ++i) {
+      const double e = x(k, i, lane) - *(x_ref_[0] + at(k, nx, i, lane));
+      if (k < stages_) running += weight(i) * e * e;
+      if (k == stages_) end += *(Q_f_[0] + at(0, 0, i, lane)) * e * e;
+    }
+    if (k == stages_) continue;
+    for (int i = 0; i < nu; ++i) {
+      const double e = u[at(k, nu, i, lane)] - weight(nx + nu + i);
+      running += weight(nx + i) * e * e;
+    }
+  }
+  return 0.5 * running + end;
+}
+
+void Group::copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept {
+  const double* from = x_[0];
+  for (int k = 0; k <= stages_; ++k, from += sizes_.nx * width_) {
+    for (int lane = 0; lane < n; ++lane) {
+      double* const of_stage = to[lane] + k * stage;
+      for (int i = 0; i < sizes_.nx; ++i) of_stage[i] = from[i * width_ + lane];
+    }
+  }
+}
+
+void Groups::copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    std::array<double*, native_width> to{};
+    const std::vector<int>& members = members_[g];
+    for (std::size_t lane = 0; lane < members.size(); ++lane) to[lane] = x + x_at[at(members[lane])];
+    groups_[g]->copy_states(to.data(), stage, static_cast<int>(members.size()));
+  }
+}
+
+Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice)
+    : h_(ocp.horizon().h()) {
+  for (const BodyId body : ocp.agent_bodies()) {
+    const Model& model = ocp.team().model(body);
+    limited_.push_back({model, ocp.team().barriers(body), std::vector<double>(at(model.nx())),
+                        std::vector<double>(at(model.nu()))});
+  }
+  const std::vector<Kind> kinds = sort_into_kinds(ocp, potentials);
+  const bool few =
+      std::all_of(kinds.begin(), kinds.end(), [](const Kind& k) { return k.agents.size() <= 2; });
+  layout_.stages = ocp.horizon().N;
+  layout_.width = few ? 2 : native_width;
+  layout_.agents.resize(ocp.agent_bodies().size());
+  for (const Kind& kind : kinds) {
+    const int first = static_cast<int>(groups_.size()), n = static_cast<int>(kind.agents.size());
+    const int groups = (n + layout_.width - 1) / layout_.width;
+    for (int g = 0; g < groups; ++g) {
+      groups_.push_back(make_group(kind.programs, layout_.stages, layout_.width, choice));
+      layout_.add(kind.programs->sizes.nu, kind.programs->sizes.ns);
+    }
+    members_.resize(groups_.size());
+    for (int i = 0; i < n; ++i) {
+      layout_.agents[at(kind.agents[at(i)])] = {first + i % groups, i / groups};
+      members_[at(first + i % groups)].push_back(kind.agents[at(i)]);
+    }
+  }
+  // A lane without an agent rests: no weights but those of its inputs, which so stay zero.
+  for (const auto& group : groups_) {
+    for (int lane = 0; lane < layout_.width; ++lane) {
+      for (int i = 0; i < group->sizes().nu; ++i) group->weight(group->sizes().nx + i, lane) = 1.0;
+    }
+  }
+  for (int a = 0; a < static_cast<int>(layout_.agents.size()); ++a) {
+    const Agent& agent = ocp.team().agents()[at(a)];
+    Group& group = group_of(a);
+    const int lane = layout_.place(a).lane, nx = group.sizes().nx, nu = group.sizes().nu;
+    for (int i = 0; i < nx; ++i) group.weight(i, lane) = 2.0 * h_ * agent.Q[at(i)];
+    for (int i = 0; i < nu; ++i) group.weight(nx + i, lane) = 2.0 * h_ * agent.R[at(i)];
+    for (int i = 0; i < nu; ++i) group.weight(nx + nu + i, lane) = agent.u_ref[at(i)];
+    for (int i = 0; i < nx; ++i) group.Q_f(i, lane) = agent.Q_f[at(i)];
+  }
+}
+
+void Groups::roll_out(const double* u, double* s) noexcept {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    groups_[g]->roll_out(u + layout_.groups[g].u, s + layout_.groups[g].s);
+  }
+}
+
+double Groups::own_cost(const double* u, int agent) noexcept {
+  const Group& group = group_of(agent);
+  const int lane = layout_.place(agent).lane;
+  double cost = group.tracking_cost(u + layout_.part(agent).u, lane);
+  Limited& robot = limited_[at(agent)];
+  if (robot.barriers.empty()) return cost;
+  const Layout::View input = layout_.u(agent);
+  for (int k = 0; k < layout_.stages; ++k) {
+    for (int i = 0; i < group.sizes().nx; ++i) robot.x[at(i)] = group.x(k, i, lane);
+    for (int i = 0; i < group.sizes().nu; ++i) robot.u[at(i)] = u[input(k, i)];
+    const Sight<double> sight = robot.model.sight(robot.x.data(), robot.u.data());
+    for (const RelaxedBarrier& barrier : robot.barriers) {
+      cost += h_ * barrier(sight, std::span<const double>(robot.x), std::span<const double>(robot.u));
+    }
+  }
+  return cost;
+}
+
+int Groups::solve(const double* u, const double* held, const double* c, double* H_u, double* du,
+                  double* ds) noexcept {
+  constexpr int attempts = 10;    // the damping has grown a thousand million times by then
+  constexpr double first = 0.02;  // of 2 R h where R = 1 in an input's scale: no more than it takes
+  int repeated = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Layout::Part& part = layout_.groups[g];
+    Group& group = *groups_[g];
+    for (int lane = 0; lane < layout_.width; ++lane) group.rho(lane) = 0.0;
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+      if (group.backward(u + part.u, held + part.u, c + part.c, H_u + part.u)) break;
+      ++repeated;
+      for (int lane = 0; lane < layout_.width; ++lane) {
+        if (group.doubtful(lane)) group.rho(lane) = group.rho(lane) > 0 ? 10.0 * group.rho(lane) : first * h_;
+      }
+    }
+    group.forward(du + part.u, ds + part.s);
+  }
+  return repeated;
+}
+
+void Groups::differentiate(const double* u, const double* held, const double* c, double* H_u) noexcept {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Layout::Part& part = layout_.groups[g];
+    groups_[g]->backward(u + part.u, held + part.u, c + part.c, H_u + part.u);
+  }
+}
+
+void Groups::precondition(const double* r, double* du, double* ds) noexcept {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Layout::Part& part = layout_.groups[g];
+    groups_[g]->precondition(r + part.s, du + part.u, ds + part.s);
+  }
+}
+
+}  // namespace sightline

@@ -1,0 +1,57 @@
+/// All agents of a team in groups of equal models, each group in lanes.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sightline/ocp/ocp.hpp"
+#include "sightline/solver/kernels/kernel_table.hpp"
+#include "sightline/solver/newton/coupling.hpp"
+#include "sightline/solver/newton/group.hpp"
+#include "sightline/solver/newton/layout.hpp"
+
+namespace sightline {
+
+/// Arrays are those of the layout. Equal agents are dealt out: agent a of n groups is in group a mod n, lane
+/// a / n, so that neighbours of a chain stand in neighbouring groups at the same lane.
+class Groups {
+ public:
+  Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice);
+
+  const Layout& layout() const { return layout_; }
+  Group& group_of(int agent) { return *groups_[static_cast<std::size_t>(layout_.place(agent).group)]; }
+  const Group& group_of(int agent) const {
+    return *groups_[static_cast<std::size_t>(layout_.place(agent).group)];
+  }
+
+  void roll_out(const double* u, double* s) noexcept;
+  /// States of the last roll-out, agent a of stage k at x + k stage + x_at[a].
+  void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept;
+  /// Tracking cost and barriers of one agent along the last roll-out, times h.
+  double own_cost(const double* u, int agent) noexcept;
+  /// The step of each agent by itself: factorises at the last roll-out, and goes forward while the gains are near.
+  /// Where a pivot is not sound, the lane is damped (Levenberg) until all are.
+  /// @return factorisations beyond the first
+  int solve(const double* u, const double* held, const double* c, double* H_u, double* du,
+            double* ds) noexcept;
+  /// One backward sweep, for H_u alone.
+  void differentiate(const double* u, const double* held, const double* c, double* H_u) noexcept;
+  void precondition(const double* r, double* du, double* ds) noexcept;
+
+ private:
+  /// What the barriers of an agent are evaluated with.
+  struct Limited {
+    Model model;
+    std::vector<RelaxedBarrier> barriers;
+    std::vector<double> x, u;
+  };
+
+  double h_;
+  Layout layout_;
+  std::vector<std::unique_ptr<Group>> groups_;
+  std::vector<std::vector<int>> members_;  // [group][lane]: agent
+  std::vector<Limited> limited_;           // [agent]
+};
+
+}  // namespace sightline

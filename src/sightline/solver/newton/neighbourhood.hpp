@@ -1,0 +1,75 @@
+/// The pairs of a swarm that come near each other, and their potential along the horizon.
+///
+/// A pair counts where the present plan brings it nearer than the radius at any stage, not only where it is so now:
+/// with the potential next to nothing at the radius, a pair that comes or goes then makes no step. Numbers of an
+/// agent stand in rows along the horizon, so lanes are stages and nothing is gathered pair by pair.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sightline/math/grid.hpp"
+#include "sightline/solver/kernels/pose_potential.hpp"
+#include "sightline/solver/newton/layout.hpp"
+#include "sightline/solver/newton/points.hpp"
+
+namespace sightline {
+
+/// Arrays s, c, z, y are those of the layout. Memory is taken when it is made, none afterwards.
+class Neighbourhood {
+ public:
+  struct Pair {
+    int a, b;           ///< places in the swarm's list of agents
+    double distance_2;  ///< least along the horizon, squared [m^2]
+  };
+
+  /// @param swarm, layout  outlive it
+  Neighbourhood(const SwarmPotential& swarm, const Layout& layout, KernelChoice choice);
+
+  /// The pairs that are near along s; of more than there is room for, the nearest.
+  void find(const double* s) noexcept;
+  /// Those pairs, in the order of (a, b), a < b.
+  std::span<const Pair> pairs() const { return pairs_; }
+  /// Pairs of the last `find` for which there was no room.
+  int left_out() const { return left_out_; }
+
+  /// c += gradients and own Hessians of all pairs, times h.
+  void evaluate(const double* s, double* c) noexcept;
+  /// y += C z, with the Hessian blocks of the last `evaluate`.
+  void product(const double* z, double* y) const noexcept;
+  /// of_agents += what the pairs of each agent cost along the horizon, times h.
+  void values(const double* s, std::span<double> of_agents) noexcept;
+
+ private:
+  using L = NativeLane;
+  static constexpr int W = L::width;
+  static constexpr int inputs = PosePotential::relative_size, outputs = inputs + inputs * (inputs + 1) / 2;
+
+  int agents() const { return static_cast<int>(swarm_.agents.size()); }
+  int packs() const { return rows_ / W; }
+  double* row(Rows& rows, int agent, int entry, int entries) const { return rows[agent * entries + entry]; }
+  void collect(const double* s, Rows& rows) const noexcept;
+  void take_differences(const Pair& pair) noexcept;
+  double least_distance_2(int a, int b) noexcept;
+  void offer(const Pair& pair) noexcept;
+
+  const SwarmPotential& swarm_;
+  const Layout& layout_;
+  PackFormula<W> value_, derivatives_;
+  int n_;     // numbers of a pose that are seen: 3 or 5
+  int rows_;  // stages, whole packs
+
+  Grid grid_;
+  std::vector<Vec3<double>> centres_;
+  std::vector<double> extents_;
+  std::vector<Pair> pairs_;
+  int left_out_ = 0;
+
+  Rows poses_;            // (n x agents)  [stage]
+  mutable Rows z_, y_;    // (n x agents)  [stage], of the product
+  Rows sums_;             // (n + n (n + 1) / 2 x agents)  [stage]
+  Rows H_;                // (n (n + 1) / 2 x capacity)  [stage]
+  Rows in_, out_, cost_;  // of one pair, [pack][entry][lane]
+};
+
+}  // namespace sightline

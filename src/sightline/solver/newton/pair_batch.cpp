@@ -1,0 +1,93 @@
+#include "sightline/solver/newton/pair_batch.hpp"
+
+#include "sightline/formula/derive.hpp"
+
+namespace sightline {
+
+bool PairBatch::suits(const BodyPotential& pair) const {
+  const BodyPotential& first = *pairs[0];
+  const PosePotential &ours = first.potential, &other = pair.potential;
+  return first.ramp == pair.ramp && ours.derivatives == other.derivatives && ours.others == other.others &&
+         ours.variables == other.variables && first.ends.a_feels == pair.ends.a_feels &&
+         first.ends.b_feels == pair.ends.b_feels && first.ends.a_is_agent == pair.ends.a_is_agent &&
+         first.ends.b_is_agent == pair.ends.b_is_agent;
+}
+
+void PairBatch::gather(const Layout& layout, const Surroundings& surroundings, const double* s) noexcept {
+  const int N = layout.stages;
+  const PosePotential& potential = pairs[0]->potential;
+  int point = 0;
+  for (const BodyPotential* pair : pairs) {
+    const Layout::View a = pair->a >= 0 ? layout.s(pair->a) : Layout::View{};
+    const Layout::View b = pair->b >= 0 ? layout.s(pair->b) : Layout::View{};
+    if (potential.relative) {
+      for (int k = 0; k < N; ++k, ++point) {
+        for (int i = 0; i < 3; ++i) points.in(point, i) = s[a(k, i)] - s[b(k, i)];
+        for (int i = 3; i < PosePotential::relative_size; ++i) points.in(point, i) = s[a(k, i)];
+      }
+      continue;
+    }
+    for (std::size_t i = 0; i < potential.variables.size(); ++i) {
+      const int v = potential.variables[i];
+      const bool of_b = v >= sight_size;
+      const int agent = of_b ? pair->b : pair->a, body = of_b ? pair->body_b : pair->body_a;
+      const int component = of_b ? v - sight_size : v;
+      for (int k = 0; k < N; ++k) {
+        points.in(point + k, static_cast<int>(i)) =
+            v == PosePotential::time_variable ? surroundings.time[0][k]
+            : agent >= 0                      ? s[(of_b ? b : a)(k, component)]
+                                              : surroundings.bodies[body * sight_size + component][k];
+      }
+    }
+    point += N;
+  }
+}
+
+void PairBatch::scatter(const Layout& layout, double* c) const noexcept {
+  const PosePotential& potential = pairs[0]->potential;
+  const int N = layout.stages;
+  int first = 0;
+  for (const BodyPotential* pair : pairs) {
+    const auto add = [&](bool of_b, const auto& index, int output, bool negative) {
+      const int agent = of_b ? pair->b : pair->a;
+      const Layout::View view = layout.c(agent);
+      const int entry = index(layout.part(agent).ns);
+      for (int k = 0; k < N; ++k) {
+        const double value = *points.out(first + k, output);
+        c[view(k, entry)] += negative ? -value : value;
+      }
+    };
+    for (const auto& g : potential.gradient) {
+      const bool of_b = g.variable >= sight_size;
+      add(
+          of_b, [&](int) { return g.variable - (of_b ? sight_size : 0); }, g.output, g.negative);
+    }
+    for (const auto& h : potential.own) {
+      const bool of_b = h.row >= sight_size;
+      const int from = of_b ? sight_size : 0;
+      add(
+          of_b, [&](int ns) { return ns + upper_index(h.row - from, h.column - from, ns); }, h.output,
+          h.negative);
+    }
+    first += N;
+  }
+}
+
+void PairBatch::product(const Layout& layout, const double* z, double* y) const noexcept {
+  const PosePotential& potential = pairs[0]->potential;
+  int first = 0;
+  for (const BodyPotential* pair : pairs) {
+    for (const auto& h : potential.cross) {
+      const Layout::View a = layout.s(pair->a), b = layout.s(pair->b);
+      const int i = h.row, j = h.column - sight_size;
+      for (int k = 0; k < layout.stages; ++k) {
+        const double value = *points.out(first + k, h.output), entry = h.negative ? -value : value;
+        if (pair->ends.a_feels) y[a(k, i)] += entry * z[b(k, j)];
+        if (pair->ends.b_feels) y[b(k, j)] += entry * z[a(k, i)];
+      }
+    }
+    first += layout.stages;
+  }
+}
+
+}  // namespace sightline

@@ -1,0 +1,33 @@
+/// Equal potentials over many pairs of bodies: one formula at all stages of all pairs.
+#pragma once
+
+#include <vector>
+
+#include "sightline/solver/kernels/pose_potential.hpp"
+#include "sightline/solver/newton/layout.hpp"
+#include "sightline/solver/newton/points.hpp"
+
+namespace sightline {
+
+/// What potentials see beside the agents, along the horizon.
+struct Surroundings {
+  Rows bodies;  ///< Sights of bodies that are not controlled  (8 bodies x N)
+  Rows time;    ///< [s]  (1 x N)
+};
+
+/// Arrays s, c, z, y are those of the layout.
+struct PairBatch {
+  std::vector<const BodyPotential*> pairs;
+  Points points;  ///< stage by stage of the first pair, then of the next
+
+  /// Whether this pair has the batch's formula and is felt as its pairs are.
+  bool suits(const BodyPotential& pair) const;
+  /// The points' inputs at s.
+  void gather(const Layout& layout, const Surroundings& surroundings, const double* s) noexcept;
+  /// c += gradients and own Hessians of the last `derive`, of potentials that are not relative.
+  void scatter(const Layout& layout, double* c) const noexcept;
+  /// y += C z with their blocks between two agents.
+  void product(const Layout& layout, const double* z, double* y) const noexcept;
+};
+
+}  // namespace sightline

@@ -1,0 +1,177 @@
+#include "sightline/record/safety_summary.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace sightline {
+namespace {
+
+Scenario scenario(const std::string& safety) {
+  return parse_scenario(R"(
+[agent.a]
+robot = "multirotor"
+start = { p = [0.0, 0.0, 1.0] }
+[agent.b]
+robot = "multirotor"
+start = { p = [3.0, 0.0, 1.0] }
+[obstacle.o]
+p = [9.0, 0.0, 1.0]
+d_hard = 1.2
+)" + safety,
+                        "a.toml");
+}
+
+const std::vector<Presence> there = {Presence::steered, Presence::steered, Presence::hold};
+
+std::vector<Sight<double>> places(double a, double b, double o) {
+  std::vector<Sight<double>> sights(3);
+  sights[0].p.x = a, sights[1].p.x = b, sights[2].p.x = o;
+  for (Sight<double>& sight : sights) sight.p.z = 1.0;
+  return sights;
+}
+
+TEST(SafetySummary, KeepsTheLeastOfEachHardDistanceAndItsTime) {
+  SafetySummary summary(scenario("[safety]\nbarrier = \"on\"\nd_hard = 0.5\n"));
+  const std::vector<BarrierRecord> idle(2);
+  summary.add(0.0, places(0, 3, 9), there, idle);
+  summary.add(0.1, places(0, 0.6, 9), there, idle);
+  summary.add(0.2, places(0, 4, 5.1), there, idle);
+  EXPECT_EQ(summary.pairs().size(), 3U);
+  const std::vector<std::string> broken = summary.broken();
+  ASSERT_EQ(broken.size(), 1U);
+  EXPECT_EQ(broken[0], "b came within 1.1 m of o at 0.20 s, d_hard is 1.2 m");
+  const auto json = nlohmann::json::parse(summary.json());
+  EXPECT_EQ(json.at("barrier"), "on");
+  EXPECT_EQ(json.at("hard_distances").at(0).at("b"), "o") << "the worst first";
+  EXPECT_NEAR(json.at("hard_distances").at(1).at("least").get<double>(), 0.6, 1e-12);
+  EXPECT_EQ(json.at("hard_distances").at(1).at("time"), 0.1);
+  const auto lines = safety_lines(summary.json());
+  EXPECT_EQ(lines.at(0).second, "b and o: 1.1 m at least, BROKEN, to be 1.2 m");
+  EXPECT_EQ(lines.at(1).second, "a and b: 0.6 m at least, kept 0.5 m");
+}
+
+TEST(SafetySummary, ADistanceThatIsJustReachedIsKept) {
+  SafetySummary summary(scenario("[safety]\nd_hard = 0.5\n"));
+  summary.add(0.0, places(0, 0.5, 9), there, {});
+  EXPECT_TRUE(summary.broken().empty());
+  summary.add(0.0, places(0, 0.4999999, 9), there, {});
+  EXPECT_EQ(summary.broken().size(), 1U);
+}
+
+TEST(SafetySummary, ABodyThatIsNotThereComesNearNobody) {
+  SafetySummary summary(scenario("[safety]\nd_hard = 0.5\n"));
+  const std::vector<Presence> alone = {Presence::steered, Presence::absent, Presence::absent};
+  summary.add(0.0, places(0, 0.1, 0.2), alone, {});
+  EXPECT_TRUE(summary.broken().empty());
+  summary.add(0.1, places(0, 0.1, 9), there, {});
+  EXPECT_EQ(summary.broken().size(), 1U);
+}
+
+std::vector<Sight<double>> heights(double a, double b) {
+  std::vector<Sight<double>> sights = places(0, 3, 9);
+  sights[0].p.z = a, sights[1].p.z = b;
+  return sights;
+}
+
+TEST(SafetySummary, JudgesTheWallsThatTheScenarioStatesOrTheBarrierIsToKeep) {
+  const auto judged = [](const std::string& safety) {
+    SafetySummary summary(scenario(safety));
+    auto sights = heights(0.2, 11.0);
+    sights[1].p.y = -102.0;
+    summary.add(0.0, heights(1.0, 1.0), there, {});
+    summary.add(0.1, sights, there, {});
+    return summary.broken();
+  };
+  EXPECT_TRUE(judged("").empty());
+  EXPECT_TRUE(judged("[safety]\nd_hard = 0.5\n").empty());
+  EXPECT_EQ(judged("[safety]\nfloor = 0.25\n"),
+            std::vector<std::string>{"a came to a height of 0.2 m at 0.10 s, the floor is 0.25 m"});
+  EXPECT_EQ(judged("[safety]\nbarrier = \"on\"\n"),
+            (std::vector<std::string>{"b came to |p_x| or |p_y| of 102 m at 0.10 s, the world is 100 m",
+                                      "b came to a height of 11 m at 0.10 s, the ceiling is 10 m",
+                                      "a came to a height of 0.2 m at 0.10 s, the floor is 0.3 m"}));
+}
+
+TEST(SafetySummary, TellsTheWorstOfEachWall) {
+  SafetySummary summary(scenario("[safety]\nfloor = 0.3\nceiling = 2.0\n"));
+  summary.add(0.0, heights(1.0, 1.5), there, {});
+  summary.add(0.1, heights(0.3 - 1e-9, 1.6), there, {});
+  EXPECT_TRUE(summary.broken().empty()) << "rounding breaks nothing";
+  summary.add(0.2, heights(0.25, 1.0), there, {});
+  const auto json = nlohmann::json::parse(summary.json());
+  EXPECT_EQ(json.at("walls").at(0).dump(),
+            R"({"kept":false,"limit":0.3,"name":"a","time":0.2,"wall":"floor","worst":0.25})");
+  const auto lines = safety_lines(summary.json());
+  ASSERT_GE(lines.size(), 2U);
+  EXPECT_EQ(lines[lines.size() - 2],
+            (std::pair<std::string, std::string>("floor", "a: 0.25 m at least, BROKEN, to be 0.3 m")));
+  EXPECT_EQ(lines.back(), (std::pair<std::string, std::string>("ceiling", "b: 1.6 m at most, kept 2 m")));
+}
+
+TEST(SafetySummary, ARobotThatLandsIsGroundedOrAbsentHasNoFloor) {
+  const std::vector<Rung> lands = {Rung::land, Rung::valid, Rung::valid},
+                          grounded = {Rung::grounded, Rung::valid, Rung::valid};
+  const std::vector<Presence> sinks = {Presence::land, Presence::steered, Presence::hold},
+                              gone = {Presence::absent, Presence::steered, Presence::hold};
+  for (const auto& [presence, rungs] : {std::pair<std::vector<Presence>, std::vector<Rung>>{there, lands},
+                                        {there, grounded},
+                                        {sinks, {}},
+                                        {gone, {}}}) {
+    SafetySummary summary(scenario("[safety]\nfloor = 0.3\n"));
+    summary.add(0.0, heights(1.0, 1.0), there, {});
+    summary.add(0.1, heights(0.05, 1.0), presence, {}, rungs);
+    EXPECT_TRUE(summary.broken().empty());
+    summary.add(0.2, heights(0.05, 0.2), presence, {}, rungs);
+    EXPECT_EQ(summary.broken().size(), 1U) << "the other one has its floor";
+  }
+}
+
+TEST(SafetySummary, ARobotThatBeginsBelowTheFloorIsJudgedFromWhenItIsAbove) {
+  SafetySummary summary(scenario("[safety]\nfloor = 0.3\n"));
+  summary.add(0.0, heights(0.1, 1.0), there, {});
+  EXPECT_EQ(summary.broken(),
+            std::vector<std::string>{"a began at a height of 0.1 m at 0.00 s and never came "
+                                     "within, the floor is 0.3 m"});
+  summary.add(0.1, heights(0.2, 1.0), there, {});
+  EXPECT_EQ(summary.broken().size(), 1U);
+  summary.add(0.2, heights(0.35, 1.0), there, {});
+  EXPECT_TRUE(summary.broken().empty());
+  summary.add(0.3, heights(0.28, 1.0), there, {});
+  EXPECT_EQ(summary.broken(),
+            std::vector<std::string>{"a came to a height of 0.28 m at 0.30 s, the floor is 0.3 m"});
+}
+
+TEST(SafetySummary, WhatDrivesHasNeitherFloorNorCeiling) {
+  SafetySummary summary(parse_scenario(
+      "[agent.rover]\nrobot = \"omni_rover\"\nstart = { p = [0.0, 0.0, 0.0] }\n[safety]\nfloor = 0.3\n",
+      "a.toml"));
+  summary.add(0.0, std::vector<Sight<double>>(1), std::vector{Presence::steered}, {});
+  EXPECT_TRUE(summary.broken().empty());
+  EXPECT_TRUE(summary.bounds().empty());
+}
+
+TEST(SafetySummary, TellsHowOftenTheBarrierActed) {
+  for (const auto& [mode, word] : {std::pair{"on", "acted"}, {"report", "would have acted"}}) {
+    SafetySummary summary(scenario("[safety]\nbarrier = \"" + std::string(mode) + "\"\n"));
+    std::vector<BarrierRecord> records(2);
+    for (int k = 0; k < 8; ++k) {
+      records[1] = {.active = k < 2, .conflict = k < 1};
+      summary.add(0.1 * k, places(0, 3, 9), there, records);
+    }
+    const auto lines = safety_lines(summary.json());
+    ASSERT_EQ(lines.size(), 8U);
+    EXPECT_EQ(lines[6].first, "barrier of a");
+    EXPECT_EQ(lines[6].second, std::string(word) + " 0.0 % of the time");
+    EXPECT_EQ(lines[7].second, std::string(word) + " 25.0 % of the time, in conflict 12.5 %");
+  }
+}
+
+TEST(SafetySummary, SaysNothingWhereNobodyAsks) {
+  const Scenario free =
+      parse_scenario("[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0.0, 0.0, 1.0] }\n", "a");
+  EXPECT_EQ(SafetySummary(free).json(), "");
+}
+
+}  // namespace
+}  // namespace sightline

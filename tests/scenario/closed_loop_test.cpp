@@ -1,0 +1,109 @@
+#include "sightline/scenario/closed_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "tests/support/command.hpp"
+
+namespace sightline {
+namespace {
+
+/// All that a sample holds of simulated time, as bytes.
+void append(std::string& bytes, const Sample& sample) {
+  const auto add = [&](const void* from, std::size_t size) {
+    bytes.append(static_cast<const char*>(from), size);
+  };
+  for (const auto* list : {&sample.x, &sample.measured, &sample.u, &sample.raw_u})
+    add(list->data(), list->size() * sizeof(double));
+  if (sample.has_path) add(sample.path.data(), sample.path.size() * sizeof(double));
+  for (const SolverRecord& record : sample.solvers) {
+    add(&record.status, sizeof record.status);
+    add(&record.residual, sizeof record.residual);
+    add(&record.iterations, sizeof record.iterations);
+  }
+}
+
+/// One sample, used again each period: no ring, no thread.
+class Kept final : public Sink<Sample> {
+ public:
+  explicit Kept(Sample sample) : sample_(std::move(sample)) {}
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override { append(bytes, sample_); }
+  void close() noexcept override { ++closed; }
+
+  std::string bytes;
+  int closed = 0;
+
+ private:
+  Sample sample_;
+};
+
+Scenario scenario(const std::string& name, double duration) {
+  Scenario read = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/" + name + ".toml");
+  read.simulation.duration = duration;
+  read.simulation.disturbances.gust_sigma = 0.3;
+  read.simulation.disturbances.noise = {0.01, 0.01, 0.01};
+  return read;
+}
+
+std::string flown(const Scenario& scenario, Solver& solver) {
+  const Controllers controllers = {solver};
+  SimulatedClock clock;
+  Kept sink(sized_sample(scenario.team, controllers));
+  const LoopOutcome outcome = ClosedLoop(scenario, controllers, clock, sink).fly();
+  EXPECT_TRUE(outcome.finite);
+  EXPECT_EQ(outcome.updates, std::llround(scenario.simulation.duration / scenario.horizon.dt));
+  EXPECT_EQ(sink.closed, 1);
+  return sink.bytes;
+}
+
+TEST(ClosedLoop, ASinkWithoutARingSeesTheSamplesOfTheRing) {
+  const Scenario flight = scenario("cooperative_localization", 1.0);
+  const auto solver = make_solver(flight.solver, flight.team, flight.horizon);
+  const Controllers controllers = {*solver};
+  SimulatedClock clock;
+  Ring<Sample> ring(4, sized_sample(flight.team, controllers));
+  ClosedLoop loop(flight, controllers, clock, ring);
+  std::string bytes;
+  std::thread log([&] {
+    for (; const Sample* sample = ring.wait(); ring.pop()) append(bytes, *sample);
+  });
+  EXPECT_EQ(loop.fly().dropped, 0);
+  log.join();
+
+  const auto another = make_solver(flight.solver, flight.team, flight.horizon);
+  EXPECT_EQ(flown(flight, *another), bytes);
+}
+
+// Whatever a solver flew before: restarted, it flies as a new one, bit for bit.
+TEST(ClosedLoop, ARestartedSolverFliesAsANewOne) {
+  for (const std::string name : {"cooperative_localization", "paper_7_1", "paper_7_1_joint"}) {
+    for (const std::string_view solver_name : solver_names()) {
+      Scenario flight = scenario(name, 1.0);
+      flight.solver = solver_named(solver_name);
+      Scenario other = flight;
+      other.x0[0] = 4.0, other.x0[5] = -2.0, other.x0[3] = -1.0;
+      other.simulation.seed = 9;
+      const auto fresh = make_solver(flight.solver, flight.team, flight.horizon),
+                 used = make_solver(flight.solver, flight.team, flight.horizon);
+      flown(other, *used);
+      used->restart();
+      EXPECT_EQ(flown(flight, *used), flown(flight, *fresh)) << name << " " << solver_name;
+    }
+  }
+}
+
+TEST(ClosedLoop, AStartThatIsNoStateIsRefused) {
+  Scenario flight = scenario("cooperative_localization", 1.0);
+  flight.x0[3] = flight.x0[4] = 0.0;
+  const auto solver = make_solver(flight.solver, flight.team, flight.horizon);
+  const Controllers controllers = {*solver};
+  SimulatedClock clock;
+  Kept sink(sized_sample(flight.team, controllers));
+  EXPECT_THROW(ClosedLoop(flight, controllers, clock, sink), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,120 @@
+#include "sightline/scenario/toml_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace sightline {
+namespace {
+
+/// What is said when `read` refuses the text.
+template <class Read>
+std::string refusal(const std::string& text, Read&& read) {
+  try {
+    const TomlDocument document = parse_toml(text, "a");
+    read(TomlTable(document));
+  } catch (const ScenarioError& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+TEST(TomlTable, what_is_no_toml_is_refused_at_its_line) {
+  const std::string said = refusal("a = 1\nb = \n", [](const TomlTable&) {});
+  EXPECT_EQ(said.find("a:2: "), 0U) << said;
+  EXPECT_NE(said.find(", expected TOML"), std::string::npos) << said;
+}
+
+TEST(TomlTable, keys_that_make_deep_tables_are_refused_before_the_parser_sees_them) {
+  std::string text = "a";
+  for (int i = 0; i < 1'000'000; ++i) text += ".a";
+  EXPECT_EQ(refusal(text + " = 1\n", [](const TomlTable&) {}),
+            "a:1: the key has too many parts, expected at most 16");
+}
+
+TEST(TomlTable, the_deepest_tables_let_through_can_be_parsed) {
+  std::string key = "a", text;
+  for (int i = 1; i < key_parts_max; ++i) key += ".a";
+  for (int i = 0; i < 250; ++i) text += key + " = { ";
+  text += "a = 1";
+  for (int i = 0; i < 250; ++i) text += " }";
+  EXPECT_EQ(refusal(text + "\n", [](const TomlTable&) {}), "not refused");
+  EXPECT_NE(refusal(text + " }\n", [](const TomlTable&) {}), "not refused");
+}
+
+TEST(TomlTable, a_wrong_value_is_said_with_place_line_and_expectation) {
+  const std::string text = "[t]\nx = \"5\"\ny = [1,\n 2, nan]\nz = 7\n[[l]]\n[[l]]\nw = true\n";
+  const auto say = [&](auto&& read) { return refusal(text, read); };
+  EXPECT_EQ(say([](const TomlTable& r) { r.table("t").number("x", positive("> 0 m")); }),
+            "a:2: t.x = \"5\", expected a number, > 0 m");
+  EXPECT_EQ(say([](const TomlTable& r) { r.table("t").numbers("y", 3); }),
+            "a:4: t.y[2] = nan, expected finite, at most 1e9 either way");
+  EXPECT_EQ(say([](const TomlTable& r) { r.table("t").numbers("y", 2); }),
+            "a:3: t.y = [1, 2, nan], expected an array of 2 numbers");
+  EXPECT_EQ(say([](const TomlTable& r) { r.table("t").integer("z", 1, 6); }),
+            "a:5: t.z = 7, expected an integer, 1 to 6");
+  EXPECT_EQ(say([](const TomlTable& r) { r.tables("l")[1].text("w", "a name"); }),
+            "a:8: l[1].w = true, expected a name");
+  EXPECT_EQ(say([](const TomlTable& r) { r.tables("l")[0].text("w", "a name"); }),
+            "a:6: l[0].w is missing, expected a name");
+  EXPECT_EQ(say([](const TomlTable& r) { r.tables("t"); }), "a:1: t = {...}, expected tables under [[t]]");
+  EXPECT_EQ(say([](const TomlTable& r) { r.table("l"); }), "a:6: l = [{}, {...}], expected a table");
+  EXPECT_EQ(say([](const TomlTable& r) { r.table("t").table_or_empty("u").number("v"); }),
+            "a:1: t.u.v is missing, expected a number, finite, at most 1e9 either way");
+}
+
+TEST(TomlTable, an_unknown_key_is_said_with_the_nearest) {
+  EXPECT_EQ(refusal("[t]\n\nzetta = 1\n",
+                    [](const TomlTable& r) {
+                      r.table("t").expect_only({"k_max", "zeta"});
+                    }),
+            "a:3: t.zetta = 1, expected a known key, the nearest is \"zeta\"");
+}
+
+TEST(TomlTable, where_no_key_is_known_none_is_the_nearest) {
+  EXPECT_EQ(refusal("[t]\nx = 1\n", [](const TomlTable& r) { r.table("t").expect_only({}); }),
+            "a:2: t.x = 1, expected no key here");
+}
+
+TEST(TomlTable, messages_are_short_whatever_the_value) {
+  const std::string huge(1'000'000, 'x');
+  const auto length = [](const std::string& text, std::string_view key) {
+    return refusal(text, [&](const TomlTable& r) { r.number(key); }).size();
+  };
+  EXPECT_LT(length("k = \"" + huge + "\"\n", "k"), 200U);
+  EXPECT_LT(length(huge + " = true\n", huge), 200U);
+  std::string array = "k = [1";
+  for (int i = 0; i < 100'000; ++i) array += ", 1";
+  EXPECT_LT(length(array + "]\n", "k"), 200U);
+  EXPECT_LT(refusal(huge + " = 1\n", [](const TomlTable& r) { r.expect_only({"a"}); }).size(), 200U);
+}
+
+TEST(TomlTable, named_tables_come_in_the_order_of_the_file) {
+  const TomlDocument document = parse_toml("[n.zz]\n[n.b.c]\n[n.a]\n[n.b]\n", "a");
+  std::string order;
+  for (const auto& [name, table] : TomlTable(document).named_tables("n"))
+    order += name + " " + table.path() + ",";
+  EXPECT_EQ(order, "zz n.zz,b n.b,a n.a,");
+}
+
+TEST(TomlTable, a_sentence_about_a_field_gets_the_line_of_its_key) {
+  const auto say = [](const char* sentence) {
+    return refusal("[t]\nx = 1\ny = 2\n", [&](const TomlTable& r) {
+      r.table("t").checked([&] { throw std::invalid_argument(sentence); });
+    });
+  };
+  EXPECT_EQ(say("potential.y = 2, expected 3"), "a:3: t.y = 2, expected 3");
+  EXPECT_EQ(say("potential.z = 2, expected 3"), "a:1: t: potential.z = 2, expected 3");
+  EXPECT_EQ(say("nobody feels it."), "a:1: t: nobody feels it.");
+}
+
+TEST(TomlTable, numbers_left_out_keep_their_value) {
+  const TomlDocument document = parse_toml("x = 3\n", "a");
+  double x = 1, y = 2;
+  TomlTable(document).read({{"x", &x}, {"y", &y}});
+  EXPECT_EQ(x, 3.0);
+  EXPECT_EQ(y, 2.0);
+}
+
+}  // namespace
+}  // namespace sightline
