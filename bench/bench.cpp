@@ -12,13 +12,13 @@
 #include <thread>
 
 #include "bench/ipopt.hpp"
+#include "sightline/base/index.hpp"
+#include "sightline/base/quantile.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/sim/plant.hpp"
 
 namespace sightline {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// What a closed loop leaves: every measured state and applied input, and what each update took.
 struct Flight {
@@ -53,13 +53,6 @@ Flight fly(const BenchCase& what, Solver& solver, const BenchOptions& options) {
     }
   }
   return flight;
-}
-
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0.0;
-  const auto place = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
 }
 
 double largest_difference(std::span<const double> a, std::span<const double> b) {
@@ -109,7 +102,7 @@ void judge(const BenchCase& what, const Flight& flight, const BenchOptions& opti
       ++row.ipopt_failed;
     }
   }
-  row.ipopt_median_us = quantile(ipopt_us, 0.5);
+  if (!ipopt_us.empty()) row.ipopt_median_us = quantile(ipopt_us, 0.5);
 }
 
 /// The processor's name and how many cores it shows.

@@ -11,11 +11,10 @@
 #include <string>
 
 #include "bench/shooting.hpp"
+#include "sightline/base/index.hpp"
 
 namespace sightline {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool feels(const Coupling& coupling, BodyId body) {
   return std::find(coupling.felt_by.begin(), coupling.felt_by.end(), body) != coupling.felt_by.end();

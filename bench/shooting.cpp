@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/base/index.hpp"
+
 namespace sightline {
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 MultipleShooting::MultipleShooting(Ocp ocp)
     : ocp_(std::move(ocp)),

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "sightline/base/index.hpp"
+#include "sightline/base/quantile.hpp"
 #include "sightline/record/text_file.hpp"
 #include "sightline/solver/distributed/sweeps.hpp"
 
@@ -19,18 +21,9 @@ constexpr std::size_t moments_max = 24;
 constexpr std::size_t times_max = 1'000'000;
 constexpr int rounds = 6;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// What a part plans with.
 NewtonRiccatiOptions solver_of_parts(const Scenario& scenario) {
   return std::get<NewtonRiccatiOptions>(scenario.solver.options);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Median and greatest of one number of all moments' sweeps, after so many rounds.
@@ -40,7 +33,7 @@ struct Spread {
 Spread spread(const std::vector<std::vector<Sweep>>& sweeps, int round, double Sweep::*number) {
   std::vector<double> sizes;
   for (const std::vector<Sweep>& s : sweeps) sizes.push_back(std::abs(s[at(round)].*number));
-  return {median(sizes), *std::max_element(sizes.begin(), sizes.end())};
+  return {quantile(sizes, 0.5), quantile(sizes, 1.0)};
 }
 
 Json as_json(const Spread& s) { return {{"median", s.median}, {"max", s.greatest}}; }
@@ -128,7 +121,7 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
   json["cost"] = cost;
   json["whole_cost"] = whole_cost;
   json["cost_excess"] = excess;
-  json["part_us"] = median(part_us_);
+  json["part_us"] = quantile(part_us_, 0.5);
   json["numbers_told"] = numbers;  // by a robot in an exchange
   json["moments"] = sweeps.size();
   json["sweeps"] = Json::array();
@@ -138,7 +131,7 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
   text += fmt::format("cost {:.6g} s, of the whole team's solver {:.6g} s: {:+.4f} %\n", cost, whole_cost,
                       100 * excess);
   text += fmt::format("slowest part {:.1f} us an update, median; a robot tells {} numbers an exchange\n",
-                      median(part_us_), numbers);
+                      quantile(part_us_, 0.5), numbers);
   if (sweeps.empty()) {
     text += "no moment of the flight has a stationary point to compare with\n";
   } else {

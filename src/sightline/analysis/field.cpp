@@ -8,6 +8,8 @@
 #include <span>
 #include <string_view>
 
+#include "sightline/base/index.hpp"
+
 namespace sightline {
 namespace {
 
@@ -15,8 +17,6 @@ constexpr int free_size = FieldValue::variables;
 constexpr int inputs = free_size + 3;  // and the observer's position
 constexpr int outputs = 1 + free_size + free_size * (free_size + 1) / 2;
 constexpr int batch = 512;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::array<double, inputs> numbers_of(const Station& s) {
   return {s.target.x, s.target.y, s.target.z, s.psi, s.psi_target, s.observer.x, s.observer.y, s.observer.z};

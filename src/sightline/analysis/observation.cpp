@@ -18,8 +18,6 @@ namespace {
 
 constexpr double position_weight = 1.6;  // of a position that is held, about the paper's, (63)
 
-std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
-
 bool is_view(const Team& team, const Coupling& c) {
   return c.term.potential.mount() != nullptr && team.is_agent(c.between.first) &&
          team.is_agent(c.between.second) && c.term.weight * c.ramp.to > 0;
@@ -31,7 +29,7 @@ class CycleSearch {
   explicit CycleSearch(const Team& team)
       : seen_(static_cast<std::size_t>(team.bodies())), next_(seen_.size()) {
     for (const Coupling& c : team.couplings()) {
-      auto& of = next_[index(c.between.first)];
+      auto& of = next_[at(c.between.first)];
       if (is_view(team, c) && std::find(of.begin(), of.end(), c.between.second.index) == of.end())
         of.push_back(c.between.second.index);
     }
@@ -124,7 +122,7 @@ std::vector<std::string> ways_out(const CycleInTeam& cycle) {
   const std::vector<double> none(static_cast<std::size_t>(team.nu()), 0.0);
   const Vec3<double> p = team.model(held).sight(cycle.x0.data() + team.state_offset(held), none.data()).p;
   Flow holding = flow_of(team, cycle.x0, cycle.robots);
-  holding.add({index(held), p, {position_weight, position_weight, position_weight}});
+  holding.add({at(held), p, {position_weight, position_weight, position_weight}});
   if (!holding.settle().drift) {
     ways.push_back(
         fmt::format("hold the place of {} (weights of its position in Q, and a reference)", team.name(held)));

@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "sightline/analysis/verdict_words.hpp"
+#include "sightline/base/index.hpp"
+#include "sightline/base/quantile.hpp"
 #include "sightline/potential/region.hpp"
 
 namespace sightline {
@@ -17,8 +19,6 @@ constexpr double sector = pi / 36;    // of angles [rad]
 constexpr double bias_reach = 1.0;    // how far a moved limit is looked for [m]
 constexpr double all_but_few = 0.95;  // share of a bin that counts as all of it
 constexpr std::array<int, 3> position = {0, 1, 2};
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Number n of an evenly spread sequence of points in the unit cube, by the powers of the plastic number of dimension 3.
 std::array<double, 3> spread(int n) {
@@ -35,10 +35,7 @@ Vec3<double> direction(double u, double v) {
 
 double median(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? 0.0 : quantile(std::move(values), 0.5);
 }
 
 /// A count of those that have a property among those that are counted.

@@ -1,8 +1,8 @@
 /// What a potential does to who flies by it, found by sampling: is its region the one its limit states, where does it
 /// leave a robot without a gradient, where would it come to rest, how stiff is it.
 ///
-/// The target is placed in the sensor frame S of an observer at the origin (`moved_to` puts it elsewhere), both at rest; a potential without a sensor
-/// is sampled in V. Numbers are those of the potential by itself, without its weight.
+/// The target is placed in the sensor frame S of an observer at the origin (`moved_to` puts it elsewhere), both at rest; a
+/// potential without a sensor is sampled in V. Numbers are those of the potential by itself, without its weight.
 #pragma once
 
 #include <array>

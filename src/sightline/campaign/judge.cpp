@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/base/same_time.hpp"
 #include "sightline/scenario/safety_parts.hpp"
 
 namespace sightline {
@@ -10,9 +11,6 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double same_distance = 1e-9;  // [m]
-constexpr double same_time = 1e-9;      // [s]
-
-std::size_t at(BodyId body) { return static_cast<std::size_t>(body.index); }
 
 }  // namespace
 

@@ -5,12 +5,11 @@
 #include <cassert>
 #include <utility>
 
+#include "sightline/base/index.hpp"
 #include "sightline/formula/operation.hpp"
 
 namespace sightline {
 namespace {
-
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // A step is a first instruction, or a link to the result of the step before, and up to two more links.
 constexpr std::array<Code, 6> firsts = {Code::add,          Code::subtract,          Code::multiply,

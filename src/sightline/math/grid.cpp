@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "sightline/base/index.hpp"
+
 namespace sightline {
 namespace {
 
@@ -16,8 +18,6 @@ std::int32_t cell_of(double x, double width) {
   if (!(cell > -last_cell)) return static_cast<std::int32_t>(-last_cell);  // also where it is not a number
   return static_cast<std::int32_t>(std::min(cell, last_cell));
 }
-
-std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
 }  // namespace
 

@@ -8,15 +8,12 @@
 #include <set>
 #include <stdexcept>
 
+#include "sightline/base/refuse.hpp"
+
 namespace sightline {
 namespace {
 
 constexpr double corner = 1e-6;
-
-template <class... Args>
-[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
-  throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
-}
 
 /// The place of a state, by its name.
 std::size_t place_of(const TextRobot& robot, std::string_view what, const std::string& name) {

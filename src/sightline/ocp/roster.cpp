@@ -12,8 +12,6 @@
 namespace sightline {
 namespace {
 
-std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
-
 Ramp fading_in(double t, double duration) {
   return duration > 0 ? Ramp{.begin = t, .duration = duration, .from = 0.0, .to = 1.0} : Ramp{};
 }
@@ -62,7 +60,7 @@ struct Roster::Change {
 
   std::string name(BodyId body) const { return std::string(roster.all_.name(body)); }
   bool is_there(BodyId body) const { return roster.presence(body) != Presence::absent; }
-  Presence& presence(BodyId body) const { return roster.presence_[index(body)]; }
+  Presence& presence(BodyId body) const { return roster.presence_[at(body)]; }
   Agent& agent(AgentId id) const { return roster.agents_[roster.place(id)]; }
 
   std::string operator()(const RemoveBody& remove) const {
@@ -321,24 +319,24 @@ Team Roster::team(double t) const {
   std::move(of_swarms.begin(), of_swarms.end(), std::back_inserter(couplings));
   std::vector<bool> wanted(presence_.size());
   for (int i = 0; i < all_.bodies(); ++i) {
-    wanted[index(BodyId{i})] =
+    wanted[at(BodyId{i})] =
         steered(BodyId{i}) || (!all_.is_agent(BodyId{i}) && presence(BodyId{i}) != Presence::absent);
   }
   for (const Coupling& c : couplings) {
-    if (in_force(c)) wanted[index(c.between.first)] = wanted[index(c.between.second)] = true;
+    if (in_force(c)) wanted[at(c.between.first)] = wanted[at(c.between.second)] = true;
   }
 
   Team team;
   std::vector<BodyId> id(presence_.size());
   for (int i = 0; i < all_.bodies(); ++i) {
     const BodyId body{i};
-    if (!wanted[index(body)]) continue;
+    if (!wanted[at(body)]) continue;
     if (steered(body)) {
       Agent agent = agents_[place(AgentId{body})];
       agent.x_ref = reference(AgentId{body}, t);
-      id[index(body)] = team.add(std::move(agent));
+      id[at(body)] = team.add(std::move(agent));
     } else {
-      id[index(body)] = team.add(Obstacle{std::string(all_.name(body)), all_.is_agent(body)});
+      id[at(body)] = team.add(Obstacle{std::string(all_.name(body)), all_.is_agent(body)});
     }
   }
   if (team.agents().empty())
@@ -346,26 +344,26 @@ Team Roster::team(double t) const {
   for (Coupling& c : couplings) {
     if (!in_force(c)) continue;
     std::erase_if(c.felt_by, [&](AgentId agent) { return !steered(agent); });
-    for (AgentId& agent : c.felt_by) agent = AgentId{id[index(agent)]};
-    c.between = {id[index(c.between.first)], id[index(c.between.second)]};
+    for (AgentId& agent : c.felt_by) agent = AgentId{id[at(agent)]};
+    c.between = {id[at(c.between.first)], id[at(c.between.second)]};
     c.ramp = settled(c.ramp, t);
     team.couple(std::move(c));
   }
   for (Constraint c : constraints_) {
     if (is_over(c.ramp, t) || !steered(c.agent)) continue;
-    c.agent = AgentId{id[index(c.agent)]};
+    c.agent = AgentId{id[at(c.agent)]};
     c.ramp = settled(c.ramp, t);
     team.constrain(std::move(c));
   }
   for (const Swarm& swarm : all_.swarms()) {
     std::vector<AgentId> flying;
     for (const AgentId agent : swarm.agents) {
-      if (steered(agent)) flying.push_back(AgentId{id[index(agent)]});
+      if (steered(agent)) flying.push_back(AgentId{id[at(agent)]});
     }
     if (flying.size() >= 2) team.keep_apart(swarm.term, std::move(flying), swarm.radius, swarm.capacity);
   }
   for (const BarrierTerm& b : all_.barriers()) {
-    if (steered(b.agent)) team.constrain(b.barrier, AgentId{id[index(b.agent)]});
+    if (steered(b.agent)) team.constrain(b.barrier, AgentId{id[at(b.agent)]});
   }
   return team;
 }

@@ -6,15 +6,11 @@
 #include <random>
 #include <stdexcept>
 
+#include "sightline/base/refuse.hpp"
 #include "sightline/ocp/team.hpp"
 
 namespace sightline {
 namespace {
-
-template <class... Args>
-[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
-  throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
-}
 
 constexpr int samples = 500;
 

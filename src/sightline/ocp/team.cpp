@@ -6,13 +6,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sightline/base/refuse.hpp"
+
 namespace sightline {
 namespace {
-
-template <class... Args>
-[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
-  throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
-}
 
 void check_weights(std::string_view agent, std::string_view field, const std::vector<double>& w, int n,
                    bool positive) {

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "sightline/base/index.hpp"
 #include "sightline/model/model.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/potential/potential.hpp"
@@ -23,6 +24,9 @@ struct BodyId {
   int index = -1;
   bool operator==(const BodyId&) const = default;
 };
+
+/// The place of a body in arrays over all of a team.
+constexpr std::size_t at(BodyId body) { return at(body.index); }
 
 /// A robot that is controlled.
 struct AgentId : BodyId {};

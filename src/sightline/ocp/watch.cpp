@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/base/same_time.hpp"
+
 namespace sightline {
 namespace {
-
-constexpr double same_time = 1e-9;
 
 /// The measure's value now; not a number where a body is absent.
 struct Value {

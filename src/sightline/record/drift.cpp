@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/base/same_time.hpp"
+
 namespace sightline {
 namespace {
 
 constexpr double apart = 1.0;            // of two marks [s]
-constexpr double same_time = 1e-9;       // times of samples are multiples of the period, up to rounding [s]
 constexpr double creep = 0.02;           // what is slower stays [m/s]
 constexpr double share_of_anchor = 0.3;  // of its speed
 constexpr double share_at_end = 0.5;     // of the mean

@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/base/index.hpp"
+#include "sightline/base/same_time.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/mcap.hpp"
@@ -27,10 +29,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double chunk_time = 0.1;  // [s]
-constexpr double same_time = 1e-9;  // in chunks
 constexpr std::string_view frame = "map";
 
-std::size_t size(int n) { return static_cast<std::size_t>(n); }
 std::uint64_t nanoseconds(double time) { return static_cast<std::uint64_t>(std::llround(time * 1e9)); }
 
 // The shortest text that reads back to the same bits.

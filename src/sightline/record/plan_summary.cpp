@@ -4,14 +4,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sightline/base/same_time.hpp"
 #include "sightline/scenario/safety_parts.hpp"
 
 namespace sightline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double same_time = 1e-9;  // [s]
 
 }  // namespace
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/base/index.hpp"
+#include "sightline/base/same_time.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/protection.hpp"
 #include "sightline/potential/sensor_cone.hpp"
@@ -12,8 +14,6 @@ namespace sightline {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
-std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
 }  // namespace
 
@@ -89,7 +89,6 @@ bool PresentTeam::follow(const Sample& sample) {
     for (const Action& action : what.actions) (void)roster_.apply(action, event.time, ramp_of(what));
     changed = true;
   }
-  constexpr double same_time = 1e-9;
   if (changed || sample.time >= settles_at_ - same_time) compose(sample.time);
   return changed;
 }

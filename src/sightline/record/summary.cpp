@@ -9,6 +9,8 @@
 #include <span>
 #include <utility>
 
+#include "sightline/base/quantile.hpp"
+#include "sightline/base/same_time.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
@@ -24,7 +26,6 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double same_time = 1e-9;        // times of samples are multiples of the period, up to rounding [s]
 constexpr double raw_tolerance = 1e-9;    // of a raw input beyond its limit
 constexpr double lost_after = 2.0;        // out of view at the end for so long is a failure [s]
 constexpr std::size_t events_max = 1000;  // in the summary; the log has all
@@ -48,13 +49,6 @@ bool same_limit(const Potential& a, const Potential& b) {
 
 double share(std::int64_t part, std::int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : none;
-}
-
-// The least of the sorted values that this share of them does not exceed.
-double quantile(const std::vector<double>& sorted, double q) {
-  if (sorted.empty()) return none;
-  const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(sorted.size())));
-  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
 }
 
 template <class... Potentials>
@@ -374,16 +368,14 @@ std::vector<SummaryValues::Chatter> Summary::chatter() const {
 SummaryValues Summary::values() const {
   const Team& team = scenario_.team;
   const auto name = [&](BodyId body) { return std::string(team.name(body)); };
-  std::vector<double> solves = solve_us_;
-  std::sort(solves.begin(), solves.end());
   double sum = 0.0;
-  for (const double us : solves) sum += us;
+  for (const double us : solve_us_) sum += us;
 
   SummaryValues v;
   v.updates = updates_;
   v.cost = cost_;
-  v.solve_us = {solves.empty() ? none : sum / static_cast<double>(solves.size()), quantile(solves, 0.5),
-                quantile(solves, 0.99), quantile(solves, 1.0)};
+  v.solve_us = {sum / static_cast<double>(solve_us_.size()), quantile(solve_us_, 0.5),
+                quantile(solve_us_, 0.99), quantile(solve_us_, 1.0)};
   v.allocations_per_update = allocations_;
   v.statuses = statuses_;
   v.not_finite = not_finite_;

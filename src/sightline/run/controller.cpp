@@ -5,15 +5,11 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "sightline/base/index.hpp"
+#include "sightline/base/refuse.hpp"
+
 namespace sightline {
 namespace {
-
-template <class... Args>
-[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
-  throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
-}
-
-std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
 Controller::Member match(const Team& world, const Team& team, BodyId body, std::size_t controller) {
   const std::string_view name = team.name(body);

@@ -129,7 +129,7 @@ void Guard::filter(double t, std::span<const double> plan_ages, std::span<double
     }
     for (int i = 0; i < team_.bodies(); ++i) {
       const BodyId body{i};
-      if (team_.is_agent(body)) rungs_[index(body)] = supervisor_->rung(body);
+      if (team_.is_agent(body)) rungs_[at(body)] = supervisor_->rung(body);
     }
   }
   for (std::size_t i = 0; i < robots_.size(); ++i) keep_distance(i, t, u);
@@ -142,12 +142,12 @@ Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double
   const Model& model = team_.model(other);
   const Sight<double> sight = model.sight(&believed_[static_cast<std::size_t>(team_.state_offset(other))],
                                           u.data() + (team_.is_agent(other) ? team_.input_offset(other) : 0));
-  const BodySafety& safety = options_.bodies[index(other)];
+  const BodySafety& safety = options_.bodies[at(other)];
   Neighbour neighbour{.p = sight.p,
                       .v = sight.v,
                       .d_hard = safety.d_hard,
                       .speed_max = safety.speed_max,
-                      .age = std::min(ages_[index(other)], oldest_),
+                      .age = std::min(ages_[at(other)], oldest_),
                       .sigma = std::sqrt(2.0) * options_.position_sigma,
                       .tie = robot.index < other.index ? 1.0 : -1.0};
   if (!team_.is_agent(other)) return neighbour;
@@ -166,18 +166,18 @@ void Guard::keep_distance(std::size_t robot, double t, std::span<double> u) noex
   const bool was_in_conflict = record.conflict;
   record = {};
   // Neither for a robot on the ground or absent, nor without knowing where it is, nor from a body that is nowhere.
-  if (rung == Rung::grounded || !is_there(of.body) || !std::isfinite(ages_[index(of.body)])) return;
+  if (rung == Rung::grounded || !is_there(of.body) || !std::isfinite(ages_[at(of.body)])) return;
   std::size_t count = 0;
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId other{i};
-    if (other != of.body && is_there(other) && std::isfinite(ages_[index(other)])) {
+    if (other != of.body && is_there(other) && std::isfinite(ages_[at(other)])) {
       neighbours_[count++] = neighbour_of(of.body, other, before_);
     }
   }
   of.limits->at(t, of.u_min, of.u_max);
   const std::span<double> applied = u.subspan(of.u, of.nu);
   std::copy(applied.begin(), applied.end(), of.reported.begin());
-  const bool lands = rung == Rung::land || presence_[index(of.body)] == Presence::land;
+  const bool lands = rung == Rung::land || presence_[at(of.body)] == Presence::land;
   const Barrier& barrier = lands ? of.landing : of.barrier;
   const BarrierResult result = barrier.filter(
       std::span(believed_).subspan(of.x, of.nx), std::span(neighbours_).first(count), of.u_min, of.u_max,

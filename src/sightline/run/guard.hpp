@@ -84,8 +84,7 @@ class Guard {
     const InputLimits* limits;  // in force
     WayOut way_out{};
   };
-  static std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
-  bool is_there(BodyId body) const noexcept { return presence_[index(body)] != Presence::absent; }
+  bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
 
   Neighbour neighbour_of(BodyId robot, BodyId other, std::span<const double> u) const noexcept;
   void keep_distance(std::size_t robot, double t, std::span<double> u) noexcept;

@@ -9,17 +9,14 @@
 #include <thread>
 #include <utility>
 
+#include "sightline/base/index.hpp"
+#include "sightline/base/refuse.hpp"
+#include "sightline/base/same_time.hpp"
+
 namespace sightline {
 namespace {
 
 using Time = std::chrono::steady_clock;
-
-template <class... Args>
-[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
-  throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
-}
-
-std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
 /// The horizon that gives the predicted paths their stages.
 const Horizon& longest_horizon(const Controllers& controllers) {
@@ -259,7 +256,6 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
 
 /// An update; while a late one is at work, what the plan before has for now.
 Solution Loop::ask(Controller& controller, double t, std::span<const double> believed) noexcept {
-  constexpr double same_time = 1e-9;
   Solver& solver = *controller.solver;
   Solution solution{.u = controller.plan, .raw_u = controller.plan, .x = {}};
   controller.answered = false;
@@ -297,7 +293,6 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
 
 /// Signals, and a change that was asked for a period ago.
 void Loop::change_team(double t) noexcept {
-  constexpr double same_time = 1e-9;
   Succession& succession = *options_.succession;
   for (; signalled_ < options_.signals.size() && options_.signals[signalled_].at <= t + same_time;
        ++signalled_) {

@@ -9,14 +9,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/base/index.hpp"
+#include "sightline/base/same_time.hpp"
+
 namespace sightline {
 namespace {
 
-constexpr double same_time = 1e-9;
 constexpr double never = std::numeric_limits<double>::infinity();
 constexpr int converging_steps = 30;
-
-std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
 const Script& checked(const Script& script, const Roster& roster) {
   const std::vector<ScriptFault> faults = faults_of(script, roster);

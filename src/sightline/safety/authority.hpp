@@ -27,8 +27,8 @@ struct Authority {
 
 /// @param u_min, u_max  limits of the inputs, finite
 /// @throws std::invalid_argument for a model of more than 4 inputs or 32 states, and for one whose commands do
-///         not accelerate it in every horizontal direction at once and in axes of its heading or of G, or whose height does not follow the command
-///         at once
+///         not accelerate it in every horizontal direction at once and in axes of its heading or of G, or whose
+///         height does not follow the command at once
 Authority authority_of(const Model& model, std::span<const double> u_min, std::span<const double> u_max);
 
 }  // namespace sightline

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 
+#include "sightline/base/same_time.hpp"
+
 namespace sightline {
 
 std::string_view to_string(Rung rung) {
@@ -13,7 +15,6 @@ std::string_view to_string(Rung rung) {
 }
 
 Rung rung_at(const LadderTimes& times, double age) noexcept {
-  constexpr double same_time = 1e-9;  // ages are sums of steps
   if (age <= times.fresh + same_time) return Rung::valid;
   if (age <= times.slow_after + same_time) return Rung::predicted;
   if (age <= times.hold_after + same_time) return Rung::slowed;

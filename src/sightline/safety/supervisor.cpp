@@ -76,7 +76,7 @@ Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
       throw std::invalid_argument(fmt::format("\"{}\" has {} inputs, expected at most {} under a supervisor",
                                               agent.name, agent.u_ref.size(), Brake::inputs_max));
     }
-    robot_of_[index(body)] = robots_.size();
+    robot_of_[at(body)] = robots_.size();
     robots_.push_back({.body = body,
                        .x = x,
                        .u = u,
@@ -160,7 +160,7 @@ std::span<const double> Supervisor::believe(double t, std::span<const double> me
 }
 
 Ages Supervisor::ages_of(const Robot& robot, std::span<const double> plan_ages) const noexcept {
-  Ages ages{.own = age(robot.body), .partners = 0.0, .plan = plan_ages[index(robot.body)]};
+  Ages ages{.own = age(robot.body), .partners = 0.0, .plan = plan_ages[at(robot.body)]};
   for (const BodyId partner : robot.partners) ages.partners = std::max(ages.partners, age(partner));
   return ages;
 }

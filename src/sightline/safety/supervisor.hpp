@@ -5,9 +5,9 @@
 ///   command()  the solvers' inputs in, scaled or replaced as each robot's rung asks
 ///   record()   the inputs that are applied, for the predictions to come
 ///
-/// once in each period, in this order; follow() before them where the team is another one. A robot's partners are the bodies of all couplings and constraints that it
-/// feels: it cannot do its task without knowing where they are. Nothing throws, allocates, locks or prints once
-/// it is made.
+/// once in each period, in this order; follow() before them where the team is another one. A robot's partners are
+/// the bodies of all couplings and constraints that it feels: it cannot do its task without knowing where they are.
+/// Nothing throws, allocates, locks or prints once it is made.
 #pragma once
 
 #include <span>
@@ -66,14 +66,12 @@ class Supervisor {
 
   /// Since believe() was last called.
   std::span<const Notice> notices() const noexcept { return notices_; }
-  Rung rung(BodyId robot) const noexcept { return robots_[robot_of_[index(robot)]].rung; }
+  Rung rung(BodyId robot) const noexcept { return robots_[robot_of_[at(robot)]].rung; }
   /// Whether each body that is there was believed once.
   bool knows_all() const noexcept;
   /// Of what is believed of the body at the last believe() [s]; infinity before anything was.
   /// 0 of one that is absent.
-  double age(BodyId body) const noexcept {
-    return is_there(body) ? time_ - tracks_[index(body)].stamp() : 0.0;
-  }
+  double age(BodyId body) const noexcept { return is_there(body) ? time_ - tracks_[at(body)].stamp() : 0.0; }
 
  private:
   struct Robot {
@@ -85,8 +83,7 @@ class Supervisor {
     Brake brake;
     Rung rung;
   };
-  static std::size_t index(BodyId body) { return static_cast<std::size_t>(body.index); }
-  bool is_there(BodyId body) const noexcept { return presence_[index(body)] != Presence::absent; }
+  bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
   static std::vector<double> resting_input(const Team& team);
   static std::vector<BodyId> partners_of(const Team& team, BodyId robot);
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "sightline/base/same_time.hpp"
 #include "sightline/potential/potential.hpp"
 
 namespace sightline {
@@ -19,7 +20,6 @@ std::uint64_t mix(std::uint64_t z) {
 }
 
 // Times are sums of steps; two that differ by less are the same.
-constexpr double same_time = 1e-9;
 
 }  // namespace
 

@@ -2,12 +2,11 @@
 
 #include <array>
 
+#include "sightline/base/same_time.hpp"
 #include "sightline/potential/potential.hpp"
 
 namespace sightline {
 namespace {
-
-constexpr double same_time = 1e-9;  // times are sums of steps
 
 void check_window(double from, double until, double delay) {
   require(from >= 0, "fault", "from", from, ">= 0 s");

@@ -7,13 +7,13 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "sightline/base/same_time.hpp"
 #include "sightline/potential/potential.hpp"
 
 namespace sightline {
 namespace {
 
 // Times are sums of steps; two that differ by less are the same.
-constexpr double same_time = 1e-9;
 
 /// In the direction of a, of the given length; along +x where a has none.
 Vec3<double> along(const Vec3<double>& a, double length) {

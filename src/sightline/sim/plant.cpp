@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/base/same_time.hpp"
+
 namespace sightline {
 namespace {
 
@@ -79,7 +81,6 @@ bool Plant::step(std::span<const double> u, double dt) noexcept {
 
   // A command that comes into force divides the step; a lag as short as the step wants it divided too.
   const double longest = lags_.empty() ? std::numeric_limits<double>::infinity() : disturbances_.yaw_lag / 4;
-  constexpr double same_time = 1e-9;
   for (double done = 0; dt - done > same_time || done == 0;) {
     const std::span<const double> held = delay_.at(time_ + done);
     const double until_next = delay_.next_arrival() - (time_ + done);

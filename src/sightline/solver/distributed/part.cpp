@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "sightline/base/index.hpp"
+
 namespace sightline {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool is_among(std::span<const AgentId> agents, BodyId body) {
   return std::find(agents.begin(), agents.end(), body) != agents.end();

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sightline/base/index.hpp"
 #include "sightline/base/nearest.hpp"
+#include "sightline/base/refuse.hpp"
 #include "sightline/math/subnormals.hpp"
 
 namespace sightline {
@@ -15,15 +17,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-template <class... Args>
-[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
-  throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
 }
 
 std::string_view trimmed(std::string_view s) {

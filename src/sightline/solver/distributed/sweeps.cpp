@@ -6,14 +6,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sightline/base/index.hpp"
 #include "sightline/potential/tracking.hpp"
 
 namespace sightline {
 namespace {
 
 constexpr double stationary = 1e-9;  // [1/s]
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::vector<double> plan_of(const auto& solver) {
   const std::size_t nu = at(solver.ocp().nu());

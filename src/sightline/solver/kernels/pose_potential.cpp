@@ -5,12 +5,11 @@
 #include <numeric>
 #include <optional>
 
+#include "sightline/base/index.hpp"
 #include "sightline/formula/derive.hpp"
 
 namespace sightline {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The weighted sum over given variables, those not given being zero.
 Term record(Graph& graph, std::span<const Weighted* const> terms, double h, std::span<const int> variables,

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "sightline/base/index.hpp"
 #include "sightline/math/elementary.hpp"
 
 namespace sightline {
@@ -97,8 +98,6 @@ struct RiccatiStage {
     for (int a = 0; a < nu; ++a) s -= Z(a, j) * y[at(a)];
     return s;
   }
-
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 };
 
 }  // namespace sightline

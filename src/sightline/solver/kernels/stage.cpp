@@ -4,14 +4,13 @@
 #include <cassert>
 #include <map>
 
+#include "sightline/base/index.hpp"
 #include "sightline/formula/derive.hpp"
 #include "sightline/potential/tracking.hpp"
 #include "sightline/solver/kernels/riccati.hpp"
 
 namespace sightline {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Builds one block program.
 class Tracer {

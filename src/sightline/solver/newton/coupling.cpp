@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 
+#include "sightline/base/index.hpp"
 #include "sightline/formula/derive.hpp"
 #include "sightline/solver/newton/neighbourhood.hpp"
 #include "sightline/solver/newton/pair_batch.hpp"
 
 namespace sightline {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr int relative = PosePotential::relative_size;
 constexpr int relative_outputs = relative + relative * (relative + 1) / 2;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "sightline/base/index.hpp"
+
 namespace sightline {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Agents of one model with equal barriers and input scales that are seen alike.
 struct Kind {

@@ -6,14 +6,13 @@
 #include <limits>
 #include <tuple>
 
+#include "sightline/base/index.hpp"
 #include "sightline/formula/derive.hpp"
 
 namespace sightline {
 namespace {
 
 using L = NativeLane;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr int entries_of(int n) { return n * (n + 1) / 2; }
 

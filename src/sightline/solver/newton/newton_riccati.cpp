@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "sightline/base/index.hpp"
 #include "sightline/math/subnormals.hpp"
 
 namespace sightline {
@@ -15,8 +16,6 @@ namespace {
 using L = NativeLane;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void check(bool holds, std::string_view option, double value, std::string_view expected) {
   if (holds && std::isfinite(value)) return;

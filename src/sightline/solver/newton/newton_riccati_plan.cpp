@@ -2,14 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/base/index.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 
 namespace sightline {
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 void NewtonRiccati::planned(double time, std::span<double> u) const noexcept {
   if (u.size() != u_out_.size()) return;
