@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <list>
 #include <span>
 #include <stdexcept>
@@ -133,10 +134,16 @@ void print_lines(const std::vector<CampaignLine>& lines) {
 
 /// What a run's row says.
 std::string words_of(const RunDraw& run, const RunResult& result, const CampaignPlan& plan) {
-  std::string words =
-      fmt::format("run {}: {}, first view {:.2f} s, in view {:.1f} % of the time, least distance {:.3f} m\n",
-                  run.index, to_string(result.outcome), result.time_to_first_view,
-                  100 * result.fraction_in_view, result.min_distance);
+  std::string words = fmt::format("run {}: {}", run.index, to_string(result.outcome));
+  if (std::isfinite(result.time_to_first_view)) {
+    words += fmt::format(", first view {:.2f} s, in view {:.1f} % of the time", result.time_to_first_view,
+                         100 * result.fraction_in_view);
+  } else if (std::isfinite(result.fraction_in_view)) {
+    words += ", never in view";
+  }
+  if (std::isfinite(result.min_distance))
+    words += fmt::format(", least distance {:.3f} m", result.min_distance);
+  words += '\n';
   const std::vector<std::string> names = drawn_names(plan);
   for (std::size_t i = 0; i < names.size(); ++i) words += fmt::format("{:24}  {}\n", names[i], run.values[i]);
   return words;

@@ -168,6 +168,7 @@ TEST(Judge, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
       flown.fly(2.0);
     }
     EXPECT_EQ(flown.result().outcome, failed > 50 ? Outcome::failed : Outcome::recovered) << failed;
+    EXPECT_NEAR(flown.result().longest_without_plan, failed * period, 1e-9);
   }
 }
 

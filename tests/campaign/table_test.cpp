@@ -144,13 +144,14 @@ TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
   std::vector<std::string> names;
   Database::Statement columns(database, "SELECT name FROM pragma_table_info('runs')");
   while (columns.step()) names.push_back(columns.text(0));
-  EXPECT_THAT(names, testing::ElementsAre(
-                         "index", "seed", "outcome", "min_distance", "time_to_first_view", "fraction_in_view",
-                         "could_brake", "violations", "energy", "chatter", "drift", "status_converged",
-                         "status_stepped", "status_iteration_limit", "status_deadline", "status_not_finite",
-                         "status_invalid_state", "uav0.range", "uav0.bearing", "uav0.height", "uav0.heading",
-                         "uav0.v_f", "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
-                         "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy"));
+  EXPECT_THAT(names, testing::ElementsAre("index", "seed", "outcome", "min_distance", "time_to_first_view",
+                                          "fraction_in_view", "could_brake", "violations", "energy",
+                                          "chatter", "drift", "longest_without_plan", "status_converged",
+                                          "status_stepped", "status_iteration_limit", "status_deadline",
+                                          "status_not_finite", "status_invalid_state", "uav0.range",
+                                          "uav0.bearing", "uav0.height", "uav0.heading", "uav0.v_f",
+                                          "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
+                                          "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy"));
   Database::Statement about(database,
                             "SELECT group_concat(value, '|') FROM campaign WHERE key IN "
                             "('scenario', 'seed', 'version', 'duration')");
@@ -181,11 +182,11 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
     EXPECT_EQ(rows.number(9), r.chatter);
     EXPECT_FALSE(rows.number(10)) << "a second is too short to judge";
     std::int64_t updates = 0;
-    for (int s = 0; s < status_count; ++s) updates += rows.integer(11 + s);
+    for (int s = 0; s < status_count; ++s) updates += rows.integer(12 + s);
     EXPECT_EQ(updates, 100);
     for (std::size_t v = 0; v < run.values.size(); ++v)
-      EXPECT_EQ(rows.number(11 + status_count + static_cast<int>(v)), run.values[v]);
-    const int last = 11 + status_count + static_cast<int>(run.values.size());
+      EXPECT_EQ(rows.number(12 + status_count + static_cast<int>(v)), run.values[v]);
+    const int last = 12 + status_count + static_cast<int>(run.values.size());
     ASSERT_EQ(r.energies.size(), 2U);
     EXPECT_EQ(rows.number(last), r.energies[0]);
     EXPECT_EQ(rows.number(last + 1), r.energies[1]);

@@ -150,6 +150,8 @@ RunResult Judge::result(const LoopOutcome& outcome) const {
   result.chatter = chatter_.worst_share();
   const auto drift = drift_.found();
   result.drift = !drift ? none : drift->empty() ? 0.0 : norm(drift->front().v);
+  for (const PlanGaps& gaps : gaps_)
+    result.longest_without_plan = std::max(result.longest_without_plan, gaps.any().longest);
   const auto& walls = safety_.bounds();
   const bool within =
       std::all_of(walls.begin(), walls.end(), [](const SafetySummary::Bound& wall) { return wall.kept(); });

@@ -44,6 +44,7 @@ struct RunResult {
   /// Greatest speed at which a robot left where it was asked to be, at the end [m/s]; 0: none did; not a number:
   /// the run was too short to judge.
   double drift = 0.0;
+  double longest_without_plan = 0.0;  ///< of all solvers, whatever the reason [s]; 0: each update gave one
 };
 
 /// Takes the samples of a loop and judges them as they come; keeps none. The hard distance of a pair is that of

@@ -142,6 +142,7 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
   };
   restless("chatter", "of the time", "an input jumps to and fro each period");
   restless("drift", "m/s", "a robot leaves where it was asked to be until the end");
+  restless("longest_without_plan", "s", "a solver gives no plan for a time");
   lines.push_back({"periods with a violation", quantile("(SELECT sum(violations) FROM runs)", 0.0, "")});
   return lines;
 }

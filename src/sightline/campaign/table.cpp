@@ -23,7 +23,8 @@ std::vector<std::string> fixed_columns() {
                                     "violations",
                                     "energy",
                                     "chatter",
-                                    "drift"};
+                                    "drift",
+                                    "longest_without_plan"};
   for (int i = 0; i < status_count; ++i)
     names.push_back(fmt::format("status_{}", to_string(static_cast<Status>(i))));
   return names;
@@ -37,7 +38,7 @@ constexpr std::size_t waiting_max = 4096;        // rows; a disk that cannot kee
 std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
   constexpr std::string_view types[] = {
       "INTEGER PRIMARY KEY", "INTEGER NOT NULL", "TEXT NOT NULL", "REAL",          "REAL", "REAL",
-      "INTEGER NOT NULL",    "INTEGER NOT NULL", "REAL NOT NULL", "REAL NOT NULL", "REAL"};
+      "INTEGER NOT NULL",    "INTEGER NOT NULL", "REAL NOT NULL", "REAL NOT NULL", "REAL", "REAL NOT NULL"};
   std::vector<std::string> columns;
   for (const std::string& name : fixed_columns()) {
     const bool typed = columns.size() < std::size(types);
@@ -65,7 +66,8 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
     real(value);
   whole(result.could_brake ? 1 : 0);
   whole(result.violations);
-  for (const double value : {result.energy, result.chatter, result.drift}) real(value);
+  for (const double value : {result.energy, result.chatter, result.drift, result.longest_without_plan})
+    real(value);
   for (const std::int64_t count : result.statuses) whole(count);
   for (const double value : run.values) real(value);
   for (const double value : result.energies) real(value);
