@@ -127,6 +127,28 @@ TEST(Roster, AnObserverTakesItsSensorAlongAndKeepsItsDistanceFromBoth) {
   EXPECT_THAT(roster.apply(Observe{AgentId{BodyId{2}}, BodyId{0}}, 6.0, 1.0), HasSubstr("already"));
 }
 
+TEST(Roster, WhoObservesTheObserverGoesOnWithItsOwnSensor) {
+  Team team;
+  for (const char* name : {"uav0", "uav1", "uav2"}) team.add(Multirotor{}, {.name = name});
+  const SensorMount up = {-0.4, 0.1};
+  const AgentId uav0{BodyId{0}}, uav1{BodyId{1}};
+  team.couple({0.4, Bearing{}}, {uav1, uav0}, {uav1});
+  team.couple({0.4, Potential(Bearing{}).seen_from(up)}, {uav0, uav1}, {uav0});
+  Roster roster(team);
+  ASSERT_THAT(roster.apply(Observe{uav1, BodyId{2}}, 1.0, 1.0), IsEmpty());
+  const Team then = roster.team(3.0);
+  int looks = 0;
+  for (const Coupling& c : then.couplings()) {
+    if (!watches(c.term.potential)) continue;
+    ++looks;
+    const bool of_uav0 = c.term.potential.mount()->pitch == up.pitch;
+    EXPECT_EQ(c.between.first, of_uav0 ? BodyId(uav0) : BodyId(uav1));
+    EXPECT_EQ(c.between.second, of_uav0 ? BodyId(uav1) : BodyId{2});
+    EXPECT_THAT(c.felt_by, testing::ElementsAre(of_uav0 ? uav0 : uav1));
+  }
+  EXPECT_EQ(looks, 2);
+}
+
 TEST(Roster, WhateverKeepsApartStaysWithTheOldTargetAndComesToTheNew) {
   const SensorMount mount{};
   const std::vector<Potential> keep_outs = {

@@ -371,6 +371,7 @@ class JudgedTeam {
     const std::string before = looks->b;
     for (std::size_t i = 0, n = terms_.size(); i < n; ++i) {
       if (terms_[i].until != infinity || !terms_[i].joins(observer, before)) continue;
+      if (terms_[i].a == before && terms_[i].is_view()) continue;
       JudgedTerm next = terms_[i];
       next.from = t + ramp;
       (next.a == before ? next.a : next.b) = target;

@@ -233,6 +233,8 @@ struct Roster::Change {
     };
     for (std::size_t i = 0; i < n; ++i) {
       if (!lasts(couplings[i].ramp) || !joins(couplings[i].between, observer, before)) continue;
+      // By this one it is observed itself, with the sensor of the other: that goes on.
+      if (couplings[i].between.first == before && watches(couplings[i].term.potential)) continue;
       const bool stays = keeps_apart(couplings[i].term.potential);
       Coupling next = couplings[i];
       BodyId& end = next.between.first == before ? next.between.first : next.between.second;
