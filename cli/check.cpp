@@ -6,16 +6,23 @@
 #include "sightline/base/version.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario/templates.hpp"
 
 namespace sightline::cli {
 
-int check(const std::filesystem::path& scenario) {
+int check(const std::filesystem::path& scenario, bool expanded) {
   try {
     const Scenario read = read_scenario(scenario);
     (void)Controls(read);
     const Preflight known = preflight(read);
     for (const std::string& refusal : known.refusals) tell("{}\n", refusal);
     if (!known.refusals.empty()) return 2;
+    if (expanded) {
+      TomlDocument document = parse_toml(read.text, scenario.native());
+      expand(document);
+      print("{}", printed(document));
+      return 0;
+    }
     print("ok\n{}", summary(read));
     for (const std::string& remark : known.remarks) print("smooth      {}\n", remark);
     for (const std::string& warning : known.warnings) print("warning     {}\n", warning);

@@ -70,8 +70,8 @@ int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const Partitio
 /// Flies a scenario many times as its [campaign] says; leaves campaign.sqlite and campaign.html. 1 where a run is
 /// not recovered.
 int campaign(const CampaignCommand& command);
-/// Reads a scenario and says what it describes, or what is wrong with it.
-int check(const std::filesystem::path& scenario);
+/// Reads a scenario and says what it describes, or what is wrong with it; or prints it expanded, as TOML.
+int check(const std::filesystem::path& scenario, bool expanded);
 /// Makes report.html again from what a run left.
 int report(const std::filesystem::path& folder);
 /// Draws and judges the potentials of a scenario: index.html and verdict.json.

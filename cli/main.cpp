@@ -38,6 +38,8 @@ int execute(int argc, char** argv) {
   std::filesystem::path scenario, folder;
   CLI::App* check_command = app.add_subcommand("check", "Read a scenario and say what it describes");
   check_command->add_option("SCENARIO", scenario, "Scenario file (TOML)")->required();
+  bool expanded = false;
+  check_command->add_flag("--print", expanded, "Print the scenario with its templates and ranges expanded");
 
   CLI::App* report_command = app.add_subcommand("report", "Make report.html again from a run's files");
   report_command->add_option("DIR", folder, "Folder of a run")->required();
@@ -92,7 +94,7 @@ int execute(int argc, char** argv) {
     return code == 0 ? 0 : 2;
   }
   if (run_command->parsed()) return run(run_options);
-  if (check_command->parsed()) return check(scenario);
+  if (check_command->parsed()) return check(scenario, expanded);
   if (report_command->parsed()) return report(folder);
   if (potential_command->parsed()) return potential(potential_options);
   if (explain_command->parsed()) return explain(scenario);

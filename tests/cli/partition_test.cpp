@@ -24,7 +24,7 @@ const std::string quarters = "uav0,uav1 | uav2,uav3 | uav4,uav5 | uav6,uav7";
 fs::path chain8(const fs::path& folder, const std::string& duration, bool joint = false) {
   std::string text = read_file(SIGHTLINE_SOURCE_DIR "/scenarios/chain8.toml");
   text = std::regex_replace(text, std::regex("duration = 60.0"), "duration = " + duration);
-  if (joint) text = std::regex_replace(text, std::regex("felt_by[^\n]*\n"), "");
+  if (joint) text = std::regex_replace(text, std::regex("felt_by = \"observer\", "), "");
   const fs::path file = folder / (joint ? "chain8_joint.toml" : "chain8.toml");
   std::ofstream(file) << text;
   return file;

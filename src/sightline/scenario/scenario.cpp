@@ -19,6 +19,7 @@
 #include "sightline/scenario/scenario_parts.hpp"
 #include "sightline/scenario/script_words.hpp"
 #include "sightline/scenario/shape_parts.hpp"
+#include "sightline/scenario/templates.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {
@@ -313,7 +314,8 @@ class Reader {
 }  // namespace
 
 Scenario parse_scenario(std::string text, const std::filesystem::path& file) {
-  const TomlDocument document = parse_toml(text, file.native());
+  TomlDocument document = parse_toml(text, file.native());
+  expand(document);
   Scenario scenario;
   Reader(document, scenario).read();
   if (document.root.contains("campaign")) scenario.campaign = read_campaign(document, scenario.team);

@@ -315,7 +315,9 @@ void TomlValue::refuse_at(std::size_t offset, std::string_view sentence) const {
 }
 
 void TomlTable::refuse_node(const toml::node& node, std::string_view at, std::string_view expected) const {
-  throw ScenarioError(file(), line_of(node), fmt::format("{} = {}, expected {}", at, shown(node), expected));
+  // A value that was put in place of another has no line of its own.
+  const std::size_t line = node.source().begin.line > 0 ? line_of(node) : line_;
+  throw ScenarioError(file(), line, fmt::format("{} = {}, expected {}", at, shown(node), expected));
 }
 
 void TomlTable::refuse(std::string_view key, std::string_view expected) const {

@@ -59,6 +59,8 @@ class TomlValue;
 class TomlTable {
  public:
   explicit TomlTable(const TomlDocument& document);
+  /// A table of the document, under this path.
+  TomlTable(const TomlDocument& document, const toml::table& table, std::string path);
 
   bool has(std::string_view key) const { return find(key) != nullptr; }
   std::size_t size() const { return table_->size(); }
@@ -134,7 +136,6 @@ class TomlTable {
 
  private:
   friend class TomlValue;
-  TomlTable(const TomlDocument& document, const toml::table& table, std::string path);
 
   const toml::node* find(std::string_view key) const;
   const toml::node& need(std::string_view key, std::string_view expected) const;
