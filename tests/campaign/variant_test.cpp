@@ -165,5 +165,27 @@ TEST(Variant, ANumberOutOfItsRangeIsRefusedAtItsLine) {
   }
 }
 
+TEST(Variant, NumbersOfATemplateAreDrawnForAllThatAreLikeIt) {
+  const std::string of_template = R"(
+[template.t]
+robot = "multirotor"
+R = [0.5, 0.5, 0.5, 0.5]
+[agent."r{0..1}"]
+like = "t"
+start = { p = { place = "line", from = [0.0, 0.0, 1.0], to = [3.0, 0.0, 1.0] } }
+[campaign]
+duration = 5.0
+[[campaign.draw]]
+key = "template.t.R[1]"
+uniform = [0.4, 0.6]
+)";
+  const Scenario scenario = parse_scenario(of_template, "team.toml");
+  ASSERT_TRUE(scenario.campaign);
+  const Variants variants(scenario, *scenario.campaign);
+  const RunDraw run = draw_run(*scenario.campaign, 1, 0);
+  const Scenario drawn = variants.of(run);
+  for (const Agent& agent : drawn.team.agents()) EXPECT_EQ(agent.R[1], run.values[0]);
+}
+
 }  // namespace
 }  // namespace sightline

@@ -318,7 +318,9 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file) {
   expand(document);
   Scenario scenario;
   Reader(document, scenario).read();
-  if (document.root.contains("campaign")) scenario.campaign = read_campaign(document, scenario.team);
+  // A campaign draws numbers of the file as it is written.
+  if (document.root.contains("campaign"))
+    scenario.campaign = read_campaign(parse_toml(text, file.native()), scenario.team);
   scenario.name = file.stem().string();
   scenario.file = file;
   scenario.text = std::move(text);

@@ -71,7 +71,7 @@ class Instance {
   void fill_all(toml::node& node, const std::string& path) {
     if (toml::table* table = node.as_table()) {
       for (auto&& [key, inner] : *table) {
-        const std::string name(key.str()), below = path + '.' + name;
+        const std::string name(key.str()), below = fmt::format("{}.{}", path, name);
         if (name == "robot") continue;  // its states have names of their own
         if (auto value = value_of(inner, below)) {
           table->insert_or_assign(name, std::move((*value)[0]));
@@ -132,8 +132,8 @@ class Instance {
     at.expect_only({"place", "corner", "step", "columns"});
     const Vec3<double> step = at.vec3("step");
     const auto columns = static_cast<int>(at.integer("columns", 1, range_max));
-    return at.vec3("corner") +
-           Vec3<double>{step.x * (index_ % columns), step.y * (index_ / columns), step.z * i};
+    const int column = index_ % columns, row = index_ / columns;
+    return at.vec3("corner") + Vec3<double>{step.x * column, step.y * row, step.z * i};
   }
 
   double heading(const TomlTable& at) const {
