@@ -146,7 +146,7 @@ TEST(Variant, ANumberThatAnotherScenarioDoesNotHaveIsNamed) {
   CampaignPlan plan;
   plan.draws = {{"couple[1].weight", always(1.0)}};
   try {
-    Variants(parse_scenario(text, "some.toml"), plan);
+    const Variants variants(parse_scenario(text, "some.toml"), plan);
     FAIL() << "expected a refusal";
   } catch (const ScenarioError& error) {
     EXPECT_STREQ(error.what(),
