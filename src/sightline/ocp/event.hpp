@@ -59,7 +59,7 @@ struct NearerThan {
 };
 using Measure = std::variant<DistanceOf, ViewAngleOf, ExcessOf, AgeOf, NearerThan>;
 
-/// The measure is beyond the threshold, and has been for `dwell`. It ends to hold where it comes back by more than
+/// True once the measure has been beyond the threshold for `dwell`; false again once it has come back by more than
 /// `hysteresis`.
 struct Condition {
   enum class Side { above, below };

@@ -28,7 +28,7 @@ void read_settling(const TomlTable& at, const EventScope& scope, Condition& when
                                                : when.threshold + when.hysteresis < scale->largest;
     if (!ends) {
       at.refuse("hysteresis",
-                fmt::format("less than {} {}, or the condition never ends to hold",
+                fmt::format("less than {} {}, or the condition never becomes false",
                             when.side == Side::above ? when.threshold : scale->largest - when.threshold,
                             scale->unit));
     }

@@ -64,9 +64,9 @@ class Solver {
   /// relaxations; infinity where it is not a number. For acceptance figures, outside the timed part.
   virtual double kkt(double time, std::span<const double> states) noexcept = 0;
 
-  /// Writes the inputs (nu) that the last good plan has for `time` [s]: its first before its begin, its last after
-  /// its end, zero before there is one. Limits may have moved since. For a plan that is late or lost. Nothing where
-  /// there is not room for nu numbers.
+  /// Writes the inputs (nu) that the last good plan has for `time` [s], for use where an update is late or lost. Before
+  /// the plan begins its first inputs, after it ends its last; zero where there is no plan yet. Input limits may have
+  /// changed since. Writes nothing where u is shorter than nu.
   virtual void planned(double time, std::span<double> u) const noexcept = 0;
 
   /// Forgets the iterate: the next update starts as the first did.

@@ -52,9 +52,9 @@ class NewtonRiccati final : public Solver {
   /// others keep what is planned for them here. Neither allocates nor blocks. From a horizon of other stages, nothing.
   void take_over(const NewtonRiccati& before) noexcept;
 
-  /// What a body that is not controlled will do, in place of the velocity it has: for updates within a horizon of the
-  /// time told while it is about there, or until another is told. Of N + 1 sights at most; without any, nothing is told
-  /// any more. Of more, or of a robot that is planned here, it is left.
+  /// Sets the predicted trajectory of a body that is not controlled here, at most N + 1 sights; without it the body is
+  /// taken to keep its velocity. It is used for updates within one horizon of its time, until the next one is set; an
+  /// empty one ends it. One that is too long, or of a robot that is planned here, is ignored.
   void set_prediction(const Prediction& told) noexcept;
 
  private:
