@@ -6,7 +6,6 @@
 #include "sightline/base/index.hpp"
 
 namespace sightline {
-namespace {}  // namespace
 
 MultipleShooting::MultipleShooting(Ocp ocp)
     : ocp_(std::move(ocp)),

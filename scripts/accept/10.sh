@@ -7,15 +7,8 @@ set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 begin_commit=b18f400  # the last one before
 build=build/release
-form=whole out=out/accept/10
-if [[ ${1:-} == --short ]]; then
-  form=short out=$(mktemp -d)
-  trap 'rm -rf "$out"' EXIT
-  shift
-fi
-mkdir -p "$out"
+. scripts/accept/sections.sh
 export SIGHTLINE_CAMPAIGN=$form
-whole() { [[ $form == whole ]]; }
 
 # Runs tests of a program by their names; none at all is a failure. $1: program, $2: filter.
 tests() {
@@ -74,24 +67,4 @@ kills() { tests cli_campaign_test 'Killed.*'; }
 
 all=(defects encirclements one_attacker mutants random bench kills)
 whole || all=(random bench)
-sections=("$@")
-((${#sections[@]} > 0)) || sections=("${all[@]}")
-bad=0 table=''
-for section in "${sections[@]}"; do
-  [[ " ${all[*]} " == *" $section "* ]] || { echo "10.sh: SECTION = $section, expected one of ${all[*]}" >&2; exit 2; }
-  result=$out/$section.txt
-  if [[ ! -f $result ]]; then
-    begin=$SECONDS
-    echo "=== $section"
-    if "$section" 2>&1 | tee "$result.part"; ((PIPESTATUS[0] == 0)); then
-      echo "$((SECONDS - begin)) s" >>"$result.part"
-      mv "$result.part" "$result"
-    fi
-  fi
-  verdict=pass
-  [[ -f $result ]] || { verdict=FAIL; bad=$((bad + 1)); result=$result.part; }
-  table+=$(printf '%-4s  %-13s  %s' "$verdict" "$section" "$(tail -n 2 "$result" | tr '\n' ' ')")$'\n'
-done
-printf '\n%s' "$table"
-echo "$((${#sections[@]} - bad)) passed, $bad failed"
-((bad == 0))
+run_sections "$@"

@@ -1,26 +1,21 @@
 #!/usr/bin/env bash
 # Every figure that "Ready for the world" asks for, section by section:  scripts/accept/11.sh [--short] [SECTION ...]
 # What is finished stays in out/accept/11/ and is not done again; delete it to begin anew. Needs the release preset, and
-# `npm ci --prefix tests/npm`. BEFORE=path names the binary of the commit before, which flies the scenarios of its time. --short is for CI: a log against itself.
+# `npm ci --prefix tests/npm`. BEFORE=path names the binary of the commit before, which flies the scenarios of its time.
+# --short is for CI: a log against itself.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 begin_commit=22aaa23  # the last one before
 build=build/release
-form=whole out=out/accept/11
-if [[ ${1:-} == --short ]]; then
-  form=short out=$(mktemp -d) begin_commit=HEAD
-  trap 'rm -rf "$out"' EXIT
-  BEFORE=$build/bin/sightline
-  shift
-fi
-mkdir -p "$out"
+. scripts/accept/sections.sh
+whole || begin_commit=HEAD BEFORE=$build/bin/sightline
 
 # The log of every shipped scenario, seed 1, is the same before and after, message by message.
 logs() {
   local before=${BEFORE:-} after=$build/bin/sightline name told bad=0 flown=0
   [[ -x $before ]] || { echo "BEFORE = \"$before\", expected the binary of the commit before"; return 1; }
   local -a scenarios=(scenarios/*.toml)
-  [[ $form == whole ]] || scenarios=(scenarios/handover.toml)
+  whole || scenarios=(scenarios/handover.toml)
   mkdir -p "$out/tree"
   git archive "$begin_commit" scenarios | tar -x -C "$out/tree" || return 1
   for scenario in "${scenarios[@]}"; do
@@ -49,19 +44,4 @@ logs() {
 }
 
 all=(logs)
-sections=("$@")
-((${#sections[@]} > 0)) || sections=("${all[@]}")
-bad=0
-for section in "${sections[@]}"; do
-  [[ " ${all[*]} " == *" $section "* ]] || { echo "11.sh: SECTION = $section, expected one of ${all[*]}" >&2; exit 2; }
-  result=$out/$section.txt
-  [[ -f $result ]] && continue
-  echo "=== $section"
-  if "$section" 2>&1 | tee "$result.part"; ((PIPESTATUS[0] == 0)); then
-    mv "$result.part" "$result"
-  else
-    bad=$((bad + 1))
-  fi
-done
-echo "$((${#sections[@]} - bad)) passed, $bad failed"
-((bad == 0))
+run_sections "$@"

@@ -157,16 +157,15 @@ Flow flow_of(const Team& team, std::span<const double> x0, std::span<const Agent
   }
   Flow flow(std::move(bodies));
   for (const Hold& hold : holds) flow.add(hold);
-  const auto index = [](BodyId body) { return static_cast<std::size_t>(body.index); };
   for (const Coupling& c : team.couplings()) {
     const auto feels = [&](BodyId body) {
       return std::find(c.felt_by.begin(), c.felt_by.end(), body) != c.felt_by.end();
     };
-    flow.add({c.term.weight * c.ramp.to, c.term.potential}, index(c.between.first), index(c.between.second),
+    flow.add({c.term.weight * c.ramp.to, c.term.potential}, at(c.between.first), at(c.between.second),
              feels(c.between.first), feels(c.between.second));
   }
   for (const Constraint& c : team.constraints()) {
-    flow.add({c.term.weight * c.ramp.to, c.term.potential}, index(c.agent), index(c.agent), true, false);
+    flow.add({c.term.weight * c.ramp.to, c.term.potential}, at(c.agent), at(c.agent), true, false);
   }
   return flow;
 }

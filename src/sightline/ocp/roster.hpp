@@ -49,7 +49,7 @@ class Roster {
   /// A robot as it is tuned now.
   const Agent& agent(AgentId robot) const { return agents_[place(robot)]; }
   const std::vector<Presence>& presence() const { return presence_; }
-  Presence presence(BodyId body) const { return presence_[static_cast<std::size_t>(body.index)]; }
+  Presence presence(BodyId body) const { return presence_[at(body)]; }
   /// Those in force or fading, of bodies that are there or not.
   const std::vector<Coupling>& couplings() const { return couplings_; }
   const std::vector<Constraint>& constraints() const { return constraints_; }

@@ -236,7 +236,7 @@ class Team {
   };
   std::size_t index(BodyId body) const {
     if (body.index < 0 || body.index >= bodies()) refuse_body(body);
-    return static_cast<std::size_t>(body.index);
+    return at(body);
   }
   [[noreturn]] void refuse_body(BodyId body) const;
   BodyId enter(std::string name, const Model& model, int agent);

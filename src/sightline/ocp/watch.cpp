@@ -15,11 +15,11 @@ struct Value {
   const Watch::View& view;
 
   bool is_there(BodyId body) const {
-    return view.presence.empty() || view.presence[static_cast<std::size_t>(body.index)] != Presence::absent;
+    return view.presence.empty() || view.presence[at(body)] != Presence::absent;
   }
   /// A robot that brakes or sinks takes over nothing, and is relieved.
   bool is_on_duty(BodyId body) const {
-    return view.presence.empty() || view.presence[static_cast<std::size_t>(body.index)] == Presence::steered;
+    return view.presence.empty() || view.presence[at(body)] == Presence::steered;
   }
   Sight<double> sight(BodyId body) const {
     const double* const u = all.is_agent(body) ? view.u.data() + all.input_offset(body) : nullptr;
@@ -46,7 +46,7 @@ struct Value {
   }
   double operator()(const AgeOf& of) const {
     if (!is_there(of.body)) return none();
-    return view.ages.empty() ? 0.0 : view.ages[static_cast<std::size_t>(of.body.index)];
+    return view.ages.empty() ? 0.0 : view.ages[at(of.body)];
   }
 };
 

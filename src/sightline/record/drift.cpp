@@ -41,7 +41,7 @@ void Drift::restart(std::span<const Coupling> couplings) {
   for (const Coupling& c : couplings) {
     for (const AgentId agent : c.felt_by) {
       const BodyId other = agent == c.between.first ? c.between.second : c.between.first;
-      felt_[static_cast<std::size_t>(agent.index)].push_back(static_cast<std::size_t>(other.index));
+      felt_[at(agent)].push_back(at(other));
     }
   }
 }

@@ -96,14 +96,11 @@ void SafetySummary::add(double time, std::span<const Sight<double>> sights,
                         std::span<const Rung> rungs) {
   ++samples_;
   add_bounds(time, sights, presence, rungs);
-  const auto is_there = [&](BodyId body) {
-    return presence[static_cast<std::size_t>(body.index)] != Presence::absent;
-  };
+  const auto is_there = [&](BodyId body) { return presence[at(body)] != Presence::absent; };
   for (Pair& pair : pairs_) {
     if (!is_there(pair.a) || !is_there(pair.b)) continue;
     pair.in_force.count(time, period_);
-    const Vec3<double> r =
-        sights[static_cast<std::size_t>(pair.a.index)].p - sights[static_cast<std::size_t>(pair.b.index)].p;
+    const Vec3<double> r = sights[at(pair.a)].p - sights[at(pair.b)].p;
     const double distance2 = dot(r, r);
     if (distance2 < pair.least2) pair.least2 = distance2, pair.time = time;
   }
@@ -116,7 +113,7 @@ void SafetySummary::add(double time, std::span<const Sight<double>> sights,
 void SafetySummary::add_bounds(double time, std::span<const Sight<double>> sights,
                                std::span<const Presence> presence, std::span<const Rung> rungs) {
   for (Bound& bound : bounds_) {
-    const auto i = static_cast<std::size_t>(bound.robot.index);
+    const auto i = at(bound.robot);
     const bool lands = presence[i] == Presence::land || (i < rungs.size() && rungs[i] >= Rung::land);
     const bool counted = bound.counts;
     bound.counts = presence[i] != Presence::absent && !(lands && bound.of == Bound::Of::floor);
@@ -163,12 +160,12 @@ std::vector<std::string> SafetySummary::broken() const {
   for (const Pair& pair : by_margin()) {
     if (pair.kept()) continue;
     sentences.push_back(fmt::format("{} came within {:.4g} m of {} at {:.2f} s, d_hard is {} m",
-                                    names_[static_cast<std::size_t>(pair.a.index)], std::sqrt(pair.least2),
-                                    names_[static_cast<std::size_t>(pair.b.index)], pair.time, pair.d_hard));
+                                    names_[at(pair.a)], std::sqrt(pair.least2), names_[at(pair.b)], pair.time,
+                                    pair.d_hard));
   }
   for (const Bound& bound : by_excess()) {
     if (bound.kept()) continue;
-    const std::string& who = names_[static_cast<std::size_t>(bound.robot.index)];
+    const std::string& who = names_[at(bound.robot)];
     const std::string limit = fmt::format("the {} is {} m", name_of(bound.of), bound.limit);
     const char* where = bound.of == Bound::Of::world ? "|p_x| or |p_y| of" : "a height of";
     sentences.push_back(bound.within || !bound.counts
@@ -187,8 +184,8 @@ std::string SafetySummary::json() const {
   json["hard_distances"] = Json::array();
   for (const Pair& pair : by_margin()) {
     const double least = std::sqrt(pair.least2);
-    json["hard_distances"].push_back({{"a", names_[static_cast<std::size_t>(pair.a.index)]},
-                                      {"b", names_[static_cast<std::size_t>(pair.b.index)]},
+    json["hard_distances"].push_back({{"a", names_[at(pair.a)]},
+                                      {"b", names_[at(pair.b)]},
                                       {"d_hard", pair.d_hard},
                                       {"least", std::isfinite(least) ? Json(least) : Json()},
                                       {"time", pair.time}});
@@ -197,7 +194,7 @@ std::string SafetySummary::json() const {
   }
   json["walls"] = Json::array();
   for (const Bound& bound : by_excess()) {
-    json["walls"].push_back({{"name", names_[static_cast<std::size_t>(bound.robot.index)]},
+    json["walls"].push_back({{"name", names_[at(bound.robot)]},
                              {"wall", name_of(bound.of)},
                              {"limit", bound.limit},
                              {"worst", bound.worst()},

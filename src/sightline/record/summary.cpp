@@ -321,7 +321,7 @@ void Summary::add_drift(const Sample& sample) {
   }
   if (!drift_.due(sample.time)) return;
   for (const Robot& robot : robots_) {
-    const auto i = static_cast<std::size_t>(robot.body.index);
+    const auto i = at(robot.body);
     steered_[i] = landing_[i] ? nullptr : present_.agent(robot.body);
   }
   drift_.mark(sample.time, sights_, presence_, steered_);

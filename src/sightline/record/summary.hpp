@@ -153,15 +153,13 @@ class Summary {
     TimeInForce idle{};
   };
 
-  const Sight<double>& sight(BodyId body) const { return sights_[static_cast<std::size_t>(body.index)]; }
+  const Sight<double>& sight(BodyId body) const { return sights_[at(body)]; }
   void add_view(const Observation& pair);
   void add_limit(const Potential& potential, BodyId a, BodyId b);
   void find_what_is_in_force();
   void find_limits_in_force(const std::vector<Coupling>& couplings,
                             const std::vector<Constraint>& constraints);
-  bool is_there(BodyId body) const {
-    return presence_[static_cast<std::size_t>(body.index)] != Presence::absent;
-  }
+  bool is_there(BodyId body) const { return presence_[at(body)] != Presence::absent; }
   void add_inputs(const Sample& sample);
   void add_robots(const Sample& sample);
   void add_places();

@@ -254,7 +254,7 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
   outcome_.max_allocations = std::max(outcome_.max_allocations, count() - before_all);
 }
 
-/// An update; while a late one is at work, what the plan before has for now.
+/// An update; while a late one is at work, what the plan before it has for this time.
 Solution Loop::ask(Controller& controller, double t, std::span<const double> believed) noexcept {
   Solver& solver = *controller.solver;
   Solution solution{.u = controller.plan, .raw_u = controller.plan, .x = {}};

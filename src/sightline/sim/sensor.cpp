@@ -91,7 +91,7 @@ std::span<const double> Sensor::measure(double t, std::span<const double> x) noe
 }
 
 void Sensor::begin(BodyId body, std::span<const double> x) noexcept {
-  const Part& part = parts_[static_cast<std::size_t>(body.index)];
+  const Part& part = parts_[at(body)];
   const auto nx = static_cast<std::size_t>(part.model.nx());
   std::copy_n(&x[part.x], nx, &seen_[part.x]);
   for (std::size_t at = part.x; at < past_.size(); at += seen_.size())

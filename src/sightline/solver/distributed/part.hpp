@@ -29,7 +29,7 @@ class Part {
 
   const Ocp& ocp() const { return solver_->ocp(); }
   /// Of a body of the part's team: its id in the whole team. @throws std::out_of_range
-  BodyId in_whole(BodyId body) const { return in_whole_.at(static_cast<std::size_t>(body.index)); }
+  BodyId in_whole(BodyId body) const { return in_whole_.at(at(body)); }
 
   /// One update; `states` are those of all bodies of the whole team, of which the part reads what it knows. The
   /// solution is in the order of the part's own team. As NewtonRiccati's, it neither throws nor allocates.

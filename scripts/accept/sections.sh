@@ -1,0 +1,35 @@
+# Sections of an acceptance script, to be sourced with its arguments: what is finished stays in out/accept/NAME/ and is
+# not done again; delete it to begin anew. --short, for CI, sets form=short and forgets what it finds.
+form=whole out=out/accept/$(basename "$0" .sh)
+if [[ ${1:-} == --short ]]; then
+  form=short out=$(mktemp -d)
+  trap 'rm -rf "$out"' EXIT
+  shift
+fi
+mkdir -p "$out"
+whole() { [[ $form == whole ]]; }
+
+# $@: the sections asked for, functions of `all`; without any, all of them.
+run_sections() {
+  local -a sections=("$@")
+  local section result verdict begin bad=0 table=''
+  ((${#sections[@]} > 0)) || sections=("${all[@]}")
+  for section in "${sections[@]}"; do
+    [[ " ${all[*]} " == *" $section "* ]] || { echo "$(basename "$0"): SECTION = $section, expected one of ${all[*]}" >&2; exit 2; }
+    result=$out/$section.txt
+    if [[ ! -f $result ]]; then
+      begin=$SECONDS
+      echo "=== $section"
+      if "$section" 2>&1 | tee "$result.part"; ((PIPESTATUS[0] == 0)); then
+        echo "$((SECONDS - begin)) s" >>"$result.part"
+        mv "$result.part" "$result"
+      fi
+    fi
+    verdict=pass
+    [[ -f $result ]] || { verdict=FAIL; bad=$((bad + 1)); result=$result.part; }
+    table+=$(printf '%-4s  %-13s  %s' "$verdict" "$section" "$(tail -n 2 "$result" | tr '\n' ' ')")$'\n'
+  done
+  printf '\n%s' "$table"
+  echo "$((${#sections[@]} - bad)) passed, $bad failed"
+  ((bad == 0))
+}
