@@ -15,7 +15,7 @@
 #include "sightline/base/index.hpp"
 #include "sightline/base/quantile.hpp"
 #include "sightline/base/version.hpp"
-#include "sightline/sim/plant.hpp"
+#include "sightline/world/plant.hpp"
 
 namespace sightline {
 namespace {

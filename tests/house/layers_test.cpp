@@ -20,9 +20,9 @@ constexpr long longest_file = 500;  // lines
 
 /// Height of each layer; those of one height do not know each other.
 const std::map<std::string, int> height = {
-    {"base", 0},   {"math", 1},    {"plot", 1},      {"formula", 2},   {"model", 3},   {"potential", 4},
-    {"ocp", 5},    {"solver", 6},  {"safety", 6},    {"sim", 6},       {"run", 7},     {"scenario", 8},
-    {"record", 9}, {"report", 10}, {"campaign", 11}, {"analysis", 11}, {"studies", 12}};
+    {"base", 0},    {"math", 1},    {"plot", 1},      {"formula", 2},   {"model", 3},   {"potential", 4},
+    {"ocp", 5},     {"solver", 6},  {"safety", 6},    {"world", 7},     {"run", 8},     {"scenario", 9},
+    {"record", 10}, {"report", 11}, {"campaign", 12}, {"analysis", 12}, {"studies", 13}};
 
 /// What is wrong with a file of `layer` that includes `included`; empty if nothing is.
 std::string include_fault(const std::string& layer, const std::string& included) {
@@ -86,10 +86,10 @@ TEST(Layers, the_rule_accepts_lower_and_refuses_higher_and_equal_layers) {
   EXPECT_EQ(include_fault("solver", "sightline/solver/continuation/gmres.hpp"), "");
   EXPECT_EQ(include_fault("math", "vector"), "");
   EXPECT_EQ(include_fault("math", "sightline/record/log.hpp"), "is in record, which is not below math");
-  EXPECT_EQ(include_fault("sim", "sightline/solver/continuation/gmres.hpp"),
-            "is in solver, which is not below sim");
-  EXPECT_EQ(include_fault("sim", "sightline/attic/old.hpp"), "is in attic, which is no layer");
-  EXPECT_EQ(include_fault("sim", "sightline/sightline.hpp"), "names no layer");
+  EXPECT_EQ(include_fault("safety", "sightline/solver/continuation/gmres.hpp"),
+            "is in solver, which is not below safety");
+  EXPECT_EQ(include_fault("world", "sightline/attic/old.hpp"), "is in attic, which is no layer");
+  EXPECT_EQ(include_fault("world", "sightline/sightline.hpp"), "names no layer");
 }
 
 TEST(Layers, a_file_includes_its_own_or_a_lower_layer) {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "sightline/ocp/roster.hpp"
-#include "sightline/sim/plant.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/world/plant.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sightline/sim/plant.hpp"
+#include "sightline/world/plant.hpp"
 
 namespace sightline {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/sim/disturbance.hpp"
+#include "sightline/world/disturbance.hpp"
 
 namespace sightline {
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "sightline/sim/disturbance.hpp"
+#include "sightline/world/disturbance.hpp"
 
 namespace sightline {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "sightline/potential/distance.hpp"
-#include "sightline/sim/plant.hpp"
+#include "sightline/world/plant.hpp"
 
 namespace sightline {
 namespace {

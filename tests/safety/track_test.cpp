@@ -8,7 +8,7 @@
 
 #include "sightline/math/integrate.hpp"
 #include "sightline/model/robots.hpp"
-#include "sightline/sim/disturbance.hpp"
+#include "sightline/world/disturbance.hpp"
 
 namespace sightline {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sightline/scenario/campaign_plan.hpp"
-#include "sightline/sim/disturbance.hpp"
+#include "sightline/world/disturbance.hpp"
 
 namespace sightline {
 

@@ -13,10 +13,10 @@
 #include "sightline/run/ring.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/run/succession.hpp"
-#include "sightline/sim/fault.hpp"
-#include "sightline/sim/plant.hpp"
-#include "sightline/sim/sensor.hpp"
 #include "sightline/solver/solver.hpp"
+#include "sightline/world/fault.hpp"
+#include "sightline/world/plant.hpp"
+#include "sightline/world/sensor.hpp"
 
 namespace sightline {
 

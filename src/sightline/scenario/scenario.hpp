@@ -19,12 +19,12 @@
 #include "sightline/run/guard.hpp"
 #include "sightline/scenario/campaign_plan.hpp"
 #include "sightline/scenario/scenario_text.hpp"
-#include "sightline/sim/fault.hpp"
-#include "sightline/sim/plant.hpp"
-#include "sightline/sim/sensor.hpp"
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/world/fault.hpp"
+#include "sightline/world/plant.hpp"
+#include "sightline/world/sensor.hpp"
 
 namespace sightline {
 

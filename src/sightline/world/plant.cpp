@@ -1,4 +1,4 @@
-#include "sightline/sim/plant.hpp"
+#include "sightline/world/plant.hpp"
 
 #include <fmt/format.h>
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "sightline/ocp/team.hpp"
-#include "sightline/sim/disturbance.hpp"
-#include "sightline/sim/fault.hpp"
+#include "sightline/world/disturbance.hpp"
+#include "sightline/world/fault.hpp"
 
 namespace sightline {
 

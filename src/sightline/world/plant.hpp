@@ -8,8 +8,8 @@
 
 #include "sightline/math/integrate.hpp"
 #include "sightline/ocp/roster.hpp"
-#include "sightline/sim/disturbance.hpp"
-#include "sightline/sim/motion.hpp"
+#include "sightline/world/disturbance.hpp"
+#include "sightline/world/motion.hpp"
 
 namespace sightline {
 

@@ -1,4 +1,4 @@
-#include "sightline/sim/motion.hpp"
+#include "sightline/world/motion.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "sightline/sim/plant.hpp"
-#include "sightline/sim/sensor.hpp"
+#include "sightline/world/plant.hpp"
+#include "sightline/world/sensor.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -1,11 +1,11 @@
-#include "sightline/sim/fault.hpp"
+#include "sightline/world/fault.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/sim/sensor.hpp"
+#include "sightline/world/sensor.hpp"
 
 namespace sightline {
 namespace {

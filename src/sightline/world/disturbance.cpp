@@ -1,4 +1,4 @@
-#include "sightline/sim/disturbance.hpp"
+#include "sightline/world/disturbance.hpp"
 
 #include <algorithm>
 #include <cmath>

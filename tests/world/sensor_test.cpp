@@ -1,4 +1,4 @@
-#include "sightline/sim/sensor.hpp"
+#include "sightline/world/sensor.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "sightline/sim/fault.hpp"
+#include "sightline/world/fault.hpp"
 
 #include <array>
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "sightline/ocp/team.hpp"
-#include "sightline/sim/disturbance.hpp"
+#include "sightline/world/disturbance.hpp"
 
 namespace sightline {
 

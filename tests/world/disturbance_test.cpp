@@ -1,4 +1,4 @@
-#include "sightline/sim/disturbance.hpp"
+#include "sightline/world/disturbance.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

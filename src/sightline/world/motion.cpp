@@ -1,4 +1,4 @@
-#include "sightline/sim/motion.hpp"
+#include "sightline/world/motion.hpp"
 
 #include <fmt/format.h>
 
