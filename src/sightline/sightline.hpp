@@ -18,5 +18,6 @@
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/world/model_world.hpp"
 #include "sightline/world/plant.hpp"
 #include "sightline/world/sensor.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sightline/run/loop.hpp"
+#include "sightline/world/model_world.hpp"
 
 namespace sightline {
 namespace {
@@ -62,12 +63,11 @@ struct Kept final : Sink<Sample> {
 
 std::vector<Sample> fly(Teller& teller, LoopOptions options, const SensorOptions& sensing = {}) {
   const Team team = one_robot();
-  Plant plant(team, start);
-  Sensor sensor(team, sensing);
+  ModelWorld world(team, start, {}, sensing);
   const Controllers controllers = {teller};
   SimulatedClock clock;
   Kept kept(sized_sample(team, controllers));
-  Loop loop(plant, sensor, controllers, clock, kept, options);
+  Loop loop(world, controllers, clock, kept, options);
   EXPECT_TRUE(loop.run().finite);
   return kept.all;
 }

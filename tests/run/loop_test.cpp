@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "sightline/world/model_world.hpp"
 #include "tests/support/counted_new.hpp"
 
 static thread_local std::int64_t allocated = 0;
@@ -114,10 +115,9 @@ struct Flight {
 // The loop, with a log thread that keeps all samples.
 Flight fly(const Team& team, const Numbers& x0, const Controllers& controllers, const LoopOptions& options,
            Clock&& clock = SimulatedClock(), std::size_t capacity = 4) {
-  Plant plant(team, x0);
-  Sensor sensor(team);
+  ModelWorld world(team, x0);
   Ring<Sample> ring(capacity, sized_sample(team, controllers));
-  Loop loop(plant, sensor, controllers, clock, ring, options);
+  Loop loop(world, controllers, clock, ring, options);
   Flight flight;
   std::thread log([&] {
     while (const Sample* sample = ring.wait()) {
@@ -273,18 +273,18 @@ TEST(Loop, NothingInItAllocates) {
   const PlantOptions options{
       .disturbances = {
           .gust_sigma = 0.1, .airflow = {.amplitude = 0.15}, .input_delay = 0.06, .yaw_lag = 0.2}};
-  Plant plant(team, joined(joined(start_a, start_b), wall), options);
-  Sensor sensor(team, {.noise = {.position = 0.005, .heading = 0.01},
-                       .delay = 0.03,
-                       .faults = {{.kind = FaultKind::nan, .probability = 0.3},
-                                  {.kind = FaultKind::freeze, .from = 5}}});
+  ModelWorld world(
+      team, joined(joined(start_a, start_b), wall), options,
+      {.noise = {.position = 0.005, .heading = 0.01},
+       .delay = 0.03,
+       .faults = {{.kind = FaultKind::nan, .probability = 0.3}, {.kind = FaultKind::freeze, .from = 5}}});
   Guard guard(team, {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
   Spoiler for_a(robots({"a"}, {"b"}));
   Puller for_b(robots({"b"}, {"wall"}));
   const Controllers controllers = {for_a, for_b};
   Ring<Sample> ring(1000, sized_sample(team, controllers));
   SimulatedClock clock;
-  Loop loop(plant, sensor, controllers, clock, ring,
+  Loop loop(world, controllers, clock, ring,
             {.duration = 10.0,
              .allocations = allocations_here,
              .guard = &guard,
@@ -398,8 +398,7 @@ TEST(Loop, OverMissedPeriodsThePlantGoesOnUnderTheCommandItHadAndAnEventTells) {
 TEST(Loop, AClockThatWaitsForNobodyDropsAndCountsWhatTheRingCannotTake) {
   const Team team = robots({"a"});
   Puller puller(team);
-  Plant plant(team, start_a);
-  Sensor sensor(team);
+  ModelWorld world(team, start_a);
   Ring<Sample> ring(10, sized_sample(team, {puller}));
   class Hurrying : public Stumbling {
    public:
@@ -412,7 +411,7 @@ TEST(Loop, AClockThatWaitsForNobodyDropsAndCountsWhatTheRingCannotTake) {
    private:
     Ring<Sample>& ring_;
   } clock(ring);
-  Loop loop(plant, sensor, {puller}, clock, ring, {.duration = 1.0});
+  Loop loop(world, {puller}, clock, ring, {.duration = 1.0});
   const LoopOutcome outcome = loop.run();
   EXPECT_EQ(outcome.updates, 100);
   EXPECT_EQ(outcome.dropped, 89);
@@ -488,12 +487,11 @@ TEST(Loop, EachRobotIsSteeredByExactlyOneControllerAndKnownToThePlant) {
 TEST(Loop, ARingOfSamplesOfAnotherSizeIsRefused) {
   const Team team = robots({"a"});
   Puller puller(team);
-  Plant plant(team, start_a);
-  Sensor sensor(team);
+  ModelWorld world(team, start_a);
   SimulatedClock clock;
   Ring<Sample> unsized(4, Sample{}), sized(4, sized_sample(team, {puller}));
-  EXPECT_THROW(Loop(plant, sensor, {puller}, clock, unsized, {}), std::invalid_argument);
-  EXPECT_NO_THROW(Loop(plant, sensor, {puller}, clock, sized, {}));
+  EXPECT_THROW(Loop(world, {puller}, clock, unsized, {}), std::invalid_argument);
+  EXPECT_NO_THROW(Loop(world, {puller}, clock, sized, {}));
 }
 
 }  // namespace

@@ -131,13 +131,12 @@ TEST(SuccessionCampaign, TeamsThatFollowOneAnotherDoNotHoardMemory) {
     std::size_t most = 0;
     const Horizon horizon;
     Succession succession(Roster(all), {{go, back}}, newton_riccati_of(horizon));
-    Plant plant(all, event_start(all, 2));
-    Sensor sensor(all);
+    ModelWorld world(all, event_start(all, 2));
     SimulatedClock clock;
     const Controllers controllers = {*succession.present().solver};
     Ring<Sample> sink(static_cast<std::size_t>(duration / horizon.dt) + 8, sized_sample(all, controllers));
     most = mallinfo2().uordblks - before;
-    Loop loop(plant, sensor, controllers, clock, sink,
+    Loop loop(world, controllers, clock, sink,
               {.duration = duration, .path_interval = 0.0, .succession = &succession});
     (void)loop.run();
     return static_cast<double>(mallinfo2().uordblks - before) - static_cast<double>(most);

@@ -148,12 +148,11 @@ TEST(Succession, OnASteadyClockTheLoopNeverWaits) {
   const Team all = event_team(3);
   Succession succession(Roster(all), {{at(0.05, RetuneTerm{.name = "sees1", .weight = 0.5}, 0.1)}},
                         newton_riccati_of(Horizon{}));
-  Plant plant(all, event_start(all));
-  Sensor sensor(all);
+  ModelWorld world(all, event_start(all));
   SteadyClock clock;
   const Controllers controllers = {*succession.present().solver};
   KeepSamples sink(sized_sample(all, controllers));
-  Loop loop(plant, sensor, controllers, clock, sink, {.duration = 1.0, .succession = &succession});
+  Loop loop(world, controllers, clock, sink, {.duration = 1.0, .succession = &succession});
   const LoopOutcome outcome = loop.run();
   EXPECT_TRUE(outcome.finite);
   int in_force = 0;
@@ -186,13 +185,12 @@ TEST(Succession, NothingInTheLoopAllocatesWhenATeamChanges) {
   const TeamEvent fails{
       .name = "fails", .trigger = Signal{"fail"}, .actions = {RemoveBody{BodyId{5}, Afterwards::land}}};
   Succession succession(Roster(team), {{there, back, fails}}, newton_riccati_of(Horizon{}));
-  Plant plant(team, event_start(team, 2));
-  Sensor sensor(team);
+  ModelWorld world(team, event_start(team, 2));
   Guard guard(team, {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
   const Controllers controllers = {*succession.present().solver};
   Ring<Sample> ring(1000, sized_sample(team, controllers));
   SimulatedClock clock;
-  Loop loop(plant, sensor, controllers, clock, ring,
+  Loop loop(world, controllers, clock, ring,
             {.duration = 3.0,
              .allocations = allocations_here,
              .guard = &guard,
@@ -223,12 +221,11 @@ TEST(Succession, TriggersOfTextAllocateNothing) {
   Succession succession(Roster(team),
                         {{when(camera), when(Region("target.v_x < 0.3 m/s")), when(SensorCone{})}},
                         newton_riccati_of(Horizon{}));
-  Plant plant(team, event_start(team));
-  Sensor sensor(team);
+  ModelWorld world(team, event_start(team));
   const Controllers controllers = {*succession.present().solver};
   Ring<Sample> ring(1000, sized_sample(team, controllers));
   SimulatedClock clock;
-  Loop loop(plant, sensor, controllers, clock, ring,
+  Loop loop(world, controllers, clock, ring,
             {.duration = 0.5, .allocations = allocations_here, .succession = &succession});
   const std::int64_t before = allocations_here();
   const LoopOutcome outcome = loop.run();
@@ -250,12 +247,11 @@ struct Told {
 };
 Told fly_failing(const Team& all, const Script& script, Succession::MakeSolver make) {
   Succession succession(Roster(all), script, std::move(make));
-  Plant plant(all, event_start(all));
-  Sensor sensor(all);
+  ModelWorld world(all, event_start(all));
   SimulatedClock clock;
   const Controllers controllers = {*succession.present().solver};
   KeepSamples sink(sized_sample(all, controllers));
-  Loop loop(plant, sensor, controllers, clock, sink, {.duration = 0.5, .succession = &succession});
+  Loop loop(world, controllers, clock, sink, {.duration = 0.5, .succession = &succession});
   EXPECT_TRUE(loop.run().finite);
   Told told;
   for (const FlownPeriod& period : sink.flown) {

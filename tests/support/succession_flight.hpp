@@ -7,6 +7,7 @@
 
 #include "sightline/run/loop.hpp"
 #include "sightline/run/succession.hpp"
+#include "sightline/world/model_world.hpp"
 
 namespace sightline {
 
@@ -62,8 +63,7 @@ inline SuccessionFlight fly_script(const Team& all, const std::vector<double>& x
                                    bool with_kkt = false, std::vector<TimedSignal> signals = {}) {
   const Horizon horizon;
   Succession succession(Roster(all, std::move(presence)), script, newton_riccati_of(horizon));
-  Plant plant(all, x0, {.period = horizon.dt});
-  Sensor sensor(all, {.period = horizon.dt});
+  ModelWorld world(all, x0, {.period = horizon.dt}, {.period = horizon.dt});
   SimulatedClock clock;
   const Controllers controllers = {*succession.present().solver};
   KeepSamples sink(sized_sample(all, controllers));
@@ -76,7 +76,7 @@ inline SuccessionFlight fly_script(const Team& all, const std::vector<double>& x
       period.kkt = succession.present().solver->kkt(period.time, controller.states);
     };
   }
-  Loop loop(plant, sensor, controllers, clock, sink,
+  Loop loop(world, controllers, clock, sink,
             {.duration = duration,
              .period = horizon.dt,
              .path_interval = 0.0,

@@ -5,6 +5,13 @@
 
 namespace sightline {
 
+/// When a team that was asked for takes over.
+enum class TeamDue {
+  now,       ///< the loop waits for it
+  if_ready,  ///< or in a later period
+  not_yet,
+};
+
 /// Cuts time into periods, counted from 0. One thread.
 class Clock {
  public:
@@ -18,6 +25,10 @@ class Clock {
   virtual std::int64_t wait(std::int64_t k) noexcept = 0;
   /// Whether time stands still while the log catches up.
   virtual bool waits_for_log() const noexcept = 0;
+  /// Of a team that was asked for before period k.
+  virtual TeamDue team_due(std::int64_t) const noexcept {
+    return waits_for_log() ? TeamDue::now : TeamDue::if_ready;
+  }
 };
 
 /// Time as fast as it can be computed; no period is ever missed.

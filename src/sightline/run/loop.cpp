@@ -47,39 +47,40 @@ std::vector<Presence> everybody(const Team& team) {
 
 }  // namespace
 
-Sample sized_sample(const Team& plant, const Controllers& controllers) {
-  const std::size_t nx = size(plant.nx()), nu = size(plant.nu());
+Sample sized_sample(const Team& world, const Controllers& controllers, std::size_t detections) {
+  const std::size_t nx = size(world.nx()), nu = size(world.nu());
   const Horizon horizon = controllers.empty() ? Horizon{} : longest_horizon(controllers);
   Sample sample;
   sample.x.resize(nx);
   sample.measured.resize(nx);
+  sample.stamps.resize(size(world.bodies()));
+  sample.detections.resize(detections);
   sample.u.resize(nu);
   sample.raw_u.resize(nu);
   sample.solvers.resize(controllers.size());
-  sample.barriers.resize(plant.agents().size());
-  sample.presence = everybody(plant);
+  sample.barriers.resize(world.agents().size());
+  sample.presence = everybody(world);
   sample.rungs.resize(sample.presence.size());
   sample.path.resize(size(horizon.N + 1) * nx);
   sample.path_step = horizon.h();
   return sample;
 }
 
-Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
+Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
            const LoopOptions& options)
-    : plant_(plant),
-      sensor_(sensor),
+    : world_(world),
       clock_(clock),
       sink_(sink),
       options_(checked(options, controllers)),
-      presence_(everybody(plant.team())),
+      presence_(everybody(world.team())),
       presence_before_(presence_),
-      u_(size(plant.team().nu())),
+      u_(size(world.team().nu())),
       u_min_(u_.size()),
       u_max_(u_.size()),
-      planned_at_(size(plant.team().bodies())),
+      planned_at_(size(world.team().bodies())),
       plan_ages_(planned_at_.size()),
       ages_(planned_at_.size()),
-      spare_(sized_sample(plant.team(), controllers)) {
+      spare_(sized_sample(world.team(), controllers, world.detections_max())) {
   for (const LatePlan& late : options_.late_plans) late.check();
   std::stable_sort(options_.signals.begin(), options_.signals.end(),
                    [](const TimedSignal& a, const TimedSignal& b) { return a.at < b.at; });
@@ -89,21 +90,22 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
       refuse("controller {}: horizon.period = {}, expected the loop's {}", controllers_.size(), dt,
              options_.period);
     }
-    controllers_.emplace_back(plant.team(), solver, controllers_.size());
+    controllers_.emplace_back(world.team(), solver, controllers_.size());
   }
   if (options_.succession != nullptr) {
     if (controllers.size() != 1 || &controllers[0].get() != options_.succession->present().solver.get()) {
       refuse("a team that changes has {} controllers, expected the present solver of its succession alone",
              controllers.size());
     }
-    options_.succession->set_start(plant.x());
-    follow_team(plant.time());
+    options_.succession->set_start(world.start());
+    follow_team();
+    follow_guard(0.0, world.start());
   }
   check_steered();
   const Sample* item = sink.claim();
   if (item == nullptr || item->x.size() != spare_.x.size() || item->path.size() != spare_.path.size() ||
       item->solvers.size() != spare_.solvers.size() || item->barriers.size() != spare_.barriers.size() ||
-      item->rungs.size() != spare_.rungs.size()) {
+      item->rungs.size() != spare_.rungs.size() || item->detections.size() != spare_.detections.size()) {
     refuse(
         "the sink's samples are not of this loop's size, expected room in it for copies of sized_sample()");
   }
@@ -111,30 +113,30 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
                   (options_.succession != nullptr ? options_.succession->events_max() : 0));
 
   // Before any good command the robots hold their u*, within their limits.
-  for (int i = 0; i < plant.team().bodies(); ++i) {
-    if (plant.team().is_agent(BodyId{i})) rest(BodyId{i}, 0.0);
+  for (int i = 0; i < world.team().bodies(); ++i) {
+    if (world.team().is_agent(BodyId{i})) rest(BodyId{i}, 0.0);
   }
 }
 
 /// In force for a robot.
 const InputLimits& Loop::limits_of(BodyId robot) const noexcept {
-  const Agent& agent = plant_.team().agent(robot);
+  const Agent& agent = world_.team().agent(robot);
   if (options_.succession == nullptr) return agent.limits;
-  const auto place = static_cast<std::size_t>(&agent - plant_.team().agents().data());
+  const auto place = static_cast<std::size_t>(&agent - world_.team().agents().data());
   return options_.succession->present().membership.limits[place];
 }
 
 /// A robot's u*, within its limits.
 void Loop::rest(BodyId robot, double t) noexcept {
-  const Agent& agent = plant_.team().agent(robot);
-  const std::size_t nu = agent.u_ref.size(), from = size(plant_.team().input_offset(robot));
+  const Agent& agent = world_.team().agent(robot);
+  const std::size_t nu = agent.u_ref.size(), from = size(world_.team().input_offset(robot));
   const auto u_min = std::span(u_min_).first(nu), u_max = std::span(u_max_).first(nu);
   limits_of(robot).at(t, u_min, u_max);
   for (std::size_t i = 0; i < nu; ++i) u_[from + i] = std::clamp(agent.u_ref[i], u_min[i], u_max[i]);
 }
 
 void Loop::check_steered() const {
-  const Team& world = plant_.team();
+  const Team& world = world_.team();
   std::vector<int> steered_by(size(world.bodies()), -1);
   for (std::size_t c = 0; c < controllers_.size(); ++c) {
     for (const Controller::Member& m : controllers_[c].members) {
@@ -167,7 +169,9 @@ LoopOutcome Loop::run() noexcept {
     if (k > next) {
       outcome_.missed += k - next;
       tell({t, EventKind::missed_period, 0, static_cast<double>(k - next)});
-      for (; next < k; ++next) outcome_.finite = plant_.step(u_, options_.period) && outcome_.finite;
+      const double from = static_cast<double>(next) * options_.period;
+      outcome_.finite = world_.apply(from, believed_, u_, options_.period, k - next) && outcome_.finite;
+      next = k;
     }
     outcome_.stopped = options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
     if (k == periods || outcome_.stopped || !outcome_.finite) break;
@@ -180,10 +184,15 @@ LoopOutcome Loop::run() noexcept {
     Sample& sample = slot != nullptr ? *slot : spare_;
     sample.has_path = k >= next_path;
     if (sample.has_path) next_path = (k / path_every + 1) * path_every;
-    if (options_.succession != nullptr) change_team(t);
-    std::copy(plant_.x().begin(), plant_.x().end(), sample.x.begin());
+    const bool changes = options_.succession != nullptr && options_.succession->pending();
+    const bool changed = options_.succession != nullptr && change_team(k, t);
+    sample.team_answered = changes && !options_.succession->pending();
+    const Measured seen = world_.measure(t);
+    const std::span<const double> x = seen.truth.empty() ? seen.measured : seen.truth;
+    if (changed) follow_guard(t, x);
+    std::copy(x.begin(), x.end(), sample.x.begin());
     std::copy(presence_.begin(), presence_.end(), sample.presence.begin());
-    update(t, sensor_.measure(t, plant_.x()), sample);
+    update(t, seen, sample);
     ++outcome_.updates;
 
     if (slot != nullptr) {
@@ -200,21 +209,25 @@ LoopOutcome Loop::run() noexcept {
     } else {
       ++outcome_.dropped;
     }
-    outcome_.finite = plant_.step(u_, options_.period);
+    outcome_.finite = world_.apply(t, believed_, u_, options_.period, 1);
   }
   sink_.close();
   return outcome_;
 }
 
-void Loop::update(double t, std::span<const double> measured, Sample& sample) noexcept {
+void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   const auto count = [&] { return options_.allocations != nullptr ? options_.allocations() : 0; };
   const std::int64_t before_all = count();
   const Time::time_point begin = Time::now();
   sample.time = t;
-  std::copy(measured.begin(), measured.end(), sample.measured.begin());
+  std::copy(seen.measured.begin(), seen.measured.end(), sample.measured.begin());
+  std::copy(seen.stamps.begin(), seen.stamps.end(), sample.stamps.begin());
+  sample.detection_count = std::min(seen.detections.size(), sample.detections.size());
+  std::copy_n(seen.detections.begin(), sample.detection_count, sample.detections.begin());
   if (outcome_.updates == 0) std::fill(planned_at_.begin(), planned_at_.end(), t);
-  std::span<const double> believed = measured;
-  if (options_.guard != nullptr) believed = options_.guard->believe(t, measured, sensor_.stamps());
+  std::span<const double> believed = seen.measured;
+  if (options_.guard != nullptr) believed = options_.guard->believe(t, seen.measured, seen.stamps);
+  believed_ = believed;
   if (sample.has_path) {
     for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = believed[i % believed.size()];
   }
@@ -244,8 +257,8 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
   std::copy(u_.begin(), u_.end(), sample.u.begin());
   sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
   if (options_.succession != nullptr) {
-    const auto stamps = sensor_.stamps();
-    std::transform(stamps.begin(), stamps.end(), ages_.begin(), [t](double stamp) { return t - stamp; });
+    std::transform(seen.stamps.begin(), seen.stamps.end(), ages_.begin(),
+                   [t](double stamp) { return t - stamp; });
     options_.succession->look(t, believed, u_,
                               options_.guard != nullptr ? options_.guard->ages() : std::span(ages_));
     for (const Event& event : options_.succession->events()) tell(event);
@@ -262,7 +275,7 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
   if (options_.guard != nullptr && !options_.guard->knows_all()) {
     solution.status = Status::invalid_state;
   } else if (!controller.at_work) {
-    controller.gather(plant_.team(), believed, u_);
+    controller.gather(world_.team(), believed, u_);
     controller.asked_at = t;
     const auto late = std::find_if(options_.late_plans.begin(), options_.late_plans.end(),
                                    [&](const LatePlan& l) { return l.strikes(t); });
@@ -291,44 +304,49 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
   return solution;
 }
 
-/// Signals, and a change that was asked for a period ago.
-void Loop::change_team(double t) noexcept {
+/// Signals, and a change that was asked for a period ago. @return whether the team is another one now
+bool Loop::change_team(std::int64_t k, double t) noexcept {
   Succession& succession = *options_.succession;
   for (; signalled_ < options_.signals.size() && options_.signals[signalled_].at <= t + same_time;
        ++signalled_) {
     (void)succession.signal(options_.signals[signalled_].name);
   }
-  if (!succession.swap(t, plant_.x(), u_, clock_.waits_for_log())) return;
+  const TeamDue due = clock_.team_due(k);
+  if (due == TeamDue::not_yet || !succession.swap(t, believed_, u_, due == TeamDue::now)) return false;
   std::copy(presence_.begin(), presence_.end(), presence_before_.begin());
-  follow_team(t);
-  for (int i = 0; i < plant_.team().bodies(); ++i) {
-    const bool was_there = presence_before_[size(i)] != Presence::absent;
-    if (!was_there && presence_[size(i)] != Presence::absent) welcome(BodyId{i}, t);
-  }
+  follow_team();
+  return true;
 }
 
 /// Who is there, whom they feel and what limits them, as the succession has it now.
-void Loop::follow_team(double t) noexcept {
+void Loop::follow_team() noexcept {
   const Membership& now = options_.succession->present().membership;
-  const Team& team = plant_.team();
-  plant_.set_presence(now.presence);
+  std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
+  world_.set_presence(presence_);
+}
+
+/// What comes with a team once it is measured (x): times of plans, the guard, and who is too near.
+void Loop::follow_guard(double t, std::span<const double> x) noexcept {
+  const Team& team = world_.team();
   for (int i = 0; i < team.bodies(); ++i) {
-    const BodyId body{i};
-    const Presence was = std::exchange(presence_[size(i)], now.presence[size(i)]);
-    if (presence_[size(i)] == Presence::absent && team.is_agent(body)) rest(body, t);
-    if (was != Presence::absent || presence_[size(i)] == Presence::absent) continue;
-    planned_at_[size(i)] = t;
-    sensor_.begin(body, plant_.x());
+    const bool was_there = presence_before_[size(i)] != Presence::absent;
+    const bool is_there = presence_[size(i)] != Presence::absent;
+    if (!is_there && team.is_agent(BodyId{i})) rest(BodyId{i}, t);
+    if (!was_there && is_there) planned_at_[size(i)] = t;
   }
-  if (options_.guard != nullptr) options_.guard->follow(now, t, plant_.x());
+  if (options_.guard != nullptr) options_.guard->follow(options_.succession->present().membership, t, x);
+  for (int i = 0; i < team.bodies(); ++i) {
+    const bool was_there = presence_before_[size(i)] != Presence::absent;
+    if (!was_there && presence_[size(i)] != Presence::absent) welcome(BodyId{i}, t, x);
+  }
 }
 
 /// Tells where a body comes to be there nearer to another than it may.
-void Loop::welcome(BodyId body, double t) noexcept {
-  const Team& team = plant_.team();
+void Loop::welcome(BodyId body, double t, std::span<const double> x) noexcept {
+  const Team& team = world_.team();
   const auto place = [&](BodyId of) {
     const double* const u = team.is_agent(of) ? &u_[size(team.input_offset(of))] : nullptr;
-    return team.model(of).sight(&plant_.x()[size(team.state_offset(of))], u).p;
+    return team.model(of).sight(&x[size(team.state_offset(of))], u).p;
   };
   for (int i = 0; i < team.bodies(); ++i) {
     const BodyId other{i};

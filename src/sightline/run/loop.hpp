@@ -15,8 +15,7 @@
 #include "sightline/run/succession.hpp"
 #include "sightline/solver/solver.hpp"
 #include "sightline/world/fault.hpp"
-#include "sightline/world/plant.hpp"
-#include "sightline/world/sensor.hpp"
+#include "sightline/world/world.hpp"
 
 namespace sightline {
 
@@ -31,7 +30,7 @@ struct LoopOptions {
   std::int64_t (*allocations)() noexcept = nullptr;
   /// Ends the loop at the next period once it is true.
   const std::atomic<bool>* stop = nullptr;
-  /// Supervises, and keeps hard distances; of the plant's team, for this loop alone. None: measurements are
+  /// Supervises, and keeps hard distances; of the world's team, for this loop alone. None: measurements are
   /// believed and commands applied as they are.
   Guard* guard = nullptr;
   std::vector<LatePlan> late_plans{};  ///< injected
@@ -50,27 +49,28 @@ struct LoopOutcome {
   std::int64_t dropped = 0;          ///< samples that found the sink full
   std::int64_t refused = 0;          ///< commands of a robot that were not applied
   std::int64_t max_allocations = 0;  ///< most in one update: state in to command out, and its triggers
-  bool finite = true;                ///< false: a state of the plant was not, which ended the run
-  bool stopped = false;              ///< ended by the stop flag
+  bool finite = true;    ///< false: the world could not go on; a simulated one, where a state was not finite
+  bool stopped = false;  ///< ended by the stop flag
 };
 
 /// A sample with all its vectors sized for a loop: the prototype of its sink's items.
-Sample sized_sample(const Team& plant, const Controllers& controllers);
+/// @param detections  most in one period, World::detections_max()
+Sample sized_sample(const Team& world, const Controllers& controllers, std::size_t detections = 0);
 
-/// Runs controllers against a plant.
+/// Runs controllers in a world.
 ///
-/// Period k, at t = k period: the sensor's measurement goes to each controller in turn; of a robot whose
+/// Period k, at t = k period: what the world measures goes to each controller in turn; of a robot whose
 /// command is not finite or not within its limits the last good one is applied instead, and an event tells
-/// it; the sample goes into the sink, and the plant steps. Where a steady clock missed periods, the plant
-/// went on under the command it had. A guard comes after the sensor and before the plant; an update that is late
+/// it; the sample goes into the sink, and the command to the world. Where a steady clock missed periods, the
+/// command before stayed in force. A guard comes after the measurement and before the command; an update that is late
 /// lets the plan before go on. Nothing in here allocates, locks, throws or prints.
 class Loop {
  public:
   /// All of it must outlive the loop.
-  /// @throws std::invalid_argument unless each robot of the plant is steered by exactly one controller and
+  /// @throws std::invalid_argument unless each robot of the world is steered by exactly one controller and
   /// all that a
   ///         controller knows is there, of the same model, and the sink's items are of sized_sample()
-  Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
+  Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
        const LoopOptions& options);
 
   /// Runs to the end, once; closes the sink.
@@ -79,12 +79,13 @@ class Loop {
  private:
   void check_steered() const;
 
-  void update(double t, std::span<const double> measured, Sample& sample) noexcept;
+  void update(double t, const Measured& seen, Sample& sample) noexcept;
   Solution ask(Controller& controller, double t, std::span<const double> believed) noexcept;
   void guard(double t, Sample& sample) noexcept;
-  void change_team(double t) noexcept;
-  void follow_team(double t) noexcept;
-  void welcome(BodyId body, double t) noexcept;
+  bool change_team(std::int64_t k, double t) noexcept;
+  void follow_team() noexcept;
+  void follow_guard(double t, std::span<const double> x) noexcept;
+  void welcome(BodyId body, double t, std::span<const double> x) noexcept;
   void rest(BodyId robot, double t) noexcept;
   const InputLimits& limits_of(BodyId robot) const noexcept;
   std::span<Controller> controllers() noexcept;
@@ -94,15 +95,15 @@ class Loop {
   void write_path(const Controller& controller, const Solution& solution, Sample& sample) noexcept;
   void tell(const Event& event) noexcept;
 
-  Plant& plant_;
-  Sensor& sensor_;
+  World& world_;
   Clock& clock_;
   Sink<Sample>& sink_;
   LoopOptions options_;
   std::vector<Controller> controllers_;               // of a team that stays
-  std::vector<Presence> presence_, presence_before_;  // of the plant's bodies
+  std::vector<Presence> presence_, presence_before_;  // of the world's bodies
+  std::span<const double> believed_;                  // at the last update; none before the first
   std::size_t signalled_ = 0;                         // signals sent
-  std::vector<double> u_;  // applied, all robots of the plant; always within limits
+  std::vector<double> u_;  // applied, all robots of the world; always within limits
   std::vector<double> u_min_, u_max_;
   std::vector<double> planned_at_, plan_ages_;  // of each body: time and age of its last good plan [s]
   std::vector<double> ages_;                    // of what was measured of each body [s]

@@ -10,6 +10,7 @@
 #include "sightline/ocp/roster.hpp"
 #include "sightline/safety/ladder.hpp"
 #include "sightline/solver/solver.hpp"
+#include "sightline/world/world.hpp"
 
 namespace sightline {
 
@@ -75,15 +76,19 @@ struct BarrierRecord {
 
 /// One control period. All vectors are sized before the loop starts and never grow.
 struct Sample {
-  double time = 0.0;                      ///< [s], of the measurement
-  std::vector<double> x;                  ///< true states of all bodies (nx)
-  std::vector<double> measured;           ///< what the controllers saw (nx)
+  double time = 0.0;             ///< [s], of the measurement
+  std::vector<double> x;         ///< true states of all bodies (nx); as measured where nobody knows them
+  std::vector<double> measured;  ///< what the controllers saw (nx)
+  std::vector<double> stamps{};  ///< of each body, when it was as measured [s]
+  std::vector<Detection> detections{};  ///< the first detection_count of them
+  std::size_t detection_count = 0;
   std::vector<double> u;                  ///< applied inputs (nu)
   std::vector<double> raw_u;              ///< the solvers' inputs before their clamp (nu)
   std::vector<SolverRecord> solvers;      ///< one for each controller
   std::vector<BarrierRecord> barriers{};  ///< one for each robot
   std::vector<Presence> presence{};       ///< of each body
   std::vector<Rung> rungs{};              ///< of each body; all valid without a supervisor
+  bool team_answered = false;             ///< a team that was asked for took over, or was refused
   bool has_path = false;
   std::vector<double> path;  ///< predicted states (N+1 x nx), where has_path
   double path_step = 0.0;    ///< time between two predicted states [s]

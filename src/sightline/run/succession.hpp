@@ -48,6 +48,8 @@ class Succession {
   Succession(const Succession&) = delete;
   Succession& operator=(const Succession&) = delete;
 
+  /// Whether a next team was asked for and has neither taken over nor been refused.
+  bool pending() const noexcept { return pending_; }
   /// Of the team there is now. The loop takes the first one from here.
   Phase& present() noexcept { return present_; }
   const Phase& present() const noexcept { return present_; }

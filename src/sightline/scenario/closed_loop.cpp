@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "sightline/scenario/safety_parts.hpp"
+#include "sightline/world/model_world.hpp"
 
 namespace sightline {
 namespace {
@@ -59,12 +60,19 @@ Controllers Controls::controllers() const {
   return {*solver_};
 }
 
+std::unique_ptr<World> make_world(const Scenario& scenario) {
+  return std::make_unique<ModelWorld>(scenario.team, scenario.x0, plant_options(scenario),
+                                      sensor_options(scenario));
+}
+
 ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock,
                        Sink<Sample>& sink, std::int64_t (*allocations)() noexcept, Succession* succession)
-    : plant_(scenario.team, scenario.x0, plant_options(scenario)),
-      sensor_(scenario.team, sensor_options(scenario)),
-      guard_(guard_of(scenario)),
-      loop_(plant_, sensor_, controllers, clock, sink,
+    : ClosedLoop(scenario, make_world(scenario), controllers, clock, sink, allocations, succession) {}
+
+ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
+                       Sink<Sample>& sink, std::int64_t (*allocations)() noexcept, Succession* succession)
+    : guard_(guard_of(scenario)),
+      loop_(world, controllers, clock, sink,
             {.duration = scenario.simulation.duration,
              .period = scenario.horizon.dt,
              .path_interval = scenario.log.paths,
@@ -74,5 +82,12 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers,
              .succession = succession,
              .signals = scenario.simulation.signals,
              .d_hard = hard_distances(scenario)}) {}
+
+ClosedLoop::ClosedLoop(const Scenario& scenario, std::unique_ptr<World> own, const Controllers& controllers,
+                       Clock& clock, Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
+                       Succession* succession)
+    : ClosedLoop(scenario, *own, controllers, clock, sink, allocations, succession) {
+  own_ = std::move(own);
+}
 
 }  // namespace sightline

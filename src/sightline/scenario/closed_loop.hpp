@@ -14,6 +14,9 @@ namespace sightline {
 /// that is to be compared, does not know how
 void check_solvers(const Scenario& scenario);
 
+/// The world that the scenario says.
+std::unique_ptr<World> make_world(const Scenario& scenario);
+
 /// Who steers a scenario: a solver of its team, or a succession of them where the team changes in flight.
 class Controls {
  public:
@@ -30,7 +33,7 @@ class Controls {
   std::unique_ptr<Succession> succession_;
 };
 
-/// Plant, sensor, guard and loop of one flight, as the scenario says. All memory is taken when it is made.
+/// World, guard and loop of one flight, as the scenario says. All memory is taken when it is made.
 class ClosedLoop {
  public:
   /// @param controllers  a solver of the scenario's team; they, the clock and the sink outlive this
@@ -40,6 +43,10 @@ class ClosedLoop {
   /// @throws std::invalid_argument for a start, a disturbance or a sink that cannot be, named
   ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
              std::int64_t (*allocations)() noexcept = nullptr, Succession* succession = nullptr);
+  /// In another world than the scenario's, of its team, which outlives this.
+  ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
+             Sink<Sample>& sink, std::int64_t (*allocations)() noexcept = nullptr,
+             Succession* succession = nullptr);
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 
@@ -47,8 +54,11 @@ class ClosedLoop {
   LoopOutcome fly() noexcept { return loop_.run(); }
 
  private:
-  Plant plant_;
-  Sensor sensor_;
+  ClosedLoop(const Scenario& scenario, std::unique_ptr<World> own, const Controllers& controllers,
+             Clock& clock, Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
+             Succession* succession);
+
+  std::unique_ptr<World> own_;
   std::optional<Guard> guard_;
   Loop loop_;
 };

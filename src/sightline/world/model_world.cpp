@@ -1,0 +1,39 @@
+#include "sightline/world/model_world.hpp"
+
+#include <algorithm>
+
+#include "sightline/base/index.hpp"
+
+namespace sightline {
+
+ModelWorld::ModelWorld(Team team, std::vector<double> x0, const PlantOptions& plant,
+                       const SensorOptions& sensor)
+    : plant_(std::move(team), std::move(x0), plant),
+      sensor_(plant_.team(), sensor),
+      start_(plant_.x().begin(), plant_.x().end()),
+      presence_(size(plant_.team().bodies()), Presence::steered) {}
+
+void ModelWorld::set_presence(std::span<const Presence> presence) noexcept {
+  plant_.set_presence(presence);
+  for (std::size_t i = 0; i < std::min(presence.size(), presence_.size()); ++i) {
+    const Presence was = std::exchange(presence_[i], presence[i]);
+    // What was seen of a body before it went is not of it any more.
+    if (was == Presence::absent && presence_[i] != Presence::absent)
+      sensor_.begin(BodyId{static_cast<int>(i)}, plant_.x());
+  }
+}
+
+Measured ModelWorld::measure(double t) noexcept {
+  const std::span<const double> measured = sensor_.measure(t, plant_.x());
+  return {measured, sensor_.stamps(), plant_.x()};
+}
+
+/// False where a state is no longer finite.
+bool ModelWorld::apply(double, std::span<const double>, std::span<const double> u, double period,
+                       std::int64_t periods) noexcept {
+  bool finite = true;
+  for (; periods > 0; --periods) finite = plant_.step(u, period) && finite;
+  return finite;
+}
+
+}  // namespace sightline

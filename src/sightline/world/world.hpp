@@ -1,0 +1,55 @@
+/// The seam between a control loop and what it flies: simulated, recorded or real.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "sightline/math/fixed.hpp"
+#include "sightline/ocp/roster.hpp"
+
+namespace sightline {
+
+/// What an observer's sensor says of another body.
+struct Detection {
+  BodyId observer{}, target{};
+  double stamp = 0.0;                  ///< when it was so [s]
+  Vec3<double> p{};                    ///< of the target in the observer's sensor frame S [m]
+  std::array<double, 6> covariance{};  ///< of p, upper triangle row by row: xx, xy, xz, yy, yz, zz [m^2]
+};
+
+/// What is known at the beginning of a period. It holds until the next measure(), the truth until the next apply().
+struct Measured {
+  std::span<const double> measured;  ///< states of all bodies, in the order of the team (nx)
+  std::span<const double> stamps;    ///< of each body, when it was so [s]; minus infinity: never seen
+  std::span<const double> truth;     ///< true states (nx); empty where nobody knows them
+  std::span<const Detection> detections{};
+};
+
+/// What a Loop flies. After construction nothing here allocates, locks, throws or prints; one thread.
+///
+/// Period k of the loop, at t = k period: set_presence() where it changes, measure(t), apply(t, ...). Time passes as the
+/// loop's Clock says; a period that was missed is told by apply() before the next measure().
+class World {
+ public:
+  virtual ~World() = default;
+
+  /// All bodies that there will ever be; outlives the world's users.
+  virtual const Team& team() const noexcept = 0;
+  /// States in which the bodies begin, and in which one that joins in flight does (nx).
+  virtual std::span<const double> start() const noexcept = 0;
+  /// Most detections of one period.
+  virtual std::size_t detections_max() const noexcept { return 0; }
+  /// Who is there from now on, one for each body; before the first call, all are.
+  virtual void set_presence(std::span<const Presence> presence) noexcept = 0;
+  /// What is known at t [s], which rises.
+  virtual Measured measure(double t) noexcept = 0;
+  /// The inputs u (nu) are in force from t [s] on, for `periods` periods of `period` [s]. Of missed periods, the inputs
+  /// that went on. `believed` are the states that u was decided on (nx).
+  /// @return false where the world cannot go on, which ends the loop
+  virtual bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+                     std::int64_t periods) noexcept = 0;
+};
+
+}  // namespace sightline
