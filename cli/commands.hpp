@@ -7,6 +7,7 @@
 #include <list>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/run/clock.hpp"
@@ -36,6 +37,13 @@ struct PotentialOptions {
   std::filesystem::path scenario;
   std::filesystem::path output;     ///< empty: out/NAME/potential
   std::optional<long long> couple;  ///< none: all
+};
+
+struct ReplayCommand {
+  std::filesystem::path folder;       ///< of a run
+  std::optional<std::string> solver;  ///< none: the flight's own
+  std::vector<std::string> set;       ///< "KEY=VALUE", of the scenario
+  bool json = false;
 };
 
 struct CampaignCommand {
@@ -74,6 +82,9 @@ int campaign(const CampaignCommand& command);
 int check(const std::filesystem::path& scenario, bool expanded);
 /// Makes report.html again from what a run left.
 int report(const std::filesystem::path& folder);
+/// Feeds the measurements of a run through its loop again and compares each command, bit for bit: 1 where one differs.
+/// With another solver or other values, says how far the commands are from the recorded ones.
+int replay(const ReplayCommand& command);
 /// Draws and judges the potentials of a scenario: index.html and verdict.json.
 int potential(const PotentialOptions& options);
 /// Says which limits of a scenario can hold together and what each is worth.

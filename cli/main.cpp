@@ -44,6 +44,16 @@ int execute(int argc, char** argv) {
   CLI::App* report_command = app.add_subcommand("report", "Make report.html again from a run's files");
   report_command->add_option("DIR", folder, "Folder of a run")->required();
 
+  ReplayCommand replay_options;
+  CLI::App* replay_command =
+      app.add_subcommand("replay", "Fly a run's measurements again and compare its commands");
+  replay_command->add_option("DIR", replay_options.folder, "Folder of a run")->required();
+  replay_command->add_option("--solver", replay_options.solver, "Solver, instead of the flight's");
+  replay_command
+      ->add_option("--set", replay_options.set, "KEY=VALUE of the scenario, \"couple[0].weight=0.5\"; often")
+      ->allow_extra_args(false);
+  replay_command->add_flag("--json", replay_options.json, "JSON instead of a table");
+
   PotentialOptions potential_options;
   CLI::App* potential_command =
       app.add_subcommand("potential", "Draw and judge the potentials of a scenario's couplings");
@@ -96,6 +106,7 @@ int execute(int argc, char** argv) {
   if (run_command->parsed()) return run(run_options);
   if (check_command->parsed()) return check(scenario, expanded);
   if (report_command->parsed()) return report(folder);
+  if (replay_command->parsed()) return replay(replay_options);
   if (potential_command->parsed()) return potential(potential_options);
   if (explain_command->parsed()) return explain(scenario);
   if (campaign_command->parsed()) return campaign(campaign_options);

@@ -50,7 +50,8 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
   if (changes_in_flight(scenario)) {
     throw std::invalid_argument("--partition: the team changes in flight, expected one that stays");
   }
-  PartitionChoice choice{.parts = sightline::read_partition(parts, scenario.team),
+  PartitionChoice choice{.text = parts,
+                         .parts = sightline::read_partition(parts, scenario.team),
                          .order = exchange_order(order),
                          .exchanges = exchanges};
   for (const std::vector<AgentId>& part : choice.parts) (void)part_of(scenario.team, part);

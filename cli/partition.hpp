@@ -13,6 +13,7 @@ namespace sightline::cli {
 
 /// The words of the command line, read and checked.
 struct PartitionChoice {
+  std::string text;  ///< as it was given
   Partition parts;
   ExchangeOrder order = ExchangeOrder::gauss_seidel;
   int exchanges = 1;

@@ -68,14 +68,16 @@ struct Flight {
 
 /// Flies the scenario under its controllers; leaves run.mcap, timing.csv and summary.json in the folder.
 Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
-                  const Controllers& controllers, Succession* succession = nullptr) {
+                  const Controllers& controllers, Succession* succession = nullptr,
+                  const McapWords& flown = {}) {
   // All memory is taken here, before the first period.
   const Sample prototype = sized_sample(scenario.team, controllers);
   Ring<Sample> ring(ring_capacity(prototype), prototype);
   ClosedLoop loop(scenario, controllers, clock, ring, allocations, succession);
 
   Progress progress(scenario.simulation.duration);
-  Log log(scenario, folder, controllers, ring, [&](double time) { progress.show(time); });
+  Log log(
+      scenario, folder, controllers, ring, [&](double time) { progress.show(time); }, flown);
   log.start();
   const LoopOutcome outcome = loop.fly();
   log.finish();
@@ -148,8 +150,11 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
     std::get<NewtonRiccatiOptions>(of_whole.options).deadline = 0.0;
     scenario.solver.name = parts->name();
   }
-  const Flight flight =
-      parts ? fly_logged(scenario, folder, clock, {*parts}) : fly_logged(scenario, folder, clock);
+  const Flight flight = parts ? fly_logged(scenario, folder, clock, {*parts}, nullptr,
+                                           {{"partition", partition->text},
+                                            {"order", std::string(to_string(partition->order))},
+                                            {"exchanges", fmt::format("{}", partition->exchanges)}})
+                              : fly_logged(scenario, folder, clock);
   for (const std::string& fault : flight.faults) say(fault);
   bool bad = !flight.faults.empty();
 

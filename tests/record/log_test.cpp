@@ -57,6 +57,7 @@ Sample sized(const Scenario& scenario) {
   sample.u.resize(static_cast<std::size_t>(scenario.team.nu()));
   sample.raw_u = sample.u;
   sample.measured = sample.x;
+  sample.stamps.resize(static_cast<std::size_t>(scenario.team.bodies()));
   sample.solvers.resize(1);
   sample.path.resize(stages * sample.x.size());
   sample.path_step = 0.05;

@@ -8,7 +8,6 @@
 #include <exception>
 #include <iterator>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <system_error>
@@ -19,51 +18,16 @@
 #include "sightline/base/same_time.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/record/cdr.hpp"
-#include "sightline/record/mcap.hpp"
+#include "sightline/record/log_text.hpp"
+#include "sightline/record/recorded_flight.hpp"
 #include "sightline/record/team_json.hpp"
 #include "sightline/record/text_file.hpp"
 
 namespace sightline {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double chunk_time = 0.1;  // [s]
 constexpr std::string_view frame = "map";
-
-std::uint64_t nanoseconds(double time) { return static_cast<std::uint64_t>(std::llround(time * 1e9)); }
-
-// The shortest text that reads back to the same bits.
-void put(std::string& to, double value) {
-  if (std::isfinite(value)) {
-    fmt::format_to(std::back_inserter(to), "{}", value);
-  } else {
-    to += "null";
-  }
-}
-
-void put(std::string& to, std::string_view key, std::span<const double> values) {
-  fmt::format_to(std::back_inserter(to), ",\"{}\":[", key);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (i > 0) to += ',';
-    put(to, values[i]);
-  }
-  to += ']';
-}
-
-// A message {time, ...}: each property with its type, "numbers" a list of them.
-std::string json_schema(std::initializer_list<std::pair<const char*, std::string_view>> properties) {
-  Json schema = {{"type", "object"}, {"properties", {{"time", {{"type", "number"}}}}}};
-  for (const auto& [name, type] : properties) {
-    Json& property = schema["properties"][name];
-    if (type == "numbers") {
-      property = {{"type", "array"}, {"items", {{"type", "number"}}}};
-    } else {
-      property = {{"type", type}};
-    }
-  }
-  return schema.dump();
-}
 
 // d x d' about z [rad/s]; 0 for a body without a heading.
 double turn_rate(const Model& model, const StateRoles& roles, const double* x, const double* u) {
@@ -96,7 +60,7 @@ void remove_results(const std::filesystem::path& folder) {
 class Log::Files {
  public:
   Files(const Scenario& scenario, const std::filesystem::path& folder, std::size_t controllers,
-        std::function<void(double)> written);
+        std::function<void(double)> written, const McapWords& flown);
 
   void take(const Sample& sample) noexcept;
   void end() noexcept;
@@ -152,6 +116,7 @@ class Log::Files {
   Summary summary_;
   std::filesystem::path folder_;
   McapWriter mcap_;
+  std::optional<MeasurementLog> measurements_;
   TextFile timing_;
 
   struct Schemas {
@@ -178,7 +143,7 @@ class Log::Files {
 };
 
 Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder, std::size_t controllers,
-                  std::function<void(double)> written)
+                  std::function<void(double)> written, const McapWords& flown)
     : team_(scenario.team),
       period_(scenario.horizon.dt),
       written_(std::move(written)),
@@ -187,15 +152,18 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
       mcap_(beside(folder_ / "run.mcap"), "ros2", fmt::format("sightline {}", version)),
       timing_(folder_ / "timing.csv"),
       no_input_(size(team_.nu())) {
-  mcap_.metadata("sightline", {{"name", scenario.name},
-                               {"scenario", scenario.text},
-                               {"version", std::string(version)},
-                               {"compiler", std::string(compiler)},
-                               {"solver", scenario.solver.name},
-                               {"seed", fmt::format("{}", scenario.simulation.seed)},
-                               {"period", fmt::format("{}", period_)},
-                               {"controllers", fmt::format("{}", controllers)},
-                               {"team", team_json(scenario)}});
+  McapWords words = {{"name", scenario.name},
+                     {"scenario", scenario.text},
+                     {"version", std::string(version)},
+                     {"compiler", std::string(compiler)},
+                     {"solver", scenario.solver.name},
+                     {"seed", fmt::format("{}", scenario.simulation.seed)},
+                     {"period", fmt::format("{}", period_)},
+                     {"controllers", fmt::format("{}", controllers)},
+                     {"team", team_json(scenario)}};
+  words.insert(flown.begin(), flown.end());
+  mcap_.metadata("sightline", words);
+  if (!scenario.files.empty()) mcap_.metadata("files", scenario.files);
   const auto ros = [&](const RosSchema& schema) { return mcap_.schema(schema.name, "ros2msg", schema.text); };
   const auto json = [&](std::string_view name,
                         std::initializer_list<std::pair<const char*, std::string_view>> properties) {
@@ -238,6 +206,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
   }
   rows_ += ",allocations,iterations,missed\n";
   events_ = open(schemas_.event, "/events", "json");
+  measurements_.emplace(team_, mcap_);
   begin();
 }
 
@@ -297,6 +266,7 @@ void Log::Files::add(const Sample& sample) {
     add_agent(channels, sample);
     if (channels.reference && chunk != chunk_) add_reference(channels, sample.time);
   }
+  measurements_->add(sample);
   add_records(sample);
   add_timing(sample);
   if (chunk == chunk_) return;
@@ -468,9 +438,9 @@ std::string Log::Files::error() const {
 }
 
 Log::Log(const Scenario& scenario, const std::filesystem::path& folder, const Controllers& controllers,
-         Ring<Sample>& ring, std::function<void(double)> written)
+         Ring<Sample>& ring, std::function<void(double)> written, const McapWords& flown)
     : ring_(ring),
-      files_(std::make_unique<Files>(scenario, folder, controllers.size(), std::move(written))) {}
+      files_(std::make_unique<Files>(scenario, folder, controllers.size(), std::move(written), flown)) {}
 
 Log::~Log() {
   if (thread_.joinable()) ring_.close();

@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "sightline/record/mcap.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/run/loop.hpp"
 
@@ -27,7 +28,8 @@ namespace sightline {
 ///                                              controllers /controller0/solver, ...; with pairs where robots
 ///                                              are kept apart
 ///                   /events                    {time, kind, controller, value}
-///                 and the words "sightline": scenario, version, compiler, seed, solver, the team.
+///                 what a replay needs, as recorded_flight.hpp says; and words: "sightline" with scenario, version,
+///                 compiler, seed, solver and team, "files" with the texts of the files that the scenario names.
 ///   timing.csv    measured times [us], allocations and missed periods; a row for each period
 ///
 /// In JSON, null is a number that was not finite; ROS messages with such numbers are left out.
@@ -42,8 +44,9 @@ class Log {
   /// @param ring     outlives the log
   /// @param written  called by the thread with the simulated time [s] up to which all is on its way to the
   ///                 disk; not after a failure, nor after it threw
+  /// @param flown    how it was flown, beside what the scenario says; stands with the words "sightline"
   Log(const Scenario& scenario, const std::filesystem::path& folder, const Controllers& controllers,
-      Ring<Sample>& ring, std::function<void(double)> written = {});
+      Ring<Sample>& ring, std::function<void(double)> written = {}, const McapWords& flown = {});
   ~Log();  ///< As finish(), once the ring is closed, which it is here for a loop that never ran.
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;

@@ -173,7 +173,7 @@ Region read_file(const TomlTable& at) {
   const std::filesystem::path file = std::filesystem::path(at.file()).parent_path() / name;
   std::string text;
   try {
-    text = read_text(file);
+    text = at.file_text(name);
   } catch (const ScenarioError& error) {
     at.refuse("file", fmt::format("the file of a region, relative to this one ({})", error.what()));
   }

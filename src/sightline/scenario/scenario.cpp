@@ -18,6 +18,7 @@
 #include "sightline/scenario/safety_parts.hpp"
 #include "sightline/scenario/scenario_parts.hpp"
 #include "sightline/scenario/script_words.hpp"
+#include "sightline/scenario/set_value.hpp"
 #include "sightline/scenario/shape_parts.hpp"
 #include "sightline/scenario/templates.hpp"
 #include "sightline/scenario/toml_table.hpp"
@@ -313,8 +314,11 @@ class Reader {
 
 }  // namespace
 
-Scenario parse_scenario(std::string text, const std::filesystem::path& file) {
+Scenario parse_scenario(std::string text, const std::filesystem::path& file, const ScenarioChanges& changes) {
   TomlDocument document = parse_toml(text, file.native());
+  document.from_disk = !changes.files;
+  if (changes.files) document.files = *changes.files;
+  for (const std::string& assignment : changes.set) set_value(document, assignment);
   expand(document);
   Scenario scenario;
   Reader(document, scenario).read();
@@ -324,6 +328,7 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file) {
   scenario.name = file.stem().string();
   scenario.file = file;
   scenario.text = std::move(text);
+  scenario.files = std::move(document.files);
   if (scenario.campaign) scenario.campaign->text = scenario.text;
   return scenario;
 }

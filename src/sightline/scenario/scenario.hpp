@@ -89,8 +89,9 @@ inline constexpr double updates_max = 1e9;        // duration / period
 inline constexpr std::size_t name_size_max = 64;  // of a robot; names become topics of the log
 
 struct Scenario {
-  std::string name;  ///< of the file, without folder and extension
-  std::string text;  ///< as it was read
+  std::string name;   ///< of the file, without folder and extension
+  std::string text;   ///< as it was read
+  FileTexts files{};  ///< that it names, as they were read
   std::filesystem::path file;
   Horizon horizon{};
   SolverChoice solver{};
@@ -111,9 +112,16 @@ struct Scenario {
 /// @throws ScenarioError
 Scenario read_scenario(const std::filesystem::path& file);
 
+/// What stands in place of what a scenario's files say.
+struct ScenarioChanges {
+  std::optional<FileTexts> files{};  ///< none: files that it names are read from the disk
+  std::vector<std::string> set{};    ///< "KEY=VALUE", keys as refusals name them, values as in TOML
+};
+
 /// The same from a text that is already read; `file` stands in the refusals.
 /// @throws ScenarioError
-Scenario parse_scenario(std::string text, const std::filesystem::path& file);
+Scenario parse_scenario(std::string text, const std::filesystem::path& file,
+                        const ScenarioChanges& changes = {});
 
 /// The simulated world of a scenario, and what its controllers see of it.
 PlantOptions plant_options(const Scenario& scenario);

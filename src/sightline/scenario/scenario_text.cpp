@@ -115,7 +115,8 @@ std::string_view kind_of(mode_t mode) {
 }  // namespace
 
 ScenarioError::ScenarioError(std::string_view file, std::size_t line, std::string_view sentence)
-    : std::runtime_error(fmt::format("{}:{}: {}", one_line(file), line, one_line(sentence))) {}
+    : std::runtime_error(line > 0 ? fmt::format("{}:{}: {}", one_line(file), line, one_line(sentence))
+                                  : fmt::format("{}: {}", one_line(file), one_line(sentence))) {}
 
 ScenarioError::ScenarioError(std::string_view file, std::size_t line, std::size_t column,
                              std::string_view sentence)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@ namespace sightline {
 class ScenarioError : public std::runtime_error {
  public:
   /// Control characters and bytes that are not UTF-8 are escaped, so that it stays one line.
+  /// @param line  0 for what stands in no line of the file
   ScenarioError(std::string_view file, std::size_t line, std::string_view sentence);
   ScenarioError(std::string_view file, std::size_t line, std::size_t column, std::string_view sentence);
 };
@@ -32,6 +34,9 @@ std::string shortened(std::string_view text, std::size_t size);
 /// The content of a regular file; never waits on a pipe or a device.
 /// @throws ScenarioError where it is none, cannot be read or is too large
 std::string read_text(const std::filesystem::path& file);
+
+/// Texts of files that a scenario names, by the names it gives them.
+using FileTexts = std::map<std::string, std::string>;
 
 /// @throws ScenarioError where the text is empty, not UTF-8, has control characters or keys of too many parts
 void check_text(std::string_view text, std::string_view file);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "sightline/scenario/string_place.hpp"
 
@@ -85,6 +86,15 @@ const toml::node& TomlTable::need(std::string_view key, std::string_view expecte
 
 std::string TomlTable::place(std::string_view key) const {
   return path_.empty() ? shown_key(key) : fmt::format("{}.{}", path_, shown_key(key));
+}
+
+std::string TomlTable::file_text(const std::string& name) const {
+  const auto known = document_->files.find(name);
+  if (known != document_->files.end()) return known->second;
+  const std::filesystem::path path = std::filesystem::path(file()).parent_path() / name;
+  if (!document_->from_disk)
+    throw ScenarioError(path.native(), 1, "its text is missing, expected it with the scenario's");
+  return document_->files[name] = read_text(path);
 }
 
 void TomlTable::expect_only(std::span<const std::string_view> known) const {

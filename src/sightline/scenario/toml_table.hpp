@@ -48,6 +48,8 @@ struct TomlDocument {
   std::string file;
   toml::table root;
   std::string text{};
+  bool from_disk = true;      ///< files that it names are read from the disk; else they stand in `files`
+  mutable FileTexts files{};  ///< those that were asked for
 };
 
 /// @throws ScenarioError where the text is refused by check_text() or is not TOML
@@ -129,6 +131,8 @@ class TomlTable {
 
   static constexpr std::size_t any_length = static_cast<std::size_t>(-1);
 
+  /// The text of a file that this one names, relative to it. @throws ScenarioError as read_text()
+  std::string file_text(const std::string& name) const;
   /// The file, as its refusals name it.
   const std::string& file() const { return document_->file; }
   /// The line on which it begins, from 1.

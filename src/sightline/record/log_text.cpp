@@ -1,0 +1,145 @@
+#include "sightline/record/log_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <system_error>
+
+namespace sightline {
+
+std::uint64_t nanoseconds(double time) { return static_cast<std::uint64_t>(std::llround(time * 1e9)); }
+
+void put(std::string& to, double value) {
+  if (std::isfinite(value)) {
+    fmt::format_to(std::back_inserter(to), "{}", value);
+  } else {
+    to += "null";
+  }
+}
+
+void put(std::string& to, std::string_view key, std::span<const double> values) {
+  fmt::format_to(std::back_inserter(to), ",\"{}\":[", key);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i > 0) to += ',';
+    put(to, values[i]);
+  }
+  to += ']';
+}
+
+std::string json_schema(std::initializer_list<std::pair<const char*, std::string_view>> properties) {
+  nlohmann::ordered_json schema = {{"type", "object"}, {"properties", {{"time", {{"type", "number"}}}}}};
+  for (const auto& [name, type] : properties) {
+    nlohmann::ordered_json& property = schema["properties"][name];
+    if (type == "numbers") {
+      property = {{"type", "array"}, {"items", {{"type", "number"}}}};
+    } else {
+      property = {{"type", type}};
+    }
+  }
+  return schema.dump();
+}
+
+void LogText::refuse() const {
+  throw std::runtime_error(
+      fmt::format("byte {} of a message, expected a JSON object of numbers, words and "
+                  "lists of numbers",
+                  at_));
+}
+
+void LogText::skip_space() noexcept {
+  while (at_ < text_.size() && std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos) ++at_;
+}
+
+bool LogText::take(char c) noexcept {
+  skip_space();
+  if (at_ >= text_.size() || text_[at_] != c) return false;
+  ++at_;
+  return true;
+}
+
+std::string_view LogText::quoted() {
+  if (!take('"')) refuse();
+  const std::size_t from = at_;
+  for (; at_ < text_.size() && text_[at_] != '"'; ++at_) {
+    if (text_[at_] == '\\') ++at_;
+  }
+  if (at_ >= text_.size()) refuse();
+  return text_.substr(from, at_++ - from);
+}
+
+/// A number or null.
+void LogText::value() {
+  skip_space();
+  if (text_.substr(at_).starts_with("null")) {
+    at_ += 4;
+    numbers_.push_back(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  double number = 0.0;
+  const auto [next, fault] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), number);
+  if (fault != std::errc() || !std::isfinite(number)) refuse();  // "inf" is no JSON
+  at_ = static_cast<std::size_t>(next - text_.data());
+  numbers_.push_back(number);
+}
+
+void LogText::read(std::string_view text) {
+  text_ = text;
+  at_ = 0;
+  entries_.clear();
+  numbers_.clear();
+  if (!take('{')) refuse();
+  if (!take('}')) {
+    do {
+      Entry entry{quoted(), {}, Kind::number, numbers_.size(), 0};
+      if (!take(':')) refuse();
+      skip_space();
+      if (at_ < text_.size() && text_[at_] == '"') {
+        entry.kind = Kind::word;
+        entry.word = quoted();
+      } else if (text_.substr(at_).starts_with("true") || text_.substr(at_).starts_with("false")) {
+        entry.kind = Kind::truth;
+        at_ += text_[at_] == 't' ? 4 : 5;
+      } else if (take('[')) {
+        entry.kind = Kind::numbers;
+        if (!take(']')) {
+          do value();
+          while (take(','));
+          if (!take(']')) refuse();
+        }
+      } else {
+        value();
+      }
+      entry.count = numbers_.size() - entry.first;
+      entries_.push_back(entry);
+    } while (take(','));
+    if (!take('}')) refuse();
+  }
+  skip_space();
+  if (at_ != text_.size()) refuse();
+}
+
+const LogText::Entry& LogText::find(std::string_view key, Kind kind) const {
+  const auto found =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
+  if (found != entries_.end() && found->kind == kind) return *found;
+  constexpr const char* what[] = {"a number", "a list of numbers", "a word", "true or false"};
+  throw std::runtime_error(
+      fmt::format("a message without \"{}\", expected {}", key, what[static_cast<int>(kind)]));
+}
+
+double LogText::number(std::string_view key) const { return numbers_[find(key, Kind::number).first]; }
+
+std::span<const double> LogText::numbers(std::string_view key) const {
+  const Entry& entry = find(key, Kind::numbers);
+  return std::span(numbers_).subspan(entry.first, entry.count);
+}
+
+std::string_view LogText::word(std::string_view key) const { return find(key, Kind::word).word; }
+
+}  // namespace sightline

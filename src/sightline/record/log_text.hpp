@@ -1,0 +1,58 @@
+/// The JSON of a log's messages: numbers that read back to the same bits.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sightline {
+
+/// Times of a log [ns].
+std::uint64_t nanoseconds(double time);
+
+/// Appends the shortest text that reads back to the same bits; null for a number that is not finite.
+void put(std::string& to, double value);
+/// Appends `,"key":[...]`.
+void put(std::string& to, std::string_view key, std::span<const double> values);
+
+/// The schema of a message {time, ...}: each property with its type, "numbers" a list of them.
+std::string json_schema(std::initializer_list<std::pair<const char*, std::string_view>> properties);
+
+/// Reads the flat JSON object of a message, into memory that it keeps; trusts no byte of it.
+class LogText {
+ public:
+  /// @throws std::runtime_error where the text is no object of numbers, words, null, true, false and lists of numbers
+  void read(std::string_view text);
+
+  /// The number of this name; not a number for null. @throws std::runtime_error where there is none
+  double number(std::string_view key) const;
+  /// The list of this name, null as not a number. @throws std::runtime_error where there is none
+  std::span<const double> numbers(std::string_view key) const;
+  /// The word of this name, without escapes. @throws std::runtime_error where there is none
+  std::string_view word(std::string_view key) const;
+
+ private:
+  enum class Kind { number, numbers, word, truth };
+  struct Entry {
+    std::string_view key, word;
+    Kind kind;
+    std::size_t first, count;  // in numbers_
+  };
+  const Entry& find(std::string_view key, Kind kind) const;
+  [[noreturn]] void refuse() const;
+  void skip_space() noexcept;
+  bool take(char c) noexcept;
+  std::string_view quoted();
+  void value();
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+  std::vector<Entry> entries_;
+  std::vector<double> numbers_;
+};
+
+}  // namespace sightline

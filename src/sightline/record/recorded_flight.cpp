@@ -1,0 +1,251 @@
+#include "sightline/record/recorded_flight.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "sightline/base/index.hpp"
+#include "sightline/record/log_text.hpp"
+
+namespace sightline {
+namespace {
+
+std::string topic_of(const Team& team, BodyId body, std::string_view what) {
+  return fmt::format("/{}/{}", team.name(body), what);
+}
+
+}  // namespace
+
+MeasurementLog::MeasurementLog(const Team& team, McapWriter& mcap)
+    : team_(team), mcap_(mcap), detections_(size(team.bodies())) {
+  const SchemaId measurement = mcap.schema("sightline.Measurement", "jsonschema",
+                                           json_schema({{"stamp", "number"}, {"x", "numbers"}}));
+  for (int i = 0; i < team.bodies(); ++i)
+    bodies_.push_back({mcap.channel(measurement, topic_of(team, BodyId{i}, "measurement"), "json", {})});
+  changes_ = {
+      mcap.channel(mcap.schema("sightline.TeamAnswer", "jsonschema", json_schema({})), "/team", "json", {})};
+}
+
+void MeasurementLog::begin(double time) {
+  text_ = "{\"time\":";
+  put(text_, time);
+}
+
+void MeasurementLog::send(Channel& channel, double time) {
+  text_ += '}';
+  mcap_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(text_)));
+}
+
+/// The schema of detections, at the first.
+SchemaId MeasurementLog::detection() {
+  if (!detection_)
+    detection_ = mcap_.schema(
+        "sightline.Detection", "jsonschema",
+        json_schema(
+            {{"stamp", "number"}, {"target", "string"}, {"p", "numbers"}, {"covariance", "numbers"}}));
+  return *detection_;
+}
+
+void MeasurementLog::add(const Sample& sample) {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const BodyId body{static_cast<int>(i)};
+    begin(sample.time);
+    text_ += ",\"stamp\":";
+    put(text_, sample.stamps[i]);
+    put(text_, "x",
+        std::span(sample.measured).subspan(size(team_.state_offset(body)), size(team_.model(body).nx())));
+    send(bodies_[i], sample.time);
+  }
+  for (std::size_t i = 0; i < sample.detection_count; ++i) {
+    const Detection& seen = sample.detections[i];
+    begin(sample.time);
+    text_ += ",\"stamp\":";
+    put(text_, seen.stamp);
+    fmt::format_to(std::back_inserter(text_), ",\"target\":\"{}\"", team_.name(seen.target));
+    put(text_, "p", std::array{seen.p.x, seen.p.y, seen.p.z});
+    put(text_, "covariance", seen.covariance);
+    auto& channel = detections_[at(seen.observer)];
+    if (!channel)
+      channel = {mcap_.channel(detection(), topic_of(team_, seen.observer, "detection"), "json", {})};
+    send(*channel, sample.time);
+  }
+  if (!sample.team_answered) return;
+  begin(sample.time);
+  send(changes_, sample.time);
+}
+
+/// Puts each message where it belongs; the first body's measurement begins a period.
+class RecordedFlight::Reader {
+ public:
+  explicit Reader(RecordedFlight& flight) : flight_(flight) {
+    const Team& team = flight.team_;
+    for (int i = 0; i < team.bodies(); ++i) {
+      const BodyId body{i};
+      takes_[topic_of(team, body, "state")] = [this, body](const McapMessage&) {
+        if (at(body) == 0) begin_period();
+        copy_state(body, period().truth);
+      };
+      takes_[topic_of(team, body, "measurement")] = [this, body](const McapMessage&) {
+        copy_state(body, period().measured);
+        const double stamp = text_.number("stamp");
+        period().stamps[at(body)] = std::isnan(stamp) ? -std::numeric_limits<double>::infinity() : stamp;
+        ++measurements_;
+      };
+      takes_[topic_of(team, body, "detection")] = [this, body](const McapMessage&) { detect(body); };
+      if (!team.is_agent(body)) continue;
+      takes_[topic_of(team, body, "input")] = [this, body](const McapMessage&) {
+        const std::span<const double> u = text_.numbers("u");
+        copy(u, flight_.team_.model(body).nu(), flight_.team_.input_offset(body), period().u);
+        ++inputs_;
+      };
+    }
+    takes_["/team"] = [this](const McapMessage&) { period().team_answered = true; };
+    takes_["/events"] = [this](const McapMessage&) {
+      if (text_.word("kind") == to_string(EventKind::missed_period))
+        missed_[flight_.number(text_.number("time"))] += std::llround(text_.number("value"));
+    };
+  }
+
+  void take(const McapMessage& message) {
+    const auto found = takes_.find(message.topic);
+    if (found == takes_.end()) {
+      if (message.topic.ends_with("/solver")) read_solver(message);
+      return;
+    }
+    text_.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
+    found->second(message);
+  }
+
+  /// Without a last period that is not whole, and those behind a gap.
+  void end() {
+    auto& periods = flight_.periods_;
+    const std::int64_t agents = static_cast<std::int64_t>(flight_.team_.agents().size());
+    if (!periods.empty() && (measurements_ != flight_.team_.bodies() || inputs_ != agents))
+      periods.pop_back();
+    std::int64_t next = 0;
+    for (std::size_t i = 0; i < periods.size(); ++i) {
+      const std::int64_t k = flight_.number(periods[i].time);
+      const auto missed = missed_.find(k);
+      if (k - next != (missed != missed_.end() ? missed->second : 0)) {
+        flight_.lost_after_ = i > 0 ? periods[i - 1].time : 0.0;
+        periods.resize(i);
+        return;
+      }
+      next = k + 1;
+    }
+  }
+
+ private:
+  RecordedPeriod& period() {
+    if (flight_.periods_.empty()) throw std::runtime_error("a message before the first state");
+    return flight_.periods_.back();
+  }
+
+  void begin_period() {
+    const Team& team = flight_.team_;
+    if (!flight_.periods_.empty() && measurements_ == 0)
+      throw std::runtime_error("it holds no measurements, as those of sightline before it had replay");
+    if (!flight_.periods_.empty() && measurements_ != team.bodies())
+      throw std::runtime_error(fmt::format("{} measurements of the period at {} s, expected {}",
+                                           measurements_, period().time, team.bodies()));
+    measurements_ = inputs_ = 0;
+    RecordedPeriod& next = flight_.periods_.emplace_back();
+    next.time = text_.number("time");
+    next.measured.resize(size(team.nx()));
+    next.truth.resize(size(team.nx()));
+    next.stamps.resize(size(team.bodies()));
+    next.u.resize(size(team.nu()));
+  }
+
+  static void copy(std::span<const double> from, int count, int offset, std::vector<double>& to) {
+    if (from.size() != size(count))
+      throw std::runtime_error(fmt::format("{} numbers in a message, expected {}", from.size(), count));
+    std::copy(from.begin(), from.end(), to.begin() + offset);
+  }
+  void copy_state(BodyId body, std::vector<double>& to) {
+    copy(text_.numbers("x"), flight_.team_.model(body).nx(), flight_.team_.state_offset(body), to);
+  }
+
+  void detect(BodyId observer) {
+    Detection seen{.observer = observer, .target = flight_.team_.find(text_.word("target"))};
+    if (seen.target.index < 0) throw std::runtime_error("a detection of no body of the team");
+    seen.stamp = text_.number("stamp");
+    const std::span<const double> p = text_.numbers("p"), covariance = text_.numbers("covariance");
+    if (p.size() != 3 || covariance.size() != seen.covariance.size())
+      throw std::runtime_error("a detection of another length, expected 3 and 6 numbers");
+    seen.p = {p[0], p[1], p[2]};
+    std::copy(covariance.begin(), covariance.end(), seen.covariance.begin());
+    period().detections.push_back(seen);
+    flight_.detections_max_ = std::max(flight_.detections_max_, period().detections.size());
+  }
+
+  void read_solver(const McapMessage& message) {
+    text_.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
+    period().status.push_back(status_named(text_.word("status")));
+  }
+
+  static Status status_named(std::string_view name) {
+    for (int i = 0; i < status_count; ++i) {
+      const auto status = static_cast<Status>(i);
+      if (to_string(status) == name) return status;
+    }
+    throw std::runtime_error(fmt::format("status = \"{}\", expected one of a solver", name));
+  }
+
+  RecordedFlight& flight_;
+  LogText text_;
+  std::map<std::string, std::function<void(const McapMessage&)>, std::less<>> takes_;
+  std::map<std::int64_t, std::int64_t> missed_;
+  std::int64_t measurements_ = 0, inputs_ = 0;  // of the last period
+};
+
+RecordedFlight::RecordedFlight(const std::filesystem::path& log, Team team, std::vector<double> start,
+                               double period)
+    : team_(std::move(team)), start_(std::move(start)), period_(period) {
+  McapReader mcap(log);
+  if (!mcap.ok()) throw std::runtime_error(mcap.error());
+  Reader reader(*this);
+  try {
+    mcap.visit([&](const McapMessage& message) { reader.take(message); });
+    reader.end();
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{} cannot be replayed: {}", log.string(), error.what()));
+  }
+  if (!mcap.ok()) throw std::runtime_error(mcap.error());
+  if (periods_.empty() && !lost_after_)
+    throw std::runtime_error(
+        fmt::format("{} holds no measurements of a whole period, expected the log of a run", log.string()));
+  truncated_ = mcap.truncated();
+}
+
+std::int64_t RecordedFlight::number(double time) const noexcept { return std::llround(time / period_); }
+
+Measured RecordedFlight::measure(double) noexcept {
+  const RecordedPeriod& now = periods_[std::min(next_, periods_.size() - 1)];
+  measured_ = true;
+  return {now.measured, now.stamps, now.truth, now.detections};
+}
+
+/// False after the last period.
+bool RecordedFlight::apply(double, std::span<const double>, std::span<const double>, double,
+                           std::int64_t) noexcept {
+  if (std::exchange(measured_, false)) ++next_;
+  return next_ < periods_.size();
+}
+
+std::int64_t RecordedFlight::wait(std::int64_t k) noexcept {
+  return next_ < periods_.size() ? std::max(k, number(periods_[next_].time)) : k;
+}
+
+TeamDue RecordedFlight::team_due(std::int64_t) const noexcept {
+  return next_ < periods_.size() && periods_[next_].team_answered ? TeamDue::now : TeamDue::not_yet;
+}
+
+}  // namespace sightline

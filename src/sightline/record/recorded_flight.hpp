@@ -1,0 +1,105 @@
+/// What a flight saw and did, as its log keeps it for a replay: written, and read as a world that can be flown again.
+///
+/// Topics of run.mcap, one message a period each:
+///
+///     /BODY/measurement   {time, stamp, x}: the state that the controllers saw, all numbers exactly, and when it was
+///                         so; null in x is a number that was not finite, a null stamp is a body never seen
+///     /OBSERVER/detection {time, stamp, target, p, covariance}: what its sensor said of another body, in order
+///     /team               {time}: a team that was asked for took over in this period, or was refused
+///
+/// beside /BODY/state (the truth), /AGENT/input (the command) and /events (missed periods). No time of the wall clock.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/ocp/team.hpp"
+#include "sightline/record/mcap.hpp"
+#include "sightline/run/clock.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/world/world.hpp"
+
+namespace sightline {
+
+/// Writes the topics above, but for those of the log itself.
+class MeasurementLog {
+ public:
+  MeasurementLog(const Team& team, McapWriter& mcap);
+
+  /// Adds a sample; allocates nothing once the buffers have grown and each observer has detected something.
+  void add(const Sample& sample);
+
+ private:
+  struct Channel {
+    ChannelId id{};
+    std::uint32_t sequence = 0;
+  };
+  void begin(double time);
+  void send(Channel& channel, double time);
+  SchemaId detection();
+
+  Team team_;
+  McapWriter& mcap_;
+  std::vector<Channel> bodies_;                     // of each body
+  std::vector<std::optional<Channel>> detections_;  // of each body that detected one
+  std::optional<SchemaId> detection_{};
+  Channel changes_;
+  std::string text_;
+};
+
+/// One period of a recorded flight.
+struct RecordedPeriod {
+  double time = 0.0;                                       ///< [s]
+  std::vector<double> measured{}, stamps{}, truth{}, u{};  ///< nx, bodies, nx, nu
+  std::vector<Detection> detections{};
+  std::vector<Status> status{};  ///< of each controller
+  bool team_answered = false;
+};
+
+/// A recorded flight as a world, and as the clock of a loop that flies in it: the same measurements in the same
+/// periods; periods that were missed are missed again. Commands move nothing; a sink compares them.
+class RecordedFlight final : public World, public Clock {
+ public:
+  /// @param team  of the scenario that was flown
+  /// @throws std::runtime_error with a sentence that names the file where it cannot be read, or holds no measurements
+  /// of this team
+  RecordedFlight(const std::filesystem::path& log, Team team, std::vector<double> start, double period);
+
+  const std::vector<RecordedPeriod>& periods() const noexcept { return periods_; }
+  /// Whether the log ends in the middle, as that of a killed run.
+  bool truncated() const noexcept { return truncated_; }
+  /// Time after which samples were lost, so that what followed is not to be repeated [s]; none if all are there.
+  std::optional<double> lost_after() const noexcept { return lost_after_; }
+  /// The number of the period at a time [s], from 0 where the flight began.
+  std::int64_t number(double time) const noexcept;
+
+  const Team& team() const noexcept override { return team_; }
+  std::span<const double> start() const noexcept override { return start_; }
+  std::size_t detections_max() const noexcept override { return detections_max_; }
+  void set_presence(std::span<const Presence>) noexcept override {}
+  Measured measure(double t) noexcept override;
+  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+             std::int64_t periods) noexcept override;
+
+  void start(double) noexcept override {}
+  std::int64_t wait(std::int64_t k) noexcept override;
+  bool waits_for_log() const noexcept override { return true; }
+  TeamDue team_due(std::int64_t k) const noexcept override;
+
+ private:
+  class Reader;
+
+  Team team_;
+  std::vector<double> start_;
+  double period_;  // [s]
+  std::vector<RecordedPeriod> periods_;
+  std::size_t next_ = 0;  // period to be measured
+  bool measured_ = false;
+  std::size_t detections_max_ = 0;
+  bool truncated_ = false;
+  std::optional<double> lost_after_{};
+};
+
+}  // namespace sightline

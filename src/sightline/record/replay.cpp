@@ -1,0 +1,120 @@
+#include "sightline/record/replay.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "sightline/base/index.hpp"
+#include "sightline/record/mcap.hpp"
+
+namespace sightline {
+
+FlownAs flown_as(const std::filesystem::path& log) {
+  const McapReader mcap(log);
+  if (!mcap.ok()) throw std::runtime_error(mcap.error());
+  const auto found = mcap.metadata().find("sightline");
+  if (found == mcap.metadata().end())
+    throw std::runtime_error(
+        fmt::format("{} is no log of a run, expected the words \"sightline\"", log.string()));
+  const McapWords& words = found->second;
+  const auto word = [&](const char* key) {
+    const auto at = words.find(key);
+    return at != words.end() ? at->second : std::string();
+  };
+  FlownAs flown{.name = word("name"),
+                .text = word("scenario"),
+                .solver = word("solver"),
+                .version = word("version"),
+                .compiler = word("compiler"),
+                .partition = word("partition"),
+                .order = word("order")};
+  if (const auto files = mcap.metadata().find("files"); files != mcap.metadata().end())
+    flown.files.insert(files->second.begin(), files->second.end());
+  const std::string exchanges = word("exchanges");
+  if (!exchanges.empty() &&
+      std::from_chars(exchanges.data(), exchanges.data() + exchanges.size(), flown.exchanges).ec !=
+          std::errc()) {
+    throw std::runtime_error(
+        fmt::format("{}: exchanges = \"{}\", expected a number", log.string(), exchanges));
+  }
+  return flown;
+}
+
+CommandComparison::CommandComparison(const RecordedFlight& flight, Sample prototype)
+    : flight_(flight), sample_(std::move(prototype)) {
+  const Team& team = flight.team();
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    if (team.is_agent(body))
+      robots_.push_back({body, size(team.input_offset(body)), size(team.model(body).nu())});
+  }
+}
+
+void CommandComparison::publish() noexcept {
+  const RecordedPeriod& recorded = flight_.periods()[std::min(updates_, flight_.periods().size() - 1)];
+  for (std::size_t r = 0; r < robots_.size(); ++r) {
+    Robot& robot = robots_[r];
+    bool differs = false;
+    for (std::size_t i = 0; i < robot.nu; ++i) {
+      const double now = sample_.u[robot.u + i], then = recorded.u[robot.u + i];
+      if (std::bit_cast<std::uint64_t>(now) == std::bit_cast<std::uint64_t>(then)) continue;
+      differs = true;
+      if (!first_) first_ = {updates_, r, i, now};
+      const double by = std::abs(now - then);
+      robot.squares += by * by;
+      if (by > robot.largest) robot.largest = by, robot.largest_at = sample_.time;
+    }
+    robot.differing += differs ? 1 : 0;
+  }
+  const std::size_t solvers = std::min(recorded.status.size(), sample_.solvers.size());
+  for (std::size_t c = 0; c < solvers; ++c) {
+    if (recorded.status[c] == sample_.solvers[c].status) continue;
+    ++other_status_;
+    break;
+  }
+  ++updates_;
+}
+
+std::int64_t CommandComparison::commands() const noexcept {
+  return updates() * static_cast<std::int64_t>(robots_.size());
+}
+
+std::int64_t CommandComparison::differing() const noexcept {
+  std::int64_t sum = 0;
+  for (const Robot& robot : robots_) sum += robot.differing;
+  return sum;
+}
+
+std::optional<FirstDifference> CommandComparison::first() const {
+  if (!first_) return std::nullopt;
+  const RecordedPeriod& period = flight_.periods()[first_->update];
+  const Robot& robot = robots_[first_->robot];
+  const Team& team = flight_.team();
+  return FirstDifference{.update = flight_.number(period.time),
+                         .time = period.time,
+                         .robot = std::string(team.name(robot.body)),
+                         .input = std::string(team.model(robot.body).inputs()[first_->input]),
+                         .recorded = period.u[robot.u + first_->input],
+                         .replayed = first_->replayed};
+}
+
+std::vector<RobotDifference> CommandComparison::robots() const {
+  std::vector<RobotDifference> list;
+  for (const Robot& robot : robots_) {
+    const double inputs = static_cast<double>(std::max<std::size_t>(1, updates_ * robot.nu));
+    list.push_back({.name = std::string(flight_.team().name(robot.body)),
+                    .differing = robot.differing,
+                    .largest = robot.largest,
+                    .rms = std::sqrt(robot.squares / inputs),
+                    .largest_at = robot.largest_at});
+  }
+  return list;
+}
+
+}  // namespace sightline

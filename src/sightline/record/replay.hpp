@@ -1,0 +1,85 @@
+/// A recorded flight flown again: the same measurements into the same loop, and its commands compared with those of
+/// the log.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/record/recorded_flight.hpp"
+#include "sightline/run/ring.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/scenario/scenario.hpp"
+
+namespace sightline {
+
+/// How a log says that it was flown.
+struct FlownAs {
+  std::string name, text;  ///< of the scenario
+  FileTexts files{};       ///< that the scenario names
+  std::string solver;
+  std::string version, compiler;
+  std::string partition{}, order{};  ///< where the team planned in parts; else empty
+  int exchanges = 1;
+};
+/// @throws std::runtime_error with a sentence that names the file where it is no log of a run
+FlownAs flown_as(const std::filesystem::path& log);
+
+/// Where a command first differs from the recorded one.
+struct FirstDifference {
+  std::int64_t update = 0;  ///< number of the period since the flight began
+  double time = 0.0;        ///< [s]
+  std::string robot, input;
+  double recorded = 0.0, replayed = 0.0;
+};
+
+/// How far the commands of one robot are from the recorded ones.
+struct RobotDifference {
+  std::string name;
+  std::int64_t differing = 0;       ///< commands of which a bit differs
+  double largest = 0.0, rms = 0.0;  ///< of an input, over all of them
+  double largest_at = 0.0;          ///< [s]
+};
+
+/// Compares each command of a loop that flies in a recorded flight, bit for bit; allocates nothing.
+class CommandComparison final : public Sink<Sample> {
+ public:
+  /// @param prototype  sized_sample() of the loop
+  CommandComparison(const RecordedFlight& flight, Sample prototype);
+
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override;
+  void close() noexcept override {}
+
+  std::int64_t updates() const noexcept { return static_cast<std::int64_t>(updates_); }
+  std::int64_t commands() const noexcept;
+  std::int64_t differing() const noexcept;
+  /// Updates of which a solver's status differs.
+  std::int64_t other_status() const noexcept { return other_status_; }
+  std::optional<FirstDifference> first() const;
+  /// One for each robot, in the order of the team.
+  std::vector<RobotDifference> robots() const;
+
+ private:
+  struct Robot {
+    BodyId body;
+    std::size_t u, nu;
+    std::int64_t differing = 0;
+    double largest = 0.0, largest_at = 0.0, squares = 0.0;
+  };
+
+  const RecordedFlight& flight_;
+  Sample sample_;
+  std::vector<Robot> robots_;
+  std::size_t updates_ = 0;
+  std::int64_t other_status_ = 0;
+  struct Place {
+    std::size_t update, robot, input;
+    double replayed;
+  };
+  std::optional<Place> first_{};
+};
+
+}  // namespace sightline

@@ -1,0 +1,214 @@
+#include "sightline/record/recorded_flight.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "sightline/record/log.hpp"
+#include "sightline/run/loop.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "tests/support/copy_log.hpp"
+#include "tests/support/folder.hpp"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path place(std::string_view name) {
+  static const test::Folder folder("recorded_flight_test");
+  return folder.path() / name;
+}
+
+/// Two robots, one of which sees the other late, with noise, dropouts and numbers that are none.
+Scenario noisy() {
+  return parse_scenario(R"([agent.a]
+robot = "multirotor"
+start = { p = [0, 0, 1], heading = 0.0 }
+Q = [1, 1, 1, 0, 0, 0, 0]
+[agent.b]
+robot = "multirotor"
+start = { p = [2, 0, 1], heading = 0.0 }
+[[couple]]
+potential = { keep_out = { d_min = 1.0 } }
+between = ["a", "b"]
+weight = 0.4
+[simulation]
+duration = 3.0
+disturbance = { noise = { position = 0.01, heading = 0.01 }, delay = 0.04 }
+fault = [{ kind = "dropout", probability = 0.2 }, { kind = "nan", body = "b", probability = 0.1 }]
+[safety]
+[safety.supervisor]
+)",
+                        "noisy.toml");
+}
+
+/// Flies a scenario into a folder on a clock; what each sample held.
+std::vector<Sample> fly(const Scenario& scenario, const fs::path& folder, Clock& clock) {
+  std::vector<Sample> flown;
+  const Controls controls(scenario);
+  const Controllers controllers = controls.controllers();
+  Ring<Sample> ring(320, sized_sample(scenario.team, controllers));
+  ClosedLoop loop(scenario, controllers, clock, ring, nullptr);
+  (void)loop.fly();
+  Ring<Sample> copies(320, sized_sample(scenario.team, controllers));
+  Log log(scenario, folder, controllers, copies);
+  log.start();
+  while (const Sample* sample = ring.front()) {
+    *copies.claim() = *sample;
+    copies.publish();
+    flown.push_back(*sample);
+    ring.pop();
+  }
+  copies.close();
+  log.finish();
+  EXPECT_EQ(log.error(), "");
+  return flown;
+}
+
+RecordedFlight recorded(const Scenario& scenario, const fs::path& folder) {
+  return RecordedFlight(folder / "run.mcap", scenario.team, scenario.x0, scenario.horizon.dt);
+}
+
+std::string refusal(const Scenario& scenario, const fs::path& folder) {
+  try {
+    recorded(scenario, folder);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+/// Where a number is none in one, it is none in the other; all else is the same to the bit.
+void expect_same(std::span<const double> a, std::span<const double> b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(std::isnan(a[i]), std::isnan(b[i]));
+    if (!std::isnan(a[i])) {
+      ASSERT_EQ(a[i], b[i]);
+    }
+  }
+}
+
+TEST(RecordedFlight, GivesBackWhatTheLoopMeasuredAndCommandedWithItsTimes) {
+  const Scenario scenario = noisy();
+  SimulatedClock clock;
+  const auto flown = fly(scenario, place("noisy"), clock);
+  RecordedFlight flight = recorded(scenario, place("noisy"));
+  ASSERT_EQ(flight.periods().size(), flown.size());
+  EXPECT_FALSE(flight.truncated());
+  int nans = 0, old = 0;
+  for (const Sample& sample : flown) {
+    const Measured seen = flight.measure(sample.time);
+    expect_same(seen.measured, sample.measured);
+    expect_same(seen.stamps, sample.stamps);
+    expect_same(seen.truth, sample.x);
+    for (const double x : seen.measured) nans += std::isnan(x);
+    old += seen.stamps[1] < sample.time - 0.045;
+    (void)flight.apply(sample.time, {}, sample.u, 0.01, 1);
+  }
+  EXPECT_GT(nans, 10) << "the faults were there";
+  EXPECT_GT(old, 10);
+}
+
+TEST(RecordedFlight, PeriodsThatWereMissedAreMissedAgain) {
+  class Stumbling final : public Clock {
+    void start(double) noexcept override {}
+    std::int64_t wait(std::int64_t k) noexcept override { return k % 10 == 5 ? k + 3 : k; }
+    bool waits_for_log() const noexcept override { return true; }
+  } clock;
+  const Scenario scenario = noisy();
+  const auto flown = fly(scenario, place("missed"), clock);
+  RecordedFlight flight = recorded(scenario, place("missed"));
+  EXPECT_FALSE(flight.lost_after());
+  ASSERT_EQ(flight.periods().size(), flown.size());
+  for (const Sample& sample : flown) {
+    const std::int64_t k = flight.number(sample.time);
+    EXPECT_EQ(flight.wait(k % 10 == 8 ? k - 3 : k), k);
+    (void)flight.measure(sample.time);
+    (void)flight.apply(sample.time, {}, sample.u, 0.01, 1);
+  }
+}
+
+TEST(RecordedFlight, SamplesThatTheLogLostEndWhatCanBeRepeated) {
+  const Scenario scenario = noisy();
+  SimulatedClock clock;
+  (void)fly(scenario, place("whole"), clock);
+  fs::create_directories(place("lost"));
+  test::copy_log(place("whole") / "run.mcap", place("lost") / "run.mcap",
+                 [](std::string_view, std::string& text) {
+                   if (text.starts_with("{\"time\":1.23,") || text.starts_with("{\"time\":1.24,"))
+                     text.clear();
+                 });
+  const RecordedFlight flight = recorded(scenario, place("lost"));
+  ASSERT_TRUE(flight.lost_after());
+  EXPECT_DOUBLE_EQ(*flight.lost_after(), 1.22);
+  EXPECT_EQ(flight.periods().size(), 123U);
+}
+
+TEST(RecordedFlight, DetectionsComeBackAsTheyWere) {
+  const Scenario scenario = noisy();
+  Team team = scenario.team;
+  McapWriter mcap(place("detections.mcap"), "ros2", "test");
+  MeasurementLog log(team, mcap);
+  const auto state = mcap.channel(mcap.schema("s", "jsonschema", "{}"), "/a/state", "json", {});
+  Sample sample;
+  sample.measured.assign(14, 1.5);
+  sample.stamps = {0.0, -std::numeric_limits<double>::infinity()};
+  sample.detections = {{BodyId{0}, BodyId{1}, -0.02, {1, 2, 3}, {1e-3, 0, 0, 2e-3, 0, 3e-3}},
+                       {BodyId{1}, BodyId{0}, -0.01, {0.1, 0, -1}, {}}};
+  sample.detection_count = 2;
+  const std::string x = "{\"time\":0,\"x\":[0,0,0,0,0,0,0]}";
+  mcap.message(state, 0, 0, std::as_bytes(std::span(x)));
+  log.add(sample);
+  const auto input = mcap.channel(mcap.schema("i", "jsonschema", "{}"), "/a/input", "json", {});
+  const auto input_b = mcap.channel(mcap.schema("j", "jsonschema", "{}"), "/b/input", "json", {});
+  const std::string u = "{\"time\":0,\"u\":[0,0,0,0]}";
+  mcap.message(input, 0, 0, std::as_bytes(std::span(u)));
+  mcap.message(input_b, 0, 0, std::as_bytes(std::span(u)));
+  mcap.close();
+  RecordedFlight flight(place("detections.mcap"), team, scenario.x0, 0.01);
+  EXPECT_EQ(flight.detections_max(), 2U);
+  const Measured seen = flight.measure(0.0);
+  ASSERT_EQ(seen.detections.size(), 2U);
+  EXPECT_EQ(seen.detections[0].p.z, 3.0);
+  EXPECT_EQ(seen.detections[0].covariance[3], 2e-3);
+  EXPECT_EQ(seen.detections[1].stamp, -0.01);
+  EXPECT_EQ(seen.detections[1].target, BodyId{0});
+  EXPECT_EQ(seen.stamps[1], -std::numeric_limits<double>::infinity()) << "never seen";
+}
+
+TEST(RecordedFlight, LogsWithoutWhatAReplayNeedsAreRefusedBySentencesWithTheirName) {
+  const Scenario scenario = noisy();
+  SimulatedClock clock;
+  (void)fly(scenario, place("good"), clock);
+  const auto spoilt = [&](std::string_view name,
+                          const std::function<void(std::string_view, std::string&)>& edit) {
+    fs::create_directories(place(name));
+    test::copy_log(place("good") / "run.mcap", place(name) / "run.mcap", edit);
+    return refusal(scenario, place(name));
+  };
+  EXPECT_THAT(spoilt("old",
+                     [](std::string_view topic, std::string& text) {
+                       if (topic.ends_with("/measurement")) text.clear();
+                     }),
+              testing::HasSubstr("cannot be replayed: it holds no measurements"));
+  EXPECT_THAT(spoilt("half",
+                     [](std::string_view topic, std::string& text) {
+                       if (topic == "/b/measurement") text.clear();
+                     }),
+              testing::HasSubstr("1 measurements of the period at 0 s, expected 2"));
+  EXPECT_THAT(spoilt("short",
+                     [](std::string_view topic, std::string& text) {
+                       if (topic == "/b/input") text = "{\"time\":0,\"u\":[1,2]}";
+                     }),
+              testing::HasSubstr("2 numbers in a message, expected 4"));
+  EXPECT_THAT(spoilt("words", [](std::string_view, std::string& text) { text = "hello"; }),
+              testing::HasSubstr("expected a JSON object"));
+  EXPECT_THAT(refusal(scenario, place("nowhere")), testing::HasSubstr("run.mcap"));
+}
+
+}  // namespace
+}  // namespace sightline

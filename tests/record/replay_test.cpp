@@ -1,0 +1,124 @@
+#include "sightline/record/replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sightline/record/log.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "tests/support/folder.hpp"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A short flight of a shipped scenario, in its log.
+struct Flown {
+  Scenario scenario;
+  test::Folder folder{"replay_test"};
+
+  Flown(const std::string& name, double duration, Clock& clock)
+      : scenario(read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/" + name + ".toml")) {
+    scenario.simulation.duration = duration;
+    const Controls controls(scenario);
+    Ring<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
+                      sized_sample(scenario.team, controls.controllers()));
+    ClosedLoop loop(scenario, controls.controllers(), clock, ring, nullptr, controls.succession());
+    (void)loop.fly();
+    Log log(scenario, folder.path(), controls.controllers(), ring);
+    log.start();
+    log.finish();
+    EXPECT_EQ(log.error(), "");
+  }
+
+  RecordedFlight flight() const {
+    return {folder.path() / "run.mcap", scenario.team, scenario.x0, scenario.horizon.dt};
+  }
+};
+
+/// The flight again, under a scenario's solver.
+CommandComparison again(const Scenario& scenario, RecordedFlight& flight) {
+  const Controls controls(scenario);
+  CommandComparison compared(flight, sized_sample(scenario.team, controls.controllers()));
+  ClosedLoop loop(scenario, flight, controls.controllers(), flight, compared, nullptr, controls.succession());
+  (void)loop.fly();
+  return compared;
+}
+
+class Stumbling final : public Clock {
+  void start(double) noexcept override {}
+  std::int64_t wait(std::int64_t k) noexcept override { return k % 50 == 7 ? k + 4 : k; }
+  bool waits_for_log() const noexcept override { return true; }
+};
+
+TEST(Replay, OfAFlightWhoseTeamChangesTheCommandsAreTheSameBitForBit) {
+  SimulatedClock clock;
+  const Flown flown("join_and_leave", 25.0, clock);
+  RecordedFlight flight = flown.flight();
+  const CommandComparison compared = again(flown.scenario, flight);
+  EXPECT_EQ(compared.updates(), 2500);
+  EXPECT_EQ(compared.commands(), 2500 * static_cast<std::int64_t>(flown.scenario.team.agents().size()));
+  EXPECT_EQ(compared.differing(), 0);
+  EXPECT_EQ(compared.other_status(), 0);
+  EXPECT_FALSE(compared.first());
+}
+
+TEST(Replay, OfAFlightThatMissedPeriodsTheCommandsAreTheSameBitForBit) {
+  Stumbling clock;
+  const Flown flown("handover", 30.0, clock);
+  RecordedFlight flight = flown.flight();
+  const CommandComparison compared = again(flown.scenario, flight);
+  EXPECT_GT(compared.updates(), 2500);
+  EXPECT_LT(compared.updates(), 3000);
+  EXPECT_EQ(compared.differing(), 0);
+}
+
+TEST(Replay, OnASteadyClockTeamsTakeOverWhereTheyDidWhenTheyWereReadyLate) {
+  SteadyClock clock;
+  const Flown flown("join_and_leave", 8.0, clock);
+  RecordedFlight flight = flown.flight();
+  EXPECT_EQ(again(flown.scenario, flight).differing(), 0);
+}
+
+TEST(Replay, TellsTheFirstCommandThatDiffersAndHowFar) {
+  SimulatedClock clock;
+  const Flown flown("cooperative_localization", 5.0, clock);
+  RecordedFlight flight = flown.flight();
+  const Controls controls(flown.scenario);
+  CommandComparison compared(flight, sized_sample(flown.scenario.team, controls.controllers()));
+  for (const RecordedPeriod& period : flight.periods()) {
+    Sample* sample = compared.claim();
+    sample->time = period.time;
+    sample->u = period.u;
+    if (flight.number(period.time) == 123) sample->u[5] += 0.25;
+    if (flight.number(period.time) == 200) sample->u[1] = std::nextafter(sample->u[1], 1e9);
+    compared.publish();
+  }
+  EXPECT_EQ(compared.differing(), 2);
+  ASSERT_TRUE(compared.first());
+  EXPECT_EQ(compared.first()->update, 123);
+  EXPECT_EQ(compared.first()->robot, "uav1");
+  EXPECT_EQ(compared.first()->input, flown.scenario.team.agents()[1].model.inputs()[1]);
+  EXPECT_NEAR(compared.first()->replayed - compared.first()->recorded, 0.25, 1e-15);
+  const auto robots = compared.robots();
+  EXPECT_EQ(robots[0].differing, 1);
+  EXPECT_NEAR(robots[1].largest, 0.25, 1e-15);
+  EXPECT_NEAR(robots[1].rms, 0.25 / std::sqrt(500 * 4), 1e-15);
+  EXPECT_NEAR(robots[1].largest_at, 1.23, 1e-12);
+}
+
+TEST(Replay, ALogSaysHowItWasFlown) {
+  SimulatedClock clock;
+  const Flown flown("pyramid_camera", 0.5, clock);
+  const FlownAs as = flown_as(flown.folder.path() / "run.mcap");
+  EXPECT_EQ(as.text, flown.scenario.text);
+  EXPECT_EQ(as.solver, "newton_riccati");
+  ASSERT_TRUE(as.files.contains("sensors/camera.toml")) << "the sensor that it names is in the log";
+  EXPECT_EQ(parse_scenario(as.text, "nowhere/log", {.files = as.files}).team.couplings().size(),
+            flown.scenario.team.couplings().size());
+  EXPECT_THROW(parse_scenario(as.text, "nowhere/log", {.files = FileTexts{}}), ScenarioError);
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,125 @@
+#include "sightline/world/world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "sightline/run/loop.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/world/model_world.hpp"
+
+namespace sightline {
+namespace {
+
+using Numbers = std::vector<double>;
+
+Team pair() {
+  Team team;
+  team.add(Multirotor{}, {.name = "a"});
+  team.add(Multirotor{}, {.name = "b"});
+  return team;
+}
+const Numbers x0 = {-0.6, -0.3, 0.6, 1, 0, 0.1, 0, 2, 1, 0.5, 0, 1, 0, -0.2};
+
+/// Robots of which nobody knows the truth: what is measured, and what a sees of b. It writes down what it is asked.
+class Outside final : public World {
+ public:
+  explicit Outside(int periods) : inside_(pair(), x0), left_(periods) {}
+
+  const Team& team() const noexcept override { return inside_.team(); }
+  std::span<const double> start() const noexcept override { return inside_.start(); }
+  std::size_t detections_max() const noexcept override { return seen_.size(); }
+  void set_presence(std::span<const Presence> presence) noexcept override { inside_.set_presence(presence); }
+  Measured measure(double t) noexcept override {
+    Measured measured = inside_.measure(t);
+    measured.truth = {};
+    seen_[0].stamp = t;
+    seen_[0].p = {measured.measured[7] - measured.measured[0], t, 0};
+    measured.detections = seen_;
+    return measured;
+  }
+  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+             std::int64_t periods) noexcept override {
+    believed_all &= believed.size() == x0.size();
+    (void)inside_.apply(t, believed, u, period, periods);
+    told += periods;
+    return --left_ > 0;
+  }
+
+  bool believed_all = true;
+  std::int64_t told = 0;  // periods
+
+ private:
+  ModelWorld inside_;
+  int left_;
+  std::array<Detection, 1> seen_{Detection{.observer = BodyId{0}, .target = BodyId{1}}};
+};
+
+struct Kept final : Sink<Sample> {
+  explicit Kept(Sample prototype) : sample(std::move(prototype)) {}
+  Sample* claim() noexcept override { return &sample; }
+  void publish() noexcept override { all.push_back(sample); }
+  void close() noexcept override {}
+  Sample sample;
+  std::vector<Sample> all;
+};
+
+TEST(World, WhereNobodyKnowsTheTruthWhatWasMeasuredStandsForItAndTheCommandsAreTheSame) {
+  NewtonRiccati known(pair(), {}), unknown(pair(), {});
+  SimulatedClock clock;
+  ModelWorld model(pair(), x0);
+  Outside outside(1000);
+  Kept of_model(sized_sample(pair(), {known})), of_outside(sized_sample(pair(), {unknown}, 1));
+  (void)Loop(model, {known}, clock, of_model, {.duration = 2.0}).run();
+  (void)Loop(outside, {unknown}, clock, of_outside, {.duration = 2.0}).run();
+  ASSERT_EQ(of_outside.all.size(), of_model.all.size());
+  for (std::size_t k = 0; k < of_model.all.size(); ++k) {
+    ASSERT_EQ(of_outside.all[k].u, of_model.all[k].u) << k;
+    ASSERT_EQ(of_outside.all[k].x, of_outside.all[k].measured) << k;
+  }
+  EXPECT_TRUE(outside.believed_all);
+}
+
+TEST(World, DetectionsComeToTheSampleWithTheirStamps) {
+  NewtonRiccati solver(pair(), {});
+  SimulatedClock clock;
+  Outside outside(1000);
+  Kept kept(sized_sample(pair(), {solver}, 1));
+  (void)Loop(outside, {solver}, clock, kept, {.duration = 0.5}).run();
+  for (const Sample& sample : kept.all) {
+    ASSERT_EQ(sample.detection_count, 1U);
+    EXPECT_EQ(sample.detections[0].stamp, sample.time);
+    EXPECT_EQ(sample.detections[0].p.x, sample.measured[7] - sample.measured[0]);
+    EXPECT_EQ(at(sample.detections[0].target), 1U);
+  }
+  Kept without(sized_sample(pair(), {solver}));
+  EXPECT_THROW(Loop(outside, {solver}, clock, without, {}), std::invalid_argument) << "no room for them";
+}
+
+TEST(World, EndsTheLoopWhereItCannotGoOn) {
+  NewtonRiccati solver(pair(), {});
+  SimulatedClock clock;
+  Outside outside(30);
+  Kept kept(sized_sample(pair(), {solver}, 1));
+  const LoopOutcome outcome = Loop(outside, {solver}, clock, kept, {.duration = 2.0}).run();
+  EXPECT_EQ(outcome.updates, 30);
+  EXPECT_FALSE(outcome.finite);
+}
+
+TEST(World, IsToldEveryPeriodOnceThoughSomeAreMissed) {
+  class Stumbling final : public Clock {
+    void start(double) noexcept override {}
+    std::int64_t wait(std::int64_t k) noexcept override { return k % 10 == 5 ? k + 3 : k; }
+    bool waits_for_log() const noexcept override { return true; }
+  } clock;
+  NewtonRiccati solver(pair(), {});
+  Outside outside(1000);
+  Kept kept(sized_sample(pair(), {solver}, 1));
+  const LoopOutcome outcome = Loop(outside, {solver}, clock, kept, {.duration = 1.0}).run();
+  EXPECT_EQ(outcome.missed, 30);
+  EXPECT_EQ(outcome.updates, 70);
+  EXPECT_EQ(outside.told, 100);
+}
+
+}  // namespace
+}  // namespace sightline
