@@ -411,7 +411,7 @@ TEST(NewtonRiccati, AnotherPlanIsWhereTheNextUpdateBegins) {
 std::array<double, 3> kkt_after_change(
     NewtonRiccati& before, NewtonRiccati& after,
     const std::function<std::vector<double>(std::vector<double>)>& change) {
-  const int n = static_cast<int>(before.ocp().agents().size());
+  const int n = static_cast<int>(before.ocp().agent_bodies().size());
   const std::vector<double> x_before = fly(before, chain_start(n), 500);
   std::vector<double> x = change(x_before);
   after.solve(5.0, x);  // off the control path

@@ -89,6 +89,7 @@ class Hamiltonian {
   void lay_out_tangents();
 
   const Ocp& ocp_;
+  const Formulas& formulas_;
   int N_, nx_, nu_;
   double h_ = 0.0;
   std::vector<int> x_at_, u_at_;  // of each body

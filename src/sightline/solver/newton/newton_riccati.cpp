@@ -54,7 +54,7 @@ NewtonRiccati::NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options)
           trace_potentials(ocp_, [](const Program& p) { return find_formula(p, native_width) != nullptr; })),
       swarms_(trace_swarms(ocp_, [](const Program& p) { return find_formula(p, native_width) != nullptr; })),
       groups_(ocp_, potentials_, options_.kernels),
-      influence_(influence_graph(potentials_, static_cast<int>(ocp_.agents().size()), swarms_)),
+      influence_(influence_graph(potentials_, static_cast<int>(ocp_.agent_bodies().size()), swarms_)),
       couplings_(
           make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels, swarms_)),
       krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop),
