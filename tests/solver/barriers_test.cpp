@@ -10,6 +10,7 @@
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
 #include "sightline/solver/continuation/hamiltonian.hpp"
+#include "sightline/solver/kernels/kernel_table.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"

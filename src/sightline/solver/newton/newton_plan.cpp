@@ -1,14 +1,13 @@
-// The plan of a NewtonRiccati as others read and set it, and what others tell of theirs.
+// The plan of a NewtonUpdate as others read and set it, and what others tell of theirs.
 #include <algorithm>
 #include <cmath>
 
 #include "sightline/base/index.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solver/newton/newton_update.hpp"
 
 namespace sightline {
-namespace {}  // namespace
 
-void NewtonRiccati::planned(double time, std::span<double> u) const noexcept {
+void NewtonUpdate::planned(double time, std::span<double> u) const noexcept {
   if (u.size() != u_out_.size()) return;
   const double stages = (time - plan_time_) / ocp_.horizon().h();
   const int k = static_cast<int>(clamp(std::isfinite(stages) ? stages : 0.0, 0.0, ocp_.horizon().N - 1.0));
@@ -19,11 +18,11 @@ void NewtonRiccati::planned(double time, std::span<double> u) const noexcept {
   }
 }
 
-bool NewtonRiccati::is_stage(int k, std::span<const double> u) const noexcept {
+bool NewtonUpdate::is_stage(int k, std::span<const double> u) const noexcept {
   return k >= 0 && k < ocp_.horizon().N && u.size() == u_out_.size();
 }
 
-void NewtonRiccati::plan(int k, std::span<double> u) const noexcept {
+void NewtonUpdate::plan(int k, std::span<double> u) const noexcept {
   if (!is_stage(k, u)) return;
   for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
     const Layout::View from = groups_.layout().u(a);
@@ -32,7 +31,7 @@ void NewtonRiccati::plan(int k, std::span<double> u) const noexcept {
   }
 }
 
-void NewtonRiccati::set_plan(int k, std::span<const double> u) noexcept {
+void NewtonUpdate::set_plan(int k, std::span<const double> u) noexcept {
   if (!is_stage(k, u)) return;
   has_plan_ = true;
   started_ = false;
@@ -43,26 +42,7 @@ void NewtonRiccati::set_plan(int k, std::span<const double> u) noexcept {
   }
 }
 
-void NewtonRiccati::take_over(const NewtonRiccati& before) noexcept {
-  if (ocp_.horizon().N != before.ocp_.horizon().N) return;
-  if (!before.started_ && !before.has_plan_) return;
-  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
-    const BodyId same = before.ocp_.team().find(ocp_.team().agents()[at(a)].name);
-    if (same.index < 0 || !before.ocp_.team().is_agent(same)) continue;
-    const auto& bodies = before.ocp_.agent_bodies();
-    const auto b = static_cast<int>(std::find(bodies.begin(), bodies.end(), same) - bodies.begin());
-    const int nu = groups_.layout().part(a).nu;
-    if (before.groups_.layout().part(b).nu != nu) continue;
-    const Layout::View to = groups_.layout().u(a), from = before.groups_.layout().u(b);
-    for (int k = 0; k < ocp_.horizon().N; ++k) {
-      for (int i = 0; i < nu; ++i) u_[to(k, i)] = before.u_[from(k, i)];
-    }
-  }
-  has_plan_ = true;
-  started_ = false;
-}
-
-void NewtonRiccati::set_prediction(const Prediction& told) noexcept {
+void NewtonUpdate::set_prediction(const Prediction& told) noexcept {
   if (told.who.index < 0 || told.who.index >= ocp_.team().bodies() || ocp_.team().is_agent(told.who)) return;
   Prediction& to = predictions_[at(told.who.index)];
   if (told.sights.size() > to.sights.capacity()) return;
