@@ -10,6 +10,7 @@
 #include "sightline/base/index.hpp"
 #include "sightline/base/quantile.hpp"
 #include "sightline/record/text_file.hpp"
+#include "sightline/scenario/closed_loop.hpp"
 #include "sightline/solver/distributed/sweeps.hpp"
 
 namespace sightline::cli {
@@ -21,9 +22,10 @@ constexpr std::size_t moments_max = 24;
 constexpr std::size_t times_max = 1'000'000;
 constexpr int rounds = 6;
 
-/// What a part plans with.
-NewtonRiccatiOptions solver_of_parts(const Scenario& scenario) {
-  return std::get<NewtonRiccatiOptions>(scenario.solver.options);
+/// Makes solvers of that choice, for teams of one horizon.
+MakeSolver maker_of(SolverChoice choice, const Horizon& horizon) {
+  return
+      [choice = std::move(choice), horizon](const Team& team) { return make_solver(choice, team, horizon); };
 }
 
 /// Median and greatest of one number of all moments' sweeps, after so many rounds.
@@ -42,10 +44,10 @@ Json as_json(const Spread& s) { return {{"median", s.median}, {"max", s.greatest
 
 PartitionChoice read_partition(const Scenario& scenario, const std::string& parts, const std::string& order,
                                int exchanges) {
-  if (!std::holds_alternative<NewtonRiccatiOptions>(scenario.solver.options)) {
+  if (!plans_in_a_changing_team(scenario.solver.name)) {
     throw std::invalid_argument(
-        fmt::format("--partition: solver.name = {}, expected newton_riccati, which parts plan with",
-                    scenario.solver.name));
+        fmt::format("--partition: solver.name = {}, expected {}, which parts plan with", scenario.solver.name,
+                    team_planners()));
   }
   if (changes_in_flight(scenario)) {
     throw std::invalid_argument("--partition: the team changes in flight, expected one that stays");
@@ -62,8 +64,9 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
 
 PartitionedFlight::PartitionedFlight(const Scenario& scenario, const PartitionChoice& choice)
     : choice_(choice),
-      solver_(Ocp(scenario.team, scenario.horizon), choice.parts,
-              {.order = choice.order, .exchanges = choice.exchanges, .solver = solver_of_parts(scenario)}),
+      solver_name_(scenario.solver.name),
+      solver_(scenario.team, choice.parts, maker_of(scenario.solver, scenario.horizon),
+              {.order = choice.order, .exchanges = choice.exchanges}),
       moments_(moments_max) {
   const auto updates =
       static_cast<std::size_t>(std::llround(scenario.simulation.duration / scenario.horizon.dt));
@@ -94,16 +97,16 @@ Solution PartitionedFlight::solve(double time, std::span<const double> states) n
 std::string PartitionedFlight::tell(const std::filesystem::path& folder, const std::string& summary,
                                     const std::string& whole) {
   std::vector<std::vector<Sweep>> sweeps;
-  PartitionedSolver still(ocp(), choice_.parts,
-                          {.order = choice_.order, .exchanges = 1, .solver = {.max_newton_steps = 1}});
-  NewtonRiccati whole_team(ocp(), to_the_end());
+  PartitionedSolver still(ocp().team(), choice_.parts, maker_of(solver_named(solver_name_), ocp().horizon()),
+                          {.order = choice_.order});
+  const std::unique_ptr<Solver> reference = make_reference_solver(ocp());
   for (std::size_t i = 0; i < kept_; ++i) {
     const Moment& moment = moments_[i];
     const std::size_t nu = at(ocp().nu());
     still.restart();
     for (int k = 0; k < ocp().horizon().N; ++k)
       still.set_plan(k, std::span(moment.plan).subspan(at(k) * nu, nu));
-    std::vector<Sweep> of_moment = sweep(still, whole_team, moment.time, moment.states, rounds);
+    std::vector<Sweep> of_moment = sweep(still, *reference, moment.time, moment.states, rounds);
     if (!of_moment.empty()) sweeps.push_back(std::move(of_moment));
   }
 

@@ -50,6 +50,7 @@ class PartitionedFlight final : public Solver {
   };
 
   PartitionChoice choice_;
+  std::string solver_name_;  // of the parts
   PartitionedSolver solver_;
   std::vector<Moment> moments_;
   std::vector<double> part_us_;  // of each update, the slowest part

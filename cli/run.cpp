@@ -31,9 +31,7 @@ Scenario read(const RunOptions& options) {
   if (options.solver && *options.solver != scenario.solver.name)
     scenario.solver = solver_named(*options.solver);
   std::erase(scenario.simulation.compare, scenario.solver.name);
-  // Simulated time waits for a solver: the log is the same on any machine.
-  if (auto* newton = std::get_if<NewtonRiccatiOptions>(&scenario.solver.options); newton && !options.realtime)
-    newton->deadline = 0.0;
+  if (!options.realtime) lift_deadline(scenario.solver);
   check_solvers(scenario);
   return scenario;
 }
@@ -145,7 +143,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
   SolverChoice of_whole = scenario.solver;
   if (partition != nullptr) {
     parts.emplace(scenario, *partition);
-    std::get<NewtonRiccatiOptions>(of_whole.options).deadline = 0.0;
+    lift_deadline(of_whole);
     scenario.solver.name = parts->name();
   }
   const Flight flight =

@@ -7,8 +7,10 @@
 #include <new>
 
 #include "sightline/potential/region.hpp"
+#include "sightline/solver/continuation/cgmres.hpp"
 #include "tests/support/counted_new.hpp"
 #include "tests/support/event_team.hpp"
+#include "tests/support/gradient_planner.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/succession_flight.hpp"
 
@@ -237,7 +239,7 @@ TEST(Succession, TriggersOfTextAllocateNothing) {
 }
 
 /// A solver of any team, but not of this one, or not for the moment.
-Succession::MakeSolver fails_where(std::function<bool(const Team&)> fails) {
+MakeSolver fails_where(std::function<bool(const Team&)> fails) {
   return [fails = std::move(fails), make = newton_riccati_of(Horizon{})](Team team) {
     if (fails(team)) throw std::bad_alloc();
     return make(std::move(team));
@@ -248,7 +250,7 @@ struct Told {
   std::vector<std::size_t> in_force, ignored;
   Team team;  // at the end
 };
-Told fly_failing(const Team& all, const Script& script, Succession::MakeSolver make) {
+Told fly_failing(const Team& all, const Script& script, MakeSolver make) {
   Succession succession(Roster(all), script, std::move(make));
   Plant plant(all, event_start(all));
   Sensor sensor(all);
@@ -325,6 +327,33 @@ TEST(Succession, MoreEventsAtOnceThanASampleHoldsAreAllTold) {
   }
   const Told told = fly_failing(all, script, newton_riccati_of(Horizon{}));
   EXPECT_EQ(told.in_force.size(), 100U);
+}
+
+TEST(Succession, ASolverOfOnesOwnThatHandsOverItsPlanFliesThroughEvents) {
+  const Team all = event_team(4);
+  const SuccessionFlight flight = fly_script(
+      all, event_start(all),
+      {{at(0.5, RemoveBody{BodyId{3}, Afterwards::hold}),
+        at(1.0, RetuneTerm{.name = "sees1", .weight = 0.7}, 0.3), at(1.6, AddBody{BodyId{3}}, 0.3)}},
+      2.5, {}, false, {}, gradient_planner_of(Horizon{}));
+  EXPECT_TRUE(flight.outcome.finite);
+  EXPECT_EQ(period_of(flight, EventKind::event_in_force), 51U);
+  EXPECT_EQ(period_of(flight, EventKind::event_ignored), flight.flown.size());
+  EXPECT_EQ(flight.flown[51].presence[3], Presence::hold);
+  EXPECT_EQ(flight.flown[170].presence[3], Presence::steered);
+  EXPECT_LE(largest_jump(flight, 45, flight.flown.size(), 0, 12), 0.3)
+      << "those who stay go on with their plan";
+  for (const FlownPeriod& period : flight.flown) EXPECT_TRUE(gives_plan(period.solver.status)) << period.time;
+}
+
+TEST(Succession, ASolverThatCannotHandOverItsPlanIsRefusedWithItsNameAndTheNeed) {
+  EXPECT_EQ(refusal_of([] {
+              Succession(Roster(event_team(2)), {},
+                         [](const Team& team) { return std::make_unique<Cgmres>(team, Horizon{}); });
+            }),
+            "the solver cgmres cannot hand over its plan, which a team that changes in flight needs, "
+            "expected one that "
+            "can, such as newton_riccati");
 }
 
 TEST(Succession, AScriptWithFaultsIsRefusedWithTheEvent) {

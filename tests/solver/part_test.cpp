@@ -10,6 +10,7 @@
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
+#include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/random_team.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -17,6 +18,7 @@ namespace sightline {
 namespace {
 
 constexpr Horizon horizon{.N = 12};
+const MakeSolver make_newton = newton_riccati_of(horizon);
 constexpr NewtonRiccatiOptions converging{
     .max_newton_steps = 200, .tolerance = 1e-9, .max_krylov = 200, .krylov_stop = 0};
 
@@ -104,7 +106,8 @@ std::vector<std::unique_ptr<Part>> parts_at(const NewtonRiccati& whole, double t
   std::vector<std::unique_ptr<Part>> parts;
   std::vector<double> u(static_cast<std::size_t>(ocp.nu()));
   for (const BodyId body : ocp.agent_bodies()) {
-    auto part = std::make_unique<Part>(ocp.team(), ocp.horizon(), std::vector{AgentId{body}});
+    auto part =
+        std::make_unique<Part>(ocp.team(), std::vector{AgentId{body}}, newton_riccati_of(ocp.horizon()));
     for (int k = 0; k < ocp.horizon().N; ++k) {
       whole.plan(k, u);
       part->set_plan(k, std::span(u).subspan(static_cast<std::size_t>(ocp.team().input_offset(body)),
@@ -154,7 +157,7 @@ TEST(Part, WithoutWordFromTheOthersItsOptimumIsAnother) {
 
 TEST(Part, ItTellsWhereItsPlanLeads) {
   const Team team = chain(4, paper::Variant::joint);
-  Part part(team, horizon, std::vector{robot(team, "uav1"), robot(team, "uav2")});
+  Part part(team, std::vector{robot(team, "uav1"), robot(team, "uav2")}, make_newton);
   const std::vector<double> x = chain_start(4);
   ASSERT_TRUE(gives_plan(part.solve(0.2, x).status));
   ASSERT_EQ(part.told().size(), 2u);
@@ -185,8 +188,8 @@ TEST(Part, ItTellsWhereItsPlanLeads) {
 
 TEST(Part, AMessageThatCannotBeMeantForItIsLeft) {
   const Team team = chain(3, paper::Variant::joint);
-  Part part(team, horizon, std::vector{robot(team, "uav1")}),
-      untold(team, horizon, std::vector{robot(team, "uav1")});
+  Part part(team, std::vector{robot(team, "uav1")}, make_newton),
+      untold(team, std::vector{robot(team, "uav1")}, make_newton);
   const Sight<double> elsewhere = {{{0.3, 0.2, 0.6}, {1, 0}}, {1, 1, 1}};
   const Prediction good{.who = robot(team, "uav0"), .time = 0.0, .h = horizon.h(), .sights = {13, elsewhere}};
   std::vector<Prediction> bad(6, good);
@@ -207,8 +210,8 @@ TEST(Part, AMessageThatCannotBeMeantForItIsLeft) {
 
 TEST(Part, SolvingTellingAndHearingAllocateNothing) {
   const Team team = chain(4, paper::Variant::joint);
-  Part a(team, horizon, std::vector{robot(team, "uav0"), robot(team, "uav2")}),
-      b(team, horizon, std::vector{robot(team, "uav1"), robot(team, "uav3")});
+  Part a(team, std::vector{robot(team, "uav0"), robot(team, "uav2")}, make_newton),
+      b(team, std::vector{robot(team, "uav1"), robot(team, "uav3")}, make_newton);
   const std::vector<double> x = chain_start(4);
   const std::int64_t before = cli::allocations();
   for (int k = 0; k < 20; ++k) {

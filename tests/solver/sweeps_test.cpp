@@ -7,6 +7,7 @@
 
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/newton_riccati_of.hpp"
 
 namespace sightline {
 namespace {
@@ -25,14 +26,13 @@ std::vector<Sweep> sweeps_of(paper::Variant variant, int parts, ExchangeOrder or
   const Team team = chain(8, variant);
   NewtonRiccati whole(team, horizon);
   const std::vector<double> x = fly(whole, chain_start(8), 100);
-  PartitionedSolver solver(Ocp(team, horizon), pieces(8, parts), {.order = order});
+  PartitionedSolver solver(team, pieces(8, parts), newton_riccati_of(horizon), {.order = order});
   std::vector<double> u(static_cast<std::size_t>(team.nu()));
   for (int k = 0; k < horizon.N; ++k) {
     whole.plan(0, u);  // a plan that is not the optimum
     solver.set_plan(k, u);
   }
-  NewtonRiccati optimum(team, horizon, to_the_end());
-  return sweep(solver, optimum, 1.0, x, rounds);
+  return sweep(solver, *make_reference_solver(solver.ocp()), 1.0, x, rounds);
 }
 
 TEST(Sweeps, RoundByRoundPartsComeToTheOptimumOfTheWhole) {

@@ -7,6 +7,7 @@
 
 #include "sightline/run/loop.hpp"
 #include "sightline/run/succession.hpp"
+#include "tests/support/newton_riccati_of.hpp"
 
 namespace sightline {
 
@@ -44,13 +45,6 @@ class KeepSamples final : public Sink<Sample> {
   Sample sample_;
 };
 
-inline Succession::MakeSolver newton_riccati_of(const Horizon& horizon,
-                                                const NewtonRiccatiOptions& options = {}) {
-  return [horizon, options](Team team) {
-    return std::make_unique<NewtonRiccati>(Ocp(std::move(team), horizon), options);
-  };
-}
-
 struct SuccessionFlight {
   std::vector<FlownPeriod> flown;
   LoopOutcome outcome;
@@ -59,9 +53,10 @@ struct SuccessionFlight {
 /// @param with_kkt  evaluates the optimality of each update, outside of it
 inline SuccessionFlight fly_script(const Team& all, const std::vector<double>& x0, const Script& script,
                                    double duration, std::vector<Presence> presence = {},
-                                   bool with_kkt = false, std::vector<TimedSignal> signals = {}) {
+                                   bool with_kkt = false, std::vector<TimedSignal> signals = {},
+                                   MakeSolver make = newton_riccati_of(Horizon{})) {
   const Horizon horizon;
-  Succession succession(Roster(all, std::move(presence)), script, newton_riccati_of(horizon));
+  Succession succession(Roster(all, std::move(presence)), script, std::move(make));
   Plant plant(all, x0, {.period = horizon.dt});
   Sensor sensor(all, {.period = horizon.dt});
   SimulatedClock clock;

@@ -27,8 +27,9 @@ const Script& checked(const Script& script, const Roster& roster) {
                                           faults[0].sentence));
 }
 
-Phase phase_of(std::unique_ptr<NewtonRiccati> solver, const Roster& roster) {
+Phase phase_of(std::unique_ptr<Solver> solver, const Roster& roster) {
   Phase phase{.solver = std::move(solver), .controller = {}, .membership = roster.membership()};
+  phase.planner = &team_planner_of(*phase.solver, "a team that changes in flight");
   phase.controller.emplace(roster.all(), *phase.solver, 0);
   for (int i = 0; i < roster.all().bodies(); ++i) {
     const BodyId body{i};
@@ -121,7 +122,7 @@ void Succession::look(double t, std::span<const double> x, std::span<const doubl
   std::copy(u.begin(), u.end(), request_.u.begin());
   const std::size_t nu = size(present_.solver->ocp().nu());
   for (int k = 0; k < present_.solver->ocp().horizon().N; ++k) {
-    present_.solver->plan(k, std::span(request_.plan).subspan(size(k) * nu, nu));
+    present_.planner->plan(k, std::span(request_.plan).subspan(size(k) * nu, nu));
   }
   pending_ = true;
   hand_.store(Hand::thread, std::memory_order_release);
@@ -178,7 +179,7 @@ void Succession::make_next(std::span<const std::size_t> events) {
   }
   if (changes) {
     Phase next = phase_of(make_(roster.team(t)), roster);
-    give_plan(*next.solver);
+    give_plan(*next.planner);
     predict(next);
     for (int i = 0; i < converging_steps; ++i) {
       const Status status = next.solver->solve(t, next.controller->states).status;
@@ -193,23 +194,15 @@ void Succession::make_next(std::span<const std::size_t> events) {
 }
 
 /// Robots of both teams go on with their plan, others begin at u*.
-void Succession::give_plan(NewtonRiccati& solver) const {
-  const Team &before = present_.solver->ocp().team(), &team = solver.ocp().team();
-  std::vector<double> u(size(team.nu()));
-  for (int k = 0; k < solver.ocp().horizon().N; ++k) {
-    for (const BodyId body : solver.ocp().agent_bodies()) {
-      const std::vector<double>& u_ref = team.agent(body).u_ref;
-      const auto to = u.begin() + team.input_offset(body);
-      const BodyId same = before.find(team.name(body));
-      if (same.index < 0 || !before.is_agent(same)) {
-        std::copy(u_ref.begin(), u_ref.end(), to);
-        continue;
-      }
-      const auto from = request_.plan.begin() + k * before.nu() + before.input_offset(same);
-      std::copy_n(from, u_ref.size(), to);
-    }
-    solver.set_plan(k, u);
+void Succession::give_plan(TeamPlanner& planner) const {
+  const Team& team = planner.ocp().team();
+  std::vector<double> u_ref(size(team.nu()));
+  for (const BodyId body : planner.ocp().agent_bodies()) {
+    const std::vector<double>& of_agent = team.agent(body).u_ref;
+    std::copy(of_agent.begin(), of_agent.end(), u_ref.begin() + team.input_offset(body));
   }
+  for (int k = 0; k < planner.ocp().horizon().N; ++k) planner.set_plan(k, u_ref);
+  planner.take_over(present_.solver->ocp().team(), request_.plan);
 }
 
 /// Gives the next solver the states one period after the request.

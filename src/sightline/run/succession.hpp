@@ -25,13 +25,14 @@
 #include "sightline/ocp/watch.hpp"
 #include "sightline/run/controller.hpp"
 #include "sightline/run/sample.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solver/team_planner.hpp"
 
 namespace sightline {
 
 /// Who steers, who drifts, who is there.
 struct Phase {
-  std::unique_ptr<NewtonRiccati> solver;
+  std::unique_ptr<Solver> solver;
+  TeamPlanner* planner = nullptr;  // of the solver
   std::optional<Controller> controller;
   std::vector<Drifter> drifters{};
   Membership membership{};
@@ -39,10 +40,9 @@ struct Phase {
 
 class Succession {
  public:
-  using MakeSolver = std::function<std::unique_ptr<NewtonRiccati>(Team)>;
-
   /// @param make  of teams of this horizon; called on the thread
-  /// @throws std::invalid_argument for a script that has faults_of(), the first of them
+  /// @throws std::invalid_argument for a script that has faults_of(), the first of them, and where the solver that is made
+  /// is no TeamPlanner
   Succession(Roster start, const Script& script, MakeSolver make);
   ~Succession();
   Succession(const Succession&) = delete;
@@ -91,7 +91,7 @@ class Succession {
   void work() noexcept;
   void prepare() noexcept;
   void make_next(std::span<const std::size_t> events);
-  void give_plan(NewtonRiccati& solver) const;
+  void give_plan(TeamPlanner& planner) const;
   void predict(Phase& next) const;
   void tell(double t, EventKind kind, std::size_t event) noexcept;
 

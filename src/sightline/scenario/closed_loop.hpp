@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "sightline/run/loop.hpp"
 #include "sightline/scenario/scenario.hpp"
@@ -13,6 +15,14 @@ namespace sightline {
 /// @throws std::invalid_argument where the team changes in flight, or keeps apart as a swarm, and its solver, or one
 /// that is to be compared, does not know how
 void check_solvers(const Scenario& scenario);
+
+/// The solvers that can plan in a team that changes (TeamPlanner), in words: "newton_riccati".
+std::string team_planners();
+/// Whether the solver of that name can.
+bool plans_in_a_changing_team(std::string_view solver);
+
+/// In simulated time no deadline acts: a solver has the time it takes, and a run is the same on any machine.
+void lift_deadline(SolverChoice& choice);
 
 /// Who steers a scenario: a solver of its team, or a succession of them where the team changes in flight.
 class Controls {

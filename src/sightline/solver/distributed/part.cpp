@@ -80,11 +80,11 @@ Team part_of(const Team& whole, std::span<const AgentId> own) {
   return part;
 }
 
-Part::Part(const Team& whole, const Horizon& horizon, std::span<const AgentId> own,
-           const NewtonRiccatiOptions& options)
-    : whole_(whole), in_part_(at(whole.bodies()), -1) {
-  solver_ = std::make_unique<NewtonRiccati>(part_of(whole, own), horizon, options);
+Part::Part(const Team& whole, std::span<const AgentId> own, const MakeSolver& make)
+    : whole_(whole), in_part_(at(whole.bodies()), -1), solver_(make(part_of(whole, own))) {
+  planner_ = &team_planner_of(*solver_, "a team that plans in parts");
   const Team& team = ocp().team();
+  const Horizon& horizon = ocp().horizon();
   for (int i = 0; i < team.bodies(); ++i) {
     in_whole_.push_back(whole.find(team.name(BodyId{i})));
     in_part_[at(in_whole_.back().index)] = i;
@@ -134,7 +134,7 @@ void Part::roll_out(double time) noexcept {
     if (!team.model(body).normalise(&path_[at(team.state_offset(body))])) return;
   }
   for (int k = 0; k <= N; ++k) {
-    if (k < N) solver_->plan(k, u_);
+    if (k < N) planner_->plan(k, u_);
     double* const x = &path_[at(k) * x_.size()];
     if (k < N) std::copy_n(x, x_.size(), x + x_.size());
     for (std::size_t i = 0; i < told_.size(); ++i) {
@@ -175,16 +175,20 @@ double Part::kkt(double time, std::span<const double> states) noexcept {
 }
 
 void Part::hear(const Prediction& told) noexcept {
+  if (!told.sights.empty()) set_prediction(told);
+}
+
+void Part::set_prediction(const Prediction& told) noexcept {
   const bool known = told.who.index >= 0 && told.who.index < whole_.bodies();
   const int here = known ? in_part_[at(told.who.index)] : -1;
   if (here < 0 || ocp().team().is_agent(BodyId{here})) return;
-  const bool fits = !told.sights.empty() && told.sights.size() <= heard_.sights.capacity() && told.h > 0;
+  const bool fits = told.sights.size() <= heard_.sights.capacity() && told.h > 0;
   if (!fits || !told.is_finite()) return;
   heard_.who = BodyId{here};
   heard_.time = told.time;
   heard_.h = told.h;
   heard_.sights.assign(told.sights.begin(), told.sights.end());
-  solver_->set_prediction(heard_);
+  planner_->set_prediction(heard_);
 }
 
 void Part::restart() noexcept {

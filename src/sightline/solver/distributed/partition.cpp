@@ -93,16 +93,18 @@ Partition read_partition(std::string_view text, const Team& team) {
   return partition;
 }
 
-PartitionedSolver::PartitionedSolver(Ocp ocp, const Partition& partition, const PartitionOptions& options)
+PartitionedSolver::PartitionedSolver(const Team& whole_team, const Partition& partition,
+                                     const MakeSolver& make, const PartitionOptions& options)
     : options_(options) {
-  check(partition, ocp.team());
+  check(partition, whole_team);
   if (options.exchanges < 1 || options.exchanges > 1000)
     refuse("exchanges = {}, expected 1 to 1000", options.exchanges);
-  whole_ = std::make_unique<NewtonRiccati>(std::move(ocp), options.solver);
+  whole_ = make(whole_team);
+  whole_planner_ = &team_planner_of(*whole_, "a team that plans in parts");
   const Team& team = whole_->ocp().team();
   for (const std::vector<AgentId>& own : partition) {
     Member member;
-    member.part = std::make_unique<Part>(team, whole_->ocp().horizon(), own, options.solver);
+    member.part = std::make_unique<Part>(team, own, make);
     member.u.resize(at(member.part->ocp().nu()));
     members_.push_back(std::move(member));
   }
@@ -207,15 +209,15 @@ Solution PartitionedSolver::solve(double time, std::span<const double> states) n
   has_plan_ = true;
   solution.residual = kkt(time, states);
   if (solution.status == Status::deadline) return solution;
-  solution.status = solution.residual <= options_.solver.tolerance ? Status::converged
-                                                                   : worse(solution.status, Status::stepped);
+  solution.status =
+      solution.residual <= tolerance() ? Status::converged : worse(solution.status, Status::stepped);
   return solution;
 }
 
 double PartitionedSolver::kkt(double time, std::span<const double> states) noexcept {
   for (int k = 0; has_plan_ && k < ocp().horizon().N; ++k) {
     plan(k, u_stage_);
-    whole_->set_plan(k, u_stage_);
+    whole_planner_->set_plan(k, u_stage_);
   }
   return whole_->kkt(time, states);
 }
@@ -248,6 +250,14 @@ void PartitionedSolver::set_plan(int k, std::span<const double> u) noexcept {
     }
     member.part->set_plan(k, member.u);
   }
+}
+
+void PartitionedSolver::set_prediction(const Prediction& prediction) noexcept {
+  const Team& team = ocp().team();
+  if (prediction.who.index < 0 || prediction.who.index >= team.bodies() || team.is_agent(prediction.who))
+    return;
+  whole_planner_->set_prediction(prediction);
+  for (const Member& member : members_) member.part->set_prediction(prediction);
 }
 
 void PartitionedSolver::restart() noexcept {

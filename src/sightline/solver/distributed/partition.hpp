@@ -30,14 +30,16 @@ Partition read_partition(std::string_view text, const Team& team);
 
 struct PartitionOptions {
   ExchangeOrder order = ExchangeOrder::gauss_seidel;
-  int exchanges = 1;              ///< rounds an update, 1..1000
-  NewtonRiccatiOptions solver{};  ///< of each part
+  int exchanges = 1;  ///< rounds an update, 1..1000
 };
 
-class PartitionedSolver : public Solver {
+class PartitionedSolver : public Solver, public TeamPlanner {
  public:
-  /// @throws std::invalid_argument for an option out of its range, or where a robot is not in exactly one part
-  PartitionedSolver(Ocp ocp, const Partition& partition, const PartitionOptions& options = {});
+  /// @param make  the solver of each part, and that of the whole team, which judges the plan of all
+  /// @throws std::invalid_argument for an option out of its range, where a robot is not in exactly one part, or where
+  /// what is made is no TeamPlanner; and what making a solver throws
+  PartitionedSolver(const Team& team, const Partition& partition, const MakeSolver& make,
+                    const PartitionOptions& options = {});
 
   std::string_view name() const override { return "partitioned"; }
   const Ocp& ocp() const override { return whole_->ocp(); }
@@ -47,11 +49,14 @@ class PartitionedSolver : public Solver {
   double kkt(double time, std::span<const double> states) noexcept override;
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;
+  TeamPlanner* team_planner() noexcept override { return this; }
+  bool keeps_apart() const noexcept override { return whole_->keeps_apart(); }
 
-  /// As NewtonRiccati's: the inputs planned at stage k, of all agents (nu).
-  void plan(int k, std::span<double> u) const noexcept;
-  /// Puts another plan in its place; all stages must be set. What parts were told stays until they tell again.
-  void set_plan(int k, std::span<const double> u) noexcept;
+  void plan(int k, std::span<double> u) const noexcept override;
+  /// What parts were told stays until they tell again.
+  void set_plan(int k, std::span<const double> u) noexcept override;
+  void set_prediction(const Prediction& prediction) noexcept override;
+  double tolerance() const noexcept override { return whole_planner_->tolerance(); }
   /// Lets every part tell where its plan leads from these states, and the others hear it.
   void tell_all(double time, std::span<const double> states) noexcept;
 
@@ -73,7 +78,8 @@ class PartitionedSolver : public Solver {
   void scatter(const Part& part, std::span<const double> of_part, std::span<double> of_whole) const noexcept;
   void write_states(std::span<const double> states) noexcept;
 
-  std::unique_ptr<NewtonRiccati> whole_;  // holds the plan of all, to judge it
+  std::unique_ptr<Solver> whole_;  // holds the plan of all, to judge it
+  TeamPlanner* whole_planner_;     // of it
   bool has_plan_ = false;
   PartitionOptions options_;
   std::vector<Member> members_;

@@ -1,6 +1,7 @@
 /// How far a partitioned plan is from the optimum of the whole team, round by round, while time stands.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "sightline/solver/distributed/partition.hpp"
@@ -20,14 +21,14 @@ struct Sweep {
 /// @throws std::invalid_argument where states and plan are not of the problem
 double horizon_cost(const Ocp& ocp, double time, std::span<const double> states, std::span<const double> u);
 
-/// Options with which a solver goes to the stationary point of the whole team, whatever it takes.
-NewtonRiccatiOptions to_the_end();
+/// A solver of the whole team that goes to a stationary point, whatever it takes; to compare with.
+std::unique_ptr<Solver> make_reference_solver(const Ocp& ocp);
 
 /// Round after round at these states. The solver begins from its plan, of which all have told, and is left with the
-/// plan of the last round. u* is the stationary point that `whole`, of the same team and made `to_the_end()`, finds from
-/// the same plan.
+/// plan of the last round. u* is the stationary point that the `reference`, of the same team, finds from the same plan.
 /// @return one entry a round; none where that finds no stationary point
-std::vector<Sweep> sweep(PartitionedSolver& solver, NewtonRiccati& whole, double time,
+/// @throws std::invalid_argument for a reference that is no TeamPlanner
+std::vector<Sweep> sweep(PartitionedSolver& solver, Solver& reference, double time,
                          std::span<const double> states, int rounds);
 
 }  // namespace sightline
