@@ -1,4 +1,4 @@
-/// One stage of the Newton step, traced once from a model: six short programs that know nothing of matrices.
+/// One stage of the Newton step, traced once from a model: five short programs that know nothing of matrices.
 ///
 /// The Riccati stage (riccati.hpp) is written once, as dense loops over any scalar. Run on the recording scalar, zeros
 /// of A, B, J fold away, and what is left is the sparse code one would have written by hand. The model's numbers and
