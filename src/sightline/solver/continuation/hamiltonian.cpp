@@ -309,7 +309,7 @@ void Hamiltonian::lay_out_tangents() {
   }
 }
 
-void Hamiltonian::curve(const double* Lambda) noexcept {
+void Hamiltonian::second_order(const double* Lambda) noexcept {
   for (int j = 0; j < nx_; ++j) {
     for (int i = 0; i < N_; ++i) lambda_[j][i] = Lambda[at(i + 1, nx_) + at(j, 1)];
   }

@@ -1,4 +1,4 @@
-// The plan of a NewtonUpdate as others read and set it, and what others tell of theirs.
+// The plan of a NewtonUpdate as others read and set it, and what others predict of themselves.
 #include <algorithm>
 #include <cmath>
 
@@ -42,13 +42,15 @@ void NewtonUpdate::set_plan(int k, std::span<const double> u) noexcept {
   }
 }
 
-void NewtonUpdate::set_prediction(const Prediction& told) noexcept {
-  if (told.who.index < 0 || told.who.index >= ocp_.team().bodies() || ocp_.team().is_agent(told.who)) return;
-  Prediction& to = predictions_[at(told.who.index)];
-  if (told.sights.size() > to.sights.capacity()) return;
-  to.time = told.time;
-  to.h = told.h;
-  to.sights.assign(told.sights.begin(), told.sights.end());
+void NewtonUpdate::set_prediction(const Prediction& prediction) noexcept {
+  if (prediction.who.index < 0 || prediction.who.index >= ocp_.team().bodies() ||
+      ocp_.team().is_agent(prediction.who))
+    return;
+  Prediction& to = predictions_[at(prediction.who.index)];
+  if (prediction.sights.size() > to.sights.capacity()) return;
+  to.time = prediction.time;
+  to.h = prediction.h;
+  to.sights.assign(prediction.sights.begin(), prediction.sights.end());
 }
 
 }  // namespace sightline

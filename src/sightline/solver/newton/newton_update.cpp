@@ -64,7 +64,7 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       c_(1, groups_.layout().c_length),
       u_(u_vectors_[0]),
       du_(u_vectors_[1]),
-      held_(u_vectors_[2]),
+      active_(u_vectors_[2]),
       H_u_(u_vectors_[3]),
       low_(u_vectors_[4]),
       high_(u_vectors_[5]),
@@ -154,8 +154,8 @@ void NewtonUpdate::set_time(double time) noexcept {
   for (int b = 0; b < team.bodies(); ++b) {
     if (team.is_agent(BodyId{b})) continue;
     Sight<double> sight = team.model(BodyId{b}).sight(&x_now_[at(team.state_offset(BodyId{b}))], nullptr);
-    if (const Prediction& told = predictions_[at(b)]; told.holds(time, sight.p)) {
-      for (int k = 0; k < N; ++k) couplings_->set_body(b, k, told.at(time, k));
+    if (const Prediction& prediction = predictions_[at(b)]; prediction.holds(time, sight.p)) {
+      for (int k = 0; k < N; ++k) couplings_->set_body(b, k, prediction.at(time, k));
       continue;
     }
     for (int k = 0; k < N; ++k) {
@@ -167,24 +167,24 @@ void NewtonUpdate::set_time(double time) noexcept {
   // A limit that moved takes its inputs along, or lets them go.
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     u_[i] = clamp(u_[i], low_[i], high_[i]);
-    if (u_[i] != low_[i] && u_[i] != high_[i]) held_[i] = 0.0;
+    if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 0.0;
   }
 }
 
 void NewtonUpdate::start() noexcept {
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     u_[i] = clamp(has_plan_ ? u_[i] : 0.0, low_[i], high_[i]);
-    held_[i] = 0.0;
+    active_[i] = 0.0;
   }
   all_free_ = true;
-  has_plan_ = wary_ = false;
+  has_plan_ = globalising_ = false;
 }
 
 void NewtonUpdate::restart() noexcept {
   started_ = has_plan_ = false;
   std::fill_n(plan_, groups_.layout().u_length, 0.0);
   std::fill(x_out_.begin(), x_out_.end(), 0.0);
-  for (Prediction& told : predictions_) told.sights.clear();
+  for (Prediction& prediction : predictions_) prediction.sights.clear();
   plan_time_ = 0.0;
 }
 
@@ -211,26 +211,26 @@ bool NewtonUpdate::slope_is_finite() const noexcept {
   return std::all_of(H_u_, H_u_ + groups_.layout().u_length, [](double g) { return std::isfinite(g); });
 }
 
-/// Inputs that want to leave their limits are put on them and held; held ones that want back are freed.
+/// Inputs that want to leave their limits are put on them and become active; active ones that want back are freed.
 /// @return whether the set changed
-bool NewtonUpdate::update_held() noexcept {
+bool NewtonUpdate::update_active_set() noexcept {
   bool changed = false;
   all_free_ = true;
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     const double next = u_[i] + du_[i];
-    double held = 0.0;
-    if (held_[i] == 0.0) {
+    double active = 0.0;
+    if (active_[i] == 0.0) {
       if (next > high_[i] || next < low_[i]) {
-        held = infinity;
+        active = infinity;
         u_[i] = next > high_[i] ? high_[i] : low_[i];
       }
     } else {
       const bool at_high = u_[i] - low_[i] > high_[i] - u_[i];
-      held = (at_high ? H_u_[i] < 0 : H_u_[i] > 0) ? infinity : 0.0;
+      active = (at_high ? H_u_[i] < 0 : H_u_[i] > 0) ? infinity : 0.0;
     }
-    changed |= held != held_[i];
-    held_[i] = held;
-    if (held != 0.0) {
+    changed |= active != active_[i];
+    active_[i] = active;
+    if (active != 0.0) {
       all_free_ = false;
       du_[i] = 0.0;
     }
@@ -248,7 +248,7 @@ void NewtonUpdate::take() noexcept {
 }
 
 /// Goes from u_start towards the step only as far as costs fall. Where that is not far, on by projected
-/// Newton (Bertsekas 1982): inputs that are pushed against a limit nearby are held there, which makes the
+/// Newton (Bertsekas 1982): inputs that are pushed against a limit nearby become active, which makes the
 /// step one of descent. Where even that fails, down the gradient.
 /// @return whether the step could be taken as it was
 bool NewtonUpdate::descend(bool settled) noexcept {
@@ -265,11 +265,11 @@ bool NewtonUpdate::descend(bool settled) noexcept {
     std::copy_n(u_, n, u_start_);
     groups_.roll_out(u_, s_);
     couplings_->evaluate(s_, c_[0]);
-    groups_.differentiate(u_, held_, c_[0], H_u_);
+    groups_.differentiate(u_, active_, c_[0], H_u_);
     const auto at_low = [&](int i) { return u_[i] < low_[i] + nearby / per_scale_[i] && H_u_[i] > 0; };
     const auto at_high = [&](int i) { return u_[i] > high_[i] - nearby / per_scale_[i] && H_u_[i] < 0; };
-    for (int i = 0; i < n; ++i) held_[i] = at_low(i) || at_high(i) ? infinity : 0.0;
-    groups_.solve(u_, held_, c_[0], H_u_, du_, ds_);
+    for (int i = 0; i < n; ++i) active_[i] = at_low(i) || at_high(i) ? infinity : 0.0;
+    groups_.solve(u_, active_, c_[0], H_u_, du_, ds_);
     krylov_.complete(groups_, *couplings_, du_, ds_);
     for (int i = 0; i < n; ++i) {
       if (at_low(i)) du_[i] = low_[i] - u_[i];
@@ -282,8 +282,8 @@ bool NewtonUpdate::descend(bool settled) noexcept {
   }
   all_free_ = true;
   for (int i = 0; i < n; ++i) {
-    if (u_[i] != low_[i] && u_[i] != high_[i]) held_[i] = 0.0;
-    all_free_ &= held_[i] == 0.0;
+    if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 0.0;
+    all_free_ &= active_[i] == 0.0;
     du_[i] = 0.0;
   }
   std::copy_n(u_, n, u_before_);
@@ -304,7 +304,7 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
     groups_.roll_out(u_, s_);
     if (attempt == 0) couplings_->find_neighbours(s_);
     couplings_->evaluate(s_, c_[0]);
-    damped = groups_.solve(u_, held_, c_[0], H_u_, du_, ds_) > 0;
+    damped = groups_.solve(u_, active_, c_[0], H_u_, du_, ds_) > 0;
     if (!late()) result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_);
     proposal = examine();
     result.residual = proposal.residual;
@@ -313,7 +313,7 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
     settled = proposal.within_limits && all_free_;
     if (settled) break;
     keep_start();
-    settled = !update_held();
+    settled = !update_active_set();
     if (settled || late()) break;
   }
   if (!proposal.finite) {
@@ -325,11 +325,12 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
     result.finite = true;
   }
   constexpr double near = 0.02;  // residual from which on steps are trusted again
-  wary_ |= !proposal.finite || damped || std::max(proposal.largest, proposal.residual) > options_.step_cap;
-  if (wary_) {
+  globalising_ |=
+      !proposal.finite || damped || std::max(proposal.largest, proposal.residual) > options_.step_cap;
+  if (globalising_) {
     keep_start();
     const bool whole = descend(settled);
-    wary_ = descent_.sure() && proposal.residual > near && !whole;
+    globalising_ = descent_.sure() && proposal.residual > near && !whole;
     result.whole = whole && !damped && proposal.finite;
   } else {
     take();
@@ -357,13 +358,13 @@ void NewtonUpdate::write_states() noexcept {
   for (int b = 0; b < team.bodies(); ++b) {
     if (team.is_agent(BodyId{b})) continue;
     const std::size_t from = at(team.state_offset(BodyId{b}));
-    const Prediction& told = predictions_[at(b)];
-    const bool is_told = told.holds(time_, {x_now_[from], x_now_[from + 1], x_now_[from + 2]});
+    const Prediction& prediction = predictions_[at(b)];
+    const bool is_predicted = prediction.holds(time_, {x_now_[from], x_now_[from + 1], x_now_[from + 2]});
     for (int k = 0; k <= N; ++k) {
       double* const to = &x_out_[from + at(k * ocp_.nx())];
       const std::size_t nx = at(team.model(BodyId{b}).nx());
-      if (is_told && k > 0) {
-        write_body(told.at(time_, k), {to, nx});
+      if (is_predicted && k > 0) {
+        write_body(prediction.at(time_, k), {to, nx});
         continue;
       }
       std::copy_n(&x_now_[from], nx, to);
@@ -442,7 +443,7 @@ double NewtonUpdate::kkt(double time, std::span<const double> states) noexcept {
   groups_.roll_out(u_, s_);
   couplings_->find_neighbours(s_);
   couplings_->evaluate(s_, c_[0]);
-  groups_.differentiate(u_, held_, c_[0], H_u_);
+  groups_.differentiate(u_, active_, c_[0], H_u_);
   const Proposal at_u = examine();
   return slope_is_finite() ? at_u.residual : infinity;
 }

@@ -25,7 +25,7 @@ class NewtonUpdate {
   void restart() noexcept;
   void plan(int k, std::span<double> u) const noexcept;
   void set_plan(int k, std::span<const double> u) noexcept;
-  void set_prediction(const Prediction& told) noexcept;
+  void set_prediction(const Prediction& prediction) noexcept;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -51,7 +51,7 @@ class NewtonUpdate {
   Step newton_step() noexcept;
   Proposal examine() const noexcept;
   bool slope_is_finite() const noexcept;
-  bool update_held() noexcept;
+  bool update_active_set() noexcept;
   void take() noexcept;
   bool descend(bool settled) noexcept;
   bool late() const noexcept;
@@ -71,13 +71,13 @@ class NewtonUpdate {
   Descent descent_;
 
   bool started_ = false, has_plan_ = false;
-  bool all_free_ = true;  // no input is held at a limit
+  bool all_free_ = true;  // no limit is active
   bool limits_move_ = false;
-  bool wary_ = false;  // steps are watched until one could be taken whole, or the optimum is near
+  bool globalising_ = false;  // costs are watched until a step could be taken whole, or the optimum is near
   double time_ = 0.0;
   Clock::time_point begin_{};
   Rows u_vectors_, s_vectors_, c_;
-  double *u_, *du_, *held_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
+  double *u_, *du_, *active_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
   double *per_scale_, *scale_2_;  // of each input, for what is compared with a threshold
   double *s_, *ds_;
   double plan_time_ = 0.0;
