@@ -11,7 +11,7 @@
 #include "sightline/base/quantile.hpp"
 #include "sightline/record/text_file.hpp"
 #include "sightline/scenario/closed_loop.hpp"
-#include "sightline/solver/distributed/sweeps.hpp"
+#include "sightline/solver/distributed/partition_convergence.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t moments_max = 24;
 constexpr std::size_t times_max = 1'000'000;
-constexpr int rounds = 6;
+constexpr int exchanges_compared = 6;
 
 /// Makes solvers of that choice, for teams of one horizon.
 MakeSolver maker_of(SolverChoice choice, const Horizon& horizon) {
@@ -28,13 +28,14 @@ MakeSolver maker_of(SolverChoice choice, const Horizon& horizon) {
       [choice = std::move(choice), horizon](const Team& team) { return make_solver(choice, team, horizon); };
 }
 
-/// Median and greatest of one number of all moments' sweeps, after so many rounds.
+/// Median and greatest of one number of all moments, after so many exchanges.
 struct Spread {
   double median, greatest;
 };
-Spread spread(const std::vector<std::vector<Sweep>>& sweeps, int round, double Sweep::*number) {
+Spread spread(const std::vector<std::vector<FromOptimum>>& moments, int exchange,
+              double FromOptimum::*number) {
   std::vector<double> sizes;
-  for (const std::vector<Sweep>& s : sweeps) sizes.push_back(std::abs(s[at(round)].*number));
+  for (const std::vector<FromOptimum>& s : moments) sizes.push_back(std::abs(s[at(exchange)].*number));
   return {quantile(sizes, 0.5), quantile(sizes, 1.0)};
 }
 
@@ -55,7 +56,7 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
   PartitionChoice choice{.parts = sightline::read_partition(parts, scenario.team),
                          .order = exchange_order(order),
                          .exchanges = exchanges};
-  for (const std::vector<AgentId>& part : choice.parts) (void)part_of(scenario.team, part);
+  for (const std::vector<AgentId>& part : choice.parts) (void)subteam_of(scenario.team, part);
   if (exchanges < 1 || exchanges > 1000) {
     throw std::invalid_argument(fmt::format("exchanges = {}, expected 1 to 1000", exchanges));
   }
@@ -96,7 +97,7 @@ Solution PartitionedFlight::solve(double time, std::span<const double> states) n
 
 std::string PartitionedFlight::tell(const std::filesystem::path& folder, const std::string& summary,
                                     const std::string& whole) {
-  std::vector<std::vector<Sweep>> sweeps;
+  std::vector<std::vector<FromOptimum>> moments;
   PartitionedSolver still(ocp().team(), choice_.parts, maker_of(solver_named(solver_name_), ocp().horizon()),
                           {.order = choice_.order});
   const std::unique_ptr<Solver> reference = make_reference_solver(ocp());
@@ -106,8 +107,9 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
     still.restart();
     for (int k = 0; k < ocp().horizon().N; ++k)
       still.set_plan(k, std::span(moment.plan).subspan(at(k) * nu, nu));
-    std::vector<Sweep> of_moment = sweep(still, *reference, moment.time, moment.states, rounds);
-    if (!of_moment.empty()) sweeps.push_back(std::move(of_moment));
+    std::vector<FromOptimum> of_moment =
+        partition_convergence(still, *reference, moment.time, moment.states, exchanges_compared);
+    if (!of_moment.empty()) moments.push_back(std::move(of_moment));
   }
 
   Json json;
@@ -126,29 +128,33 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
   json["cost_excess"] = excess;
   json["part_us"] = quantile(part_us_, 0.5);
   json["numbers_told"] = numbers;  // by a robot in an exchange
-  json["moments"] = sweeps.size();
+  json["moments"] = moments.size();
   json["sweeps"] = Json::array();
 
-  std::string text = fmt::format("{} parts, {} order, exchanges an update: {}\n", solver_.parts(),
+  std::string text = fmt::format("{} parts, {} order, exchanges an update: {}\n", solver_.subteams(),
                                  to_string(choice_.order), choice_.exchanges);
   text += fmt::format("cost {:.6g} s, of the whole team's solver {:.6g} s: {:+.4f} %\n", cost, whole_cost,
                       100 * excess);
   text += fmt::format("slowest part {:.1f} us an update, median; a robot tells {} numbers an exchange\n",
                       quantile(part_us_, 0.5), numbers);
-  if (sweeps.empty()) {
+  if (moments.empty()) {
     text += "no moment of the flight has a stationary point to compare with\n";
   } else {
-    text += fmt::format("\nfrom the optimum of the whole team, at {} moments of the flight\n", sweeps.size());
+    text +=
+        fmt::format("\nfrom the optimum of the whole team, at {} moments of the flight\n", moments.size());
     text +=
         "sweep   |u - u*| median       max    |J - J*|/J* median       max    residual [1/s] median       "
         "max\n";
   }
-  for (int round = 0; round < rounds && !sweeps.empty(); ++round) {
-    const Spread input = spread(sweeps, round, &Sweep::input), price = spread(sweeps, round, &Sweep::cost),
-                 kkt = spread(sweeps, round, &Sweep::kkt);
-    json["sweeps"].push_back(
-        {{"sweep", round + 1}, {"input", as_json(input)}, {"cost", as_json(price)}, {"kkt", as_json(kkt)}});
-    text += fmt::format("{:5}   {:15.2e}  {:8.2e}    {:18.2e}  {:8.2e}    {:21.2e}  {:8.2e}\n", round + 1,
+  for (int exchange = 0; exchange < exchanges_compared && !moments.empty(); ++exchange) {
+    const Spread input = spread(moments, exchange, &FromOptimum::input),
+                 price = spread(moments, exchange, &FromOptimum::cost),
+                 kkt = spread(moments, exchange, &FromOptimum::kkt);
+    json["sweeps"].push_back({{"sweep", exchange + 1},
+                              {"input", as_json(input)},
+                              {"cost", as_json(price)},
+                              {"kkt", as_json(kkt)}});
+    text += fmt::format("{:5}   {:15.2e}  {:8.2e}    {:18.2e}  {:8.2e}    {:21.2e}  {:8.2e}\n", exchange + 1,
                         input.median, input.greatest, price.median, price.greatest, kkt.median, kkt.greatest);
   }
   write_text(folder / "partition.json", json.dump(2) + "\n");

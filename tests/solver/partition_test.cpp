@@ -163,7 +163,7 @@ TEST(Partition, APlanPutInIsThePlanAndTheNextUpdateBeginsThere) {
     EXPECT_EQ(u, v);
   }
   EXPECT_LE(parts.kkt(0.0, x), 1e-8);
-  parts.tell_all(0.0, x);
+  parts.send_all(0.0, x);
   EXPECT_LE(parts.solve(0.0, x).residual, 1e-8) << "nothing is left to better";
 }
 

@@ -1,4 +1,4 @@
-#include "sightline/solver/distributed/part.hpp"
+#include "sightline/solver/distributed/subteam.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,12 +24,12 @@ constexpr NewtonRiccatiOptions converging{
 
 AgentId robot(const Team& team, const std::string& name) { return AgentId{team.find(name)}; }
 
-TEST(Part, HasItsRobotsAndThoseItIsCoupledWithAndFeelsItsOwnEndsAlone) {
-  const auto part = [](paper::Variant variant) {
+TEST(Subteam, HasItsRobotsAndThoseItIsCoupledWithAndFeelsItsOwnEndsAlone) {
+  const auto subteam = [](paper::Variant variant) {
     const Team whole = chain(8, variant);
-    return part_of(whole, std::vector{robot(whole, "uav3"), robot(whole, "uav2")});
+    return subteam_of(whole, std::vector{robot(whole, "uav3"), robot(whole, "uav2")});
   };
-  const Team masked = part(paper::Variant::masked), joint = part(paper::Variant::joint);
+  const Team masked = subteam(paper::Variant::masked), joint = subteam(paper::Variant::joint);
   EXPECT_EQ(masked.agents().size(), 2u);
   EXPECT_EQ(masked.bodies(), 3) << "uav2 watches uav1, which is not steered here";
   EXPECT_FALSE(masked.is_agent(masked.find("uav1")));
@@ -42,7 +42,7 @@ TEST(Part, HasItsRobotsAndThoseItIsCoupledWithAndFeelsItsOwnEndsAlone) {
   }
 }
 
-TEST(Part, ACouplingKeepsItsNameAndItsRampAndASwarmStaysWhole) {
+TEST(Subteam, ACouplingKeepsItsNameAndItsRampAndASwarmStaysWhole) {
   Team whole = chain(4, paper::Variant::joint);
   const AgentId uav1 = robot(whole, "uav1"), uav2 = robot(whole, "uav2");
   whole.couple(Coupling{.term = 0.3 * KeepOut{},
@@ -50,34 +50,34 @@ TEST(Part, ACouplingKeepsItsNameAndItsRampAndASwarmStaysWhole) {
                         .felt_by = {uav2},
                         .name = "apart",
                         .ramp = {.begin = 1.0, .duration = 2.0, .from = 0.0}});
-  const Team part = part_of(whole, std::vector{uav2});
-  ASSERT_FALSE(part.couplings().empty());
-  EXPECT_EQ(part.couplings().back().name, "apart");
-  EXPECT_EQ(part.couplings().back().ramp, whole.couplings().back().ramp);
+  const Team subteam = subteam_of(whole, std::vector{uav2});
+  ASSERT_FALSE(subteam.couplings().empty());
+  EXPECT_EQ(subteam.couplings().back().name, "apart");
+  EXPECT_EQ(subteam.couplings().back().ramp, whole.couplings().back().ramp);
   whole.keep_apart(0.3 * TooNear{}, {uav1, uav2}, 2.5, 16);
-  EXPECT_EQ(part_of(whole, std::vector{uav1, uav2}).swarms().size(), 1u);
-  EXPECT_EQ(part_of(whole, std::vector{robot(whole, "uav0")}).swarms().size(), 0u);
-  EXPECT_EQ(refusal_of([&] { (void)part_of(whole, std::vector{uav2}); }),
+  EXPECT_EQ(subteam_of(whole, std::vector{uav1, uav2}).swarms().size(), 1u);
+  EXPECT_EQ(subteam_of(whole, std::vector{robot(whole, "uav0")}).swarms().size(), 0u);
+  EXPECT_EQ(refusal_of([&] { (void)subteam_of(whole, std::vector{uav2}); }),
             "too_near keeps robots of several parts apart, expected all of a swarm in one part");
 }
 
-TEST(Part, WhatIsNoPartIsRefusedInWords) {
+TEST(Subteam, WhatIsNoPartIsRefusedInWords) {
   Team whole = chain(2, paper::Variant::masked);
   const BodyId tree = whole.add(Obstacle{.name = "tree"});
-  EXPECT_EQ(refusal_of([&] { (void)part_of(whole, {}); }), "a part has no robot, expected at least one");
-  EXPECT_EQ(refusal_of([&] { (void)part_of(whole, std::vector{AgentId{tree}}); }),
+  EXPECT_EQ(refusal_of([&] { (void)subteam_of(whole, {}); }), "a part has no robot, expected at least one");
+  EXPECT_EQ(refusal_of([&] { (void)subteam_of(whole, std::vector{AgentId{tree}}); }),
             "a part names body 2, expected a robot of the team");
-  EXPECT_EQ(refusal_of([&] { (void)part_of(whole, std::vector{AgentId{{7}}}); }),
+  EXPECT_EQ(refusal_of([&] { (void)subteam_of(whole, std::vector{AgentId{{7}}}); }),
             "a part names body 7, expected a robot of the team");
 }
 
-TEST(Part, ToldTheVelocityThatABodyHasItFliesTheSameBits) {
+TEST(Subteam, GivenTheVelocityThatABodyHasItFliesTheSameBits) {
   Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
     Team team = random_team(random, 2, Feeling::anyone);
     team.add(Obstacle{.name = "ball"});
     team.couple(1.0 * KeepOut{}, Between{team.find("uav0"), team.find("ball")});
-    NewtonRiccati plain(team, horizon), told(team, horizon);
+    NewtonRiccati plain(team, horizon), predicted(team, horizon);
     const std::vector<double> x = random_states(random, team, 2.0);
     for (int update = 0; update < 5; ++update) {
       const double t = 0.01 * update;
@@ -90,42 +90,42 @@ TEST(Part, ToldTheVelocityThatABodyHasItFliesTheSameBits) {
           prediction.sights.push_back(s);
           s.p = s.p + horizon.h() * s.v;
         }
-        told.set_prediction(prediction);
+        predicted.set_prediction(prediction);
       }
-      const Solution a = plain.solve(t, x), b = told.solve(t, x);
+      const Solution a = plain.solve(t, x), b = predicted.solve(t, x);
       for (std::size_t i = 0; i < a.u.size(); ++i) EXPECT_TRUE(same_bits(a.u[i], b.u[i])) << trial;
       EXPECT_TRUE(same_bits(a.residual, b.residual));
     }
   }
 }
 
-/// Parts of one robot each that plan and tell what a solver of the whole team found.
-std::vector<std::unique_ptr<Part>> parts_at(const NewtonRiccati& whole, double time,
-                                            const std::vector<double>& x) {
+/// Subteams of one robot each that plan and send what a solver of the whole team found.
+std::vector<std::unique_ptr<Subteam>> subteams_at(const NewtonRiccati& whole, double time,
+                                                  const std::vector<double>& x) {
   const Ocp& ocp = whole.ocp();
-  std::vector<std::unique_ptr<Part>> parts;
+  std::vector<std::unique_ptr<Subteam>> subteams;
   std::vector<double> u(static_cast<std::size_t>(ocp.nu()));
   for (const BodyId body : ocp.agent_bodies()) {
-    auto part =
-        std::make_unique<Part>(ocp.team(), std::vector{AgentId{body}}, newton_riccati_of(ocp.horizon()));
+    auto subteam =
+        std::make_unique<Subteam>(ocp.team(), std::vector{AgentId{body}}, newton_riccati_of(ocp.horizon()));
     for (int k = 0; k < ocp.horizon().N; ++k) {
       whole.plan(k, u);
-      part->set_plan(k, std::span(u).subspan(static_cast<std::size_t>(ocp.team().input_offset(body)),
-                                             static_cast<std::size_t>(part->ocp().nu())));
+      subteam->set_plan(k, std::span(u).subspan(static_cast<std::size_t>(ocp.team().input_offset(body)),
+                                                static_cast<std::size_t>(subteam->ocp().nu())));
     }
-    part->look_ahead(time, x);
-    parts.push_back(std::move(part));
+    subteam->predict(time, x);
+    subteams.push_back(std::move(subteam));
   }
-  for (const auto& teller : parts) {
-    for (const auto& other : parts) {
-      if (other == teller) continue;
-      for (const Prediction& told : teller->told()) other->hear(told);
+  for (const auto& sender : subteams) {
+    for (const auto& other : subteams) {
+      if (other == sender) continue;
+      for (const Prediction& prediction : sender->predictions()) other->receive(prediction);
     }
   }
-  return parts;
+  return subteams;
 }
 
-TEST(Part, GivenTheOthersOptimalTrajectoriesItsOptimumIsThatOfTheWhole) {
+TEST(Subteam, GivenTheOthersOptimalTrajectoriesItsOptimumIsThatOfTheWhole) {
   Random random(2);
   int converged = 0;
   for (int trial = 0; trial < 40; ++trial) {
@@ -135,61 +135,62 @@ TEST(Part, GivenTheOthersOptimalTrajectoriesItsOptimumIsThatOfTheWhole) {
     const std::vector<double> x = random_states(random, team, 2.0);
     if (whole.solve(0.3, x).status != Status::converged) continue;
     ++converged;
-    for (const auto& part : parts_at(whole, 0.3, x)) EXPECT_LE(part->kkt(0.3, x), 1e-8) << trial;
+    for (const auto& subteam : subteams_at(whole, 0.3, x)) EXPECT_LE(subteam->kkt(0.3, x), 1e-8) << trial;
   }
   EXPECT_GE(converged, 36);
 }
 
-TEST(Part, WithoutWordFromTheOthersItsOptimumIsAnother) {
+TEST(Subteam, WithoutWordFromTheOthersItsOptimumIsAnother) {
   const Team team = chain(3, paper::Variant::joint);
   NewtonRiccati whole(team, horizon, converging);
   const std::vector<double> x = chain_start(3);
   ASSERT_EQ(whole.solve(0.3, x).status, Status::converged);
-  const auto parts = parts_at(whole, 0.3, x);
-  parts[1]->restart();
+  const auto subteams = subteams_at(whole, 0.3, x);
+  subteams[1]->restart();
   std::vector<double> u(12);
   for (int k = 0; k < horizon.N; ++k) {
     whole.plan(k, u);
-    parts[1]->set_plan(k, std::span(u).subspan(4, 4));
+    subteams[1]->set_plan(k, std::span(u).subspan(4, 4));
   }
-  EXPECT_GE(parts[1]->kkt(0.3, x), 1e-3);
+  EXPECT_GE(subteams[1]->kkt(0.3, x), 1e-3);
 }
 
-TEST(Part, ItTellsWhereItsPlanLeads) {
+TEST(Subteam, ItSendsWhereItsPlanLeads) {
   const Team team = chain(4, paper::Variant::joint);
-  Part part(team, std::vector{robot(team, "uav1"), robot(team, "uav2")}, make_newton);
+  Subteam subteam(team, std::vector{robot(team, "uav1"), robot(team, "uav2")}, make_newton);
   const std::vector<double> x = chain_start(4);
-  ASSERT_TRUE(gives_plan(part.solve(0.2, x).status));
-  ASSERT_EQ(part.told().size(), 2u);
+  ASSERT_TRUE(gives_plan(subteam.solve(0.2, x).status));
+  ASSERT_EQ(subteam.predictions().size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
-    const Prediction& told = part.told()[i];
-    EXPECT_EQ(team.name(told.who), i == 0 ? "uav1" : "uav2");
-    EXPECT_EQ(told.time, 0.2);
-    ASSERT_EQ(told.sights.size(), 13u);
-    const BodyId here = part.ocp().team().find(team.name(told.who));
-    const Model& model = team.model(told.who);
-    std::vector<double> u(static_cast<std::size_t>(part.ocp().nu())), rate(7);
-    std::vector<double> state(x.begin() + team.state_offset(told.who),
-                              x.begin() + team.state_offset(told.who) + 7);
+    const Prediction& sent = subteam.predictions()[i];
+    EXPECT_EQ(team.name(sent.who), i == 0 ? "uav1" : "uav2");
+    EXPECT_EQ(sent.time, 0.2);
+    ASSERT_EQ(sent.sights.size(), 13u);
+    const BodyId here = subteam.ocp().team().find(team.name(sent.who));
+    const Model& model = team.model(sent.who);
+    std::vector<double> u(static_cast<std::size_t>(subteam.ocp().nu())), rate(7);
+    std::vector<double> state(x.begin() + team.state_offset(sent.who),
+                              x.begin() + team.state_offset(sent.who) + 7);
     for (int k = 0; k < 13; ++k) {
-      if (k < 12) part.plan(k, u);
-      EXPECT_NEAR(told.sights[static_cast<std::size_t>(k)].p.x, state[0], 1e-12);
-      EXPECT_NEAR(told.sights[static_cast<std::size_t>(k)].d.y, state[4], 1e-12);
-      model.f(state.data(), &u[static_cast<std::size_t>(part.ocp().team().input_offset(here))], rate.data());
+      if (k < 12) subteam.plan(k, u);
+      EXPECT_NEAR(sent.sights[static_cast<std::size_t>(k)].p.x, state[0], 1e-12);
+      EXPECT_NEAR(sent.sights[static_cast<std::size_t>(k)].d.y, state[4], 1e-12);
+      model.f(state.data(), &u[static_cast<std::size_t>(subteam.ocp().team().input_offset(here))],
+              rate.data());
       for (std::size_t q = 0; q < 7; ++q) state[q] += horizon.h() * rate[q];
     }
   }
-  const double before = part.told()[0].sights[12].p.x;
+  const double before = subteam.predictions()[0].sights[12].p.x;
   std::vector<double> moved = x;
   moved[7] += 0.5;
-  part.look_ahead(0.2, moved);
-  EXPECT_NEAR(part.told()[0].sights[12].p.x, before + 0.5, 1e-9);
+  subteam.predict(0.2, moved);
+  EXPECT_NEAR(subteam.predictions()[0].sights[12].p.x, before + 0.5, 1e-9);
 }
 
-TEST(Part, AMessageThatCannotBeMeantForItIsLeft) {
+TEST(Subteam, AMessageThatCannotBeMeantForItIsLeft) {
   const Team team = chain(3, paper::Variant::joint);
-  Part part(team, std::vector{robot(team, "uav1")}, make_newton),
-      untold(team, std::vector{robot(team, "uav1")}, make_newton);
+  Subteam subteam(team, std::vector{robot(team, "uav1")}, make_newton),
+      alone(team, std::vector{robot(team, "uav1")}, make_newton);
   const Sight<double> elsewhere = {{{0.3, 0.2, 0.6}, {1, 0}}, {1, 1, 1}};
   const Prediction good{.who = robot(team, "uav0"), .time = 0.0, .h = horizon.h(), .sights = {13, elsewhere}};
   std::vector<Prediction> bad(6, good);
@@ -199,26 +200,26 @@ TEST(Part, AMessageThatCannotBeMeantForItIsLeft) {
   bad[3].sights[4].p.y = std::numeric_limits<double>::infinity();
   bad[4].sights.resize(14);
   bad[5].h = 0.0;
-  for (const Prediction& message : bad) part.hear(message);
+  for (const Prediction& message : bad) subteam.receive(message);
   const std::vector<double> x = chain_start(3);
-  const std::vector<double> a(part.solve(0.0, x).u.begin(), part.solve(0.0, x).u.end());
-  const std::vector<double> b(untold.solve(0.0, x).u.begin(), untold.solve(0.0, x).u.end());
+  const std::vector<double> a(subteam.solve(0.0, x).u.begin(), subteam.solve(0.0, x).u.end());
+  const std::vector<double> b(alone.solve(0.0, x).u.begin(), alone.solve(0.0, x).u.end());
   EXPECT_EQ(a, b);
-  part.hear(good);
-  EXPECT_NE(part.solve(0.0, x).u[0], untold.solve(0.0, x).u[0]) << "a good one is heard";
+  subteam.receive(good);
+  EXPECT_NE(subteam.solve(0.0, x).u[0], alone.solve(0.0, x).u[0]) << "a good one is used";
 }
 
-TEST(Part, SolvingTellingAndHearingAllocateNothing) {
+TEST(Subteam, SolvingSendingAndReceivingAllocateNothing) {
   const Team team = chain(4, paper::Variant::joint);
-  Part a(team, std::vector{robot(team, "uav0"), robot(team, "uav2")}, make_newton),
+  Subteam a(team, std::vector{robot(team, "uav0"), robot(team, "uav2")}, make_newton),
       b(team, std::vector{robot(team, "uav1"), robot(team, "uav3")}, make_newton);
   const std::vector<double> x = chain_start(4);
   const std::int64_t before = cli::allocations();
   for (int k = 0; k < 20; ++k) {
     a.solve(0.01 * k, x);
-    for (const Prediction& told : a.told()) b.hear(told);
+    for (const Prediction& prediction : a.predictions()) b.receive(prediction);
     b.solve(0.01 * k, x);
-    for (const Prediction& told : b.told()) a.hear(told);
+    for (const Prediction& prediction : b.predictions()) a.receive(prediction);
   }
   EXPECT_EQ(cli::allocations() - before, 0);
 }

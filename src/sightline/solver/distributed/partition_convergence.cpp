@@ -1,4 +1,4 @@
-#include "sightline/solver/distributed/sweeps.hpp"
+#include "sightline/solver/distributed/partition_convergence.hpp"
 
 #include <fmt/format.h>
 
@@ -52,8 +52,8 @@ std::unique_ptr<Solver> make_reference_solver(const Ocp& ocp) {
                .max_newton_steps = 20, .tolerance = stationary, .max_krylov = 60, .krylov_stop = 1e-10});
 }
 
-std::vector<Sweep> sweep(PartitionedSolver& solver, Solver& reference, double time,
-                         std::span<const double> states, int rounds) {
+std::vector<FromOptimum> partition_convergence(PartitionedSolver& solver, Solver& reference, double time,
+                                               std::span<const double> states, int exchanges) {
   constexpr int attempts = 20;
   const Ocp& ocp = solver.ocp();
   TeamPlanner& planner = team_planner_of(reference, "a comparison with the optimum");
@@ -64,17 +64,17 @@ std::vector<Sweep> sweep(PartitionedSolver& solver, Solver& reference, double ti
   const std::vector<double> best = planner.whole_plan();
   const double best_cost = horizon_cost(ocp, time, states, best);
 
-  std::vector<Sweep> sweeps;
-  solver.tell_all(time, states);
-  for (int round = 0; round < rounds; ++round) {
+  std::vector<FromOptimum> distances;
+  solver.send_all(time, states);
+  for (int exchange = 0; exchange < exchanges; ++exchange) {
     const Solution solution = solver.solve(time, states);
     const std::vector<double> u = solver.whole_plan();
-    Sweep& s = sweeps.emplace_back();
+    FromOptimum& s = distances.emplace_back();
     for (std::size_t i = 0; i < u.size(); ++i) s.input = std::max(s.input, std::abs(u[i] - best[i]));
     s.cost = (horizon_cost(ocp, time, states, u) - best_cost) / best_cost;
     s.kkt = solution.residual;
   }
-  return sweeps;
+  return distances;
 }
 
 }  // namespace sightline

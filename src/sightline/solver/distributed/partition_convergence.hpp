@@ -1,4 +1,4 @@
-/// How far a partitioned plan is from the optimum of the whole team, round by round, while time stands.
+/// How far a partitioned plan is from the optimum of the whole team, exchange by exchange, while time stands.
 #pragma once
 
 #include <memory>
@@ -8,10 +8,10 @@
 
 namespace sightline {
 
-/// What is left after one round of all parts.
-struct Sweep {
+/// What is left after one exchange of all subteams.
+struct FromOptimum {
   double input = 0.0;  ///< greatest |u - u*| of any input along the horizon [-]
-  double cost = 0.0;   ///< (J(u) - J(u*)) / J(u*); below 0 where masked robots pay for others
+  double cost = 0.0;   ///< (J(u) - J(u*)) / J(u*); below 0 where masked robots bear costs of others
   double kkt = 0.0;    ///< of the whole team [1/s]
 };
 
@@ -24,11 +24,11 @@ double horizon_cost(const Ocp& ocp, double time, std::span<const double> states,
 /// A solver of the whole team that goes to a stationary point, whatever it takes; to compare with.
 std::unique_ptr<Solver> make_reference_solver(const Ocp& ocp);
 
-/// Round after round at these states. The solver begins from its plan, of which all have told, and is left with the
-/// plan of the last round. u* is the stationary point that the `reference`, of the same team, finds from the same plan.
-/// @return one entry a round; none where that finds no stationary point
+/// Exchange after exchange at these states. The solver begins from its plan, which all have sent, and is left with the
+/// plan of the last exchange. u* is the stationary point that the `reference`, of the same team, finds from the same plan.
+/// @return one entry a exchange; none where that finds no stationary point
 /// @throws std::invalid_argument for a reference that is no TeamPlanner
-std::vector<Sweep> sweep(PartitionedSolver& solver, Solver& reference, double time,
-                         std::span<const double> states, int rounds);
+std::vector<FromOptimum> partition_convergence(PartitionedSolver& solver, Solver& reference, double time,
+                                               std::span<const double> states, int exchanges);
 
 }  // namespace sightline
