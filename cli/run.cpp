@@ -66,11 +66,11 @@ struct Flight {
 
 /// Flies the scenario under its controllers; leaves run.mcap, timing.csv and summary.json in the folder.
 Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
-                  const Controllers& controllers, Succession* succession = nullptr) {
+                  const Controllers& controllers, TeamSwitcher* team_switcher = nullptr) {
   // All memory is taken here, before the first period.
   const Sample prototype = sized_sample(scenario.team, controllers);
   Ring<Sample> ring(ring_capacity(prototype), prototype);
-  ClosedLoop loop(scenario, controllers, clock, ring, allocations, succession);
+  ClosedLoop loop(scenario, controllers, clock, ring, allocations, team_switcher);
 
   Progress progress(scenario.simulation.duration);
   Log log(scenario, folder, controllers, ring, [&](double time) { progress.show(time); });
@@ -91,7 +91,7 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
 
 Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock) {
   const Controls controls(scenario);
-  return fly_logged(scenario, folder, clock, controls.controllers(), controls.succession());
+  return fly_logged(scenario, folder, clock, controls.controllers(), controls.team_switcher());
 }
 
 }  // namespace

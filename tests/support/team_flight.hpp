@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sightline/run/loop.hpp"
-#include "sightline/run/succession.hpp"
+#include "sightline/run/team_switcher.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 
 namespace sightline {
@@ -45,39 +45,39 @@ class KeepSamples final : public Sink<Sample> {
   Sample sample_;
 };
 
-struct SuccessionFlight {
+struct TeamFlight {
   std::vector<FlownPeriod> flown;
   LoopOutcome outcome;
 };
 
 /// @param with_kkt  evaluates the optimality of each update, outside of it
-inline SuccessionFlight fly_script(const Team& all, const std::vector<double>& x0, const Script& script,
-                                   double duration, std::vector<Presence> presence = {},
-                                   bool with_kkt = false, std::vector<TimedSignal> signals = {},
-                                   MakeSolver make = newton_riccati_of(Horizon{})) {
+inline TeamFlight fly_script(const Team& all, const std::vector<double>& x0, const Script& script,
+                             double duration, std::vector<Presence> presence = {}, bool with_kkt = false,
+                             std::vector<TimedSignal> signals = {},
+                             MakeSolver make = newton_riccati_of(Horizon{})) {
   const Horizon horizon;
-  Succession succession(Roster(all, std::move(presence)), script, std::move(make));
+  TeamSwitcher team_switcher(Roster(all, std::move(presence)), script, std::move(make));
   Plant plant(all, x0, {.period = horizon.dt});
   Sensor sensor(all, {.period = horizon.dt});
   SimulatedClock clock;
-  const Controllers controllers = {*succession.present().solver};
+  const Controllers controllers = {*team_switcher.present().solver};
   KeepSamples sink(sized_sample(all, controllers));
   std::vector<double> u_before(static_cast<std::size_t>(all.nu()));
   if (with_kkt) {
     sink.after = [&](FlownPeriod& period) {
-      Controller& controller = *succession.present().controller;
+      Controller& controller = *team_switcher.present().controller;
       controller.gather(all, period.x, u_before);  // as the update saw it
       u_before = period.u;
-      period.kkt = succession.present().solver->kkt(period.time, controller.states);
+      period.kkt = team_switcher.present().solver->kkt(period.time, controller.states);
     };
   }
   Loop loop(plant, sensor, controllers, clock, sink,
             {.duration = duration,
              .period = horizon.dt,
              .path_interval = 0.0,
-             .succession = &succession,
+             .team_switcher = &team_switcher,
              .signals = std::move(signals)});
-  SuccessionFlight flight;
+  TeamFlight flight;
   flight.outcome = loop.run();
   flight.flown = std::move(sink.flown);
   return flight;

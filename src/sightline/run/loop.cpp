@@ -91,12 +91,12 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
     }
     controllers_.emplace_back(plant.team(), solver, controllers_.size());
   }
-  if (options_.succession != nullptr) {
-    if (controllers.size() != 1 || &controllers[0].get() != options_.succession->present().solver.get()) {
-      refuse("a team that changes has {} controllers, expected the present solver of its succession alone",
+  if (options_.team_switcher != nullptr) {
+    if (controllers.size() != 1 || &controllers[0].get() != options_.team_switcher->present().solver.get()) {
+      refuse("a team that changes has {} controllers, expected the present solver of its TeamSwitcher alone",
              controllers.size());
     }
-    options_.succession->set_start(plant.x());
+    options_.team_switcher->set_start(plant.x());
     follow_team(plant.time());
   }
   check_steered();
@@ -108,7 +108,7 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
         "the sink's samples are not of this loop's size, expected room in it for copies of sized_sample()");
   }
   events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size() + 4 * planned_at_.size() +
-                  (options_.succession != nullptr ? options_.succession->events_max() : 0));
+                  (options_.team_switcher != nullptr ? options_.team_switcher->events_max() : 0));
 
   // Before any good command the robots hold their u*, within their limits.
   for (int i = 0; i < plant.team().bodies(); ++i) {
@@ -119,9 +119,9 @@ Loop::Loop(Plant& plant, Sensor& sensor, const Controllers& controllers, Clock& 
 /// In force for a robot.
 const InputLimits& Loop::limits_of(BodyId robot) const noexcept {
   const Agent& agent = plant_.team().agent(robot);
-  if (options_.succession == nullptr) return agent.limits;
+  if (options_.team_switcher == nullptr) return agent.limits;
   const auto place = static_cast<std::size_t>(&agent - plant_.team().agents().data());
-  return options_.succession->present().membership.limits[place];
+  return options_.team_switcher->present().membership.limits[place];
 }
 
 /// A robot's u*, within its limits.
@@ -180,7 +180,7 @@ LoopOutcome Loop::run() noexcept {
     Sample& sample = slot != nullptr ? *slot : spare_;
     sample.has_path = k >= next_path;
     if (sample.has_path) next_path = (k / path_every + 1) * path_every;
-    if (options_.succession != nullptr) change_team(t);
+    if (options_.team_switcher != nullptr) change_team(t);
     std::copy(plant_.x().begin(), plant_.x().end(), sample.x.begin());
     std::copy(presence_.begin(), presence_.end(), sample.presence.begin());
     update(t, sensor_.measure(t, plant_.x()), sample);
@@ -243,13 +243,13 @@ void Loop::update(double t, std::span<const double> measured, Sample& sample) no
   if (options_.guard != nullptr) guard(t, sample);
   std::copy(u_.begin(), u_.end(), sample.u.begin());
   sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
-  if (options_.succession != nullptr) {
+  if (options_.team_switcher != nullptr) {
     const auto stamps = sensor_.stamps();
     std::transform(stamps.begin(), stamps.end(), ages_.begin(), [t](double stamp) { return t - stamp; });
-    options_.succession->look(t, believed, u_,
-                              options_.guard != nullptr ? options_.guard->ages() : std::span(ages_));
-    for (const Event& event : options_.succession->events()) tell(event);
-    options_.succession->clear_events();
+    options_.team_switcher->look(t, believed, u_,
+                                 options_.guard != nullptr ? options_.guard->ages() : std::span(ages_));
+    for (const Event& event : options_.team_switcher->events()) tell(event);
+    options_.team_switcher->clear_events();
   }
   outcome_.max_allocations = std::max(outcome_.max_allocations, count() - before_all);
 }
@@ -293,12 +293,12 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
 
 /// Signals, and a change that was asked for a period ago.
 void Loop::change_team(double t) noexcept {
-  Succession& succession = *options_.succession;
+  TeamSwitcher& team_switcher = *options_.team_switcher;
   for (; signalled_ < options_.signals.size() && options_.signals[signalled_].at <= t + same_time;
        ++signalled_) {
-    (void)succession.signal(options_.signals[signalled_].name);
+    (void)team_switcher.signal(options_.signals[signalled_].name);
   }
-  if (!succession.swap(t, plant_.x(), u_, clock_.waits_for_log())) return;
+  if (!team_switcher.swap(t, plant_.x(), u_, clock_.waits_for_log())) return;
   std::copy(presence_.begin(), presence_.end(), presence_before_.begin());
   follow_team(t);
   for (int i = 0; i < plant_.team().bodies(); ++i) {
@@ -307,9 +307,9 @@ void Loop::change_team(double t) noexcept {
   }
 }
 
-/// Who is there, whom they feel and what limits them, as the succession has it now.
+/// Who is there, whom they feel and what limits them, as the TeamSwitcher has it now.
 void Loop::follow_team(double t) noexcept {
-  const Membership& now = options_.succession->present().membership;
+  const Membership& now = options_.team_switcher->present().membership;
   const Team& team = plant_.team();
   plant_.set_presence(now.presence);
   for (int i = 0; i < team.bodies(); ++i) {
@@ -343,17 +343,17 @@ void Loop::welcome(BodyId body, double t) noexcept {
 }
 
 std::span<Controller> Loop::controllers() noexcept {
-  if (options_.succession == nullptr) return controllers_;
-  return {&*options_.succession->present().controller, 1};
+  if (options_.team_switcher == nullptr) return controllers_;
+  return {&*options_.team_switcher->present().controller, 1};
 }
 
 /// Robots that nobody steers brake.
 void Loop::drift(double t, std::span<const double> believed, Sample& sample) noexcept {
-  if (options_.succession == nullptr) return;
-  for (Drifter& drifter : options_.succession->present().drifters) {
-    drifter.steer(t, believed, u_min_, u_max_, u_);
-    std::copy_n(&u_[drifter.u], drifter.nu, &sample.raw_u[drifter.u]);
-    planned_at_[size(drifter.body.index)] = t;
+  if (options_.team_switcher == nullptr) return;
+  for (UncontrolledRobot& robot : options_.team_switcher->present().uncontrolled) {
+    robot.steer(t, believed, u_min_, u_max_, u_);
+    std::copy_n(&u_[robot.u], robot.nu, &sample.raw_u[robot.u]);
+    planned_at_[size(robot.body.index)] = t;
   }
 }
 

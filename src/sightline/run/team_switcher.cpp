@@ -1,4 +1,4 @@
-#include "sightline/run/succession.hpp"
+#include "sightline/run/team_switcher.hpp"
 
 #include <fmt/format.h>
 #include <time.h>
@@ -36,9 +36,9 @@ Phase phase_of(std::unique_ptr<Solver> solver, const Roster& roster) {
     const Presence presence = roster.presence(body);
     if (!roster.all().is_agent(body) || presence == Presence::steered || presence == Presence::absent)
       continue;
-    phase.drifters.emplace_back(roster.all(), body, presence == Presence::land,
-                                phase.solver->ocp().horizon().dt);
-    phase.drifters.back().limits = roster.agent(AgentId{body}).limits;
+    phase.uncontrolled.emplace_back(roster.all(), body, presence == Presence::land,
+                                    phase.solver->ocp().horizon().dt);
+    phase.uncontrolled.back().limits = roster.agent(AgentId{body}).limits;
   }
   return phase;
 }
@@ -50,7 +50,7 @@ void nap() noexcept {
 
 }  // namespace
 
-Succession::Succession(Roster start, const Script& script, MakeSolver make)
+TeamSwitcher::TeamSwitcher(Roster start, const Script& script, MakeSolver make)
     : world_(start.all()),
       script_(checked(script, start)),
       watch_(script_, world_),
@@ -71,16 +71,16 @@ Succession::Succession(Roster start, const Script& script, MakeSolver make)
   thread_ = std::thread([this] { work(); });
 }
 
-Succession::~Succession() {
+TeamSwitcher::~TeamSwitcher() {
   stop_.store(true, std::memory_order_release);
   thread_.join();
 }
 
-void Succession::tell(double t, EventKind kind, std::size_t event) noexcept {
+void TeamSwitcher::tell(double t, EventKind kind, std::size_t event) noexcept {
   if (told_.size() < told_.capacity()) told_.push_back({t, kind, 0, static_cast<double>(event)});
 }
 
-bool Succession::swap(double t, std::span<const double> x, std::span<const double> u, bool wait) noexcept {
+bool TeamSwitcher::swap(double t, std::span<const double> x, std::span<const double> u, bool wait) noexcept {
   if (!pending_) return false;
   while (wait && !is_ready()) nap();
   if (!is_ready()) return false;
@@ -104,8 +104,8 @@ bool Succession::swap(double t, std::span<const double> x, std::span<const doubl
   return true;
 }
 
-void Succession::look(double t, std::span<const double> x, std::span<const double> u,
-                      std::span<const double> ages) noexcept {
+void TeamSwitcher::look(double t, std::span<const double> x, std::span<const double> u,
+                        std::span<const double> ages) noexcept {
   if (pending_) return;
   const std::span<const std::size_t> happening =
       watch_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_.membership.presence});
@@ -128,7 +128,7 @@ void Succession::look(double t, std::span<const double> x, std::span<const doubl
   hand_.store(Hand::thread, std::memory_order_release);
 }
 
-void Succession::work() noexcept {
+void TeamSwitcher::work() noexcept {
   while (!stop_.load(std::memory_order_acquire)) {
     if (hand_.load(std::memory_order_acquire) == Hand::control) {
       nap();
@@ -139,7 +139,7 @@ void Succession::work() noexcept {
   }
 }
 
-void Succession::prepare() noexcept {
+void TeamSwitcher::prepare() noexcept {
   next_ = {};  // what left
   refused_.clear();
   // No memory, a team that no solver takes: the team stays as it was before the event that asks for it.
@@ -159,7 +159,7 @@ void Succession::prepare() noexcept {
 }
 
 /// Makes the team that these events lead to, without those that cannot be. Where it throws, nothing has changed.
-void Succession::make_next(std::span<const std::size_t> events) {
+void TeamSwitcher::make_next(std::span<const std::size_t> events) {
   const double t = request_.t + period_;
   Roster roster = roster_;
   std::vector<std::size_t> refused;
@@ -194,7 +194,7 @@ void Succession::make_next(std::span<const std::size_t> events) {
 }
 
 /// Robots of both teams go on with their plan, others begin at u*.
-void Succession::give_plan(TeamPlanner& planner) const {
+void TeamSwitcher::give_plan(TeamPlanner& planner) const {
   const Team& team = planner.ocp().team();
   std::vector<double> u_ref(size(team.nu()));
   for (const BodyId body : planner.ocp().agent_bodies()) {
@@ -206,7 +206,7 @@ void Succession::give_plan(TeamPlanner& planner) const {
 }
 
 /// Gives the next solver the states one period after the request.
-void Succession::predict(Phase& next) const {
+void TeamSwitcher::predict(Phase& next) const {
   std::vector<double> x = request_.x;
   for (int i = 0; i < world_.bodies(); ++i) {
     const BodyId body{i};

@@ -29,24 +29,24 @@
 
 namespace sightline {
 
-/// Who steers, who drifts, who is there.
+/// Who steers, who is not controlled, who is there.
 struct Phase {
   std::unique_ptr<Solver> solver;
   TeamPlanner* planner = nullptr;  // of the solver
   std::optional<Controller> controller;
-  std::vector<Drifter> drifters{};
+  std::vector<UncontrolledRobot> uncontrolled{};
   Membership membership{};
 };
 
-class Succession {
+class TeamSwitcher {
  public:
   /// @param make  of teams of this horizon; called on the thread
   /// @throws std::invalid_argument for a script that has faults_of(), the first of them, and where the solver that is made
   /// is no TeamPlanner
-  Succession(Roster start, const Script& script, MakeSolver make);
-  ~Succession();
-  Succession(const Succession&) = delete;
-  Succession& operator=(const Succession&) = delete;
+  TeamSwitcher(Roster start, const Script& script, MakeSolver make);
+  ~TeamSwitcher();
+  TeamSwitcher(const TeamSwitcher&) = delete;
+  TeamSwitcher& operator=(const TeamSwitcher&) = delete;
 
   /// Of the team there is now. The loop takes the first one from here.
   Phase& present() noexcept { return present_; }

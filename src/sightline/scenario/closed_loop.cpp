@@ -84,20 +84,20 @@ Controls::Controls(const Scenario& scenario) {
     solver_ = make_solver(scenario.solver, scenario.team, scenario.horizon);
     return;
   }
-  succession_ =
-      std::make_unique<Succession>(Roster(scenario.team, scenario.presence), scenario.script,
-                                   [choice = scenario.solver, horizon = scenario.horizon](const Team& team) {
-                                     return make_solver(choice, team, horizon);
-                                   });
+  team_switcher_ =
+      std::make_unique<TeamSwitcher>(Roster(scenario.team, scenario.presence), scenario.script,
+                                     [choice = scenario.solver, horizon = scenario.horizon](
+                                         const Team& team) { return make_solver(choice, team, horizon); });
 }
 
 Controllers Controls::controllers() const {
-  if (succession_) return {*succession_->present().solver};
+  if (team_switcher_) return {*team_switcher_->present().solver};
   return {*solver_};
 }
 
 ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock,
-                       Sink<Sample>& sink, std::int64_t (*allocations)() noexcept, Succession* succession)
+                       Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
+                       TeamSwitcher* team_switcher)
     : plant_(scenario.team, scenario.x0, plant_options(scenario)),
       sensor_(scenario.team, sensor_options(scenario)),
       guard_(guard_of(scenario)),
@@ -108,7 +108,7 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers,
              .allocations = allocations,
              .guard = guard_ ? &*guard_ : nullptr,
              .late_plans = scenario.simulation.late_plans,
-             .succession = succession,
+             .team_switcher = team_switcher,
              .signals = scenario.simulation.signals,
              .d_hard = hard_distances(scenario)}) {}
 

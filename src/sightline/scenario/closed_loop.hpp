@@ -24,7 +24,7 @@ bool plans_in_a_changing_team(std::string_view solver);
 /// In simulated time no deadline acts: a solver has the time it takes, and a run is the same on any machine.
 void lift_deadline(SolverChoice& choice);
 
-/// Who steers a scenario: a solver of its team, or a succession of them where the team changes in flight.
+/// Who steers a scenario: a solver of its team, or a TeamSwitcher of them where the team changes in flight.
 class Controls {
  public:
   /// @throws as check_solvers(), and for a script with faults
@@ -33,11 +33,11 @@ class Controls {
   /// Of the start.
   Controllers controllers() const;
   /// None for a team that stays.
-  Succession* succession() const { return succession_.get(); }
+  TeamSwitcher* team_switcher() const { return team_switcher_.get(); }
 
  private:
   std::unique_ptr<Solver> solver_;
-  std::unique_ptr<Succession> succession_;
+  std::unique_ptr<TeamSwitcher> team_switcher_;
 };
 
 /// Plant, sensor, guard and loop of one flight, as the scenario says. All memory is taken when it is made.
@@ -45,11 +45,11 @@ class ClosedLoop {
  public:
   /// @param controllers  a solver of the scenario's team; they, the clock and the sink outlive this
   /// @param sink         its items are copies of sized_sample()
-  /// @param succession   of the Controls, if the scenario has one
+  /// @param team_switcher   of the Controls, if the scenario has one
   /// @param allocations  of the calling thread so far, where they are counted
   /// @throws std::invalid_argument for a start, a disturbance or a sink that cannot be, named
   ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
-             std::int64_t (*allocations)() noexcept = nullptr, Succession* succession = nullptr);
+             std::int64_t (*allocations)() noexcept = nullptr, TeamSwitcher* team_switcher = nullptr);
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 
