@@ -343,6 +343,53 @@ TEST(TeamSwitcher, ASolverOfOnesOwnThatHandsOverItsPlanFliesThroughEvents) {
   for (const FlownPeriod& period : flight.flown) EXPECT_TRUE(gives_plan(period.solver.status)) << period.time;
 }
 
+/// Keeps the plan with which it is asked for its first update.
+class WatchedPlanner final : public GradientPlanner {
+ public:
+  struct Begin {
+    Team team;
+    std::vector<double> plan;
+  };
+  WatchedPlanner(Team team, std::vector<Begin>& begins)
+      : GradientPlanner(std::move(team), Horizon{}), begins_(begins) {}
+  Solution solve(double time, std::span<const double> states) noexcept override {
+    if (!begun_) begins_.push_back({ocp().team(), whole_plan()});
+    begun_ = true;
+    return GradientPlanner::solve(time, states);
+  }
+
+ private:
+  std::vector<Begin>& begins_;
+  bool begun_ = false;
+};
+
+TEST(TeamSwitcher, AfterEachChangeThoseWhoStayBeginWithTheirPlanAndOthersAtTheirReference) {
+  const Team all = event_team(4);
+  std::vector<WatchedPlanner::Begin> begins;
+  const TeamFlight flight =
+      fly_script(all, event_start(all),
+                 {{at(0.5, RemoveBody{BodyId{3}, Afterwards::hold}),
+                   at(1.0, RetuneTerm{.name = "sees1", .weight = 0.7}), at(1.5, AddBody{BodyId{3}})}},
+                 2.0, {}, false, {},
+                 [&](Team team) { return std::make_unique<WatchedPlanner>(std::move(team), begins); });
+  ASSERT_EQ(begins.size(), 4U);
+  for (std::size_t change = 1; change < begins.size(); ++change) {
+    const Team& team = begins[change].team;
+    const FlownPeriod& asked = flight.flown[50 * change];
+    for (const Agent& agent : team.agents()) {
+      const bool is_new = change == 3 && agent.name == "uav3";
+      const int in_team = team.input_offset(team.find(agent.name)),
+                in_all = all.input_offset(all.find(agent.name));
+      for (int i = 0; i < 4; ++i) {
+        EXPECT_EQ(
+            begins[change].plan[static_cast<std::size_t>(in_team + i)],
+            is_new ? agent.u_ref[static_cast<std::size_t>(i)] : asked.u[static_cast<std::size_t>(in_all + i)])
+            << "change " << change << ", " << agent.name;
+      }
+    }
+  }
+}
+
 TEST(TeamSwitcher, ASolverThatCannotHandOverItsPlanIsRefusedWithItsNameAndTheNeed) {
   EXPECT_EQ(refusal_of([] {
               TeamSwitcher(Roster(event_team(2)), {},

@@ -10,7 +10,7 @@
 
 namespace sightline {
 
-class GradientPlanner final : public Solver, public TeamPlanner {
+class GradientPlanner : public Solver, public TeamPlanner {
  public:
   GradientPlanner(Team team, const Horizon& horizon)
       : ocp_(std::move(team), horizon),

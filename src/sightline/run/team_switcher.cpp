@@ -202,7 +202,9 @@ void TeamSwitcher::give_plan(TeamPlanner& planner) const {
     std::copy(of_agent.begin(), of_agent.end(), u_ref.begin() + team.input_offset(body));
   }
   for (int k = 0; k < planner.ocp().horizon().N; ++k) planner.set_plan(k, u_ref);
-  planner.take_over(present_.solver->ocp().team(), request_.plan);
+  const Ocp& before = present_.solver->ocp();
+  planner.take_over(before.team(),
+                    std::span(request_.plan).first(size(before.horizon().N) * size(before.nu())));
 }
 
 /// Gives the next solver the states one period after the request.
