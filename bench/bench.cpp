@@ -127,7 +127,10 @@ void pin_to_core() {
 }
 
 BenchRow run_bench(const BenchCase& what, SolverChoice choice, const BenchOptions& options) {
-  if (auto* newton = std::get_if<NewtonRiccatiOptions>(&choice.options)) newton->kernels = what.kernels;
+  const auto choose_kernels = [&](auto& chosen) {
+    if constexpr (requires { chosen.kernels; }) chosen.kernels = what.kernels;
+  };
+  std::visit(choose_kernels, choice.options);
   const auto solver = make_solver(choice, what.team, bench_horizon);
   const Flight flight = fly(what, *solver, options);
   BenchRow row{.name = what.name,

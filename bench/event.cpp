@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <chrono>
 
-#include "sightline/run/succession.hpp"
+#include "sightline/run/team_switcher.hpp"
 #include "tests/support/event_team.hpp"
-#include "tests/support/succession_flight.hpp"
+#include "tests/support/team_flight.hpp"
 
 namespace sightline {
 
@@ -23,7 +23,7 @@ std::vector<BenchRow> run_event_bench(const BenchOptions& options) {
                      .ramp = 0.3};
   };
   const Script script{{turn("start", "there", BodyId{0}), turn("there", "start", BodyId{1})}};
-  Succession succession(Roster(world), script, newton_riccati_of(bench_horizon));
+  TeamSwitcher team_switcher(Roster(world), script, newton_riccati_of(bench_horizon));
   Plant plant(world, event_start(world, leaders));
   std::vector<double> u(static_cast<std::size_t>(world.nu()));
   std::vector<double> all, after, changes;
@@ -35,19 +35,19 @@ std::vector<BenchRow> run_event_bench(const BenchOptions& options) {
   for (int k = 0; k < options.updates; ++k) {
     const double t = bench_horizon.dt * k;
     const std::int64_t before = count();
-    while (!succession.is_ready()) std::this_thread::yield();
+    while (!team_switcher.is_ready()) std::this_thread::yield();
     const Time::time_point begin = Time::now();
-    const bool swapped = succession.swap(t, plant.x(), u, true);
+    const bool swapped = team_switcher.swap(t, plant.x(), u, true);
     const double swap_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
     if (swapped) changes.push_back(swap_us), since = 0, ++changed;
-    Controller& controller = *succession.present().controller;
+    Controller& controller = *team_switcher.present().controller;
     controller.gather(world, plant.x(), u);
     const Solution solution = controller.solver->solve(t, controller.states);
     std::copy(solution.u.begin(), solution.u.end(), u.begin());
     if (k > 0) all.push_back(1e6 * solution.elapsed);
     if (since++ < 3) after.push_back(1e6 * solution.elapsed);
-    succession.look(t, plant.x(), u, {});
-    succession.clear_events();
+    team_switcher.look(t, plant.x(), u, {});
+    team_switcher.clear_events();
     allocations = std::max(allocations, count() - before);
     (void)plant.step(u, bench_horizon.dt);
   }

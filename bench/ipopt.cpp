@@ -180,7 +180,7 @@ Optimum IpoptReference::solve(double t, std::span<const double> x, std::span<con
   Optimum optimum{};
   shooting_->set(t, x, guess);
   for (const std::vector<int>& agents : order_) move_to_optimum(agents, quality, optimum);
-  std::vector<int> all(shooting_->ocp().agents().size());
+  std::vector<int> all(shooting_->ocp().agent_bodies().size());
   std::iota(all.begin(), all.end(), 0);
   shooting_->choose(all);
   optimum.u = shooting_->inputs();

@@ -15,8 +15,8 @@ MultipleShooting::MultipleShooting(Ocp ocp)
       lambda_(ocp_.nx(), N()),
       time_(1, N()),
       weights_(2 * (ocp_.nx() + ocp_.nu()), N()),
-      agents_(ocp_.agents().size()),
-      pairs_(ocp_.pairs().size()),
+      agents_(ocp_.formulas().agents.size()),
+      pairs_(ocp_.formulas().pairs.size()),
       variables_(at(ocp_.team().bodies()), -1),
       rows_(variables_) {
   bind();
@@ -42,7 +42,7 @@ void MultipleShooting::bind() {
   for (std::size_t a = 0; a < agents_.size(); ++a) {
     const BodyId body = ocp_.agent_bodies()[a];
     const Agent& agent = ocp_.team().agents()[a];
-    const AgentFormula& formula = ocp_.agents()[a];
+    const AgentFormula& formula = ocp_.formulas().agents[a];
     Bound& rows = agents_[a];
     rows.first = Evaluation(*formula.first, N());
     rows.second = Evaluation(*formula.second, N());
@@ -65,7 +65,7 @@ void MultipleShooting::bind() {
     outputs(rows, *formula.first, *formula.second);
   }
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    const PairFormula& formula = ocp_.pairs()[p];
+    const PairFormula& formula = ocp_.formulas().pairs[p];
     Bound& rows = pairs_[p];
     rows.first = Evaluation(*formula.first, N());
     rows.second = Evaluation(*formula.second, N());
@@ -135,7 +135,7 @@ void MultipleShooting::choose(const std::vector<int>& agents) {
     };
     for (const int a : free_) {
       const BodyId body = ocp_.agent_bodies()[at(a)];
-      const AgentFormula& formula = ocp_.agents()[at(a)];
+      const AgentFormula& formula = ocp_.formulas().agents[at(a)];
       const int nx = ocp_.team().model(body).nx(), row = k * constraints_per_stage_ + rows_[at(body.index)];
       for (int i = 0; i < nx; ++i) {
         jacobian_.push_back({row + i, variable(body, i, k + 1), nullptr, -1.0});
@@ -150,7 +150,7 @@ void MultipleShooting::choose(const std::vector<int>& agents) {
                agents_[at(a)].second_out[e.output] + k);
     }
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
-      const PairFormula& formula = ocp_.pairs()[p];
+      const PairFormula& formula = ocp_.formulas().pairs[p];
       const Model& first = ocp_.team().model(formula.a);
       const int za = first.nx() + first.nu();
       const auto z = [&](int i) {
@@ -289,7 +289,7 @@ void MultipleShooting::gradient(double* dJ) {
     }
   }
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    const PairFormula& formula = ocp_.pairs()[p];
+    const PairFormula& formula = ocp_.formulas().pairs[p];
     pairs_[p].first.run();
     const Model& first = ocp_.team().model(formula.a);
     const int za = first.nx() + first.nu();

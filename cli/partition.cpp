@@ -10,7 +10,8 @@
 #include "sightline/base/index.hpp"
 #include "sightline/base/quantile.hpp"
 #include "sightline/record/text_file.hpp"
-#include "sightline/solver/distributed/sweeps.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/solver/distributed/partition_convergence.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -19,20 +20,22 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t moments_max = 24;
 constexpr std::size_t times_max = 1'000'000;
-constexpr int rounds = 6;
+constexpr int exchanges_compared = 6;
 
-/// What a part plans with.
-NewtonRiccatiOptions solver_of_parts(const Scenario& scenario) {
-  return std::get<NewtonRiccatiOptions>(scenario.solver.options);
+/// Makes solvers of that choice, for teams of one horizon.
+MakeSolver maker_of(SolverChoice choice, const Horizon& horizon) {
+  return
+      [choice = std::move(choice), horizon](const Team& team) { return make_solver(choice, team, horizon); };
 }
 
-/// Median and greatest of one number of all moments' sweeps, after so many rounds.
+/// Median and greatest of one number of all moments, after so many exchanges.
 struct Spread {
   double median, greatest;
 };
-Spread spread(const std::vector<std::vector<Sweep>>& sweeps, int round, double Sweep::*number) {
+Spread spread(const std::vector<std::vector<FromOptimum>>& moments, int exchange,
+              double FromOptimum::*number) {
   std::vector<double> sizes;
-  for (const std::vector<Sweep>& s : sweeps) sizes.push_back(std::abs(s[at(round)].*number));
+  for (const std::vector<FromOptimum>& s : moments) sizes.push_back(std::abs(s[at(exchange)].*number));
   return {quantile(sizes, 0.5), quantile(sizes, 1.0)};
 }
 
@@ -42,10 +45,10 @@ Json as_json(const Spread& s) { return {{"median", s.median}, {"max", s.greatest
 
 PartitionChoice read_partition(const Scenario& scenario, const std::string& parts, const std::string& order,
                                int exchanges) {
-  if (!std::holds_alternative<NewtonRiccatiOptions>(scenario.solver.options)) {
+  if (!plans_in_a_changing_team(scenario.solver.name)) {
     throw std::invalid_argument(
-        fmt::format("--partition: solver.name = {}, expected newton_riccati, which parts plan with",
-                    scenario.solver.name));
+        fmt::format("--partition: solver.name = {}, expected {}, which parts plan with", scenario.solver.name,
+                    team_planners()));
   }
   if (changes_in_flight(scenario)) {
     throw std::invalid_argument("--partition: the team changes in flight, expected one that stays");
@@ -54,7 +57,7 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
                          .parts = sightline::read_partition(parts, scenario.team),
                          .order = exchange_order(order),
                          .exchanges = exchanges};
-  for (const std::vector<AgentId>& part : choice.parts) (void)part_of(scenario.team, part);
+  for (const std::vector<AgentId>& part : choice.parts) (void)subteam_of(scenario.team, part);
   if (exchanges < 1 || exchanges > 1000) {
     throw std::invalid_argument(fmt::format("exchanges = {}, expected 1 to 1000", exchanges));
   }
@@ -63,8 +66,9 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
 
 PartitionedFlight::PartitionedFlight(const Scenario& scenario, const PartitionChoice& choice)
     : choice_(choice),
-      solver_(Ocp(scenario.team, scenario.horizon), choice.parts,
-              {.order = choice.order, .exchanges = choice.exchanges, .solver = solver_of_parts(scenario)}),
+      solver_name_(scenario.solver.name),
+      solver_(scenario.team, choice.parts, maker_of(scenario.solver, scenario.horizon),
+              {.order = choice.order, .exchanges = choice.exchanges}),
       moments_(moments_max) {
   const auto updates =
       static_cast<std::size_t>(std::llround(scenario.simulation.duration / scenario.horizon.dt));
@@ -94,18 +98,19 @@ Solution PartitionedFlight::solve(double time, std::span<const double> states) n
 
 std::string PartitionedFlight::tell(const std::filesystem::path& folder, const std::string& summary,
                                     const std::string& whole) {
-  std::vector<std::vector<Sweep>> sweeps;
-  PartitionedSolver still(ocp(), choice_.parts,
-                          {.order = choice_.order, .exchanges = 1, .solver = {.max_newton_steps = 1}});
-  NewtonRiccati whole_team(ocp(), to_the_end());
+  std::vector<std::vector<FromOptimum>> moments;
+  PartitionedSolver still(ocp().team(), choice_.parts, maker_of(solver_named(solver_name_), ocp().horizon()),
+                          {.order = choice_.order});
+  const std::unique_ptr<Solver> reference = make_reference_solver(ocp());
   for (std::size_t i = 0; i < kept_; ++i) {
     const Moment& moment = moments_[i];
     const std::size_t nu = at(ocp().nu());
     still.restart();
     for (int k = 0; k < ocp().horizon().N; ++k)
       still.set_plan(k, std::span(moment.plan).subspan(at(k) * nu, nu));
-    std::vector<Sweep> of_moment = sweep(still, whole_team, moment.time, moment.states, rounds);
-    if (!of_moment.empty()) sweeps.push_back(std::move(of_moment));
+    std::vector<FromOptimum> of_moment =
+        partition_convergence(still, *reference, moment.time, moment.states, exchanges_compared);
+    if (!of_moment.empty()) moments.push_back(std::move(of_moment));
   }
 
   Json json;
@@ -124,29 +129,33 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
   json["cost_excess"] = excess;
   json["part_us"] = quantile(part_us_, 0.5);
   json["numbers_told"] = numbers;  // by a robot in an exchange
-  json["moments"] = sweeps.size();
+  json["moments"] = moments.size();
   json["sweeps"] = Json::array();
 
-  std::string text = fmt::format("{} parts, {} order, exchanges an update: {}\n", solver_.parts(),
+  std::string text = fmt::format("{} parts, {} order, exchanges an update: {}\n", solver_.subteams(),
                                  to_string(choice_.order), choice_.exchanges);
   text += fmt::format("cost {:.6g} s, of the whole team's solver {:.6g} s: {:+.4f} %\n", cost, whole_cost,
                       100 * excess);
   text += fmt::format("slowest part {:.1f} us an update, median; a robot tells {} numbers an exchange\n",
                       quantile(part_us_, 0.5), numbers);
-  if (sweeps.empty()) {
+  if (moments.empty()) {
     text += "no moment of the flight has a stationary point to compare with\n";
   } else {
-    text += fmt::format("\nfrom the optimum of the whole team, at {} moments of the flight\n", sweeps.size());
+    text +=
+        fmt::format("\nfrom the optimum of the whole team, at {} moments of the flight\n", moments.size());
     text +=
         "sweep   |u - u*| median       max    |J - J*|/J* median       max    residual [1/s] median       "
         "max\n";
   }
-  for (int round = 0; round < rounds && !sweeps.empty(); ++round) {
-    const Spread input = spread(sweeps, round, &Sweep::input), price = spread(sweeps, round, &Sweep::cost),
-                 kkt = spread(sweeps, round, &Sweep::kkt);
-    json["sweeps"].push_back(
-        {{"sweep", round + 1}, {"input", as_json(input)}, {"cost", as_json(price)}, {"kkt", as_json(kkt)}});
-    text += fmt::format("{:5}   {:15.2e}  {:8.2e}    {:18.2e}  {:8.2e}    {:21.2e}  {:8.2e}\n", round + 1,
+  for (int exchange = 0; exchange < exchanges_compared && !moments.empty(); ++exchange) {
+    const Spread input = spread(moments, exchange, &FromOptimum::input),
+                 price = spread(moments, exchange, &FromOptimum::cost),
+                 kkt = spread(moments, exchange, &FromOptimum::kkt);
+    json["sweeps"].push_back({{"sweep", exchange + 1},
+                              {"input", as_json(input)},
+                              {"cost", as_json(price)},
+                              {"kkt", as_json(kkt)}});
+    text += fmt::format("{:5}   {:15.2e}  {:8.2e}    {:18.2e}  {:8.2e}    {:21.2e}  {:8.2e}\n", exchange + 1,
                         input.median, input.greatest, price.median, price.greatest, kkt.median, kkt.greatest);
   }
   write_text(folder / "partition.json", json.dump(2) + "\n");

@@ -38,7 +38,7 @@ class PartitionedFlight final : public Solver {
   void planned(double time, std::span<double> u) const noexcept override { solver_.planned(time, u); }
   void restart() noexcept override { solver_.restart(); }
 
-  /// After the flight: at the moments kept, how far rounds are from the optimum of the whole team. Writes
+  /// After the flight: at the moments kept, how far exchanges are from the optimum of the whole team. Writes
   /// partition.json into the folder.
   /// @param summary, whole  summary.json of this flight, and of the same flight under a solver of the whole team
   /// @return a table for a person
@@ -51,6 +51,7 @@ class PartitionedFlight final : public Solver {
   };
 
   PartitionChoice choice_;
+  std::string solver_name_;  // of the parts
   PartitionedSolver solver_;
   std::vector<Moment> moments_;
   std::vector<double> part_us_;  // of each update, the slowest part

@@ -26,7 +26,7 @@ Scenario scenario_of(const FlownAs& flown, const std::filesystem::path& log, con
   } else if (!in_parts && flown.solver != scenario.solver.name && command.set.empty()) {
     scenario.solver = solver_named(flown.solver);
   }
-  if (auto* newton = std::get_if<NewtonRiccatiOptions>(&scenario.solver.options)) newton->deadline = 0.0;
+  lift_deadline(scenario.solver);
   scenario.simulation.compare.clear();
   check_solvers(scenario);
   return scenario;
@@ -46,7 +46,7 @@ class Steering {
     if (subteams_) return {*subteams_};
     return controls_->controllers();
   }
-  Succession* succession() const { return controls_ ? controls_->succession() : nullptr; }
+  TeamSwitcher* team_switcher() const { return controls_ ? controls_->team_switcher() : nullptr; }
 
  private:
   std::optional<Controls> controls_;
@@ -127,7 +127,7 @@ int replay(const ReplayCommand& command) {
     Steering steering(scenario, flown, command.solver.has_value());
     const Controllers controllers = steering.controllers();
     CommandComparison compared(flight, sized_sample(scenario.team, controllers, flight.detections_max()));
-    ClosedLoop loop(scenario, flight, controllers, flight, compared, nullptr, steering.succession());
+    ClosedLoop loop(scenario, flight, controllers, flight, compared, nullptr, steering.team_switcher());
     (void)loop.fly();
 
     if (command.json) {

@@ -31,9 +31,7 @@ Scenario read(const RunOptions& options) {
   if (options.solver && *options.solver != scenario.solver.name)
     scenario.solver = solver_named(*options.solver);
   std::erase(scenario.simulation.compare, scenario.solver.name);
-  // Simulated time waits for a solver: the log is the same on any machine.
-  if (auto* newton = std::get_if<NewtonRiccatiOptions>(&scenario.solver.options); newton && !options.realtime)
-    newton->deadline = 0.0;
+  if (!options.realtime) lift_deadline(scenario.solver);
   check_solvers(scenario);
   return scenario;
 }
@@ -68,12 +66,12 @@ struct Flight {
 
 /// Flies the scenario under its controllers; leaves run.mcap, timing.csv and summary.json in the folder.
 Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
-                  const Controllers& controllers, Succession* succession = nullptr,
+                  const Controllers& controllers, TeamSwitcher* team_switcher = nullptr,
                   const McapWords& flown = {}) {
   // All memory is taken here, before the first period.
   const Sample prototype = sized_sample(scenario.team, controllers);
   Ring<Sample> ring(ring_capacity(prototype), prototype);
-  ClosedLoop loop(scenario, controllers, clock, ring, allocations, succession);
+  ClosedLoop loop(scenario, controllers, clock, ring, allocations, team_switcher);
 
   Progress progress(scenario.simulation.duration);
   Log log(
@@ -95,7 +93,7 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
 
 Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock) {
   const Controls controls(scenario);
-  return fly_logged(scenario, folder, clock, controls.controllers(), controls.succession());
+  return fly_logged(scenario, folder, clock, controls.controllers(), controls.team_switcher());
 }
 
 }  // namespace
@@ -147,7 +145,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
   SolverChoice of_whole = scenario.solver;
   if (partition != nullptr) {
     parts.emplace(scenario, *partition);
-    std::get<NewtonRiccatiOptions>(of_whole.options).deadline = 0.0;
+    lift_deadline(of_whole);
     scenario.solver.name = parts->name();
   }
   const Flight flight = parts ? fly_logged(scenario, folder, clock, {*parts}, nullptr,

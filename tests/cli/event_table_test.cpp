@@ -235,10 +235,10 @@ Scenario cell(const Row& row, const Column& column) {
 /// Judges each sample as it comes, from what the samples say alone and beside what the loop knows.
 class Judge final : public Sink<Sample> {
  public:
-  Judge(const Scenario& scenario, const Controllers& controllers, const Row& row, Succession* succession)
+  Judge(const Scenario& scenario, const Controllers& controllers, const Row& row, TeamSwitcher* team_switcher)
       : scenario_(scenario),
         row_(row),
-        succession_(succession),
+        team_switcher_(team_switcher),
         sample_(sized_sample(scenario.team, controllers)),
         log_team_(scenario),
         summary_(scenario, controllers.size()) {}
@@ -275,7 +275,7 @@ class Judge final : public Sink<Sample> {
     }
   }
   void compare_teams() {
-    const Phase& phase = succession_->present();
+    const Phase& phase = team_switcher_->present();
     const Team &loop = phase.solver->ocp().team(), &log = log_team_.team();
     ASSERT_EQ(phase.membership.presence, sample_.presence) << sample_.time;
     ASSERT_EQ(loop.bodies(), log.bodies()) << sample_.time;
@@ -301,7 +301,7 @@ class Judge final : public Sink<Sample> {
     for (std::size_t r = 0; r < team.agents().size(); ++r) {
       const BodyId robot = team.find(team.agents()[r].name);
       std::vector<double> low(4), high(4);
-      succession_->present().membership.limits[r].at(sample_.time, low, high);
+      team_switcher_->present().membership.limits[r].at(sample_.time, low, high);
       for (std::size_t i = 0; i < 4; ++i) {
         const double u = sample_.u[static_cast<std::size_t>(team.input_offset(robot)) + i];
         ASSERT_TRUE(u >= low[i] && u <= high[i]) << team.name(robot) << " " << sample_.time << " " << u;
@@ -329,7 +329,7 @@ class Judge final : public Sink<Sample> {
 
   const Scenario& scenario_;
   const Row& row_;
-  Succession* succession_;
+  TeamSwitcher* team_switcher_;
   Sample sample_;
   PresentTeam log_team_;
   Summary summary_;
@@ -344,8 +344,8 @@ TEST_P(EventTable, EveryKindOfEventKeepsEveryLaw) {
     const Controls controls(scenario);
     SimulatedClock clock;
     const Controllers controllers = controls.controllers();
-    Judge judge(scenario, controllers, row, controls.succession());
-    ClosedLoop loop(scenario, controllers, clock, judge, cli::allocations, controls.succession());
+    Judge judge(scenario, controllers, row, controls.team_switcher());
+    ClosedLoop loop(scenario, controllers, clock, judge, cli::allocations, controls.team_switcher());
     const LoopOutcome outcome = loop.fly();
     EXPECT_TRUE(outcome.finite);
     EXPECT_EQ(outcome.refused, 0);

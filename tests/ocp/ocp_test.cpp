@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
 #include <limits>
 #include <map>
+#include <thread>
 
 #include "sightline/formula/interpret.hpp"
 #include "tests/support/error.hpp"
@@ -113,7 +115,7 @@ TEST(Ocp, AgentsKeepTheirOrderAmongObstacles) {
     const Team team = random_team(random, 1 + trial % 5, Feeling::anyone);
     const Ocp ocp(team, {});
     ASSERT_EQ(ocp.agent_bodies().size(), team.agents().size());
-    ASSERT_EQ(ocp.agents().size(), team.agents().size());
+    ASSERT_EQ(ocp.formulas().agents.size(), team.agents().size());
     for (std::size_t a = 0; a < team.agents().size(); ++a) {
       EXPECT_EQ(team.name(ocp.agent_bodies()[a]), team.agents()[a].name);
     }
@@ -126,8 +128,8 @@ TEST(Ocp, AnAgentsJacobianIsTheSlopeOfItsModel) {
   Random random(2);
   for (int trial = 0; trial < 20; ++trial) {
     const Ocp ocp(random_team(random, 2, Feeling::anyone), {});
-    for (std::size_t a = 0; a < ocp.agents().size(); ++a) {
-      const AgentFormula& formula = ocp.agents()[a];
+    for (std::size_t a = 0; a < ocp.formulas().agents.size(); ++a) {
+      const AgentFormula& formula = ocp.formulas().agents[a];
       const BodyId body = ocp.agent_bodies()[a];
       AgentPoint point(random, ocp.team(), body);
       std::vector<double> z(point.inputs.begin(), point.inputs.begin() + point.nx + point.nu);
@@ -154,8 +156,8 @@ TEST(Ocp, AnAgentsHessianIsTheSlopeOfItsGradientAndHasBothTriangles) {
   Random random(3);
   for (int trial = 0; trial < 20; ++trial) {
     const Ocp ocp(random_team(random, 2, Feeling::anyone), {});
-    for (std::size_t a = 0; a < ocp.agents().size(); ++a) {
-      const AgentFormula& formula = ocp.agents()[a];
+    for (std::size_t a = 0; a < ocp.formulas().agents.size(); ++a) {
+      const AgentFormula& formula = ocp.formulas().agents[a];
       const AgentPoint point(random, ocp.team(), ocp.agent_bodies()[a]);
       const auto first_inputs = std::vector<double>(point.inputs.begin(), point.inputs.end() - point.nx);
       const auto hessian = placed(formula.hessian, evaluate(*formula.second, point.inputs));
@@ -185,7 +187,7 @@ TEST(Ocp, APairHasTheRowsOfWhoFeelsItAndTheColumnsOfAllAgents) {
   for (int trial = 0; trial < 30; ++trial) {
     const Team team = random_team(random, 3, Feeling::anyone);
     const Ocp ocp(team, {});
-    for (const PairFormula& pair : ocp.pairs()) {
+    for (const PairFormula& pair : ocp.formulas().pairs) {
       const Model &a = team.model(pair.a), &b = team.model(pair.b);
       const int za = a.nx() + a.nu(), zb = b.nx() + b.nu();
       std::vector<double> point;
@@ -228,7 +230,7 @@ TEST(Ocp, CouplingsOfOnePairFeltAlikeAreOneFormulaAndTheirSum) {
   };
   const Weighted cone = 0.4 * SensorCone{}, keep_out = 0.7 * KeepOut{}, pace = 0.2 * ChangingPace{};
   const Ocp together = pairs_of({cone, keep_out, pace});
-  ASSERT_EQ(together.pairs().size(), 1u);
+  ASSERT_EQ(together.formulas().pairs.size(), 1u);
   Random random(5);
   for (int trial = 0; trial < 100; ++trial) {
     std::vector<double> point = random_numbers(random, 23, 1.0);
@@ -236,11 +238,11 @@ TEST(Ocp, CouplingsOfOnePairFeltAlikeAreOneFormulaAndTheirSum) {
     for (const Weighted& term : {cone, keep_out, pace}) {
       const Ocp single = pairs_of({term});
       for (const auto& [place, value] :
-           placed(single.pairs()[0].gradient, evaluate(*single.pairs()[0].first, point))) {
+           placed(single.formulas().pairs[0].gradient, evaluate(*single.formulas().pairs[0].first, point))) {
         sum[place.first] += value;
       }
     }
-    const PairFormula& pair = together.pairs()[0];
+    const PairFormula& pair = together.formulas().pairs[0];
     EXPECT_EQ(pair.gradient.size(), sum.size());
     for (const auto& [place, value] : placed(pair.gradient, evaluate(*pair.first, point))) {
       EXPECT_LE(relative_error(value, sum.at(place.first)), 1e-13);
@@ -255,7 +257,7 @@ TEST(Ocp, CouplingsFeltByOthersStandApart) {
   team.couple(0.4 * KeepOut{}, Between{a, b}, felt_by({a, b}));
   team.couple(0.4 * SensorCone{}, Between{b, a}, felt_by(b));
   const Ocp ocp(team, {});
-  EXPECT_EQ(ocp.pairs().size(), 3u);
+  EXPECT_EQ(ocp.formulas().pairs.size(), 3u);
 }
 
 TEST(Ocp, RobotsAndPairsOfOneKindShareTheirPrograms) {
@@ -269,14 +271,71 @@ TEST(Ocp, RobotsAndPairsOfOneKindShareTheirPrograms) {
     team.couple(0.4 * SensorCone{}, Between{robots[i], robots[i + 1]}, felt_by(robots[i]));
   }
   const Ocp ocp(team, {});
-  for (const AgentFormula& formula : ocp.agents()) {
-    EXPECT_EQ(formula.first, ocp.agents()[0].first);
-    EXPECT_EQ(formula.second, ocp.agents()[0].second);
+  for (const AgentFormula& formula : ocp.formulas().agents) {
+    EXPECT_EQ(formula.first, ocp.formulas().agents[0].first);
+    EXPECT_EQ(formula.second, ocp.formulas().agents[0].second);
   }
-  for (const PairFormula& pair : ocp.pairs()) {
-    EXPECT_EQ(pair.first, ocp.pairs()[0].first);
-    EXPECT_EQ(pair.second, ocp.pairs()[0].second);
+  for (const PairFormula& pair : ocp.formulas().pairs) {
+    EXPECT_EQ(pair.first, ocp.formulas().pairs[0].first);
+    EXPECT_EQ(pair.second, ocp.formulas().pairs[0].second);
   }
+}
+
+/// Counts how often it is traced, and fails as often as it is asked to.
+struct CountedPotential {
+  static constexpr std::string_view name = "counted_potential";
+  static inline std::atomic<int> traced{0}, failures{0};
+
+  template <class S>
+  S operator()(const Sight<S>& a, const Sight<S>& b, const S&) const {
+    if constexpr (std::is_same_v<S, Symbol>) {
+      ++traced;
+      if (failures > 0 && failures-- > 0) throw std::runtime_error("not now");
+    }
+    return dot(a.p - b.p, a.p - b.p);
+  }
+};
+
+Team counted_pair() {
+  Team team;
+  const AgentId a = team.add(Multirotor{}), b = team.add(Multirotor{});
+  team.couple(1.0 * CountedPotential{}, Between{a, b});
+  CountedPotential::traced = 0;
+  return team;
+}
+
+TEST(Ocp, FormulasAreTracedWhenFirstAskedForOnceForAllCopies) {
+  const Ocp ocp(counted_pair(), {}), before = ocp;
+  EXPECT_EQ(CountedPotential::traced, 0) << "none was asked for";
+  EXPECT_FALSE(ocp.is_traced());
+  const Formulas& formulas = before.formulas();
+  const Ocp after = ocp;
+  for (const Ocp* copy : {&ocp, &before, &after}) {
+    EXPECT_TRUE(copy->is_traced());
+    EXPECT_EQ(&copy->formulas(), &formulas);
+  }
+  EXPECT_EQ(CountedPotential::traced, 1);
+}
+
+TEST(Ocp, ThreadsThatAskAtOneTimeGetOneTracing) {
+  for (int trial = 0; trial < 20; ++trial) {
+    const Ocp ocp(counted_pair(), {});
+    std::vector<const Formulas*> got(4);
+    std::vector<std::thread> threads;
+    for (const Formulas*& mine : got) threads.emplace_back([&mine, copy = ocp] { mine = &copy.formulas(); });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(CountedPotential::traced, 1);
+    for (const Formulas* mine : got) EXPECT_EQ(mine, &ocp.formulas());
+  }
+}
+
+TEST(Ocp, AFormulaThatThrowsOnceIsTracedByTheNextWhoAsks) {
+  const Ocp ocp(counted_pair(), {});
+  CountedPotential::failures = 1;
+  EXPECT_THROW((void)ocp.formulas(), std::runtime_error);
+  EXPECT_FALSE(ocp.is_traced());
+  EXPECT_EQ(ocp.formulas().pairs.size(), 1u);
+  EXPECT_EQ(ocp.formulas().agents.size(), 2u);
 }
 
 TEST(Ocp, ItsProgramsOutliveTheOcpTheyCameFrom) {
@@ -286,7 +345,7 @@ TEST(Ocp, ItsProgramsOutliveTheOcpTheyCameFrom) {
   {
     const Ocp ocp(one_robot(), {});
     const Ocp copy = ocp;
-    program = copy.agents()[0].first;
+    program = copy.formulas().agents[0].first;
     inputs = random_numbers(random, 4 * 7 - 7 + 3 * 4 + 1, 1.0);
     before = evaluate(*program, inputs);
   }

@@ -6,7 +6,7 @@
 
 #include "sightline/record/present_team.hpp"
 #include "sightline/scenario/closed_loop.hpp"
-#include "tests/support/succession_flight.hpp"
+#include "tests/support/team_flight.hpp"
 
 namespace sightline {
 namespace {
@@ -24,14 +24,14 @@ Flight fly(const Scenario& scenario, bool with_kkt = false) {
   std::vector<double> u_before(static_cast<std::size_t>(scenario.team.nu()));
   if (with_kkt) {
     sink.after = [&](FlownPeriod& period) {
-      Phase& phase = controls.succession()->present();
+      Phase& phase = controls.team_switcher()->present();
       phase.controller->gather(scenario.team, period.x, u_before);  // as the update saw it
       u_before = period.u;
       period.kkt = phase.solver->kkt(period.time, phase.controller->states);
     };
   }
   const LoopOutcome outcome =
-      ClosedLoop(scenario, controllers, clock, sink, nullptr, controls.succession()).fly();
+      ClosedLoop(scenario, controllers, clock, sink, nullptr, controls.team_switcher()).fly();
   return {std::move(sink.flown), outcome};
 }
 

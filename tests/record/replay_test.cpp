@@ -24,7 +24,7 @@ struct Flown {
     const Controls controls(scenario);
     Ring<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
                       sized_sample(scenario.team, controls.controllers()));
-    ClosedLoop loop(scenario, controls.controllers(), clock, ring, nullptr, controls.succession());
+    ClosedLoop loop(scenario, controls.controllers(), clock, ring, nullptr, controls.team_switcher());
     (void)loop.fly();
     Log log(scenario, folder.path(), controls.controllers(), ring);
     log.start();
@@ -41,7 +41,8 @@ struct Flown {
 CommandComparison again(const Scenario& scenario, RecordedFlight& flight) {
   const Controls controls(scenario);
   CommandComparison compared(flight, sized_sample(scenario.team, controls.controllers()));
-  ClosedLoop loop(scenario, flight, controls.controllers(), flight, compared, nullptr, controls.succession());
+  ClosedLoop loop(scenario, flight, controls.controllers(), flight, compared, nullptr,
+                  controls.team_switcher());
   (void)loop.fly();
   return compared;
 }

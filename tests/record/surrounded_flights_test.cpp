@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/scenario/closed_loop.hpp"
-#include "tests/support/succession_flight.hpp"
+#include "tests/support/team_flight.hpp"
 
 namespace sightline {
 namespace {
@@ -56,7 +56,7 @@ Flown fly(const Scenario& scenario) {
   SimulatedClock clock;
   const Controllers controllers = controls.controllers();
   KeepSamples sink(sized_sample(scenario.team, controllers));
-  EXPECT_TRUE(ClosedLoop(scenario, controllers, clock, sink, nullptr, controls.succession()).fly().finite);
+  EXPECT_TRUE(ClosedLoop(scenario, controllers, clock, sink, nullptr, controls.team_switcher()).fly().finite);
   Flown flown;
   for (const FlownPeriod& period : sink.flown) {
     const auto at = [&](int body) {

@@ -32,16 +32,16 @@ TEST(Controller, ARobotThatItsTeamSeesAsAnObstacleIsGivenAsPlaceAndVelocity) {
   }
 }
 
-TEST(Drifter, HoldsOrSinksToTheGroundAndStaysThere) {
+TEST(UncontrolledRobot, HoldsOrSinksToTheGroundAndStaysThere) {
   for (const bool lands : {false, true}) {
     const Team world = event_team(2);
     std::vector<double> x = event_start(world);
     x[5] = 1.2, x[6] = -0.7;  // flies fast when it is left alone
     Plant plant(world, x);
-    Drifter drifter(world, BodyId{0}, lands, 0.01);
+    UncontrolledRobot robot(world, BodyId{0}, lands, 0.01);
     std::vector<double> u(static_cast<std::size_t>(world.nu())), low(4), high(4);
     for (int k = 0; k < 1500; ++k) {
-      drifter.steer(0.01 * k, plant.x(), low, high, u);
+      robot.steer(0.01 * k, plant.x(), low, high, u);
       for (const double input : std::span(u).first(4)) EXPECT_LE(std::abs(input), 1.0);
       ASSERT_TRUE(plant.step(u, 0.01));
     }

@@ -1,11 +1,13 @@
 #include "sightline/scenario/closed_loop.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <thread>
 
 #include "tests/support/command.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -93,6 +95,35 @@ TEST(ClosedLoop, ARestartedSolverFliesAsANewOne) {
       EXPECT_EQ(flown(flight, *used), flown(flight, *fresh)) << name << " " << solver_name;
     }
   }
+}
+
+TEST(ClosedLoop, ASolverThatAScenarioAsksTooMuchOfIsRefusedWithTheNeedAndThoseThatCan) {
+  Scenario changing = scenario("handover", 1.0), swarm = scenario("swarm32", 1.0);
+  for (const std::string_view name : {"cmscgmres", "cgmres"}) {
+    changing.solver = swarm.solver = solver_named(name);
+    EXPECT_FALSE(plans_in_a_changing_team(name));
+    EXPECT_EQ(
+        refusal_of([&] { check_solvers(changing); }),
+        fmt::format("the team changes in flight, which the solver {} cannot follow, expected newton_riccati",
+                    name));
+    EXPECT_EQ(refusal_of([&] { check_solvers(swarm); }),
+              fmt::format("the solver {} knows no keep_apart, expected newton_riccati", name));
+  }
+  changing.solver = swarm.solver = solver_named("newton_riccati");
+  EXPECT_NO_THROW(check_solvers(changing));
+  EXPECT_NO_THROW(check_solvers(swarm));
+  changing.simulation.compare = {"cgmres"};
+  EXPECT_NE(refusal_of([&] { check_solvers(changing); }), "") << "what is compared flies the same";
+  EXPECT_EQ(team_planners(), "newton_riccati");
+}
+
+TEST(ClosedLoop, InSimulatedTimeNoDeadlineActs) {
+  SolverChoice choice{.options = NewtonRiccatiOptions{.deadline = 1e-3, .start_steps = 7}};
+  lift_deadline(choice);
+  EXPECT_EQ(std::get<NewtonRiccatiOptions>(choice.options).deadline, 0.0);
+  EXPECT_EQ(std::get<NewtonRiccatiOptions>(choice.options).start_steps, 7);
+  SolverChoice without = solver_named("cgmres");
+  EXPECT_NO_THROW(lift_deadline(without));
 }
 
 TEST(ClosedLoop, AStartThatIsNoStateIsRefused) {

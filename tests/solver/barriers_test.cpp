@@ -10,6 +10,7 @@
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
 #include "sightline/solver/continuation/hamiltonian.hpp"
+#include "sightline/solver/kernels/kernel_table.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
@@ -159,7 +160,7 @@ std::vector<double> slopes(const Ocp& ocp, const std::vector<double>& x, const s
   hamiltonian.roll_out(x.data(), u.data(), ocp.nu(), nullptr, 0.0, X.data());
   hamiltonian.linearise(X.data(), u.data(), ocp.nu());
   hamiltonian.costates(X.data(), nullptr, 0.0, Lambda.data(), F.data(), ocp.nu());
-  hamiltonian.curve(Lambda.data());
+  hamiltonian.second_order(Lambda.data());
   hamiltonian.tangent(du.data(), dF.data(), ocp.nu());
   F.insert(F.end(), dF.begin(), dF.end());
   return F;

@@ -9,6 +9,7 @@
 
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/paper_team.hpp"
@@ -252,6 +253,18 @@ TYPED_TEST(AnyContinuation, AnInputThatCostsNearlyNothingStaysWithinItsLimits) {
   TypeParam mpc(team, {});
   fly(mpc, {3, -2, 1, 1, 0, 0, 0}, 1000,
       [&](double t, const std::vector<double>&, const Solution& s) { EXPECT_TRUE(usable(s.u)) << t; });
+}
+
+TEST(Continuation, SolversOfOneOcpShareItsFormulasAndNewtonRiccatiTracesNone) {
+  const Ocp ocp(paper::team(paper::Variant::masked), Horizon{});
+  const NewtonRiccati newton(ocp);
+  EXPECT_FALSE(ocp.is_traced()) << "it has formulas of its own";
+  const Cmscgmres first(ocp);
+  ASSERT_TRUE(ocp.is_traced()) << "when it is made, not in its first update";
+  const Formulas& formulas = ocp.formulas();
+  const Cgmres second(ocp);
+  EXPECT_EQ(&first.ocp().formulas(), &formulas);
+  EXPECT_EQ(&second.ocp().formulas(), &formulas);
 }
 
 }  // namespace

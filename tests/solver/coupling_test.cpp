@@ -51,8 +51,8 @@ struct Field {
     }
   }
 
-  /// What agent a pays: the potentials it feels.
-  double pays(int a) {
+  /// What agent a costs: the potentials it feels.
+  double cost_of(int a) {
     std::vector<double> values(potentials.size());
     couplings->values(s[0], values);
     double sum = 0.0;
@@ -73,9 +73,9 @@ TEST(Couplings, TheGradientIsThatOfWhatTheAgentFeels) {
     field.each_seen([&](std::ptrdiff_t at, int a, int k, int i) {
       const double here = field.s[0][at], step = 1e-5;
       field.s[0][at] = here + step;
-      const double above = field.pays(a);
+      const double above = field.cost_of(a);
       field.s[0][at] = here - step;
-      const double below = field.pays(a);
+      const double below = field.cost_of(a);
       field.s[0][at] = here;
       EXPECT_NEAR(field.gradient(a, k, i), (above - below) / (2 * step), 1e-8) << trial;
     });

@@ -16,7 +16,7 @@ TEST(Groups, EveryAgentHasALaneAndEqualModelsShareGroups) {
     const auto potentials = trace_potentials(ocp);
     const Groups groups(ocp, potentials, KernelChoice::interpreted);
     std::set<std::pair<int, int>> places;
-    for (std::size_t a = 0; a < ocp.agents().size(); ++a) {
+    for (std::size_t a = 0; a < ocp.agent_bodies().size(); ++a) {
       const Layout::Place& place = groups.layout().place(static_cast<int>(a));
       EXPECT_TRUE(places.emplace(place.group, place.lane).second);
       EXPECT_LT(place.lane, groups.layout().width);

@@ -226,7 +226,7 @@ TEST_P(RandomTeams, TheTangentIsTheDirectionalDerivativeOfTheSweepsWithDefectsHe
                far_behind = F_at(-2 * step);
     F_at(0.0);
     std::vector<double> dF(c.F.size());
-    c.hamiltonian.curve(c.Lambda.data());
+    c.hamiltonian.second_order(c.Lambda.data());
     c.hamiltonian.tangent(du.data(), dF.data(), c.nu);
     for (std::size_t k = 0; k < dF.size(); ++k) {
       const double expected = (8 * (ahead[k] - behind[k]) - (far_ahead[k] - far_behind[k])) / (12 * step);
@@ -239,7 +239,7 @@ TEST_P(RandomTeams, FeltByEveryoneTheTangentIsSymmetric) {
   Case c(GetParam(), 2 + static_cast<int>(GetParam() % 4), 8, Feeling::everyone);
   const std::vector<double> none(c.X.size());
   c.sweep(none, none);
-  c.hamiltonian.curve(c.Lambda.data());
+  c.hamiltonian.second_order(c.Lambda.data());
   const auto a = random_numbers(c.random, c.N * c.nu, 1.0), b = random_numbers(c.random, c.N * c.nu, 1.0);
   std::vector<double> A_a(a.size()), A_b(a.size());
   c.hamiltonian.tangent(a.data(), A_a.data(), c.nu);
@@ -281,7 +281,7 @@ TEST_P(RandomTeams, AnAgentThatFeelsNoCouplingHasTheRowsItHasAlone) {
     hamiltonian.roll_out(&x[at(first_x, 1)], &u[at(first_u, 1)], nu, nullptr, 0.0, X.data());
     hamiltonian.linearise(X.data(), &u[at(first_u, 1)], nu);
     hamiltonian.costates(X.data(), nullptr, 0.0, Lambda.data(), F.data(), nu);
-    hamiltonian.curve(Lambda.data());
+    hamiltonian.second_order(Lambda.data());
     hamiltonian.tangent(&du[at(first_u, 1)], dF.data(), nu);
     return std::pair{F, dF};
   };

@@ -26,7 +26,7 @@ Team with(int agents, const std::vector<std::array<int, 3>>& couplings) {
 
 InfluenceGraph graph_of(const Team& team) {
   const Ocp ocp(team, horizon);
-  return influence_graph(trace_potentials(ocp), static_cast<int>(ocp.agents().size()));
+  return influence_graph(trace_potentials(ocp), static_cast<int>(ocp.agent_bodies().size()));
 }
 
 TEST(Krylov, TheInfluenceGraphIsNamedByItsArrows) {
@@ -44,7 +44,7 @@ TEST(Krylov, TheInfluenceGraphIsNamedByItsArrows) {
 double defect(const Team& team, Random& random) {
   const Ocp ocp(team, horizon);
   const std::vector<BodyPotential> potentials = trace_potentials(ocp);
-  const int agents = static_cast<int>(ocp.agents().size());
+  const int agents = static_cast<int>(ocp.agent_bodies().size());
   Groups groups(ocp, potentials, KernelChoice::compiled_if_there);
   const Layout& layout = groups.layout();
   const auto couplings = make_couplings(potentials, layout, team.bodies(), KernelChoice::compiled_if_there);

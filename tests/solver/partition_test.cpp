@@ -8,6 +8,7 @@
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
+#include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/random_team.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -15,6 +16,7 @@ namespace sightline {
 namespace {
 
 constexpr Horizon horizon{};
+const MakeSolver make_newton = newton_riccati_of(horizon);
 constexpr ExchangeOrder orders[] = {ExchangeOrder::jacobi, ExchangeOrder::gauss_seidel};
 
 /// Neighbours of the chain together, as many parts as are asked for.
@@ -60,7 +62,7 @@ TEST(Partition, OptionsOutOfRangeAreRefusedInWords) {
   const Team team = chain(2, paper::Variant::masked);
   const Partition all = {{AgentId{{0}}, AgentId{{1}}}};
   const auto make = [&](const Partition& partition, int exchanges) {
-    return refusal_of([&] { PartitionedSolver(Ocp(team, horizon), partition, {.exchanges = exchanges}); });
+    return refusal_of([&] { PartitionedSolver(team, partition, make_newton, {.exchanges = exchanges}); });
   };
   EXPECT_EQ(make(all, 1), "");
   EXPECT_EQ(make(all, 0), "exchanges = 0, expected 1 to 1000");
@@ -78,7 +80,7 @@ TEST(Partition, ATeamInOnePartFliesTheSameBitsAsUndivided) {
   for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
     const Team team = chain(5, variant);
     NewtonRiccati whole(team, horizon);
-    PartitionedSolver one(Ocp(team, horizon), even_parts(team, 1));
+    PartitionedSolver one(team, even_parts(team, 1), make_newton);
     fly(whole, chain_start(5), 200, [&](double t, const std::vector<double>& x, const Solution& s) {
       const Solution part = one.solve(t, x);
       for (std::size_t i = 0; i < s.u.size(); ++i) ASSERT_TRUE(same_bits(part.u[i], s.u[i])) << t;
@@ -89,7 +91,7 @@ TEST(Partition, ATeamInOnePartFliesTheSameBitsAsUndivided) {
 
 TEST(Partition, ItsResidualIsThatOfTheWholeTeam) {
   const Team team = chain(4, paper::Variant::joint);
-  PartitionedSolver parts(Ocp(team, horizon), even_parts(team, 2));
+  PartitionedSolver parts(team, even_parts(team, 2), make_newton);
   NewtonRiccati whole(team, horizon);
   std::vector<double> u(16);
   fly(parts, chain_start(4), 30, [&](double t, const std::vector<double>& x, const Solution& s) {
@@ -120,7 +122,7 @@ TEST(Partition, AChainOfEightInPartsFliesWithinOnePercentOfTheCostOfTheWholeByOn
     const double best = cost_of(whole, start);
     for (const int parts : {2, 4}) {
       for (const ExchangeOrder order : orders) {
-        PartitionedSolver solver(Ocp(team, horizon), even_parts(team, parts), {.order = order});
+        PartitionedSolver solver(team, even_parts(team, parts), make_newton, {.order = order});
         EXPECT_NEAR(cost_of(solver, start), best, 0.01 * best)
             << parts << " parts, " << to_string(order)
             << (variant == paper::Variant::joint ? ", joint" : ", masked");
@@ -131,7 +133,7 @@ TEST(Partition, AChainOfEightInPartsFliesWithinOnePercentOfTheCostOfTheWholeByOn
 
 TEST(Partition, AMaskedChainSolvedFromItsHeadTakesOneExchangeToBeTheCascade) {
   const Team team = chain(6, paper::Variant::masked);
-  PartitionedSolver parts(Ocp(team, horizon), even_parts(team, 6));
+  PartitionedSolver parts(team, even_parts(team, 6), make_newton);
   NewtonRiccati whole(team, horizon);
   double worst = 0.0;
   fly(whole, chain_start(6), 300, [&](double t, const std::vector<double>& x, const Solution& s) {
@@ -149,7 +151,7 @@ TEST(Partition, APlanPutInIsThePlanAndTheNextUpdateBeginsThere) {
                       {.max_newton_steps = 50, .tolerance = 1e-9, .max_krylov = 100, .krylov_stop = 0});
   const std::vector<double> x = chain_start(4);
   ASSERT_EQ(whole.solve(0.0, x).status, Status::converged);
-  PartitionedSolver parts(Ocp(team, horizon), even_parts(team, 2));
+  PartitionedSolver parts(team, even_parts(team, 2), make_newton);
   std::vector<double> u(16), v(16);
   for (int k = 0; k < horizon.N; ++k) {
     whole.plan(k, u);
@@ -161,7 +163,7 @@ TEST(Partition, APlanPutInIsThePlanAndTheNextUpdateBeginsThere) {
     EXPECT_EQ(u, v);
   }
   EXPECT_LE(parts.kkt(0.0, x), 1e-8);
-  parts.tell_all(0.0, x);
+  parts.send_all(0.0, x);
   EXPECT_LE(parts.solve(0.0, x).residual, 1e-8) << "nothing is left to better";
 }
 
@@ -172,7 +174,7 @@ TEST(Partition, NoUpdateAllocates) {
     Partition each;
     const Ocp ocp(team, horizon);
     for (const BodyId body : ocp.agent_bodies()) each.push_back({AgentId{body}});
-    PartitionedSolver solver(ocp, each, {.order = orders[trial % 2], .exchanges = 2});
+    PartitionedSolver solver(team, each, make_newton, {.order = orders[trial % 2], .exchanges = 2});
     for (int k = 0; k < 6; ++k) {
       std::vector<double> x = random_states(random, team, k < 3 ? 3.0 : 30.0);
       if (k == 4) x[0] = std::nan("");

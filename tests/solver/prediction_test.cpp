@@ -1,4 +1,4 @@
-#include "sightline/solver/newton/prediction.hpp"
+#include "sightline/solver/prediction.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,17 +17,18 @@ Sight<double> random_sight(Random& random) {
 }
 
 Prediction random_prediction(Random& random, int sights) {
-  Prediction told{.who = {0}, .time = uniform(random, 0, 9), .h = uniform(random, 0.01, 0.2)};
-  for (int k = 0; k < sights; ++k) told.sights.push_back(random_sight(random));
-  return told;
+  Prediction prediction{.who = {0}, .time = uniform(random, 0, 9), .h = uniform(random, 0.01, 0.2)};
+  for (int k = 0; k < sights; ++k) prediction.sights.push_back(random_sight(random));
+  return prediction;
 }
 
 TEST(Prediction, AtTheTimeToldItSaysWhatWasToldBitForBit) {
   Random random(1);
   for (int trial = 0; trial < 100; ++trial) {
-    const Prediction told = random_prediction(random, 21);
+    const Prediction prediction = random_prediction(random, 21);
     for (int k = 0; k < 21; ++k) {
-      const Sight<double> s = told.at(told.time, k), expected = told.sights[static_cast<std::size_t>(k)];
+      const Sight<double> s = prediction.at(prediction.time, k),
+                          expected = prediction.sights[static_cast<std::size_t>(k)];
       EXPECT_TRUE(same_bits(s.p.x, expected.p.x) && same_bits(s.d.y, expected.d.y) &&
                   same_bits(s.v.z, expected.v.z));
     }
@@ -37,16 +38,16 @@ TEST(Prediction, AtTheTimeToldItSaysWhatWasToldBitForBit) {
 TEST(Prediction, ABodyThatKeepsItsVelocityIsOnItsLineAtAnyTime) {
   Random random(2);
   for (int trial = 0; trial < 200; ++trial) {
-    Prediction told{.who = {0}, .time = uniform(random, 0, 9), .h = 0.05};
+    Prediction prediction{.who = {0}, .time = uniform(random, 0, 9), .h = 0.05};
     const Sight<double> first = random_sight(random);
     for (int k = 0; k <= 20; ++k) {
-      told.sights.push_back(first);
-      told.sights.back().p = first.p + (0.05 * k) * first.v;
+      prediction.sights.push_back(first);
+      prediction.sights.back().p = first.p + (0.05 * k) * first.v;
     }
-    const double t = told.time + uniform(random, -0.9, 0.9);
+    const double t = prediction.time + uniform(random, -0.9, 0.9);
     for (const int k : {0, 1, 7, 20}) {
-      const Sight<double> s = told.at(t, k);
-      const Vec3<double> p = first.p + (t - told.time + 0.05 * k) * first.v;
+      const Sight<double> s = prediction.at(t, k);
+      const Vec3<double> p = first.p + (t - prediction.time + 0.05 * k) * first.v;
       EXPECT_LE(norm(s.p - p), 1e-12);
       EXPECT_LE(norm(s.v - first.v), 1e-14);
       EXPECT_NEAR(s.d.x, first.d.x, 1e-14);
@@ -57,11 +58,11 @@ TEST(Prediction, ABodyThatKeepsItsVelocityIsOnItsLineAtAnyTime) {
 TEST(Prediction, BetweenTwoSightsHeadingsStayOfLengthOneAndPositionsBetweenThem) {
   Random random(3);
   for (int trial = 0; trial < 500; ++trial) {
-    const Prediction told = random_prediction(random, 2);
-    const Sight<double> s = told.at(told.time + uniform(random, 0, 1) * told.h, 0);
+    const Prediction prediction = random_prediction(random, 2);
+    const Sight<double> s = prediction.at(prediction.time + uniform(random, 0, 1) * prediction.h, 0);
     EXPECT_NEAR(std::hypot(s.d.x, s.d.y), 1.0, 1e-12);
-    const double whole = norm(told.sights[1].p - told.sights[0].p);
-    EXPECT_NEAR(norm(s.p - told.sights[0].p) + norm(told.sights[1].p - s.p), whole, 1e-12);
+    const double whole = norm(prediction.sights[1].p - prediction.sights[0].p);
+    EXPECT_NEAR(norm(s.p - prediction.sights[0].p) + norm(prediction.sights[1].p - s.p), whole, 1e-12);
   }
   Prediction turned = random_prediction(random, 1);
   turned.sights.push_back(turned.sights[0]);
@@ -72,10 +73,10 @@ TEST(Prediction, BetweenTwoSightsHeadingsStayOfLengthOneAndPositionsBetweenThem)
 
 TEST(Prediction, ItHoldsForAsLongAsItReachesWhileTheBodyIsAboutThere) {
   Random random(4);
-  Prediction told = random_prediction(random, 21);
-  const double length = 21 * told.h;
+  Prediction prediction = random_prediction(random, 21);
+  const double length = 21 * prediction.h;
   const auto holds = [&](double later, Vec3<double> off = {0, 0, 0}) {
-    return told.holds(told.time + later, told.at(told.time + later, 0).p + off);
+    return prediction.holds(prediction.time + later, prediction.at(prediction.time + later, 0).p + off);
   };
   EXPECT_TRUE(holds(0.0));
   EXPECT_TRUE(holds(0.99 * length));
@@ -84,24 +85,24 @@ TEST(Prediction, ItHoldsForAsLongAsItReachesWhileTheBodyIsAboutThere) {
   EXPECT_FALSE(holds(-1.01 * length));
   EXPECT_TRUE(holds(0.3 * length, {0, 0.99, 0}));
   EXPECT_FALSE(holds(0.3 * length, {0, 1.01, 0})) << "it is somewhere else";
-  told.sights.clear();
-  EXPECT_FALSE(told.holds(told.time, {0, 0, 0})) << "nothing was told";
+  prediction.sights.clear();
+  EXPECT_FALSE(prediction.holds(prediction.time, {0, 0, 0})) << "nothing is predicted";
 }
 
 TEST(Prediction, ANumberThatIsNotFiniteIsFoundWhereverItStands) {
   Random random(5);
-  const Prediction told = random_prediction(random, 5);
-  EXPECT_TRUE(told.is_finite());
+  const Prediction prediction = random_prediction(random, 5);
+  EXPECT_TRUE(prediction.is_finite());
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  Prediction bad = told;
+  Prediction bad = prediction;
   bad.time = nan;
   EXPECT_FALSE(bad.is_finite());
   for (std::size_t k = 0; k < 5; ++k) {
     for (double Vec3<double>::*component : {&Vec3<double>::x, &Vec3<double>::y, &Vec3<double>::z}) {
-      bad = told;
+      bad = prediction;
       bad.sights[k].v.*component = nan;
       EXPECT_FALSE(bad.is_finite());
-      bad = told;
+      bad = prediction;
       bad.sights[k].p.*component = nan;
       EXPECT_FALSE(bad.is_finite());
     }

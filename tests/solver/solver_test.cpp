@@ -12,9 +12,9 @@
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
 #include "sightline/solver/distributed/partition.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
+#include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random_team.hpp"
 
@@ -59,7 +59,7 @@ class AnySolver : public testing::Test {};
 /// A partitioned solver whose robots plan each by itself.
 struct EachByItself : PartitionedSolver {
   EachByItself(const Team& team, const Horizon& horizon)
-      : PartitionedSolver(Ocp(team, horizon), each(team)) {}
+      : PartitionedSolver(team, each(team), newton_riccati_of(horizon)) {}
 
   static Partition each(const Team& team) {
     Partition parts;

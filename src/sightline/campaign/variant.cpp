@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <numbers>
 
+#include "sightline/scenario/closed_loop.hpp"
+
 namespace sightline {
 namespace {
 
@@ -54,8 +56,7 @@ Variants::Variants(const Scenario& base, const CampaignPlan& plan)
        {std::pair{"simulation.duration", &duration_}, {"simulation.seed", &seed_}}) {
     if (const auto found = numbers.find(key); found != numbers.end()) *place = found->second;
   }
-  // Simulated time waits for a solver: a run is the same on any machine.
-  if (auto* newton = std::get_if<NewtonRiccatiOptions>(&solver_.options)) newton->deadline = 0.0;
+  lift_deadline(solver_);
 }
 
 void Variants::place_start(const StartDraw& draw, const Start& at, const double*& value,

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <mutex>
 #include <stdexcept>
 
 #include "sightline/formula/derive.hpp"
@@ -35,25 +37,24 @@ void list_hessian(const Graph& graph, const std::vector<Term>& upper, int n, Kee
   }
 }
 
-}  // namespace
+/// One tracing of all formulas of a team.
+class Tracing {
+ public:
+  explicit Tracing(const Team& team) : team_(team) {}
+  Formulas formulas(std::span<const BodyId> agents);
 
-Ocp::Ocp(Team team, const Horizon& horizon) : team_(std::move(team)), horizon_(horizon) {
-  if (!(horizon.T > 0) || !(horizon.T <= 1e6)) {
-    throw std::invalid_argument(fmt::format("horizon.duration = {}, expected > 0 s", horizon.T));
-  }
-  if (horizon.N < 1 || horizon.N > 1000) {
-    throw std::invalid_argument(fmt::format("horizon.stages = {}, expected 1 to 1000", horizon.N));
-  }
-  if (!(horizon.dt >= 1e-4) || !(horizon.dt <= 1e6)) {
-    throw std::invalid_argument(fmt::format("horizon.period = {}, expected >= 1e-4 s", horizon.dt));
-  }
-  if (team_.agents().empty())
-    throw std::invalid_argument("the team has no agent, expected at least one robot");
+ private:
+  std::shared_ptr<const Program> shared(Program program);
+  AgentFormula trace_agent(const Agent& agent, BodyId body);
+  PairFormula trace_pair(std::span<const Coupling* const> couplings);
 
-  for (int i = 0; i < team_.bodies(); ++i) {
-    if (team_.is_agent(BodyId{i})) agent_bodies_.push_back(BodyId{i});
-  }
-  for (const BodyId body : agent_bodies_) agents_.push_back(trace_agent(team_.agent(body), body));
+  const Team& team_;
+  std::vector<std::shared_ptr<const Program>> programs_;
+};
+
+Formulas Tracing::formulas(std::span<const BodyId> agents) {
+  Formulas formulas;
+  for (const BodyId body : agents) formulas.agents.push_back(trace_agent(team_.agent(body), body));
 
   // Couplings of one pair that are felt alike become one formula and share what they have in common.
   std::vector<bool> taken(team_.couplings().size(), false);
@@ -67,11 +68,12 @@ Ocp::Ocp(Team team, const Horizon& horizon) : team_(std::move(team)), horizon_(h
       same.push_back(&c);
       taken[j] = true;
     }
-    pairs_.push_back(trace_pair(same));
+    formulas.pairs.push_back(trace_pair(same));
   }
+  return formulas;
 }
 
-std::shared_ptr<const Program> Ocp::shared(Program program) {
+std::shared_ptr<const Program> Tracing::shared(Program program) {
   for (const auto& known : programs_) {
     if (*known == program) return known;
   }
@@ -79,7 +81,7 @@ std::shared_ptr<const Program> Ocp::shared(Program program) {
   return programs_.back();
 }
 
-AgentFormula Ocp::trace_agent(const Agent& agent, BodyId body) {
+AgentFormula Tracing::trace_agent(const Agent& agent, BodyId body) {
   const int nx = agent.model.nx(), nu = agent.model.nu(), nz = nx + nu;
   Graph graph;
   int next = 0;
@@ -132,7 +134,7 @@ AgentFormula Ocp::trace_agent(const Agent& agent, BodyId body) {
   return formula;
 }
 
-PairFormula Ocp::trace_pair(std::span<const Coupling* const> couplings) {
+PairFormula Tracing::trace_pair(std::span<const Coupling* const> couplings) {
   const Between between = couplings[0]->between;
   const Model &a = team_.model(between.first), &b = team_.model(between.second);
   const int za = a.nx() + a.nu(), zb = b.nx() + b.nu();
@@ -172,6 +174,43 @@ PairFormula Ocp::trace_pair(std::span<const Coupling* const> couplings) {
   formula.second = shared(Program(graph, second, za + zb + 1));
   return formula;
 }
+
+}  // namespace
+
+struct Ocp::Traced {
+  std::once_flag once;
+  std::atomic<bool> done{false};
+  Formulas formulas;
+};
+
+Ocp::Ocp(Team team, const Horizon& horizon)
+    : team_(std::move(team)), horizon_(horizon), traced_(std::make_shared<Traced>()) {
+  if (!(horizon.T > 0) || !(horizon.T <= 1e6)) {
+    throw std::invalid_argument(fmt::format("horizon.duration = {}, expected > 0 s", horizon.T));
+  }
+  if (horizon.N < 1 || horizon.N > 1000) {
+    throw std::invalid_argument(fmt::format("horizon.stages = {}, expected 1 to 1000", horizon.N));
+  }
+  if (!(horizon.dt >= 1e-4) || !(horizon.dt <= 1e6)) {
+    throw std::invalid_argument(fmt::format("horizon.period = {}, expected >= 1e-4 s", horizon.dt));
+  }
+  if (team_.agents().empty())
+    throw std::invalid_argument("the team has no agent, expected at least one robot");
+
+  for (int i = 0; i < team_.bodies(); ++i) {
+    if (team_.is_agent(BodyId{i})) agent_bodies_.push_back(BodyId{i});
+  }
+}
+
+const Formulas& Ocp::formulas() const {
+  std::call_once(traced_->once, [&] {
+    traced_->formulas = Tracing(team_).formulas(agent_bodies_);
+    traced_->done.store(true, std::memory_order_release);
+  });
+  return traced_->formulas;
+}
+
+bool Ocp::is_traced() const noexcept { return traced_->done.load(std::memory_order_acquire); }
 
 double stage_cost(const Team& team, double t, std::span<const double> x, std::span<const double> u) {
   const std::size_t nx = static_cast<std::size_t>(team.nx()), nu = static_cast<std::size_t>(team.nu());

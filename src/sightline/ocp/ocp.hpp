@@ -4,8 +4,8 @@
 ///   subject to   x' = f(x, u),  x(t_0) = x_k,  u_min <= u <= u_max               (2)
 ///   with         l = sum_i l_i(x_i, u_i) + sum_c k_c l_c(x_i, x_j)               (8)
 ///
-/// Discrete: h = T/N, x_{i+1} = x_i + h f(x_i, u_i). The formulas of each agent and each coupled pair are
-/// traced once, here; agents and pairs of one kind share a program.
+/// Discrete: h = T/N, x_{i+1} = x_i + h f(x_i, u_i). The formulas of each agent and each coupled pair are traced when
+/// they are first asked for, once for all copies; agents and pairs of one kind share a program.
 #pragma once
 
 #include <memory>
@@ -58,6 +58,12 @@ struct PairFormula {
   std::vector<Entry> hessian;   ///< row and column in z, output of `second`
 };
 
+/// All formulas of a problem.
+struct Formulas {
+  std::vector<AgentFormula> agents;  ///< in the order of team().agents()
+  std::vector<PairFormula> pairs;
+};
+
 class Ocp {
  public:
   /// @throws std::invalid_argument for a horizon out of range or a team without agents
@@ -68,24 +74,23 @@ class Ocp {
   int nx() const { return team_.nx(); }
   int nu() const { return team_.nu(); }
 
-  /// In the order of team().agents().
-  const std::vector<AgentFormula>& agents() const { return agents_; }
-  const std::vector<PairFormula>& pairs() const { return pairs_; }
+  /// The first call of any copy traces them, which takes milliseconds and memory: a solver that reads them asks when it is
+  /// made. Any thread; the others wait. They live as long as a copy.
+  /// @throws what a formula throws while it is traced; the next call tries again
+  const Formulas& formulas() const;
+  /// Whether they are there.
+  bool is_traced() const noexcept;
 
   /// Body of each agent, in the order of team().agents().
   const std::vector<BodyId>& agent_bodies() const { return agent_bodies_; }
 
  private:
-  std::shared_ptr<const Program> shared(Program program);
-  AgentFormula trace_agent(const Agent& agent, BodyId body);
-  PairFormula trace_pair(std::span<const Coupling* const> couplings);
+  struct Traced;  // shared by all copies
 
   Team team_;
   Horizon horizon_;
   std::vector<BodyId> agent_bodies_;
-  std::vector<AgentFormula> agents_;
-  std::vector<PairFormula> pairs_;
-  std::vector<std::shared_ptr<const Program>> programs_;
+  std::shared_ptr<Traced> traced_;
 };
 
 /// l(x, u, t) of the whole team with the weights it has at t, masked or not, at the stacked states and inputs.

@@ -61,7 +61,7 @@ void Controller::gather(const Team& world, std::span<const double> x, std::span<
   }
 }
 
-Drifter::Drifter(const Team& world, BodyId robot, bool lands, double period)
+UncontrolledRobot::UncontrolledRobot(const Team& world, BodyId robot, bool lands, double period)
     : body(robot),
       x(size(world.state_offset(robot))),
       u(size(world.input_offset(robot))),
@@ -74,8 +74,8 @@ Drifter::Drifter(const Team& world, BodyId robot, bool lands, double period)
       sink_speed(lands ? landing_speed : 0.0),
       most_change(change_rate * period) {}
 
-void Drifter::steer(double t, std::span<const double> believed, std::span<double> u_min,
-                    std::span<double> u_max, std::span<double> u_world) noexcept {
+void UncontrolledRobot::steer(double t, std::span<const double> believed, std::span<double> u_min,
+                              std::span<double> u_max, std::span<double> u_world) noexcept {
   const std::span<const double> state = believed.subspan(x, nx);
   const std::span<double> input = u_world.subspan(u, nu);
   limits.at(t, u_min.first(nu), u_max.first(nu));

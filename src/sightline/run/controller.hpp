@@ -44,7 +44,7 @@ struct Controller {
 
 /// A robot that no solver steers: it brakes and stays, or sinks to the ground. Its command moves by a little each
 /// period, so that those that see it fly by need not jump either.
-struct Drifter {
+struct UncontrolledRobot {
   BodyId body;
   std::size_t x, u, nx, nu;  // offsets and lengths in the world
   Model model;
@@ -58,7 +58,7 @@ struct Drifter {
   double most_change;                          // of an input a period, of the half of its range
 
   /// @param period  between two commands [s]
-  Drifter(const Team& world, BodyId robot, bool lands, double period);
+  UncontrolledRobot(const Team& world, BodyId robot, bool lands, double period);
 
   /// Writes its input into those of the world; the limits are work space of nu at least.
   void steer(double t, std::span<const double> believed, std::span<double> u_min, std::span<double> u_max,

@@ -92,12 +92,12 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
     }
     controllers_.emplace_back(world.team(), solver, controllers_.size());
   }
-  if (options_.succession != nullptr) {
-    if (controllers.size() != 1 || &controllers[0].get() != options_.succession->present().solver.get()) {
-      refuse("a team that changes has {} controllers, expected the present solver of its succession alone",
+  if (options_.team_switcher != nullptr) {
+    if (controllers.size() != 1 || &controllers[0].get() != options_.team_switcher->present().solver.get()) {
+      refuse("a team that changes has {} controllers, expected the present solver of its TeamSwitcher alone",
              controllers.size());
     }
-    options_.succession->set_start(world.start());
+    options_.team_switcher->set_start(world.start());
     follow_team();
     follow_guard(0.0, world.start());
   }
@@ -110,7 +110,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
         "the sink's samples are not of this loop's size, expected room in it for copies of sized_sample()");
   }
   events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size() + 4 * planned_at_.size() +
-                  (options_.succession != nullptr ? options_.succession->events_max() : 0));
+                  (options_.team_switcher != nullptr ? options_.team_switcher->events_max() : 0));
 
   // Before any good command the robots hold their u*, within their limits.
   for (int i = 0; i < world.team().bodies(); ++i) {
@@ -121,9 +121,9 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
 /// In force for a robot.
 const InputLimits& Loop::limits_of(BodyId robot) const noexcept {
   const Agent& agent = world_.team().agent(robot);
-  if (options_.succession == nullptr) return agent.limits;
+  if (options_.team_switcher == nullptr) return agent.limits;
   const auto place = static_cast<std::size_t>(&agent - world_.team().agents().data());
-  return options_.succession->present().membership.limits[place];
+  return options_.team_switcher->present().membership.limits[place];
 }
 
 /// A robot's u*, within its limits.
@@ -184,9 +184,9 @@ LoopOutcome Loop::run() noexcept {
     Sample& sample = slot != nullptr ? *slot : spare_;
     sample.has_path = k >= next_path;
     if (sample.has_path) next_path = (k / path_every + 1) * path_every;
-    const bool changes = options_.succession != nullptr && options_.succession->pending();
-    const bool changed = options_.succession != nullptr && change_team(k, t);
-    sample.team_answered = changes && !options_.succession->pending();
+    const bool changes = options_.team_switcher != nullptr && options_.team_switcher->pending();
+    const bool changed = options_.team_switcher != nullptr && change_team(k, t);
+    sample.team_answered = changes && !options_.team_switcher->pending();
     const Measured seen = world_.measure(t);
     const std::span<const double> x = seen.truth.empty() ? seen.measured : seen.truth;
     if (changed) follow_guard(t, x);
@@ -256,13 +256,13 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   if (options_.guard != nullptr) guard(t, sample);
   std::copy(u_.begin(), u_.end(), sample.u.begin());
   sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
-  if (options_.succession != nullptr) {
+  if (options_.team_switcher != nullptr) {
     std::transform(seen.stamps.begin(), seen.stamps.end(), ages_.begin(),
                    [t](double stamp) { return t - stamp; });
-    options_.succession->look(t, believed, u_,
-                              options_.guard != nullptr ? options_.guard->ages() : std::span(ages_));
-    for (const Event& event : options_.succession->events()) tell(event);
-    options_.succession->clear_events();
+    options_.team_switcher->look(t, believed, u_,
+                                 options_.guard != nullptr ? options_.guard->ages() : std::span(ages_));
+    for (const Event& event : options_.team_switcher->events()) tell(event);
+    options_.team_switcher->clear_events();
   }
   outcome_.max_allocations = std::max(outcome_.max_allocations, count() - before_all);
 }
@@ -306,21 +306,21 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
 
 /// Signals, and a change that was asked for a period ago. @return whether the team is another one now
 bool Loop::change_team(std::int64_t k, double t) noexcept {
-  Succession& succession = *options_.succession;
+  TeamSwitcher& team_switcher = *options_.team_switcher;
   for (; signalled_ < options_.signals.size() && options_.signals[signalled_].at <= t + same_time;
        ++signalled_) {
-    (void)succession.signal(options_.signals[signalled_].name);
+    (void)team_switcher.signal(options_.signals[signalled_].name);
   }
   const TeamDue due = clock_.team_due(k);
-  if (due == TeamDue::not_yet || !succession.swap(t, believed_, u_, due == TeamDue::now)) return false;
+  if (due == TeamDue::not_yet || !team_switcher.swap(t, believed_, u_, due == TeamDue::now)) return false;
   std::copy(presence_.begin(), presence_.end(), presence_before_.begin());
   follow_team();
   return true;
 }
 
-/// Who is there, whom they feel and what limits them, as the succession has it now.
+/// Who is there, whom they feel and what limits them, as the team_switcher has it now.
 void Loop::follow_team() noexcept {
-  const Membership& now = options_.succession->present().membership;
+  const Membership& now = options_.team_switcher->present().membership;
   std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
   world_.set_presence(presence_);
 }
@@ -334,7 +334,7 @@ void Loop::follow_guard(double t, std::span<const double> x) noexcept {
     if (!is_there && team.is_agent(BodyId{i})) rest(BodyId{i}, t);
     if (!was_there && is_there) planned_at_[size(i)] = t;
   }
-  if (options_.guard != nullptr) options_.guard->follow(options_.succession->present().membership, t, x);
+  if (options_.guard != nullptr) options_.guard->follow(options_.team_switcher->present().membership, t, x);
   for (int i = 0; i < team.bodies(); ++i) {
     const bool was_there = presence_before_[size(i)] != Presence::absent;
     if (!was_there && presence_[size(i)] != Presence::absent) welcome(BodyId{i}, t, x);
@@ -361,17 +361,17 @@ void Loop::welcome(BodyId body, double t, std::span<const double> x) noexcept {
 }
 
 std::span<Controller> Loop::controllers() noexcept {
-  if (options_.succession == nullptr) return controllers_;
-  return {&*options_.succession->present().controller, 1};
+  if (options_.team_switcher == nullptr) return controllers_;
+  return {&*options_.team_switcher->present().controller, 1};
 }
 
 /// Robots that nobody steers brake.
 void Loop::drift(double t, std::span<const double> believed, Sample& sample) noexcept {
-  if (options_.succession == nullptr) return;
-  for (Drifter& drifter : options_.succession->present().drifters) {
-    drifter.steer(t, believed, u_min_, u_max_, u_);
-    std::copy_n(&u_[drifter.u], drifter.nu, &sample.raw_u[drifter.u]);
-    planned_at_[size(drifter.body.index)] = t;
+  if (options_.team_switcher == nullptr) return;
+  for (UncontrolledRobot& robot : options_.team_switcher->present().uncontrolled) {
+    robot.steer(t, believed, u_min_, u_max_, u_);
+    std::copy_n(&u_[robot.u], robot.nu, &sample.raw_u[robot.u]);
+    planned_at_[size(robot.body.index)] = t;
   }
 }
 

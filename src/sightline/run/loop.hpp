@@ -12,7 +12,7 @@
 #include "sightline/run/guard.hpp"
 #include "sightline/run/ring.hpp"
 #include "sightline/run/sample.hpp"
-#include "sightline/run/succession.hpp"
+#include "sightline/run/team_switcher.hpp"
 #include "sightline/solver/solver.hpp"
 #include "sightline/world/fault.hpp"
 #include "sightline/world/world.hpp"
@@ -35,7 +35,7 @@ struct LoopOptions {
   Guard* guard = nullptr;
   std::vector<LatePlan> late_plans{};  ///< injected
   /// Changes the team in flight; then its present solver is the only controller. None: the team stays.
-  Succession* succession = nullptr;
+  TeamSwitcher* team_switcher = nullptr;
   std::vector<TimedSignal> signals{};  ///< sent to it
   /// What a robot keeps from each body [m]: one that comes to be there nearer than that is told.
   std::vector<double> d_hard{};

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <stdexcept>
+#include <variant>
 
+#include "sightline/model/point_mass.hpp"
 #include "sightline/scenario/safety_parts.hpp"
 #include "sightline/world/model_world.hpp"
 
@@ -26,21 +28,55 @@ std::vector<double> hard_distances(const Scenario& scenario) {
   return d_hard;
 }
 
+using Can = bool (*)(Solver&);
+
+bool can_plan_in_a_changing_team(Solver& solver) { return solver.team_planner() != nullptr; }
+bool can_keep_apart(Solver& solver) { return solver.keeps_apart(); }
+
+/// Asks the solver of that name, made for one robot.
+bool solver_can(Can can, std::string_view name) {
+  Team one;
+  one.add(PointMass{});
+  return can(*make_solver(solver_named(name), one, Horizon{}));
+}
+
+std::string solvers_that(Can can) {
+  std::string able;
+  for (const std::string_view name : solver_names()) {
+    if (solver_can(can, name)) able += fmt::format("{}{}", able.empty() ? "" : " or ", name);
+  }
+  return able;
+}
+
 }  // namespace
 
+std::string team_planners() { return solvers_that(can_plan_in_a_changing_team); }
+bool plans_in_a_changing_team(std::string_view solver) {
+  return solver_can(can_plan_in_a_changing_team, solver);
+}
+
 void check_solvers(const Scenario& scenario) {
-  constexpr std::string_view able = "newton_riccati";
-  const bool changes = changes_in_flight(scenario);
-  if (!changes && scenario.team.swarms().empty()) return;
+  const bool changes = changes_in_flight(scenario), swarms = !scenario.team.swarms().empty();
   std::vector<std::string> names = scenario.simulation.compare;
   names.insert(names.begin(), scenario.solver.name);
   for (const std::string& name : names) {
-    if (name == able) continue;
-    throw std::invalid_argument(
-        changes ? fmt::format("the team changes in flight, which the solver {} cannot follow, expected {}",
-                              name, able)
-                : fmt::format("the solver {} knows no keep_apart, expected {}", name, able));
+    if (changes && !plans_in_a_changing_team(name)) {
+      throw std::invalid_argument(
+          fmt::format("the team changes in flight, which the solver {} cannot follow, expected {}", name,
+                      team_planners()));
+    }
+    if (swarms && !solver_can(can_keep_apart, name)) {
+      throw std::invalid_argument(
+          fmt::format("the solver {} knows no keep_apart, expected {}", name, solvers_that(can_keep_apart)));
+    }
   }
+}
+
+void lift_deadline(SolverChoice& choice) {
+  const auto lift = [](auto& options) {
+    if constexpr (requires { options.deadline; }) options.deadline = 0.0;
+  };
+  std::visit(lift, choice.options);
 }
 
 Controls::Controls(const Scenario& scenario) {
@@ -49,14 +85,14 @@ Controls::Controls(const Scenario& scenario) {
     solver_ = make_solver(scenario.solver, scenario.team, scenario.horizon);
     return;
   }
-  succession_ = std::make_unique<Succession>(
-      Roster(scenario.team, scenario.presence), scenario.script,
-      [horizon = scenario.horizon, options = std::get<NewtonRiccatiOptions>(scenario.solver.options)](
-          Team team) { return std::make_unique<NewtonRiccati>(Ocp(std::move(team), horizon), options); });
+  team_switcher_ =
+      std::make_unique<TeamSwitcher>(Roster(scenario.team, scenario.presence), scenario.script,
+                                     [choice = scenario.solver, horizon = scenario.horizon](
+                                         const Team& team) { return make_solver(choice, team, horizon); });
 }
 
 Controllers Controls::controllers() const {
-  if (succession_) return {*succession_->present().solver};
+  if (team_switcher_) return {*team_switcher_->present().solver};
   return {*solver_};
 }
 
@@ -66,11 +102,13 @@ std::unique_ptr<World> make_world(const Scenario& scenario) {
 }
 
 ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock,
-                       Sink<Sample>& sink, std::int64_t (*allocations)() noexcept, Succession* succession)
-    : ClosedLoop(scenario, make_world(scenario), controllers, clock, sink, allocations, succession) {}
+                       Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
+                       TeamSwitcher* team_switcher)
+    : ClosedLoop(scenario, make_world(scenario), controllers, clock, sink, allocations, team_switcher) {}
 
 ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
-                       Sink<Sample>& sink, std::int64_t (*allocations)() noexcept, Succession* succession)
+                       Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
+                       TeamSwitcher* team_switcher)
     : guard_(guard_of(scenario)),
       loop_(world, controllers, clock, sink,
             {.duration = scenario.simulation.duration,
@@ -79,14 +117,14 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers
              .allocations = allocations,
              .guard = guard_ ? &*guard_ : nullptr,
              .late_plans = scenario.simulation.late_plans,
-             .succession = succession,
+             .team_switcher = team_switcher,
              .signals = scenario.simulation.signals,
              .d_hard = hard_distances(scenario)}) {}
 
 ClosedLoop::ClosedLoop(const Scenario& scenario, std::unique_ptr<World> own, const Controllers& controllers,
                        Clock& clock, Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
-                       Succession* succession)
-    : ClosedLoop(scenario, *own, controllers, clock, sink, allocations, succession) {
+                       TeamSwitcher* team_switcher)
+    : ClosedLoop(scenario, *own, controllers, clock, sink, allocations, team_switcher) {
   own_ = std::move(own);
 }
 

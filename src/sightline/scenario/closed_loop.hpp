@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "sightline/run/loop.hpp"
 #include "sightline/scenario/scenario.hpp"
@@ -17,7 +19,15 @@ void check_solvers(const Scenario& scenario);
 /// The world that the scenario says.
 std::unique_ptr<World> make_world(const Scenario& scenario);
 
-/// Who steers a scenario: a solver of its team, or a succession of them where the team changes in flight.
+/// The solvers that can plan in a team that changes (TeamPlanner), in words: "newton_riccati".
+std::string team_planners();
+/// Whether the solver of that name can.
+bool plans_in_a_changing_team(std::string_view solver);
+
+/// In simulated time no deadline acts: a solver has the time it takes, and a run is the same on any machine.
+void lift_deadline(SolverChoice& choice);
+
+/// Who steers a scenario: a solver of its team, or a TeamSwitcher of them where the team changes in flight.
 class Controls {
  public:
   /// @throws as check_solvers(), and for a script with faults
@@ -26,11 +36,11 @@ class Controls {
   /// Of the start.
   Controllers controllers() const;
   /// None for a team that stays.
-  Succession* succession() const { return succession_.get(); }
+  TeamSwitcher* team_switcher() const { return team_switcher_.get(); }
 
  private:
   std::unique_ptr<Solver> solver_;
-  std::unique_ptr<Succession> succession_;
+  std::unique_ptr<TeamSwitcher> team_switcher_;
 };
 
 /// World, guard and loop of one flight, as the scenario says. All memory is taken when it is made.
@@ -38,15 +48,15 @@ class ClosedLoop {
  public:
   /// @param controllers  a solver of the scenario's team; they, the clock and the sink outlive this
   /// @param sink         its items are copies of sized_sample()
-  /// @param succession   of the Controls, if the scenario has one
+  /// @param team_switcher   of the Controls, if the scenario has one
   /// @param allocations  of the calling thread so far, where they are counted
   /// @throws std::invalid_argument for a start, a disturbance or a sink that cannot be, named
   ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
-             std::int64_t (*allocations)() noexcept = nullptr, Succession* succession = nullptr);
+             std::int64_t (*allocations)() noexcept = nullptr, TeamSwitcher* team_switcher = nullptr);
   /// In another world than the scenario's, of its team, which outlives this.
   ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
              Sink<Sample>& sink, std::int64_t (*allocations)() noexcept = nullptr,
-             Succession* succession = nullptr);
+             TeamSwitcher* team_switcher = nullptr);
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 
@@ -56,7 +66,7 @@ class ClosedLoop {
  private:
   ClosedLoop(const Scenario& scenario, std::unique_ptr<World> own, const Controllers& controllers,
              Clock& clock, Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
-             Succession* succession);
+             TeamSwitcher* team_switcher);
 
   std::unique_ptr<World> own_;
   std::optional<Guard> guard_;

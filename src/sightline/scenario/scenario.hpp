@@ -127,7 +127,7 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file,
 PlantOptions plant_options(const Scenario& scenario);
 SensorOptions sensor_options(const Scenario& scenario);
 
-/// Whether robots come, go or are coupled anew in flight: then a Succession steers.
+/// Whether robots come, go or are coupled anew in flight: then a TeamSwitcher steers.
 bool changes_in_flight(const Scenario& scenario);
 
 /// The names of all solvers.

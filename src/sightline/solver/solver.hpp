@@ -49,6 +49,8 @@ struct Solution {
   double elapsed = 0.0;     ///< wall time of the update [s]
 };
 
+class TeamPlanner;
+
 /// A solver of one Ocp. `solve` does not throw, allocate, lock or print. One thread at a time.
 class Solver {
  public:
@@ -71,6 +73,11 @@ class Solver {
 
   /// Forgets the iterate: the next update starts as the first did.
   virtual void restart() noexcept = 0;
+
+  /// Its capability to plan in a team that changes (team_planner.hpp); none: it plans for its own team alone.
+  virtual TeamPlanner* team_planner() noexcept { return nullptr; }
+  /// Whether it plans for teams with swarms, Team::keep_apart().
+  virtual bool keeps_apart() const noexcept { return false; }
 
   /// solve(), for a program that only wants the inputs.
   std::span<const double> step(double time, std::span<const double> states) noexcept {

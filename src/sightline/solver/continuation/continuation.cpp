@@ -279,7 +279,7 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
 
   Gmres::Outcome outcome;
   if (options_.jacobian == JacobianProduct::exact) {
-    here_.curve(Lambda_.data());
+    here_.second_order(Lambda_.data());
     outcome = gmres_.solve([this](const double *v, double *out) { product(v, out); }, b_, U_dot_,
                            options_.gmres_tolerance);
   } else {

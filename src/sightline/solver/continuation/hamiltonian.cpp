@@ -7,6 +7,7 @@ namespace sightline {
 
 Hamiltonian::Hamiltonian(const Ocp& ocp)
     : ocp_(ocp),
+      formulas_(ocp.formulas()),
       N_(ocp.horizon().N),
       nx_(ocp.nx()),
       nu_(ocp.nu()),
@@ -57,8 +58,8 @@ void Hamiltonian::bind() {
   const auto bind_outputs = [](Evaluation& run, Rows& rows, int n) {
     for (int i = 0; i < n; ++i) run.output(i, rows[i]);
   };
-  for (std::size_t a = 0; a < ocp_.agents().size(); ++a) {
-    const AgentFormula& formula = ocp_.agents()[a];
+  for (std::size_t a = 0; a < formulas_.agents.size(); ++a) {
+    const AgentFormula& formula = formulas_.agents[a];
     const BodyId body = ocp_.agent_bodies()[a];
     const int x0 = team.state_offset(body), u0 = team.input_offset(body);
     const int nx = team.model(body).nx(), nu = team.model(body).nu();
@@ -85,7 +86,7 @@ void Hamiltonian::bind() {
     bind_outputs(second, agent_second_.emplace_back(formula.second->outputs(), N_),
                  formula.second->outputs());
   }
-  for (const PairFormula& pair : ocp_.pairs()) {
+  for (const PairFormula& pair : formulas_.pairs) {
     const auto inputs = [&](Evaluation& run) {
       int next = 0;
       for (const BodyId body : {pair.a, pair.b}) {
@@ -151,9 +152,9 @@ void Hamiltonian::linearise(const double* X, const double* u, int stride) noexce
   }
   for (const Evaluation& run : agent_first_run_) run.run();
   const Team& team = ocp_.team();
-  for (std::size_t p = 0; p < ocp_.pairs().size(); ++p) {
+  for (std::size_t p = 0; p < formulas_.pairs.size(); ++p) {
     pair_first_run_[p].run();
-    const PairFormula& pair = ocp_.pairs()[p];
+    const PairFormula& pair = formulas_.pairs[p];
     const int za = team.model(pair.a).nx() + team.model(pair.a).nu();
     for (const Entry& e : pair.gradient) {
       const BodyId body = e.row < za ? pair.a : pair.b;
@@ -168,9 +169,9 @@ void Hamiltonian::linearise(const double* X, const double* u, int stride) noexce
 
 void Hamiltonian::gradient(int i, const double* lambda_next, double* H_z) const noexcept {
   for (int j = 0; j < nx_ + nu_; ++j) H_z[j] = g_[j][i];
-  for (std::size_t a = 0; a < ocp_.agents().size(); ++a) {
+  for (std::size_t a = 0; a < formulas_.agents.size(); ++a) {
     const AgentTangent& agent = tangents_[a];
-    for (const Entry& e : ocp_.agents()[a].jacobian) {
+    for (const Entry& e : formulas_.agents[a].jacobian) {
       const int z = e.column < agent.nx ? agent.x_at + e.column : nx_ + agent.u_at + e.column - agent.nx;
       H_z[z] += agent_first_[a][e.output][i] * lambda_next[agent.x_at + e.row];
     }
@@ -280,7 +281,7 @@ void Hamiltonian::lay_out_tangents() {
   };
   for (std::size_t a = 0; a < tangents_.size(); ++a) {
     AgentTangent& agent = tangents_[a];
-    const AgentFormula& formula = ocp_.agents()[a];
+    const AgentFormula& formula = formulas_.agents[a];
     for (const Entry& e : formula.jacobian) {
       const double* const values = agent_first_[a][e.output];
       agent.forward.add(source(agent, e.column), e.row, values, true);
@@ -290,8 +291,8 @@ void Hamiltonian::lay_out_tangents() {
       add_curvature(agent, e.row, source(agent, e.column), agent_second_[a][e.output]);
     }
   }
-  for (std::size_t p = 0; p < ocp_.pairs().size(); ++p) {
-    const PairFormula& pair = ocp_.pairs()[p];
+  for (std::size_t p = 0; p < formulas_.pairs.size(); ++p) {
+    const PairFormula& pair = formulas_.pairs[p];
     const int za = team.model(pair.a).nx() + team.model(pair.a).nu();
     for (const Entry& e : pair.hessian) {
       AgentTangent& owner = tangent_of(e.row < za ? pair.a : pair.b);
@@ -308,7 +309,7 @@ void Hamiltonian::lay_out_tangents() {
   }
 }
 
-void Hamiltonian::curve(const double* Lambda) noexcept {
+void Hamiltonian::second_order(const double* Lambda) noexcept {
   for (int j = 0; j < nx_; ++j) {
     for (int i = 0; i < N_; ++i) lambda_[j][i] = Lambda[at(i + 1, nx_) + at(j, 1)];
   }

@@ -2,7 +2,7 @@
 ///
 ///   x_{i+1}  = x_i + h f(x_i, u_i)                                        `roll_out`
 ///   H_z      = l_z + f_z' lambda_{i+1},  z = (x, u)                        `linearise`, then `gradient`
-///   d H_z    along a tangent of u, with x and lambda following             `curve`, then `tangent`
+///   d H_z    along a tangent of u, with x and lambda following             `second_order`, then `tangent`
 ///
 /// Formulas are evaluated for all stages at once, in lanes; only the recursions go stage by stage. Masked
 /// couplings are missing from the rows of who does not feel them. All memory is taken by the constructor.
@@ -52,9 +52,9 @@ class Hamiltonian {
                 int stride) noexcept;
 
   /// Evaluates the second derivatives at the point of the last `linearise`, with these costates.
-  void curve(const double* Lambda) noexcept;
+  void second_order(const double* Lambda) noexcept;
   /// d F along du, defects held: the sweep forward in dx, backward in dlambda (docs/equations.md, 8); after
-  /// `curve`. du of stage i at du + i stride, dF likewise.
+  /// `second_order`. du of stage i at du + i stride, dF likewise.
   void tangent(const double* du, double* dF, int stride) noexcept;
 
  private:
@@ -89,6 +89,7 @@ class Hamiltonian {
   void lay_out_tangents();
 
   const Ocp& ocp_;
+  const Formulas& formulas_;
   int N_, nx_, nu_;
   double h_ = 0.0;
   std::vector<int> x_at_, u_at_;  // of each body

@@ -36,13 +36,13 @@ std::vector<std::string_view> split(std::string_view s, char separator) {
   return pieces;
 }
 
-/// Every robot in exactly one part, named where not.
+/// Every robot in exactly one subteam, named where not.
 void check(const Partition& partition, const Team& team) {
   if (partition.empty()) refuse("the partition has no part, expected at least one");
   std::vector<int> taken(at(team.bodies()), 0);
-  for (const std::vector<AgentId>& part : partition) {
-    if (part.empty()) refuse("the partition has a part without robots, expected at least one in each");
-    for (const AgentId agent : part) {
+  for (const std::vector<AgentId>& subteam : partition) {
+    if (subteam.empty()) refuse("the partition has a part without robots, expected at least one in each");
+    for (const AgentId agent : subteam) {
       if (agent.index < 0 || agent.index >= team.bodies() || !team.is_agent(agent))
         refuse("the partition names body {}, expected a robot of the team", agent.index);
       if (++taken[at(agent.index)] > 1)
@@ -55,7 +55,7 @@ void check(const Partition& partition, const Team& team) {
   }
 }
 
-/// The worse of two outcomes of parts: later in the list of Status.
+/// The worse of two outcomes of subteams: later in the list of Status.
 Status worse(Status a, Status b) { return std::max(a, b); }
 
 }  // namespace
@@ -79,31 +79,33 @@ Partition read_partition(std::string_view text, const Team& team) {
   for (const std::string_view words : split(text, '|')) {
     if (words.empty())
       refuse("partition = \"{}\" has a part without robots, expected at least one in each", text);
-    std::vector<AgentId>& part = partition.emplace_back();
+    std::vector<AgentId>& subteam = partition.emplace_back();
     for (const std::string_view word : split(words, ',')) {
       const BodyId body = word.empty() ? BodyId{} : team.find(word);
       if (body.index < 0 || !team.is_agent(body)) {
         refuse("partition = \"{}\": \"{}\" is no robot of the team, expected one such as \"{}\"", text, word,
                nearest(word, names));
       }
-      part.push_back(AgentId{body});
+      subteam.push_back(AgentId{body});
     }
   }
   check(partition, team);
   return partition;
 }
 
-PartitionedSolver::PartitionedSolver(Ocp ocp, const Partition& partition, const PartitionOptions& options)
+PartitionedSolver::PartitionedSolver(const Team& whole_team, const Partition& partition,
+                                     const MakeSolver& make, const PartitionOptions& options)
     : options_(options) {
-  check(partition, ocp.team());
+  check(partition, whole_team);
   if (options.exchanges < 1 || options.exchanges > 1000)
     refuse("exchanges = {}, expected 1 to 1000", options.exchanges);
-  whole_ = std::make_unique<NewtonRiccati>(std::move(ocp), options.solver);
+  whole_ = make(whole_team);
+  whole_planner_ = &team_planner_of(*whole_, "a team that plans in parts");
   const Team& team = whole_->ocp().team();
   for (const std::vector<AgentId>& own : partition) {
     Member member;
-    member.part = std::make_unique<Part>(team, whole_->ocp().horizon(), own, options.solver);
-    member.u.resize(at(member.part->ocp().nu()));
+    member.subteam = std::make_unique<Subteam>(team, own, make);
+    member.u.resize(at(member.subteam->ocp().nu()));
     members_.push_back(std::move(member));
   }
   x_now_.resize(at(team.nx()));
@@ -121,42 +123,42 @@ bool PartitionedSolver::accepts(double time, std::span<const double> states) noe
   return true;
 }
 
-void PartitionedSolver::tell(const Member& teller) noexcept {
-  for (const Prediction& told : teller.part->told()) {
+void PartitionedSolver::send(const Member& sender) noexcept {
+  for (const Prediction& prediction : sender.subteam->predictions()) {
     for (const Member& other : members_) {
-      if (&other != &teller) other.part->hear(told);
+      if (&other != &sender) other.subteam->receive(prediction);
     }
   }
 }
 
-void PartitionedSolver::tell_all(double time, std::span<const double> states) noexcept {
+void PartitionedSolver::send_all(double time, std::span<const double> states) noexcept {
   if (states.size() != x_now_.size()) return;
-  for (const Member& member : members_) member.part->look_ahead(time, states);
-  for (const Member& member : members_) tell(member);
+  for (const Member& member : members_) member.subteam->predict(time, states);
+  for (const Member& member : members_) send(member);
 }
 
-/// Every part once.
-void PartitionedSolver::round(double time, std::span<const double> states) noexcept {
+/// Every subteam once.
+void PartitionedSolver::exchange(double time, std::span<const double> states) noexcept {
   for (Member& member : members_) {
     const Clock::time_point begin = Clock::now();
-    member.solution = member.part->solve(time, states);
+    member.solution = member.subteam->solve(time, states);
     member.elapsed += seconds_since(begin);
-    if (options_.order == ExchangeOrder::gauss_seidel) tell(member);
+    if (options_.order == ExchangeOrder::gauss_seidel) send(member);
   }
   if (options_.order == ExchangeOrder::gauss_seidel) return;
-  for (const Member& member : members_) tell(member);
+  for (const Member& member : members_) send(member);
 }
 
-void PartitionedSolver::scatter(const Part& part, std::span<const double> of_part,
+void PartitionedSolver::scatter(const Subteam& subteam, std::span<const double> of_subteam,
                                 std::span<double> of_whole) const noexcept {
-  const Team& team = part.ocp().team();
-  for (const BodyId body : part.ocp().agent_bodies()) {
-    const auto to = of_whole.begin() + ocp().team().input_offset(part.in_whole(body));
-    std::copy_n(of_part.begin() + team.input_offset(body), team.model(body).nu(), to);
+  const Team& team = subteam.ocp().team();
+  for (const BodyId body : subteam.ocp().agent_bodies()) {
+    const auto to = of_whole.begin() + ocp().team().input_offset(subteam.in_whole(body));
+    std::copy_n(of_subteam.begin() + team.input_offset(body), team.model(body).nu(), to);
   }
 }
 
-/// The robots' states as their parts plan them; of what is not controlled, the velocity it has.
+/// The robots' states as their subteams plan them; of what is not controlled, the velocity it has.
 void PartitionedSolver::write_states(std::span<const double> states) noexcept {
   const Team& team = ocp().team();
   const int N = ocp().horizon().N;
@@ -173,12 +175,13 @@ void PartitionedSolver::write_states(std::span<const double> states) noexcept {
     }
   }
   for (const Member& member : members_) {
-    const Part& part = *member.part;
-    const int nx = part.ocp().nx();
-    for (const BodyId body : part.ocp().agent_bodies()) {
-      const int from = part.ocp().team().state_offset(body), to = team.state_offset(part.in_whole(body));
+    const Subteam& subteam = *member.subteam;
+    const int nx = subteam.ocp().nx();
+    for (const BodyId body : subteam.ocp().agent_bodies()) {
+      const int from = subteam.ocp().team().state_offset(body),
+                to = team.state_offset(subteam.in_whole(body));
       for (int k = 0; k <= N; ++k) {
-        std::copy_n(member.solution.x.begin() + k * nx + from, part.ocp().team().model(body).nx(),
+        std::copy_n(member.solution.x.begin() + k * nx + from, subteam.ocp().team().model(body).nx(),
                     x_.begin() + k * team.nx() + to);
       }
     }
@@ -192,12 +195,12 @@ Solution PartitionedSolver::solve(double time, std::span<const double> states) n
   Solution solution{.u = u_, .raw_u = raw_u_, .x = x_, .status = Status::converged};
   for (Member& member : members_) member.elapsed = 0.0;
   for (int i = 0; i < (accepted ? options_.exchanges : 1); ++i) {
-    round(time, accepted ? states : std::span<const double>());
+    exchange(time, accepted ? states : std::span<const double>());
     for (const Member& member : members_) solution.iterations += member.solution.iterations;
   }
   for (const Member& member : members_) {
-    scatter(*member.part, member.solution.u, u_);
-    scatter(*member.part, member.solution.raw_u, raw_u_);
+    scatter(*member.subteam, member.solution.u, u_);
+    scatter(*member.subteam, member.solution.raw_u, raw_u_);
     solution.status = worse(solution.status, member.solution.status);
   }
   const bool usable = gives_plan(solution.status);
@@ -207,15 +210,15 @@ Solution PartitionedSolver::solve(double time, std::span<const double> states) n
   has_plan_ = true;
   solution.residual = kkt(time, states);
   if (solution.status == Status::deadline) return solution;
-  solution.status = solution.residual <= options_.solver.tolerance ? Status::converged
-                                                                   : worse(solution.status, Status::stepped);
+  solution.status =
+      solution.residual <= tolerance() ? Status::converged : worse(solution.status, Status::stepped);
   return solution;
 }
 
 double PartitionedSolver::kkt(double time, std::span<const double> states) noexcept {
   for (int k = 0; has_plan_ && k < ocp().horizon().N; ++k) {
     plan(k, u_stage_);
-    whole_->set_plan(k, u_stage_);
+    whole_planner_->set_plan(k, u_stage_);
   }
   return whole_->kkt(time, states);
 }
@@ -223,17 +226,17 @@ double PartitionedSolver::kkt(double time, std::span<const double> states) noexc
 void PartitionedSolver::planned(double time, std::span<double> u) const noexcept {
   if (u.size() != u_.size()) return;
   for (const Member& member : members_) {
-    // Each part writes the inputs of its own robots, where they stand in the whole.
-    member.part->planned(time, member.u);
-    scatter(*member.part, member.u, u);
+    // Each subteam writes the inputs of its own robots, where they stand in the whole.
+    member.subteam->planned(time, member.u);
+    scatter(*member.subteam, member.u, u);
   }
 }
 
 void PartitionedSolver::plan(int k, std::span<double> u) const noexcept {
   if (u.size() != u_.size()) return;
   for (const Member& member : members_) {
-    member.part->plan(k, member.u);
-    scatter(*member.part, member.u, u);
+    member.subteam->plan(k, member.u);
+    scatter(*member.subteam, member.u, u);
   }
 }
 
@@ -241,20 +244,28 @@ void PartitionedSolver::set_plan(int k, std::span<const double> u) noexcept {
   if (u.size() != u_.size() || k < 0 || k >= ocp().horizon().N) return;
   has_plan_ = true;
   for (Member& member : members_) {
-    const Team& team = member.part->ocp().team();
-    for (const BodyId body : member.part->ocp().agent_bodies()) {
-      const int from = ocp().team().input_offset(member.part->in_whole(body)), nu = team.model(body).nu();
+    const Team& team = member.subteam->ocp().team();
+    for (const BodyId body : member.subteam->ocp().agent_bodies()) {
+      const int from = ocp().team().input_offset(member.subteam->in_whole(body)), nu = team.model(body).nu();
       std::copy_n(u.begin() + from, nu, member.u.begin() + team.input_offset(body));
     }
-    member.part->set_plan(k, member.u);
+    member.subteam->set_plan(k, member.u);
   }
+}
+
+void PartitionedSolver::set_prediction(const Prediction& prediction) noexcept {
+  const Team& team = ocp().team();
+  if (prediction.who.index < 0 || prediction.who.index >= team.bodies() || team.is_agent(prediction.who))
+    return;
+  whole_planner_->set_prediction(prediction);
+  for (const Member& member : members_) member.subteam->set_prediction(prediction);
 }
 
 void PartitionedSolver::restart() noexcept {
   whole_->restart();
   has_plan_ = false;
   std::fill(x_.begin(), x_.end(), 0.0);
-  for (Member& member : members_) member.part->restart();
+  for (Member& member : members_) member.subteam->restart();
 }
 
 double PartitionedSolver::slowest() const noexcept {

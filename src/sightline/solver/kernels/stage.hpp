@@ -1,4 +1,4 @@
-/// One stage of the Newton step, traced once from a model: six short programs that know nothing of matrices.
+/// One stage of the Newton step, traced once from a model: five short programs that know nothing of matrices.
 ///
 /// The Riccati stage (riccati.hpp) is written once, as dense loops over any scalar. Run on the recording scalar, zeros
 /// of A, B, J fold away, and what is left is the sparse code one would have written by hand. The model's numbers and
@@ -56,7 +56,7 @@ struct StageSizes {
 ///   precondition_back      p, r, gain -> p of the stage before, k       right side r in s
 ///   precondition_forward   y, gain, k -> du, y of the next stage, change of s
 ///
-/// H_u is Phi_u (times h, that is). `held` is an input's extra weight: infinity where it is held at a limit, 0
+/// H_u is Phi_u (times h, that is). `held` is an input's extra weight: infinity where its limit is active, 0
 /// where it is free; `doubt` > 0 says that a pivot was below its floor at some stage so far. du = -(k + K y), each
 /// entry in a unit of its own.
 struct StagePrograms {

@@ -35,7 +35,6 @@ struct Slot {
   Lane<W> a_mask = 0.0, b_mask = 0.0;         // lanes in use
   int group_a = 0, group_b = 0;
   bool a_feels = true, b_feels = true;
-  int pairs = 0;
   const PosePotential* potential = nullptr;   // of all pairs, if one
   Ramp ramp{};                                // of all pairs
   double part = 1.0;                          // of the weights in force
@@ -45,6 +44,14 @@ struct Slot {
   Rows H;                                     // [stage][15][lane], zero in lanes not in use
 };
 
+/// A potential is evaluated in the first of these ways that fits:
+///
+///   lone pair   the team's only potential, relative, in one group of two lanes   lanes are stages; nothing to add up
+///   in place    relative, half of its slots' lanes in use                        lanes are agents, as in their groups
+///   gathered    relative, fewer lanes in use                                     lanes are points of a batch, scattered
+///   general     sees velocities, the time or a body that is not controlled       the same, with blocks of its own
+///
+/// and the pairs of a swarm as Neighbourhood does. The first two save the gathering and scattering of the others.
 template <int W>
 class LaneCouplings final : public Couplings {
   using L = Lane<W>;
@@ -185,7 +192,6 @@ class LaneCouplings final : public Couplings {
     slot->a_of_b[b.lane] = a.lane;
     slot->a_mask.v[a.lane] = 1.0;
     slot->b_mask.v[b.lane] = 1.0;
-    ++slot->pairs;
     in_place_.resize(relative_.size());
   }
 

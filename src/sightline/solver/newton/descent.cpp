@@ -54,7 +54,7 @@ void Descent::move(const Unit& unit, double alpha, const double* start, const do
   }
 }
 
-void Descent::pay(Groups& groups, Couplings& couplings, const double* u, double* s) noexcept {
+void Descent::evaluate_costs(Groups& groups, Couplings& couplings, const double* u, double* s) noexcept {
   groups.roll_out(u, s);
   couplings.values(s, values_);
   std::fill(of_swarms_.begin(), of_swarms_.end(), 0.0);
@@ -82,9 +82,9 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
       each([&](Unit& unit) {
         if (!unit.settled) move(unit, alpha, start, d, low, high, u);
       });
-      pay(groups, couplings, u, s);
+      evaluate_costs(groups, couplings, u, s);
     };
-    pay(groups, couplings, u, s);
+    evaluate_costs(groups, couplings, u, s);
     each([](Unit& unit) {
       unit.before = unit.best = unit.cost;
       unit.alpha = 0.0;

@@ -25,7 +25,7 @@ class Descent {
   bool fell() const { return fell_; }
 
  private:
-  /// Agents that move by one alpha, and what they pay together.
+  /// Agents that move by one alpha, and what they cost together.
   struct Unit {
     int level = 0;
     std::vector<int> agents, potentials;
@@ -35,13 +35,13 @@ class Descent {
 
   void move(const Unit& unit, double alpha, const double* start, const double* d, const double* low,
             const double* high, double* u) const noexcept;
-  void pay(Groups& groups, Couplings& couplings, const double* u, double* s) noexcept;
+  void evaluate_costs(Groups& groups, Couplings& couplings, const double* u, double* s) noexcept;
 
   Layout layout_;
   std::vector<Unit> units_;
   std::vector<double> values_;
   std::vector<double> of_swarms_;  // of each agent
-  double share_ = 1.0;             // of a pair's cost that each of the two pays
+  double share_ = 1.0;             // of a pair's cost that each of the two has
   int levels_ = 1;
   bool sure_ = true, fell_ = false;
 };

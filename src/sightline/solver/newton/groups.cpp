@@ -152,7 +152,7 @@ double Groups::own_cost(const double* u, int agent) noexcept {
   return cost;
 }
 
-int Groups::solve(const double* u, const double* held, const double* c, double* H_u, double* du,
+int Groups::solve(const double* u, const double* active, const double* c, double* H_u, double* du,
                   double* ds) noexcept {
   constexpr int attempts = 10;    // the damping has grown a thousand million times by then
   constexpr double first = 0.02;  // of 2 R h where R = 1 in an input's scale: no more than it takes
@@ -162,7 +162,7 @@ int Groups::solve(const double* u, const double* held, const double* c, double* 
     Group& group = *groups_[g];
     for (int lane = 0; lane < layout_.width; ++lane) group.rho(lane) = 0.0;
     for (int attempt = 0; attempt < attempts; ++attempt) {
-      if (group.backward(u + part.u, held + part.u, c + part.c, H_u + part.u)) break;
+      if (group.backward(u + part.u, active + part.u, c + part.c, H_u + part.u)) break;
       ++repeated;
       for (int lane = 0; lane < layout_.width; ++lane) {
         if (group.doubtful(lane)) group.rho(lane) = group.rho(lane) > 0 ? 10.0 * group.rho(lane) : first * h_;
@@ -173,10 +173,10 @@ int Groups::solve(const double* u, const double* held, const double* c, double* 
   return repeated;
 }
 
-void Groups::differentiate(const double* u, const double* held, const double* c, double* H_u) noexcept {
+void Groups::differentiate(const double* u, const double* active, const double* c, double* H_u) noexcept {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Layout::Part& part = layout_.groups[g];
-    groups_[g]->backward(u + part.u, held + part.u, c + part.c, H_u + part.u);
+    groups_[g]->backward(u + part.u, active + part.u, c + part.c, H_u + part.u);
   }
 }
 

@@ -33,10 +33,10 @@ class Groups {
   /// The step of each agent by itself: factorises at the last roll-out, and goes forward while the gains are near.
   /// Where a pivot is not sound, the lane is damped (Levenberg) until all are.
   /// @return factorisations beyond the first
-  int solve(const double* u, const double* held, const double* c, double* H_u, double* du,
+  int solve(const double* u, const double* active, const double* c, double* H_u, double* du,
             double* ds) noexcept;
   /// One backward sweep, for H_u alone.
-  void differentiate(const double* u, const double* held, const double* c, double* H_u) noexcept;
+  void differentiate(const double* u, const double* active, const double* c, double* H_u) noexcept;
   void precondition(const double* r, double* du, double* ds) noexcept;
 
  private:

@@ -47,7 +47,6 @@ class Neighbourhood {
 
   int agents() const { return static_cast<int>(swarm_.agents.size()); }
   int packs() const { return rows_ / W; }
-  double* row(Rows& rows, int agent, int entry, int entries) const { return rows[agent * entries + entry]; }
   void collect(const double* s, Rows& rows) const noexcept;
   void take_differences(const Pair& pair) noexcept;
   double least_distance_2(int a, int b) noexcept;

@@ -1,4 +1,4 @@
-/// Where a body will be along the horizon, as whoever plans its way tells it: all that parts of a team exchange.
+/// Where a body will be along the horizon, as whoever plans its way predicts it: all that subteams exchange.
 #pragma once
 
 #include <vector>
@@ -13,9 +13,9 @@ struct Prediction {
   BodyId who;
   double time = 0.0;                       ///< of the first sight [s]
   double h = 0.0;                          ///< between two sights [s], > 0
-  std::vector<Sight<double>> sights = {};  ///< N + 1; empty: nothing is told
+  std::vector<Sight<double>> sights = {};  ///< N + 1; empty: nothing is predicted
 
-  /// Whether to believe it at t of a body that is at p: told less than its own length ago or ahead, and at most
+  /// Whether to use it at t for a body that is at p: sent less than its own length ago or ahead, and at most
   /// `astray` [m] from there.
   bool holds(double t, const Vec3<double>& p) const noexcept;
   static constexpr double astray = 1.0;

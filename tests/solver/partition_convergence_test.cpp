@@ -1,4 +1,4 @@
-#include "sightline/solver/distributed/sweeps.hpp"
+#include "sightline/solver/distributed/partition_convergence.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/newton_riccati_of.hpp"
 
 namespace sightline {
 namespace {
@@ -21,47 +22,46 @@ Partition pieces(int robots, int parts) {
 }
 
 /// The chain after a second of flight, and a partitioned solver that knows nothing yet.
-std::vector<Sweep> sweeps_of(paper::Variant variant, int parts, ExchangeOrder order, int rounds) {
+std::vector<FromOptimum> exchanges_of(paper::Variant variant, int parts, ExchangeOrder order, int count) {
   const Team team = chain(8, variant);
   NewtonRiccati whole(team, horizon);
   const std::vector<double> x = fly(whole, chain_start(8), 100);
-  PartitionedSolver solver(Ocp(team, horizon), pieces(8, parts), {.order = order});
+  PartitionedSolver solver(team, pieces(8, parts), newton_riccati_of(horizon), {.order = order});
   std::vector<double> u(static_cast<std::size_t>(team.nu()));
   for (int k = 0; k < horizon.N; ++k) {
     whole.plan(0, u);  // a plan that is not the optimum
     solver.set_plan(k, u);
   }
-  NewtonRiccati optimum(team, horizon, to_the_end());
-  return sweep(solver, optimum, 1.0, x, rounds);
+  return partition_convergence(solver, *make_reference_solver(solver.ocp()), 1.0, x, count);
 }
 
-TEST(Sweeps, RoundByRoundPartsComeToTheOptimumOfTheWhole) {
+TEST(PartitionConvergence, ExchangeByExchangeSubteamsComeToTheOptimumOfTheWhole) {
   for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
     for (const int parts : {2, 4, 8}) {
       for (const ExchangeOrder order : {ExchangeOrder::jacobi, ExchangeOrder::gauss_seidel}) {
-        const std::vector<Sweep> sweeps = sweeps_of(variant, parts, order, 40);
-        ASSERT_EQ(sweeps.size(), 40u);
+        const std::vector<FromOptimum> exchanges = exchanges_of(variant, parts, order, 40);
+        ASSERT_EQ(exchanges.size(), 40u);
         const auto where = ::testing::Message() << parts << " parts, " << to_string(order);
-        EXPECT_LE(sweeps.back().input, 1e-7) << where;
-        EXPECT_LE(std::abs(sweeps.back().cost), 1e-9) << where;
-        EXPECT_LE(sweeps.back().kkt, 1e-7) << where;
-        for (std::size_t i = 3; i < sweeps.size(); ++i) {
-          if (sweeps[i - 2].input < 1e-7) break;
-          EXPECT_LT(sweeps[i].input, sweeps[i - 2].input) << where << ", round " << i + 1;
+        EXPECT_LE(exchanges.back().input, 1e-7) << where;
+        EXPECT_LE(std::abs(exchanges.back().cost), 1e-9) << where;
+        EXPECT_LE(exchanges.back().kkt, 1e-7) << where;
+        for (std::size_t i = 3; i < exchanges.size(); ++i) {
+          if (exchanges[i - 2].input < 1e-7) break;
+          EXPECT_LT(exchanges[i].input, exchanges[i - 2].input) << where << ", exchange " << i + 1;
         }
       }
     }
   }
 }
 
-TEST(Sweeps, InGaussSeidelOrderErrorsShrinkFasterThanInJacobiOrder) {
-  const auto jacobi = sweeps_of(paper::Variant::joint, 4, ExchangeOrder::jacobi, 8);
-  const auto seidel = sweeps_of(paper::Variant::joint, 4, ExchangeOrder::gauss_seidel, 8);
+TEST(PartitionConvergence, InGaussSeidelOrderErrorsShrinkFasterThanInJacobiOrder) {
+  const auto jacobi = exchanges_of(paper::Variant::joint, 4, ExchangeOrder::jacobi, 8);
+  const auto seidel = exchanges_of(paper::Variant::joint, 4, ExchangeOrder::gauss_seidel, 8);
   ASSERT_EQ(jacobi.size(), seidel.size());
   EXPECT_LT(seidel.back().input, 0.5 * jacobi.back().input);
 }
 
-TEST(Sweeps, TheCostOfAPlanIsTheIntegralOfItsStagesAndItsEnd) {
+TEST(PartitionConvergence, TheCostOfAPlanIsTheIntegralOfItsStagesAndItsEnd) {
   Team team;
   auto options = paper::target();
   options.Q_f = {1, 0, 0, 0, 0, 0, 0};

@@ -1,4 +1,4 @@
-#include "sightline/solver/newton/prediction.hpp"
+#include "sightline/solver/prediction.hpp"
 
 #include <algorithm>
 #include <array>

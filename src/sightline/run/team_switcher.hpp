@@ -25,28 +25,28 @@
 #include "sightline/ocp/watch.hpp"
 #include "sightline/run/controller.hpp"
 #include "sightline/run/sample.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solver/team_planner.hpp"
 
 namespace sightline {
 
-/// Who steers, who drifts, who is there.
+/// Who steers, who is not controlled, who is there.
 struct Phase {
-  std::unique_ptr<NewtonRiccati> solver;
+  std::unique_ptr<Solver> solver;
+  TeamPlanner* planner = nullptr;  // of the solver
   std::optional<Controller> controller;
-  std::vector<Drifter> drifters{};
+  std::vector<UncontrolledRobot> uncontrolled{};
   Membership membership{};
 };
 
-class Succession {
+class TeamSwitcher {
  public:
-  using MakeSolver = std::function<std::unique_ptr<NewtonRiccati>(Team)>;
-
   /// @param make  of teams of this horizon; called on the thread
-  /// @throws std::invalid_argument for a script that has faults_of(), the first of them
-  Succession(Roster start, const Script& script, MakeSolver make);
-  ~Succession();
-  Succession(const Succession&) = delete;
-  Succession& operator=(const Succession&) = delete;
+  /// @throws std::invalid_argument for a script that has faults_of(), the first of them, and where the solver that is made
+  /// is no TeamPlanner
+  TeamSwitcher(Roster start, const Script& script, MakeSolver make);
+  ~TeamSwitcher();
+  TeamSwitcher(const TeamSwitcher&) = delete;
+  TeamSwitcher& operator=(const TeamSwitcher&) = delete;
 
   /// Whether a next team was asked for and has neither taken over nor been refused.
   bool pending() const noexcept { return pending_; }
@@ -93,7 +93,7 @@ class Succession {
   void work() noexcept;
   void prepare() noexcept;
   void make_next(std::span<const std::size_t> events);
-  void give_plan(NewtonRiccati& solver) const;
+  void give_plan(TeamPlanner& planner) const;
   void predict(Phase& next) const;
   void tell(double t, EventKind kind, std::size_t event) noexcept;
 

@@ -1,4 +1,4 @@
-#include "sightline/run/succession.hpp"
+#include "sightline/run/team_switcher.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,10 +7,12 @@
 #include <new>
 
 #include "sightline/potential/region.hpp"
+#include "sightline/solver/continuation/cgmres.hpp"
 #include "tests/support/counted_new.hpp"
 #include "tests/support/event_team.hpp"
+#include "tests/support/gradient_planner.hpp"
 #include "tests/support/refusal.hpp"
-#include "tests/support/succession_flight.hpp"
+#include "tests/support/team_flight.hpp"
 
 namespace sightline {
 namespace {
@@ -28,14 +30,14 @@ const Event* event_of(const FlownPeriod& period, EventKind kind) {
   return nullptr;
 }
 
-std::size_t period_of(const SuccessionFlight& flight, EventKind kind) {
+std::size_t period_of(const TeamFlight& flight, EventKind kind) {
   for (std::size_t k = 0; k < flight.flown.size(); ++k) {
     if (event_of(flight.flown[k], kind) != nullptr) return k;
   }
   return flight.flown.size();
 }
 
-double largest_jump(const SuccessionFlight& flight, std::size_t from, std::size_t to, std::size_t first,
+double largest_jump(const TeamFlight& flight, std::size_t from, std::size_t to, std::size_t first,
                     std::size_t n) {
   double jump = 0.0;
   for (std::size_t k = from; k < to; ++k) {
@@ -46,9 +48,9 @@ double largest_jump(const SuccessionFlight& flight, std::size_t from, std::size_
   return jump;
 }
 
-TEST(Succession, TheTeamChangesExactlyOnePeriodAfterTheTrigger) {
+TEST(TeamSwitcher, TheTeamChangesExactlyOnePeriodAfterTheTrigger) {
   const Team all = event_team(3);
-  const SuccessionFlight flight =
+  const TeamFlight flight =
       fly_script(all, event_start(all), {{at(0.5, RemoveBody{BodyId{2}, Afterwards::hold})}}, 1.0);
   EXPECT_EQ(period_of(flight, EventKind::event_happened), 50U);
   EXPECT_EQ(period_of(flight, EventKind::event_in_force), 51U);
@@ -57,10 +59,10 @@ TEST(Succession, TheTeamChangesExactlyOnePeriodAfterTheTrigger) {
   EXPECT_EQ(period_of(flight, EventKind::team_late), flight.flown.size());
 }
 
-TEST(Succession, AScriptInWhichNothingHappensFliesAsTheSolverAlone) {
+TEST(TeamSwitcher, AScriptInWhichNothingHappensFliesAsTheSolverAlone) {
   const Team all = event_team(4);
   const std::vector<double> x0 = event_start(all);
-  const SuccessionFlight flight = fly_script(all, x0, {{at(9.0, RemoveBody{BodyId{2}})}}, 1.0);
+  const TeamFlight flight = fly_script(all, x0, {{at(9.0, RemoveBody{BodyId{2}})}}, 1.0);
   NewtonRiccati solver(all, Horizon{});
   Plant plant(all, x0);
   for (const FlownPeriod& period : flight.flown) {
@@ -70,13 +72,12 @@ TEST(Succession, AScriptInWhichNothingHappensFliesAsTheSolverAlone) {
   }
 }
 
-TEST(Succession, TheNextTeamIsAtItsOptimumFromItsFirstUpdateOn) {
+TEST(TeamSwitcher, TheNextTeamIsAtItsOptimumFromItsFirstUpdateOn) {
   const Team all = event_team(5, 2);
   for (const Action& action :
        std::initializer_list<Action>{RemoveBody{BodyId{4}}, RetuneTerm{.name = "sees3", .weight = 0.8},
                                      Observe{AgentId{BodyId{2}}, BodyId{0}}}) {
-    const SuccessionFlight flight =
-        fly_script(all, event_start(all, 2), {{at(3.0, action, 1.0)}}, 5.0, {}, true);
+    const TeamFlight flight = fly_script(all, event_start(all, 2), {{at(3.0, action, 1.0)}}, 5.0, {}, true);
     const std::size_t swap = period_of(flight, EventKind::event_in_force);
     ASSERT_EQ(swap, 301U);
     EXPECT_LE(flight.flown[swap + 3].kkt, 1e-4);
@@ -84,12 +85,11 @@ TEST(Succession, TheNextTeamIsAtItsOptimumFromItsFirstUpdateOn) {
   }
 }
 
-TEST(Succession, RobotsTwoCouplingsAwayDoNotNotice) {
+TEST(TeamSwitcher, RobotsTwoCouplingsAwayDoNotNotice) {
   const Team all = event_team(6);
   const std::vector<double> x0 = event_start(all);
-  const SuccessionFlight quiet = fly_script(all, x0, {{at(99.0, RemoveBody{BodyId{5}})}}, 5.0);
-  const SuccessionFlight flight =
-      fly_script(all, x0, {{at(3.0, RemoveBody{BodyId{5}, Afterwards::hold})}}, 5.0);
+  const TeamFlight quiet = fly_script(all, x0, {{at(99.0, RemoveBody{BodyId{5}})}}, 5.0);
+  const TeamFlight flight = fly_script(all, x0, {{at(3.0, RemoveBody{BodyId{5}, Afterwards::hold})}}, 5.0);
   for (std::size_t k = 0; k < flight.flown.size(); ++k) {
     for (std::size_t i = 0; i < 4U * 4U; ++i) {
       ASSERT_LT(std::abs(flight.flown[k].u[i] - quiet.flown[k].u[i]), 0.02) << flight.flown[k].time;
@@ -97,13 +97,12 @@ TEST(Succession, RobotsTwoCouplingsAwayDoNotNotice) {
   }
 }
 
-TEST(Succession, WhatCannotBeIsToldOnceAndTheTeamStays) {
+TEST(TeamSwitcher, WhatCannotBeIsToldOnceAndTheTeamStays) {
   const Team all = event_team(3);
   TeamEvent again{.name = "", .trigger = Signal{"again"}, .actions = {AddBody{BodyId{1}}}};
   again.repeat = true;
-  const SuccessionFlight flight =
-      fly_script(all, event_start(all), {{again}}, 1.0, {}, false,
-                 {{0.2, "again"}, {0.4, "again"}, {0.6, "again"}, {0.7, "nobody"}});
+  const TeamFlight flight = fly_script(all, event_start(all), {{again}}, 1.0, {}, false,
+                                       {{0.2, "again"}, {0.4, "again"}, {0.6, "again"}, {0.7, "nobody"}});
   int happened = 0, ignored = 0, in_force = 0;
   for (const FlownPeriod& period : flight.flown) {
     for (const Event& event : period.events) {
@@ -117,11 +116,11 @@ TEST(Succession, WhatCannotBeIsToldOnceAndTheTeamStays) {
   EXPECT_EQ(in_force, 0);
 }
 
-TEST(Succession, ARobotThatIsAbsentRestsAndOneThatComesIsSteered) {
+TEST(TeamSwitcher, ARobotThatIsAbsentRestsAndOneThatComesIsSteered) {
   const Team all = event_team(3);
   const std::vector<double> x0 = event_start(all);
-  const SuccessionFlight flight = fly_script(all, x0, {{at(1.0, AddBody{BodyId{2}}, 1.0)}}, 4.0,
-                                             {Presence::steered, Presence::steered, Presence::absent}, true);
+  const TeamFlight flight = fly_script(all, x0, {{at(1.0, AddBody{BodyId{2}}, 1.0)}}, 4.0,
+                                       {Presence::steered, Presence::steered, Presence::absent}, true);
   const std::size_t of_it = 14;
   for (std::size_t k = 0; k <= 101; ++k) {
     for (std::size_t i = 0; i < 7; ++i) ASSERT_EQ(flight.flown[k].x[of_it + i], x0[of_it + i]);
@@ -131,12 +130,12 @@ TEST(Succession, ARobotThatIsAbsentRestsAndOneThatComesIsSteered) {
   EXPECT_LE(largest_jump(flight, 101, 300, 0, 12), 0.3);
 }
 
-TEST(Succession, SameScriptSameFlightBitForBit) {
+TEST(TeamSwitcher, SameScriptSameFlightBitForBit) {
   const Team all = event_team(5, 2);
   const Script script{{at(0.5, Observe{AgentId{BodyId{2}}, BodyId{0}}, 1.0),
                        at(0.8, RemoveBody{BodyId{4}}, 0.5), at(1.2, AddBody{BodyId{4}}, 0.3)}};
-  const SuccessionFlight a = fly_script(all, event_start(all, 2), script, 2.5);
-  const SuccessionFlight b = fly_script(all, event_start(all, 2), script, 2.5);
+  const TeamFlight a = fly_script(all, event_start(all, 2), script, 2.5);
+  const TeamFlight b = fly_script(all, event_start(all, 2), script, 2.5);
   ASSERT_EQ(a.flown.size(), b.flown.size());
   for (std::size_t k = 0; k < a.flown.size(); ++k) {
     ASSERT_EQ(a.flown[k].x, b.flown[k].x);
@@ -144,15 +143,15 @@ TEST(Succession, SameScriptSameFlightBitForBit) {
   }
 }
 
-TEST(Succession, OnASteadyClockTheLoopNeverWaits) {
+TEST(TeamSwitcher, OnASteadyClockTheLoopNeverWaits) {
   const Team all = event_team(3);
-  Succession succession(Roster(all), {{at(0.05, RetuneTerm{.name = "sees1", .weight = 0.5}, 0.1)}},
-                        newton_riccati_of(Horizon{}));
+  TeamSwitcher team_switcher(Roster(all), {{at(0.05, RetuneTerm{.name = "sees1", .weight = 0.5}, 0.1)}},
+                             newton_riccati_of(Horizon{}));
   ModelWorld world(all, event_start(all));
   SteadyClock clock;
-  const Controllers controllers = {*succession.present().solver};
+  const Controllers controllers = {*team_switcher.present().solver};
   KeepSamples sink(sized_sample(all, controllers));
-  Loop loop(world, controllers, clock, sink, {.duration = 1.0, .succession = &succession});
+  Loop loop(world, controllers, clock, sink, {.duration = 1.0, .team_switcher = &team_switcher});
   const LoopOutcome outcome = loop.run();
   EXPECT_TRUE(outcome.finite);
   int in_force = 0;
@@ -161,7 +160,7 @@ TEST(Succession, OnASteadyClockTheLoopNeverWaits) {
   EXPECT_EQ(in_force, 1);
 }
 
-TEST(Succession, NothingInTheLoopAllocatesWhenATeamChanges) {
+TEST(TeamSwitcher, NothingInTheLoopAllocatesWhenATeamChanges) {
   ASSERT_GT(
       [before = allocations_here()] {
         const std::vector<double> some(3);
@@ -184,17 +183,17 @@ TEST(Succession, NothingInTheLoopAllocatesWhenATeamChanges) {
       .ramp = 0.05};
   const TeamEvent fails{
       .name = "fails", .trigger = Signal{"fail"}, .actions = {RemoveBody{BodyId{5}, Afterwards::land}}};
-  Succession succession(Roster(team), {{there, back, fails}}, newton_riccati_of(Horizon{}));
+  TeamSwitcher team_switcher(Roster(team), {{there, back, fails}}, newton_riccati_of(Horizon{}));
   ModelWorld world(team, event_start(team, 2));
   Guard guard(team, {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
-  const Controllers controllers = {*succession.present().solver};
+  const Controllers controllers = {*team_switcher.present().solver};
   Ring<Sample> ring(1000, sized_sample(team, controllers));
   SimulatedClock clock;
   Loop loop(world, controllers, clock, ring,
             {.duration = 3.0,
              .allocations = allocations_here,
              .guard = &guard,
-             .succession = &succession,
+             .team_switcher = &team_switcher,
              .signals = {{1.0, "fail"}}});
   const std::int64_t before = allocations_here();
   const LoopOutcome outcome = loop.run();
@@ -210,7 +209,7 @@ TEST(Succession, NothingInTheLoopAllocatesWhenATeamChanges) {
   EXPECT_GT(changes, 10);
 }
 
-TEST(Succession, TriggersOfTextAllocateNothing) {
+TEST(TeamSwitcher, TriggersOfTextAllocateNothing) {
   const Team team = event_team(3);
   const auto when = [](Potential limit) {
     TeamEvent event = at(0.0, SetReference{AgentId{BodyId{0}}, Circle{.centre = {0, 0, 1}, .radius = 0.3}});
@@ -218,15 +217,15 @@ TEST(Succession, TriggersOfTextAllocateNothing) {
     return event;
   };
   const Region camera = Region(all_of({"bearing < 0.4", "0.3 m < range < 6 m"}), {{"far", "6 m"}});
-  Succession succession(Roster(team),
-                        {{when(camera), when(Region("target.v_x < 0.3 m/s")), when(SensorCone{})}},
-                        newton_riccati_of(Horizon{}));
+  TeamSwitcher team_switcher(Roster(team),
+                             {{when(camera), when(Region("target.v_x < 0.3 m/s")), when(SensorCone{})}},
+                             newton_riccati_of(Horizon{}));
   ModelWorld world(team, event_start(team));
-  const Controllers controllers = {*succession.present().solver};
+  const Controllers controllers = {*team_switcher.present().solver};
   Ring<Sample> ring(1000, sized_sample(team, controllers));
   SimulatedClock clock;
   Loop loop(world, controllers, clock, ring,
-            {.duration = 0.5, .allocations = allocations_here, .succession = &succession});
+            {.duration = 0.5, .allocations = allocations_here, .team_switcher = &team_switcher});
   const std::int64_t before = allocations_here();
   const LoopOutcome outcome = loop.run();
   EXPECT_EQ(allocations_here() - before, 0);
@@ -234,7 +233,7 @@ TEST(Succession, TriggersOfTextAllocateNothing) {
 }
 
 /// A solver of any team, but not of this one, or not for the moment.
-Succession::MakeSolver fails_where(std::function<bool(const Team&)> fails) {
+MakeSolver fails_where(std::function<bool(const Team&)> fails) {
   return [fails = std::move(fails), make = newton_riccati_of(Horizon{})](Team team) {
     if (fails(team)) throw std::bad_alloc();
     return make(std::move(team));
@@ -245,13 +244,13 @@ struct Told {
   std::vector<std::size_t> in_force, ignored;
   Team team;  // at the end
 };
-Told fly_failing(const Team& all, const Script& script, Succession::MakeSolver make) {
-  Succession succession(Roster(all), script, std::move(make));
+Told fly_failing(const Team& all, const Script& script, MakeSolver make) {
+  TeamSwitcher team_switcher(Roster(all), script, std::move(make));
   ModelWorld world(all, event_start(all));
   SimulatedClock clock;
-  const Controllers controllers = {*succession.present().solver};
+  const Controllers controllers = {*team_switcher.present().solver};
   KeepSamples sink(sized_sample(all, controllers));
-  Loop loop(world, controllers, clock, sink, {.duration = 0.5, .succession = &succession});
+  Loop loop(world, controllers, clock, sink, {.duration = 0.5, .team_switcher = &team_switcher});
   EXPECT_TRUE(loop.run().finite);
   Told told;
   for (const FlownPeriod& period : sink.flown) {
@@ -261,7 +260,7 @@ Told fly_failing(const Team& all, const Script& script, Succession::MakeSolver m
       if (event.kind == EventKind::event_ignored) told.ignored.push_back(place);
     }
   }
-  told.team = succession.present().solver->ocp().team();
+  told.team = team_switcher.present().solver->ocp().team();
   return told;
 }
 
@@ -270,7 +269,7 @@ int couplings_called(const Team& team, std::string_view name) {
                                         [&](const Coupling& c) { return c.name == name; }));
 }
 
-TEST(Succession, ATeamThatCannotBeMadeLeavesNoTrace) {
+TEST(TeamSwitcher, ATeamThatCannotBeMadeLeavesNoTrace) {
   const Team all = event_team(3);
   const AgentId uav2{BodyId{2}};
   const Coupling bad{.term = 1.0 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "bad"};
@@ -286,7 +285,7 @@ TEST(Succession, ATeamThatCannotBeMadeLeavesNoTrace) {
   EXPECT_EQ(told.team.couplings().size(), all.couplings().size() - 1);
 }
 
-TEST(Succession, WhereMemoryFailedOnceALaterEventGoesOnFromTheTeamThereWas) {
+TEST(TeamSwitcher, WhereMemoryFailedOnceALaterEventGoesOnFromTheTeamThereWas) {
   const Team all = event_team(3);
   int made = 0;
   const Told told =
@@ -297,7 +296,7 @@ TEST(Succession, WhereMemoryFailedOnceALaterEventGoesOnFromTheTeamThereWas) {
   EXPECT_EQ(couplings_called(told.team, "off1"), 1) << "the keep-out whose removal failed is still there";
 }
 
-TEST(Succession, OfSeveralEventsAtOnceOnlyThoseThatCannotBeAreIgnored) {
+TEST(TeamSwitcher, OfSeveralEventsAtOnceOnlyThoseThatCannotBeAreIgnored) {
   const Team all = event_team(4);
   const AgentId uav2{BodyId{2}};
   const Coupling bad{.term = 1.0 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "bad"};
@@ -312,7 +311,7 @@ TEST(Succession, OfSeveralEventsAtOnceOnlyThoseThatCannotBeAreIgnored) {
   EXPECT_EQ(couplings_called(told.team, "off2"), 0);
 }
 
-TEST(Succession, MoreEventsAtOnceThanASampleHoldsAreAllTold) {
+TEST(TeamSwitcher, MoreEventsAtOnceThanASampleHoldsAreAllTold) {
   const Team all = event_team(3);
   Script script;
   for (int i = 0; i < 100; ++i) {
@@ -323,9 +322,83 @@ TEST(Succession, MoreEventsAtOnceThanASampleHoldsAreAllTold) {
   EXPECT_EQ(told.in_force.size(), 100U);
 }
 
-TEST(Succession, AScriptWithFaultsIsRefusedWithTheEvent) {
+TEST(TeamSwitcher, ASolverOfOnesOwnThatHandsOverItsPlanFliesThroughEvents) {
+  const Team all = event_team(4);
+  const TeamFlight flight = fly_script(
+      all, event_start(all),
+      {{at(0.5, RemoveBody{BodyId{3}, Afterwards::hold}),
+        at(1.0, RetuneTerm{.name = "sees1", .weight = 0.7}, 0.3), at(1.6, AddBody{BodyId{3}}, 0.3)}},
+      2.5, {}, false, {}, gradient_planner_of(Horizon{}));
+  EXPECT_TRUE(flight.outcome.finite);
+  EXPECT_EQ(period_of(flight, EventKind::event_in_force), 51U);
+  EXPECT_EQ(period_of(flight, EventKind::event_ignored), flight.flown.size());
+  EXPECT_EQ(flight.flown[51].presence[3], Presence::hold);
+  EXPECT_EQ(flight.flown[170].presence[3], Presence::steered);
+  EXPECT_LE(largest_jump(flight, 45, flight.flown.size(), 0, 12), 0.3)
+      << "those who stay go on with their plan";
+  for (const FlownPeriod& period : flight.flown) EXPECT_TRUE(gives_plan(period.solver.status)) << period.time;
+}
+
+/// Keeps the plan with which it is asked for its first update.
+class WatchedPlanner final : public GradientPlanner {
+ public:
+  struct Begin {
+    Team team;
+    std::vector<double> plan;
+  };
+  WatchedPlanner(Team team, std::vector<Begin>& begins)
+      : GradientPlanner(std::move(team), Horizon{}), begins_(begins) {}
+  Solution solve(double time, std::span<const double> states) noexcept override {
+    if (!begun_) begins_.push_back({ocp().team(), whole_plan()});
+    begun_ = true;
+    return GradientPlanner::solve(time, states);
+  }
+
+ private:
+  std::vector<Begin>& begins_;
+  bool begun_ = false;
+};
+
+TEST(TeamSwitcher, AfterEachChangeThoseWhoStayBeginWithTheirPlanAndOthersAtTheirReference) {
+  const Team all = event_team(4);
+  std::vector<WatchedPlanner::Begin> begins;
+  const TeamFlight flight =
+      fly_script(all, event_start(all),
+                 {{at(0.5, RemoveBody{BodyId{3}, Afterwards::hold}),
+                   at(1.0, RetuneTerm{.name = "sees1", .weight = 0.7}), at(1.5, AddBody{BodyId{3}})}},
+                 2.0, {}, false, {},
+                 [&](Team team) { return std::make_unique<WatchedPlanner>(std::move(team), begins); });
+  ASSERT_EQ(begins.size(), 4U);
+  for (std::size_t change = 1; change < begins.size(); ++change) {
+    const Team& team = begins[change].team;
+    const FlownPeriod& asked = flight.flown[50 * change];
+    for (const Agent& agent : team.agents()) {
+      const bool is_new = change == 3 && agent.name == "uav3";
+      const int in_team = team.input_offset(team.find(agent.name)),
+                in_all = all.input_offset(all.find(agent.name));
+      for (int i = 0; i < 4; ++i) {
+        EXPECT_EQ(
+            begins[change].plan[static_cast<std::size_t>(in_team + i)],
+            is_new ? agent.u_ref[static_cast<std::size_t>(i)] : asked.u[static_cast<std::size_t>(in_all + i)])
+            << "change " << change << ", " << agent.name;
+      }
+    }
+  }
+}
+
+TEST(TeamSwitcher, ASolverThatCannotHandOverItsPlanIsRefusedWithItsNameAndTheNeed) {
+  EXPECT_EQ(refusal_of([] {
+              TeamSwitcher(Roster(event_team(2)), {},
+                           [](const Team& team) { return std::make_unique<Cgmres>(team, Horizon{}); });
+            }),
+            "the solver cgmres cannot hand over its plan, which a team that changes in flight needs, "
+            "expected one that "
+            "can, such as newton_riccati");
+}
+
+TEST(TeamSwitcher, AScriptWithFaultsIsRefusedWithTheEvent) {
   const auto made = [](TeamEvent event) {
-    return refusal_of([&] { Succession(Roster(event_team(2)), {{event}}, newton_riccati_of(Horizon{})); });
+    return refusal_of([&] { TeamSwitcher(Roster(event_team(2)), {{event}}, newton_riccati_of(Horizon{})); });
   };
   EXPECT_THAT(made(at(1.0, AddBody{BodyId{1}})), HasSubstr("event 0: at = 1: \"uav1\" is there already"));
   TeamEvent named = at(-1.0, RemoveTerm{"sees1"});

@@ -1,4 +1,4 @@
-#include "sightline/run/succession.hpp"
+#include "sightline/run/team_switcher.hpp"
 
 #include <fmt/format.h>
 #include <time.h>
@@ -27,17 +27,18 @@ const Script& checked(const Script& script, const Roster& roster) {
                                           faults[0].sentence));
 }
 
-Phase phase_of(std::unique_ptr<NewtonRiccati> solver, const Roster& roster) {
+Phase phase_of(std::unique_ptr<Solver> solver, const Roster& roster) {
   Phase phase{.solver = std::move(solver), .controller = {}, .membership = roster.membership()};
+  phase.planner = &team_planner_of(*phase.solver, "a team that changes in flight");
   phase.controller.emplace(roster.all(), *phase.solver, 0);
   for (int i = 0; i < roster.all().bodies(); ++i) {
     const BodyId body{i};
     const Presence presence = roster.presence(body);
     if (!roster.all().is_agent(body) || presence == Presence::steered || presence == Presence::absent)
       continue;
-    phase.drifters.emplace_back(roster.all(), body, presence == Presence::land,
-                                phase.solver->ocp().horizon().dt);
-    phase.drifters.back().limits = roster.agent(AgentId{body}).limits;
+    phase.uncontrolled.emplace_back(roster.all(), body, presence == Presence::land,
+                                    phase.solver->ocp().horizon().dt);
+    phase.uncontrolled.back().limits = roster.agent(AgentId{body}).limits;
   }
   return phase;
 }
@@ -49,7 +50,7 @@ void nap() noexcept {
 
 }  // namespace
 
-Succession::Succession(Roster start, const Script& script, MakeSolver make)
+TeamSwitcher::TeamSwitcher(Roster start, const Script& script, MakeSolver make)
     : world_(start.all()),
       script_(checked(script, start)),
       watch_(script_, world_),
@@ -70,16 +71,16 @@ Succession::Succession(Roster start, const Script& script, MakeSolver make)
   thread_ = std::thread([this] { work(); });
 }
 
-Succession::~Succession() {
+TeamSwitcher::~TeamSwitcher() {
   stop_.store(true, std::memory_order_release);
   thread_.join();
 }
 
-void Succession::tell(double t, EventKind kind, std::size_t event) noexcept {
+void TeamSwitcher::tell(double t, EventKind kind, std::size_t event) noexcept {
   if (told_.size() < told_.capacity()) told_.push_back({t, kind, 0, static_cast<double>(event)});
 }
 
-bool Succession::swap(double t, std::span<const double> x, std::span<const double> u, bool wait) noexcept {
+bool TeamSwitcher::swap(double t, std::span<const double> x, std::span<const double> u, bool wait) noexcept {
   if (!pending_) return false;
   while (wait && !is_ready()) nap();
   if (!is_ready()) return false;
@@ -103,8 +104,8 @@ bool Succession::swap(double t, std::span<const double> x, std::span<const doubl
   return true;
 }
 
-void Succession::look(double t, std::span<const double> x, std::span<const double> u,
-                      std::span<const double> ages) noexcept {
+void TeamSwitcher::look(double t, std::span<const double> x, std::span<const double> u,
+                        std::span<const double> ages) noexcept {
   if (pending_) return;
   const std::span<const std::size_t> happening =
       watch_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_.membership.presence});
@@ -121,13 +122,13 @@ void Succession::look(double t, std::span<const double> x, std::span<const doubl
   std::copy(u.begin(), u.end(), request_.u.begin());
   const std::size_t nu = size(present_.solver->ocp().nu());
   for (int k = 0; k < present_.solver->ocp().horizon().N; ++k) {
-    present_.solver->plan(k, std::span(request_.plan).subspan(size(k) * nu, nu));
+    present_.planner->plan(k, std::span(request_.plan).subspan(size(k) * nu, nu));
   }
   pending_ = true;
   hand_.store(Hand::thread, std::memory_order_release);
 }
 
-void Succession::work() noexcept {
+void TeamSwitcher::work() noexcept {
   while (!stop_.load(std::memory_order_acquire)) {
     if (hand_.load(std::memory_order_acquire) == Hand::control) {
       nap();
@@ -138,7 +139,7 @@ void Succession::work() noexcept {
   }
 }
 
-void Succession::prepare() noexcept {
+void TeamSwitcher::prepare() noexcept {
   next_ = {};  // what left
   refused_.clear();
   // No memory, a team that no solver takes: the team stays as it was before the event that asks for it.
@@ -158,7 +159,7 @@ void Succession::prepare() noexcept {
 }
 
 /// Makes the team that these events lead to, without those that cannot be. Where it throws, nothing has changed.
-void Succession::make_next(std::span<const std::size_t> events) {
+void TeamSwitcher::make_next(std::span<const std::size_t> events) {
   const double t = request_.t + period_;
   Roster roster = roster_;
   std::vector<std::size_t> refused;
@@ -178,7 +179,7 @@ void Succession::make_next(std::span<const std::size_t> events) {
   }
   if (changes) {
     Phase next = phase_of(make_(roster.team(t)), roster);
-    give_plan(*next.solver);
+    give_plan(*next.planner);
     predict(next);
     for (int i = 0; i < converging_steps; ++i) {
       const Status status = next.solver->solve(t, next.controller->states).status;
@@ -193,27 +194,21 @@ void Succession::make_next(std::span<const std::size_t> events) {
 }
 
 /// Robots of both teams go on with their plan, others begin at u*.
-void Succession::give_plan(NewtonRiccati& solver) const {
-  const Team &before = present_.solver->ocp().team(), &team = solver.ocp().team();
-  std::vector<double> u(size(team.nu()));
-  for (int k = 0; k < solver.ocp().horizon().N; ++k) {
-    for (const BodyId body : solver.ocp().agent_bodies()) {
-      const std::vector<double>& u_ref = team.agent(body).u_ref;
-      const auto to = u.begin() + team.input_offset(body);
-      const BodyId same = before.find(team.name(body));
-      if (same.index < 0 || !before.is_agent(same)) {
-        std::copy(u_ref.begin(), u_ref.end(), to);
-        continue;
-      }
-      const auto from = request_.plan.begin() + k * before.nu() + before.input_offset(same);
-      std::copy_n(from, u_ref.size(), to);
-    }
-    solver.set_plan(k, u);
+void TeamSwitcher::give_plan(TeamPlanner& planner) const {
+  const Team& team = planner.ocp().team();
+  std::vector<double> u_ref(size(team.nu()));
+  for (const BodyId body : planner.ocp().agent_bodies()) {
+    const std::vector<double>& of_agent = team.agent(body).u_ref;
+    std::copy(of_agent.begin(), of_agent.end(), u_ref.begin() + team.input_offset(body));
   }
+  for (int k = 0; k < planner.ocp().horizon().N; ++k) planner.set_plan(k, u_ref);
+  const Ocp& before = present_.solver->ocp();
+  planner.take_over(before.team(),
+                    std::span(request_.plan).first(size(before.horizon().N) * size(before.nu())));
 }
 
 /// Gives the next solver the states one period after the request.
-void Succession::predict(Phase& next) const {
+void TeamSwitcher::predict(Phase& next) const {
   std::vector<double> x = request_.x;
   for (int i = 0; i < world_.bodies(); ++i) {
     const BodyId body{i};

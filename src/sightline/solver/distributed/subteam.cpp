@@ -1,4 +1,4 @@
-#include "sightline/solver/distributed/part.hpp"
+#include "sightline/solver/distributed/subteam.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ bool is_among(std::span<const AgentId> agents, BodyId body) {
   return std::find(agents.begin(), agents.end(), body) != agents.end();
 }
 
-/// Who of the part feels it.
+/// Who of the subteam feels it.
 std::vector<AgentId> felt_within(const Coupling& coupling, std::span<const AgentId> own) {
   std::vector<AgentId> feel;
   for (const AgentId agent : coupling.felt_by) {
@@ -25,7 +25,7 @@ std::vector<AgentId> felt_within(const Coupling& coupling, std::span<const Agent
 
 }  // namespace
 
-Team part_of(const Team& whole, std::span<const AgentId> own) {
+Team subteam_of(const Team& whole, std::span<const AgentId> own) {
   if (own.empty()) throw std::invalid_argument("a part has no robot, expected at least one");
   for (const AgentId agent : own) {
     if (agent.index < 0 || agent.index >= whole.bodies() || !whole.is_agent(agent)) {
@@ -38,22 +38,22 @@ Team part_of(const Team& whole, std::span<const AgentId> own) {
     if (felt_within(c, own).empty()) continue;
     seen[at(c.between.first.index)] = seen[at(c.between.second.index)] = true;
   }
-  Team part;
+  Team subteam;
   for (int i = 0; i < whole.bodies(); ++i) {
-    if (is_among(own, BodyId{i})) part.add(whole.agent(BodyId{i}));
+    if (is_among(own, BodyId{i})) subteam.add(whole.agent(BodyId{i}));
   }
   for (int i = 0; i < whole.bodies(); ++i) {
-    if (seen[at(i)] && !is_among(own, BodyId{i})) part.add(Obstacle{std::string(whole.name(BodyId{i}))});
+    if (seen[at(i)] && !is_among(own, BodyId{i})) subteam.add(Obstacle{std::string(whole.name(BodyId{i}))});
   }
-  const auto here = [&](BodyId body) { return part.find(whole.name(body)); };
+  const auto here = [&](BodyId body) { return subteam.find(whole.name(body)); };
   for (const Coupling& c : whole.couplings()) {
     std::vector<AgentId> feel = felt_within(c, own);
     if (feel.empty()) continue;
     for (AgentId& agent : feel) agent = AgentId{here(agent)};
-    Coupling of_part = c;
-    of_part.between = {here(c.between.first), here(c.between.second)};
-    of_part.felt_by = std::move(feel);
-    part.couple(std::move(of_part));
+    Coupling of_subteam = c;
+    of_subteam.between = {here(c.between.first), here(c.between.second)};
+    of_subteam.felt_by = std::move(feel);
+    subteam.couple(std::move(of_subteam));
   }
   for (const Swarm& swarm : whole.swarms()) {
     std::vector<AgentId> members;
@@ -66,28 +66,28 @@ Team part_of(const Team& whole, std::span<const AgentId> own) {
           fmt::format("{} keeps robots of several parts apart, expected all of a swarm in one part",
                       swarm.term.potential.name()));
     }
-    part.keep_apart(swarm.term, std::move(members), swarm.radius, swarm.capacity);
+    subteam.keep_apart(swarm.term, std::move(members), swarm.radius, swarm.capacity);
   }
   for (const Constraint& c : whole.constraints()) {
     if (!is_among(own, c.agent)) continue;
-    Constraint of_part = c;
-    of_part.agent = AgentId{here(c.agent)};
-    part.constrain(std::move(of_part));
+    Constraint of_subteam = c;
+    of_subteam.agent = AgentId{here(c.agent)};
+    subteam.constrain(std::move(of_subteam));
   }
   for (const BarrierTerm& b : whole.barriers()) {
-    if (is_among(own, b.agent)) part.constrain(b.barrier, AgentId{here(b.agent)});
+    if (is_among(own, b.agent)) subteam.constrain(b.barrier, AgentId{here(b.agent)});
   }
-  return part;
+  return subteam;
 }
 
-Part::Part(const Team& whole, const Horizon& horizon, std::span<const AgentId> own,
-           const NewtonRiccatiOptions& options)
-    : whole_(whole), in_part_(at(whole.bodies()), -1) {
-  solver_ = std::make_unique<NewtonRiccati>(part_of(whole, own), horizon, options);
+Subteam::Subteam(const Team& whole, std::span<const AgentId> own, const MakeSolver& make)
+    : whole_(whole), in_subteam_(at(whole.bodies()), -1), solver_(make(subteam_of(whole, own))) {
+  planner_ = &team_planner_of(*solver_, "a team that plans in parts");
   const Team& team = ocp().team();
+  const Horizon& horizon = ocp().horizon();
   for (int i = 0; i < team.bodies(); ++i) {
     in_whole_.push_back(whole.find(team.name(BodyId{i})));
-    in_part_[at(in_whole_.back().index)] = i;
+    in_subteam_[at(in_whole_.back().index)] = i;
   }
   const std::size_t stages = at(horizon.N + 1);
   int nx_max = 0;
@@ -99,13 +99,14 @@ Part::Part(const Team& whole, const Horizon& horizon, std::span<const AgentId> o
   u_.resize(at(team.nu()));
   rate_.resize(at(nx_max));
   path_.resize(stages * x_.size());
-  for (const BodyId body : ocp().agent_bodies()) told_.push_back({.who = in_whole(body), .h = horizon.h()});
-  for (Prediction& told : told_) told.sights.reserve(stages);
-  heard_.sights.reserve(stages);
+  for (const BodyId body : ocp().agent_bodies())
+    predictions_.push_back({.who = in_whole(body), .h = horizon.h()});
+  for (Prediction& prediction : predictions_) prediction.sights.reserve(stages);
+  received_.sights.reserve(stages);
 }
 
-/// What the part knows of the states; of a robot outside, where it is and how it moves.
-void Part::gather(std::span<const double> states) noexcept {
+/// What the subteam knows of the states; of a robot outside, where it is and how it moves.
+void Subteam::gather(std::span<const double> states) noexcept {
   const Team& team = ocp().team();
   for (int i = 0; i < team.bodies(); ++i) {
     const BodyId there = in_whole(BodyId{i});
@@ -120,40 +121,40 @@ void Part::gather(std::span<const double> states) noexcept {
   }
 }
 
-/// x_{k+1} = x_k + h f(x_k, u_k) of the own robots; the others as they are now. What is not finite is not told.
-void Part::roll_out(double time) noexcept {
+/// x_{k+1} = x_k + h f(x_k, u_k) of the own robots; the others as they are now. What is not finite is not prediction.
+void Subteam::roll_out(double time) noexcept {
   const Team& team = ocp().team();
   const int N = ocp().horizon().N;
   const double h = ocp().horizon().h();
-  for (Prediction& told : told_) {
-    told.time = time;
-    told.sights.clear();
+  for (Prediction& prediction : predictions_) {
+    prediction.time = time;
+    prediction.sights.clear();
   }
   std::copy(x_.begin(), x_.end(), path_.begin());
   for (const BodyId body : ocp().agent_bodies()) {
     if (!team.model(body).normalise(&path_[at(team.state_offset(body))])) return;
   }
   for (int k = 0; k <= N; ++k) {
-    if (k < N) solver_->plan(k, u_);
+    if (k < N) planner_->plan(k, u_);
     double* const x = &path_[at(k) * x_.size()];
     if (k < N) std::copy_n(x, x_.size(), x + x_.size());
-    for (std::size_t i = 0; i < told_.size(); ++i) {
+    for (std::size_t i = 0; i < predictions_.size(); ++i) {
       const BodyId body = ocp().agent_bodies()[i];
       const Model& model = team.model(body);
       const int offset = team.state_offset(body);
       const double* const u = u_.data() + team.input_offset(body);
-      told_[i].sights.push_back(model.sight(x + offset, u));
+      predictions_[i].sights.push_back(model.sight(x + offset, u));
       if (k == N) continue;
       model.f(x + offset, u, rate_.data());
       for (int j = 0; j < model.nx(); ++j) x[at(offset + j) + x_.size()] += h * rate_[at(j)];
     }
   }
-  for (Prediction& told : told_) {
-    if (!told.is_finite()) told.sights.clear();
+  for (Prediction& prediction : predictions_) {
+    if (!prediction.is_finite()) prediction.sights.clear();
   }
 }
 
-Solution Part::solve(double time, std::span<const double> states) noexcept {
+Solution Subteam::solve(double time, std::span<const double> states) noexcept {
   if (states.size() != at(whole_.nx())) return solver_->solve(time, {});
   gather(states);
   const Solution solution = solver_->solve(time, x_);
@@ -162,34 +163,38 @@ Solution Part::solve(double time, std::span<const double> states) noexcept {
   return solution;
 }
 
-void Part::look_ahead(double time, std::span<const double> states) noexcept {
+void Subteam::predict(double time, std::span<const double> states) noexcept {
   if (states.size() != at(whole_.nx())) return;
   gather(states);
   roll_out(time);
 }
 
-double Part::kkt(double time, std::span<const double> states) noexcept {
+double Subteam::kkt(double time, std::span<const double> states) noexcept {
   if (states.size() != at(whole_.nx())) return solver_->kkt(time, {});
   gather(states);
   return solver_->kkt(time, x_);
 }
 
-void Part::hear(const Prediction& told) noexcept {
-  const bool known = told.who.index >= 0 && told.who.index < whole_.bodies();
-  const int here = known ? in_part_[at(told.who.index)] : -1;
-  if (here < 0 || ocp().team().is_agent(BodyId{here})) return;
-  const bool fits = !told.sights.empty() && told.sights.size() <= heard_.sights.capacity() && told.h > 0;
-  if (!fits || !told.is_finite()) return;
-  heard_.who = BodyId{here};
-  heard_.time = told.time;
-  heard_.h = told.h;
-  heard_.sights.assign(told.sights.begin(), told.sights.end());
-  solver_->set_prediction(heard_);
+void Subteam::receive(const Prediction& prediction) noexcept {
+  if (!prediction.sights.empty()) set_prediction(prediction);
 }
 
-void Part::restart() noexcept {
+void Subteam::set_prediction(const Prediction& prediction) noexcept {
+  const bool known = prediction.who.index >= 0 && prediction.who.index < whole_.bodies();
+  const int here = known ? in_subteam_[at(prediction.who.index)] : -1;
+  if (here < 0 || ocp().team().is_agent(BodyId{here})) return;
+  const bool fits = prediction.sights.size() <= received_.sights.capacity() && prediction.h > 0;
+  if (!fits || !prediction.is_finite()) return;
+  received_.who = BodyId{here};
+  received_.time = prediction.time;
+  received_.h = prediction.h;
+  received_.sights.assign(prediction.sights.begin(), prediction.sights.end());
+  planner_->set_prediction(received_);
+}
+
+void Subteam::restart() noexcept {
   solver_->restart();
-  for (Prediction& told : told_) told.sights.clear();
+  for (Prediction& prediction : predictions_) prediction.sights.clear();
 }
 
 }  // namespace sightline

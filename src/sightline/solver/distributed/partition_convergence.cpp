@@ -1,4 +1,4 @@
-#include "sightline/solver/distributed/sweeps.hpp"
+#include "sightline/solver/distributed/partition_convergence.hpp"
 
 #include <fmt/format.h>
 
@@ -8,18 +8,12 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/potential/tracking.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 
 namespace sightline {
 namespace {
 
 constexpr double stationary = 1e-9;  // [1/s]
-
-std::vector<double> plan_of(const auto& solver) {
-  const std::size_t nu = at(solver.ocp().nu());
-  std::vector<double> u(at(solver.ocp().horizon().N) * nu);
-  for (int k = 0; k < solver.ocp().horizon().N; ++k) solver.plan(k, std::span(u).subspan(at(k) * nu, nu));
-  return u;
-}
 
 }  // namespace
 
@@ -52,33 +46,35 @@ double horizon_cost(const Ocp& ocp, double time, std::span<const double> states,
   return cost;
 }
 
-NewtonRiccatiOptions to_the_end() {
-  return {.max_newton_steps = 20, .tolerance = stationary, .max_krylov = 60, .krylov_stop = 1e-10};
+std::unique_ptr<Solver> make_reference_solver(const Ocp& ocp) {
+  return std::make_unique<NewtonRiccati>(
+      ocp, NewtonRiccatiOptions{
+               .max_newton_steps = 20, .tolerance = stationary, .max_krylov = 60, .krylov_stop = 1e-10});
 }
 
-std::vector<Sweep> sweep(PartitionedSolver& solver, NewtonRiccati& whole, double time,
-                         std::span<const double> states, int rounds) {
+std::vector<FromOptimum> partition_convergence(PartitionedSolver& solver, Solver& reference, double time,
+                                               std::span<const double> states, int exchanges) {
   constexpr int attempts = 20;
   const Ocp& ocp = solver.ocp();
-  const std::size_t nu = at(ocp.nu());
-  const std::vector<double> first = plan_of(solver);
-  for (int k = 0; k < ocp.horizon().N; ++k) whole.set_plan(k, std::span(first).subspan(at(k) * nu, nu));
-  for (int i = 0; i < attempts && whole.kkt(time, states) > stationary; ++i) (void)whole.solve(time, states);
-  if (!(whole.kkt(time, states) <= stationary)) return {};
-  const std::vector<double> best = plan_of(whole);
+  TeamPlanner& planner = team_planner_of(reference, "a comparison with the optimum");
+  planner.take_over(ocp.team(), solver.whole_plan());
+  for (int i = 0; i < attempts && reference.kkt(time, states) > stationary; ++i)
+    (void)reference.solve(time, states);
+  if (!(reference.kkt(time, states) <= stationary)) return {};
+  const std::vector<double> best = planner.whole_plan();
   const double best_cost = horizon_cost(ocp, time, states, best);
 
-  std::vector<Sweep> sweeps;
-  solver.tell_all(time, states);
-  for (int round = 0; round < rounds; ++round) {
+  std::vector<FromOptimum> distances;
+  solver.send_all(time, states);
+  for (int exchange = 0; exchange < exchanges; ++exchange) {
     const Solution solution = solver.solve(time, states);
-    const std::vector<double> u = plan_of(solver);
-    Sweep& s = sweeps.emplace_back();
+    const std::vector<double> u = solver.whole_plan();
+    FromOptimum& s = distances.emplace_back();
     for (std::size_t i = 0; i < u.size(); ++i) s.input = std::max(s.input, std::abs(u[i] - best[i]));
     s.cost = (horizon_cost(ocp, time, states, u) - best_cost) / best_cost;
     s.kkt = solution.residual;
   }
-  return sweeps;
+  return distances;
 }
 
 }  // namespace sightline

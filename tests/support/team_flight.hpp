@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "sightline/run/loop.hpp"
-#include "sightline/run/succession.hpp"
+#include "sightline/run/team_switcher.hpp"
 #include "sightline/world/model_world.hpp"
+#include "tests/support/newton_riccati_of.hpp"
 
 namespace sightline {
 
@@ -45,44 +46,38 @@ class KeepSamples final : public Sink<Sample> {
   Sample sample_;
 };
 
-inline Succession::MakeSolver newton_riccati_of(const Horizon& horizon,
-                                                const NewtonRiccatiOptions& options = {}) {
-  return [horizon, options](Team team) {
-    return std::make_unique<NewtonRiccati>(Ocp(std::move(team), horizon), options);
-  };
-}
-
-struct SuccessionFlight {
+struct TeamFlight {
   std::vector<FlownPeriod> flown;
   LoopOutcome outcome;
 };
 
 /// @param with_kkt  evaluates the optimality of each update, outside of it
-inline SuccessionFlight fly_script(const Team& all, const std::vector<double>& x0, const Script& script,
-                                   double duration, std::vector<Presence> presence = {},
-                                   bool with_kkt = false, std::vector<TimedSignal> signals = {}) {
+inline TeamFlight fly_script(const Team& all, const std::vector<double>& x0, const Script& script,
+                             double duration, std::vector<Presence> presence = {}, bool with_kkt = false,
+                             std::vector<TimedSignal> signals = {},
+                             MakeSolver make = newton_riccati_of(Horizon{})) {
   const Horizon horizon;
-  Succession succession(Roster(all, std::move(presence)), script, newton_riccati_of(horizon));
+  TeamSwitcher team_switcher(Roster(all, std::move(presence)), script, std::move(make));
   ModelWorld world(all, x0, {.period = horizon.dt}, {.period = horizon.dt});
   SimulatedClock clock;
-  const Controllers controllers = {*succession.present().solver};
+  const Controllers controllers = {*team_switcher.present().solver};
   KeepSamples sink(sized_sample(all, controllers));
   std::vector<double> u_before(static_cast<std::size_t>(all.nu()));
   if (with_kkt) {
     sink.after = [&](FlownPeriod& period) {
-      Controller& controller = *succession.present().controller;
+      Controller& controller = *team_switcher.present().controller;
       controller.gather(all, period.x, u_before);  // as the update saw it
       u_before = period.u;
-      period.kkt = succession.present().solver->kkt(period.time, controller.states);
+      period.kkt = team_switcher.present().solver->kkt(period.time, controller.states);
     };
   }
   Loop loop(world, controllers, clock, sink,
             {.duration = duration,
              .period = horizon.dt,
              .path_interval = 0.0,
-             .succession = &succession,
+             .team_switcher = &team_switcher,
              .signals = std::move(signals)});
-  SuccessionFlight flight;
+  TeamFlight flight;
   flight.outcome = loop.run();
   flight.flown = std::move(sink.flown);
   return flight;

@@ -6,7 +6,7 @@
 #include "tests/support/campaign.hpp"
 #include "tests/support/event_team.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/succession_flight.hpp"
+#include "tests/support/team_flight.hpp"
 
 namespace sightline {
 namespace {
@@ -81,15 +81,15 @@ Sequence random_sequence(Random& random, double duration) {
   return s;
 }
 
-TEST(SuccessionCampaign, AnySequenceOfEventsIsFlownWithinAllLimitsAndTheSameEachTime) {
+TEST(TeamSwitcherCampaign, AnySequenceOfEventsIsFlownWithinAllLimitsAndTheSameEachTime) {
   constexpr double duration = 1.5;
   const int sequences = whole_campaign() ? 500 : 20;
   Random random(2026);
   int in_force = 0, ignored = 0;
   for (int k = 0; k < sequences; ++k) {
     const Sequence s = random_sequence(random, duration);
-    const SuccessionFlight a = fly_script(s.all, s.x0, s.script, duration, s.presence, false, s.signals);
-    const SuccessionFlight b = fly_script(s.all, s.x0, s.script, duration, s.presence, false, s.signals);
+    const TeamFlight a = fly_script(s.all, s.x0, s.script, duration, s.presence, false, s.signals);
+    const TeamFlight b = fly_script(s.all, s.x0, s.script, duration, s.presence, false, s.signals);
     ASSERT_TRUE(a.outcome.finite) << k;
     ASSERT_EQ(a.outcome.refused, 0) << k;
     ASSERT_EQ(a.flown.size(), b.flown.size());
@@ -112,7 +112,7 @@ TEST(SuccessionCampaign, AnySequenceOfEventsIsFlownWithinAllLimitsAndTheSameEach
   EXPECT_GT(ignored, 0);
 }
 
-TEST(SuccessionCampaign, TeamsThatFollowOneAnotherDoNotHoardMemory) {
+TEST(TeamSwitcherCampaign, TeamsThatFollowOneAnotherDoNotHoardMemory) {
   const Team all = event_team(6, 2);
   TeamEvent go{.name = "",
                .trigger = AfterTime{0.05},
@@ -130,14 +130,14 @@ TEST(SuccessionCampaign, TeamsThatFollowOneAnotherDoNotHoardMemory) {
     const std::size_t before = mallinfo2().uordblks;
     std::size_t most = 0;
     const Horizon horizon;
-    Succession succession(Roster(all), {{go, back}}, newton_riccati_of(horizon));
+    TeamSwitcher team_switcher(Roster(all), {{go, back}}, newton_riccati_of(horizon));
     ModelWorld world(all, event_start(all, 2));
     SimulatedClock clock;
-    const Controllers controllers = {*succession.present().solver};
+    const Controllers controllers = {*team_switcher.present().solver};
     Ring<Sample> sink(static_cast<std::size_t>(duration / horizon.dt) + 8, sized_sample(all, controllers));
     most = mallinfo2().uordblks - before;
     Loop loop(world, controllers, clock, sink,
-              {.duration = duration, .path_interval = 0.0, .succession = &succession});
+              {.duration = duration, .path_interval = 0.0, .team_switcher = &team_switcher});
     (void)loop.run();
     return static_cast<double>(mallinfo2().uordblks - before) - static_cast<double>(most);
   };

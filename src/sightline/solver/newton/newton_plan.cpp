@@ -1,0 +1,56 @@
+// The plan of a NewtonUpdate as others read and set it, and what others predict of themselves.
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/base/index.hpp"
+#include "sightline/solver/newton/newton_update.hpp"
+
+namespace sightline {
+
+void NewtonUpdate::planned(double time, std::span<double> u) const noexcept {
+  if (u.size() != u_out_.size()) return;
+  const double stages = (time - plan_time_) / ocp_.horizon().h();
+  const int k = static_cast<int>(clamp(std::isfinite(stages) ? stages : 0.0, 0.0, ocp_.horizon().N - 1.0));
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const Layout::View from = groups_.layout().u(a);
+    const std::size_t to = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
+    for (int i = 0; i < groups_.layout().part(a).nu; ++i) u[to + at(i)] = plan_[from(k, i)];
+  }
+}
+
+bool NewtonUpdate::is_stage(int k, std::span<const double> u) const noexcept {
+  return k >= 0 && k < ocp_.horizon().N && u.size() == u_out_.size();
+}
+
+void NewtonUpdate::plan(int k, std::span<double> u) const noexcept {
+  if (!is_stage(k, u)) return;
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const Layout::View from = groups_.layout().u(a);
+    const std::size_t to = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
+    for (int i = 0; i < groups_.layout().part(a).nu; ++i) u[to + at(i)] = u_[from(k, i)];
+  }
+}
+
+void NewtonUpdate::set_plan(int k, std::span<const double> u) noexcept {
+  if (!is_stage(k, u)) return;
+  has_plan_ = true;
+  started_ = false;
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const Layout::View to = groups_.layout().u(a);
+    const std::size_t from = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
+    for (int i = 0; i < groups_.layout().part(a).nu; ++i) u_[to(k, i)] = u[from + at(i)];
+  }
+}
+
+void NewtonUpdate::set_prediction(const Prediction& prediction) noexcept {
+  if (prediction.who.index < 0 || prediction.who.index >= ocp_.team().bodies() ||
+      ocp_.team().is_agent(prediction.who))
+    return;
+  Prediction& to = predictions_[at(prediction.who.index)];
+  if (prediction.sights.size() > to.sights.capacity()) return;
+  to.time = prediction.time;
+  to.h = prediction.h;
+  to.sights.assign(prediction.sights.begin(), prediction.sights.end());
+}
+
+}  // namespace sightline

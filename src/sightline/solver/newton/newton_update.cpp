@@ -1,0 +1,451 @@
+#include "sightline/solver/newton/newton_update.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "sightline/base/index.hpp"
+#include "sightline/math/subnormals.hpp"
+
+namespace sightline {
+namespace {
+
+using L = NativeLane;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+void check(bool holds, std::string_view option, double value, std::string_view expected) {
+  if (holds && std::isfinite(value)) return;
+  throw std::invalid_argument(fmt::format("solver.{} = {}, expected {}", option, value, expected));
+}
+
+NewtonRiccatiOptions checked(const NewtonRiccatiOptions& o) {
+  check(o.max_newton_steps >= 1 && o.max_newton_steps <= 1000, "max_newton_steps", o.max_newton_steps,
+        "1 to 1000");
+  check(o.tolerance > 0, "tolerance", o.tolerance, "> 0 1/s");
+  check(o.max_krylov >= 0 && o.max_krylov <= 1000, "max_krylov", o.max_krylov, "0 to 1000");
+  check(o.krylov_stop >= 0, "krylov_stop", o.krylov_stop, ">= 0");
+  check(o.step_cap > 0, "step_cap", o.step_cap, "> 0");
+  check(o.deadline >= 0, "deadline", o.deadline, ">= 0 s");
+  check(o.start_steps >= 1 && o.start_steps <= 1000, "start_steps", o.start_steps, "1 to 1000");
+  return o;
+}
+
+L absolute(L a) { return maximum(a, -a); }
+
+double largest(L a) {
+  double m = 0.0;
+  for (int i = 0; i < L::width; ++i) m = std::max(m, a[i]);
+  return m;
+}
+
+L minimum(L a, L b) { return -maximum(-a, -b); }
+L within(L x, L low, L high) { return minimum(maximum(x, low), high); }
+
+}  // namespace
+
+NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
+    : ocp_(std::move(ocp)),
+      options_(checked(options)),
+      potentials_(
+          trace_potentials(ocp_, [](const Program& p) { return find_formula(p, native_width) != nullptr; })),
+      swarms_(trace_swarms(ocp_, [](const Program& p) { return find_formula(p, native_width) != nullptr; })),
+      groups_(ocp_, potentials_, options_.kernels),
+      influence_(influence_graph(potentials_, static_cast<int>(ocp_.agent_bodies().size()), swarms_)),
+      couplings_(
+          make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels, swarms_)),
+      krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop),
+      descent_(potentials_, groups_.layout(), influence_),
+      u_vectors_(11, groups_.layout().u_length),
+      s_vectors_(2, groups_.layout().s_length),
+      c_(1, groups_.layout().c_length),
+      u_(u_vectors_[0]),
+      du_(u_vectors_[1]),
+      active_(u_vectors_[2]),
+      H_u_(u_vectors_[3]),
+      low_(u_vectors_[4]),
+      high_(u_vectors_[5]),
+      u_before_(u_vectors_[6]),
+      plan_(u_vectors_[7]),
+      u_start_(u_vectors_[8]),
+      per_scale_(u_vectors_[9]),
+      scale_2_(u_vectors_[10]),
+      s_(s_vectors_[0]),
+      ds_(s_vectors_[1]),
+      x_now_(at(ocp_.nx())),
+      limits_(at(2 * ocp_.nu())),
+      u_out_(at(ocp_.nu())),
+      raw_u_(at(ocp_.nu())),
+      x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)) {
+  for (const BodyId body : ocp_.agent_bodies()) x_at_.push_back(ocp_.team().state_offset(body));
+  for (const Agent& agent : ocp_.team().agents()) limits_move_ |= agent.limits.times().size() > 1;
+  std::fill_n(per_scale_, groups_.layout().u_length, 1.0);
+  std::fill_n(scale_2_, groups_.layout().u_length, 1.0);
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const std::vector<double> scales = input_scales(ocp_.team().agents()[at(a)]);
+    const Layout::View u = groups_.layout().u(a);
+    for (int k = 0; k < ocp_.horizon().N; ++k) {
+      for (int i = 0; i < groups_.layout().part(a).nu; ++i) {
+        per_scale_[u(k, i)] = 1.0 / scales[at(i)];
+        scale_2_[u(k, i)] = scales[at(i)] * scales[at(i)];
+      }
+    }
+  }
+  predictions_.resize(at(ocp_.team().bodies()));
+  for (int b = 0; b < ocp_.team().bodies(); ++b) {
+    if (!ocp_.team().is_agent(BodyId{b})) predictions_[at(b)].sights.reserve(at(ocp_.horizon().N + 1));
+  }
+}
+
+bool NewtonUpdate::late() const noexcept {
+  return options_.deadline > 0 && Clock::now() - begin_ >= std::chrono::duration<double>(options_.deadline);
+}
+
+bool NewtonUpdate::accept(std::span<const double> states) noexcept {
+  if (static_cast<int>(states.size()) != ocp_.nx()) return false;
+  std::copy(states.begin(), states.end(), x_now_.begin());
+  const Team& team = ocp_.team();
+  for (int b = 0; b < team.bodies(); ++b) {
+    if (!team.model(BodyId{b}).normalise(&x_now_[at(team.state_offset(BodyId{b}))])) return false;
+  }
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    Group& group = groups_.group_of(a);
+    const int lane = groups_.layout().place(a).lane, lanes = groups_.layout().width;
+    const double* const x = &x_now_[at(team.state_offset(ocp_.agent_bodies()[at(a)]))];
+    for (int i = 0; i < group.sizes().nx; ++i) {
+      group.x(0, i, lane) = x[i];
+      if (!started_) {  // lanes at rest begin somewhere that exists
+        for (int l = lane + 1; l < lanes; ++l) group.x(0, i, l) = x[i];
+      }
+    }
+  }
+  return true;
+}
+
+/// References, limits, and what is known of bodies that are not controlled, along the horizon.
+void NewtonUpdate::set_time(double time) noexcept {
+  time_ = time;
+  const Team& team = ocp_.team();
+  const int N = ocp_.horizon().N;
+  const double h = ocp_.horizon().h();
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const Agent& agent = team.agents()[at(a)];
+    Group& group = groups_.group_of(a);
+    const int lane = groups_.layout().place(a).lane, nx = group.sizes().nx, nu = group.sizes().nu;
+    if (!started_ || !agent.x_ref.is_constant()) {
+      const std::ptrdiff_t lanes = groups_.layout().width;
+      agent.x_ref.along(time, h, N + 1, agent.model, &group.x_ref(0, 0, lane), nx * lanes, lanes);
+    }
+    if (started_ && !limits_move_) continue;
+    const Layout::View u = groups_.layout().u(a);
+    for (int k = 0; k < N; ++k) {
+      agent.limits.at(time + k * h, {limits_.data(), at(nu)}, {limits_.data() + nu, at(nu)});
+      for (int i = 0; i < nu; ++i) {
+        low_[u(k, i)] = limits_[at(i)];
+        high_[u(k, i)] = limits_[at(nu + i)];
+      }
+    }
+  }
+  for (int k = 0; k < N; ++k) couplings_->set_time(k, time + k * h);
+  couplings_->set_weights(time);
+  for (int b = 0; b < team.bodies(); ++b) {
+    if (team.is_agent(BodyId{b})) continue;
+    Sight<double> sight = team.model(BodyId{b}).sight(&x_now_[at(team.state_offset(BodyId{b}))], nullptr);
+    if (const Prediction& prediction = predictions_[at(b)]; prediction.holds(time, sight.p)) {
+      for (int k = 0; k < N; ++k) couplings_->set_body(b, k, prediction.at(time, k));
+      continue;
+    }
+    for (int k = 0; k < N; ++k) {
+      couplings_->set_body(b, k, sight);
+      sight.p = sight.p + h * sight.v;
+    }
+  }
+  if (!limits_move_ || !started_) return;
+  // A limit that moved takes its inputs along, or lets them go.
+  for (int i = 0; i < groups_.layout().u_length; ++i) {
+    u_[i] = clamp(u_[i], low_[i], high_[i]);
+    if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 0.0;
+  }
+}
+
+void NewtonUpdate::start() noexcept {
+  for (int i = 0; i < groups_.layout().u_length; ++i) {
+    u_[i] = clamp(has_plan_ ? u_[i] : 0.0, low_[i], high_[i]);
+    active_[i] = 0.0;
+  }
+  all_free_ = true;
+  has_plan_ = globalising_ = false;
+}
+
+void NewtonUpdate::restart() noexcept {
+  started_ = has_plan_ = false;
+  std::fill_n(plan_, groups_.layout().u_length, 0.0);
+  std::fill(x_out_.begin(), x_out_.end(), 0.0);
+  for (Prediction& prediction : predictions_) prediction.sights.clear();
+  plan_time_ = 0.0;
+}
+
+NewtonUpdate::Proposal NewtonUpdate::examine() const noexcept {
+  const double per_h = 1.0 / ocp_.horizon().h();
+  L step = 0.0, residual = 0.0, beyond = 0.0, not_finite = 0.0;
+  for (int i = 0; i < groups_.layout().u_length; i += L::width) {
+    const L u = L::load(u_ + i), du = L::load(du_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
+    const L next = u + du, per_scale = L::load(per_scale_ + i);
+    step = maximum(absolute(du) * per_scale, step);
+    beyond = maximum(maximum(next - high, low - next), beyond);
+    not_finite = fma(du, L(0.0), not_finite);
+    const L H_u = L(per_h) * L::load(H_u_ + i);
+    not_finite = fma(H_u, L(0.0), not_finite);
+    const L gap = u - within(u - H_u * L::load(scale_2_ + i), low, high);
+    residual = maximum(absolute(gap) * per_scale, residual);
+  }
+  double nan = 0.0;
+  for (int i = 0; i < L::width; ++i) nan += not_finite[i];
+  return {largest(step), largest(residual), nan == 0.0, !(largest(beyond) > 0.0)};
+}
+
+bool NewtonUpdate::slope_is_finite() const noexcept {
+  return std::all_of(H_u_, H_u_ + groups_.layout().u_length, [](double g) { return std::isfinite(g); });
+}
+
+/// Inputs that want to leave their limits are put on them and become active; active ones that want back are freed.
+/// @return whether the set changed
+bool NewtonUpdate::update_active_set() noexcept {
+  bool changed = false;
+  all_free_ = true;
+  for (int i = 0; i < groups_.layout().u_length; ++i) {
+    const double next = u_[i] + du_[i];
+    double active = 0.0;
+    if (active_[i] == 0.0) {
+      if (next > high_[i] || next < low_[i]) {
+        active = infinity;
+        u_[i] = next > high_[i] ? high_[i] : low_[i];
+      }
+    } else {
+      const bool at_high = u_[i] - low_[i] > high_[i] - u_[i];
+      active = (at_high ? H_u_[i] < 0 : H_u_[i] > 0) ? infinity : 0.0;
+    }
+    changed |= active != active_[i];
+    active_[i] = active;
+    if (active != 0.0) {
+      all_free_ = false;
+      du_[i] = 0.0;
+    }
+  }
+  return changed;
+}
+
+/// u <- u + du, within the limits.
+void NewtonUpdate::take() noexcept {
+  std::swap(u_, u_before_);
+  for (int i = 0; i < groups_.layout().u_length; i += L::width) {
+    const L u = L::load(u_before_ + i) + L::load(du_ + i);
+    within(u, L::load(low_ + i), L::load(high_ + i)).store(u_ + i);
+  }
+}
+
+/// Goes from u_start towards the step only as far as costs fall. Where that is not far, on by projected
+/// Newton (Bertsekas 1982): inputs that are pushed against a limit nearby become active, which makes the
+/// step one of descent. Where even that fails, down the gradient.
+/// @return whether the step could be taken as it was
+bool NewtonUpdate::descend(bool settled) noexcept {
+  constexpr double far_enough = 0.25;  // of the step
+  constexpr double nearby = 0.05;      // of an input's scale
+  const int n = groups_.layout().u_length;
+  const auto search = [&] {
+    return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_);
+  };
+  for (int i = 0; i < n; ++i) du_[i] = u_[i] + du_[i] - u_start_[i];
+  const double alpha = search();
+  if ((alpha < far_enough || !settled || (descent_.sure() && !descent_.fell())) && !late()) {
+    // Inputs that the gradient holds near a limit go there, the others by a step of their own.
+    std::copy_n(u_, n, u_start_);
+    groups_.roll_out(u_, s_);
+    couplings_->evaluate(s_, c_[0]);
+    groups_.differentiate(u_, active_, c_[0], H_u_);
+    const auto at_low = [&](int i) { return u_[i] < low_[i] + nearby / per_scale_[i] && H_u_[i] > 0; };
+    const auto at_high = [&](int i) { return u_[i] > high_[i] - nearby / per_scale_[i] && H_u_[i] < 0; };
+    for (int i = 0; i < n; ++i) active_[i] = at_low(i) || at_high(i) ? infinity : 0.0;
+    groups_.solve(u_, active_, c_[0], H_u_, du_, ds_);
+    krylov_.complete(groups_, *couplings_, du_, ds_);
+    for (int i = 0; i < n; ++i) {
+      if (at_low(i)) du_[i] = low_[i] - u_[i];
+      if (at_high(i)) du_[i] = high_[i] - u_[i];
+    }
+    if (search() == 0.0) {
+      for (int i = 0; i < n; ++i) du_[i] = -0.5 / ocp_.horizon().h() * H_u_[i] * scale_2_[i];
+      search();
+    }
+  }
+  all_free_ = true;
+  for (int i = 0; i < n; ++i) {
+    if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 0.0;
+    all_free_ &= active_[i] == 0.0;
+    du_[i] = 0.0;
+  }
+  std::copy_n(u_, n, u_before_);
+  return alpha >= 1.0 && settled;
+}
+
+NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
+  constexpr int attempts = 3;
+  Step result;
+  Proposal proposal;
+  bool damped = false, settled = false;
+  bool started_from = false;  // u_start is known
+  const auto keep_start = [&] {
+    if (!started_from) std::copy_n(u_, groups_.layout().u_length, u_start_);
+    started_from = true;
+  };
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    groups_.roll_out(u_, s_);
+    if (attempt == 0) couplings_->find_neighbours(s_);
+    couplings_->evaluate(s_, c_[0]);
+    damped = groups_.solve(u_, active_, c_[0], H_u_, du_, ds_) > 0;
+    if (!late()) result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_);
+    proposal = examine();
+    result.residual = proposal.residual;
+    result.finite = proposal.finite;
+    if (!proposal.finite) break;
+    settled = proposal.within_limits && all_free_;
+    if (settled) break;
+    keep_start();
+    settled = !update_active_set();
+    if (settled || late()) break;
+  }
+  if (!proposal.finite) {
+    if (!slope_is_finite()) {
+      result.residual = infinity;
+      return result;
+    }
+    std::fill_n(du_, groups_.layout().u_length, 0.0);  // the gradient is left
+    result.finite = true;
+  }
+  constexpr double near = 0.02;  // residual from which on steps are trusted again
+  globalising_ |=
+      !proposal.finite || damped || std::max(proposal.largest, proposal.residual) > options_.step_cap;
+  if (globalising_) {
+    keep_start();
+    const bool whole = descend(settled);
+    globalising_ = descent_.sure() && proposal.residual > near && !whole;
+    result.whole = whole && !damped && proposal.finite;
+  } else {
+    take();
+    result.whole = settled;
+  }
+  result.in_time = !late();
+  return result;
+}
+
+void NewtonUpdate::write_inputs() noexcept {
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const Layout::View u = groups_.layout().u(a);
+    const std::size_t to = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
+    for (int i = 0; i < groups_.layout().part(a).nu; ++i) {
+      u_out_[to + at(i)] = u_[u(0, i)];
+      raw_u_[to + at(i)] = u_before_[u(0, i)] + du_[u(0, i)];
+    }
+  }
+}
+
+void NewtonUpdate::write_states() noexcept {
+  const Team& team = ocp_.team();
+  const int N = ocp_.horizon().N;
+  groups_.copy_states(x_out_.data(), ocp_.nx(), x_at_);
+  for (int b = 0; b < team.bodies(); ++b) {
+    if (team.is_agent(BodyId{b})) continue;
+    const std::size_t from = at(team.state_offset(BodyId{b}));
+    const Prediction& prediction = predictions_[at(b)];
+    const bool is_predicted = prediction.holds(time_, {x_now_[from], x_now_[from + 1], x_now_[from + 2]});
+    for (int k = 0; k <= N; ++k) {
+      double* const to = &x_out_[from + at(k * ocp_.nx())];
+      const std::size_t nx = at(team.model(BodyId{b}).nx());
+      if (is_predicted && k > 0) {
+        write_body(prediction.at(time_, k), {to, nx});
+        continue;
+      }
+      std::copy_n(&x_now_[from], nx, to);
+      for (std::size_t i = 0; i < 3; ++i) to[i] += k * ocp_.horizon().h() * to[3 + i];
+    }
+  }
+}
+
+/// The input that the last good plan has for this time; before there is one, zero within the limits.
+Solution NewtonUpdate::fall_back(double time, Status status) noexcept {
+  const Team& team = ocp_.team();
+  started_ = false;
+  planned(time, raw_u_);
+  for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    const int nu = groups_.layout().part(a).nu;
+    const std::size_t to = at(team.input_offset(ocp_.agent_bodies()[at(a)]));
+    team.agents()[at(a)].limits.at(std::isfinite(time) ? time : plan_time_, {limits_.data(), at(nu)},
+                                   {limits_.data() + nu, at(nu)});
+    for (int i = 0; i < nu; ++i) {
+      u_out_[to + at(i)] = clamp(raw_u_[to + at(i)], limits_[at(i)], limits_[at(nu + i)]);
+    }
+  }
+  return {.u = u_out_,
+          .raw_u = raw_u_,
+          .x = x_out_,
+          .status = status,
+          .elapsed = std::chrono::duration<double>(Clock::now() - begin_).count()};
+}
+
+Solution NewtonUpdate::solve(double time, std::span<const double> states) noexcept {
+  begin_ = Clock::now();
+  const FlushSubnormals guard;
+  if (!std::isfinite(time) || !accept(states)) return fall_back(time, Status::invalid_state);
+  set_time(time);
+  const bool anew = !started_ && !has_plan_;
+  const int steps =
+      anew ? std::max(options_.max_newton_steps, options_.start_steps) : options_.max_newton_steps;
+  if (!started_) start();
+  started_ = true;
+
+  Step step;
+  int iterations = 0;
+  for (int i = 0; i < steps; ++i) {
+    step = newton_step();
+    iterations += step.iterations;
+    if (!step.finite || !step.in_time || step.residual <= options_.tolerance) break;
+  }
+  if (!step.finite) return fall_back(time, Status::not_finite);
+  write_inputs();
+  write_states();
+  std::copy_n(u_, groups_.layout().u_length, plan_);
+  plan_time_ = time;
+  const Status status = !step.in_time                         ? Status::deadline
+                        : step.residual <= options_.tolerance ? Status::converged
+                        : steps == 1 && step.whole            ? Status::stepped
+                                                              : Status::iteration_limit;
+  return {.u = u_out_,
+          .raw_u = raw_u_,
+          .x = x_out_,
+          .status = status,
+          .residual = step.residual,
+          .iterations = iterations,
+          .neighbours = couplings_->neighbours(),
+          .elapsed = std::chrono::duration<double>(Clock::now() - begin_).count()};
+}
+
+double NewtonUpdate::kkt(double time, std::span<const double> states) noexcept {
+  const FlushSubnormals guard;
+  if (!std::isfinite(time) || !accept(states)) return infinity;
+  set_time(time);
+  if (!started_) {
+    const bool planned = has_plan_;  // for the next update too
+    start();
+    has_plan_ = planned;
+  }
+  groups_.roll_out(u_, s_);
+  couplings_->find_neighbours(s_);
+  couplings_->evaluate(s_, c_[0]);
+  groups_.differentiate(u_, active_, c_[0], H_u_);
+  const Proposal at_u = examine();
+  return slope_is_finite() ? at_u.residual : infinity;
+}
+
+}  // namespace sightline

@@ -1,0 +1,89 @@
+/// The iterate of NewtonRiccati and all it works with: one update is an exact Newton step on it. Functions are those of
+/// Solver and TeamPlanner.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "sightline/solver/newton/descent.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
+
+namespace sightline {
+
+class NewtonUpdate {
+ public:
+  /// @throws std::invalid_argument naming an option out of its range
+  NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options);
+
+  const Ocp& ocp() const { return ocp_; }
+  double tolerance() const noexcept { return options_.tolerance; }
+
+  Solution solve(double time, std::span<const double> states) noexcept;
+  double kkt(double time, std::span<const double> states) noexcept;
+  void planned(double time, std::span<double> u) const noexcept;
+  void restart() noexcept;
+  void plan(int k, std::span<double> u) const noexcept;
+  void set_plan(int k, std::span<const double> u) noexcept;
+  void set_prediction(const Prediction& prediction) noexcept;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// What one step came to.
+  struct Step {
+    double residual = std::numeric_limits<double>::infinity();
+    int iterations = 0;
+    bool finite = true, in_time = true;
+    bool whole = false;  ///< neither damped nor shortened, and its active set is settled
+  };
+  /// What one pass over a proposed step finds.
+  struct Proposal {
+    double largest = 0.0;   ///< |du|, in the scale of each input
+    double residual = 0.0;  ///< of u, where finite
+    bool finite = true;     ///< du and H_u are
+    bool within_limits = true;
+  };
+
+  bool accept(std::span<const double> states) noexcept;
+  void set_time(double time) noexcept;
+  void start() noexcept;
+  Step newton_step() noexcept;
+  Proposal examine() const noexcept;
+  bool slope_is_finite() const noexcept;
+  bool update_active_set() noexcept;
+  void take() noexcept;
+  bool descend(bool settled) noexcept;
+  bool late() const noexcept;
+  bool is_stage(int k, std::span<const double> u) const noexcept;
+  void write_inputs() noexcept;
+  void write_states() noexcept;
+  Solution fall_back(double time, Status status) noexcept;
+
+  Ocp ocp_;
+  NewtonRiccatiOptions options_;
+  std::vector<BodyPotential> potentials_;
+  std::vector<SwarmPotential> swarms_;
+  Groups groups_;
+  InfluenceGraph influence_;
+  std::unique_ptr<Couplings> couplings_;
+  Krylov krylov_;
+  Descent descent_;
+
+  bool started_ = false, has_plan_ = false;
+  bool all_free_ = true;  // no limit is active
+  bool limits_move_ = false;
+  bool globalising_ = false;  // costs are watched until a step could be taken whole, or the optimum is near
+  double time_ = 0.0;
+  Clock::time_point begin_{};
+  Rows u_vectors_, s_vectors_, c_;
+  double *u_, *du_, *active_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
+  double *per_scale_, *scale_2_;  // of each input, for what is compared with a threshold
+  double *s_, *ds_;
+  double plan_time_ = 0.0;
+  std::vector<int> x_at_;                // of each agent in the stacked state
+  std::vector<Prediction> predictions_;  // of each body; room for N + 1 sights of those not controlled
+  std::vector<double> x_now_, limits_, u_out_, raw_u_, x_out_;
+};
+
+}  // namespace sightline
