@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <numbers>
 
+#include "sightline/scenario/toml_table.hpp"
+
 namespace sightline {
 namespace {
 
