@@ -182,6 +182,7 @@ int campaign(const CampaignCommand& command) {
   }
   outlive_the_terminal();
   Counts counts{};
+  bool lost = false;
   try {
     if (command.only) return fly_one(input, *command.only);
     Tables held(input);
@@ -208,9 +209,14 @@ int campaign(const CampaignCommand& command) {
       const std::vector<CampaignTable> shown = i == 0 ? tables : std::vector<CampaignTable>{tables[i]};
       const std::span of_all(evasions);
       const auto of_page = i == 0 || evasions.empty() ? of_all : of_all.subspan(i, 1);
-      write_text(input.folder_of(i) / "campaign.html",
-                 campaign_html(shown, input.plan, again(command, input), input.folder,
-                               input.plan.evasion ? evasion_html(*input.plan.evasion, of_page) : ""));
+      try {
+        write_text(input.folder_of(i) / "campaign.html",
+                   campaign_html(shown, input.plan, again(command, input), input.folder,
+                                 input.plan.evasion ? evasion_html(*input.plan.evasion, of_page) : ""));
+      } catch (const std::runtime_error& error) {  // without gnuplot, say: the table holds all that was flown
+        say(error.what());
+        lost = true;
+      }
     }
   } catch (const ScenarioError& error) {
     tell("{}\n", error.what());
@@ -219,8 +225,10 @@ int campaign(const CampaignCommand& command) {
     tell("{}\n", error.what());
     return 2;
   }
-  for (const char* file : {"campaign.html", "campaign.sqlite"}) print("{}\n", (input.folder / file).native());
-  if (counts[0] == input.options.runs) return 0;
+  for (const char* file : {"campaign.html", "campaign.sqlite"})
+    if (std::error_code error; fs::exists(input.folder / file, error))
+      print("{}\n", (input.folder / file).native());
+  if (counts[0] == input.options.runs) return lost ? 1 : 0;
   for (int i = 1; i < outcome_count; ++i) {
     if (const int bad = counts[static_cast<std::size_t>(i)]; bad > 0)
       say(fmt::format("{} of {} runs: {}", bad, input.options.runs, to_string(static_cast<Outcome>(i))));

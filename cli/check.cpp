@@ -33,8 +33,10 @@ int check(const std::filesystem::path& scenario, bool expanded) {
   }
 }
 
+std::string version_text() { return fmt::format("sightline {}\n{}", sightline::version, compiler); }
+
 int version() {
-  print("sightline {}\n{}\n", sightline::version, compiler);
+  print("{}\n", version_text());
   return 0;
 }
 

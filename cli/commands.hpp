@@ -90,6 +90,8 @@ int potential(const PotentialOptions& options);
 /// Says which limits of a scenario can hold together and what each is worth.
 int explain(const std::filesystem::path& scenario);
 int version();
+/// Of the library, and of the compiler that built it.
+std::string version_text();
 /// Flies the benchmark's cases and prints times, errors and costs, as a table or as JSON.
 int bench(const BenchCommand& command);
 

@@ -195,8 +195,10 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
     print("{}\n", of_parts);
     print("{}\n", (folder / "partition.json").native());
   }
+  // A report without gnuplot, or a log on a full disk, is not there.
   for (const char* file : {"report.html", "run.mcap", "summary.json"})
-    print("{}\n", (folder / file).native());
+    if (std::error_code error; std::filesystem::exists(folder / file, error))
+      print("{}\n", (folder / file).native());
   return bad ? 1 : 0;
 }
 

@@ -11,6 +11,7 @@
 #     generator.add({0.4 * MyPotential{}, 0.4 * KeepOut{}});   # as one function with another: a little faster
 #   }
 #
+# They are built with the flags of the library, SIGHTLINE_KERNEL_FLAGS, and run on the machines that it runs on.
 # Where TARGET is a static library, its functions go to the programs that link it.
 function(sightline_add_formulas target header)
   if(NOT TARGET ${target})
@@ -42,14 +43,16 @@ int main(int, char** argv) {
   set_target_properties(${name}_generate PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${folder})
   target_include_directories(${name}_generate PRIVATE $<TARGET_PROPERTY:${target},INCLUDE_DIRECTORIES>)
   target_compile_definitions(${name}_generate PRIVATE $<TARGET_PROPERTY:${target},COMPILE_DEFINITIONS>)
-  target_link_libraries(${name}_generate PRIVATE sightline::sightline)
+  target_link_libraries(${name}_generate PRIVATE sightline::core)
 
   set(kernels ${folder}/kernels.cpp)
   add_custom_command(OUTPUT ${kernels} COMMAND ${name}_generate ${kernels} DEPENDS ${name}_generate VERBATIM)
   add_library(${name}_kernels OBJECT ${kernels})
-  target_link_libraries(${name}_kernels PRIVATE sightline::sightline)
+  target_link_libraries(${name}_kernels PRIVATE sightline::core)
   # They are what takes the time of an update, whatever the rest is built with.
-  target_compile_options(${name}_kernels PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O3>)
+  get_target_property(flags sightline::core SIGHTLINE_KERNEL_FLAGS)
+  target_compile_options(${name}_kernels PRIVATE ${flags} $<$<NOT:$<CONFIG:Debug>>:-O3>)
+  set_target_properties(${name}_kernels PROPERTIES POSITION_INDEPENDENT_CODE ON)
 
   get_target_property(type ${target} TYPE)
   if(type STREQUAL "STATIC_LIBRARY")

@@ -4,9 +4,9 @@ set -euo pipefail
 
 packages=(cmake g++ gnuplot-nox libcli11-dev libfmt-dev libsqlite3-dev libtomlplusplus-dev
   libzstd-dev ninja-build nlohmann-json3-dev pkg-config zlib1g-dev)
-test_packages=(ca-certificates ccache coinor-libipopt-dev libblas-dev libeigen3-dev libgmock-dev
-  libgtest-dev liblapack-dev librsvg2-bin)
-ci_packages=(clang-14 clang-format-14 clang-tidy-14 git libclang-rt-14-dev)
+test_packages=(ca-certificates ccache coinor-libipopt-dev dpkg-dev libblas-dev libeigen3-dev libgmock-dev
+  libgtest-dev liblapack-dev librsvg2-bin qemu-user)
+ci_packages=(clang-14 clang-format-14 clang-tidy-14 g++-11 git libclang-rt-14-dev)
 
 use=${1:-ci}
 case $use in

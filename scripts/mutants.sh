@@ -5,7 +5,7 @@
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 build=${1:-build/release}
-[[ -f $build/lib/libsightline.a ]] || { echo "mutants.sh: $build = not built, expected lib/libsightline.a in it" >&2; exit 2; }
+[[ -f $build/lib/libsightline_core.a ]] || { echo "mutants.sh: $build = not built, expected lib/libsightline_core.a in it" >&2; exit 2; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -49,16 +49,16 @@ prepare() {
     c++ "${flags[@]}" -isystem /usr/include/eigen3 -I. -Isrc -I"$build/generated" -c "tests/safety/${test}_test.cpp" \
       -o "$work/${test}_test.o" || fail "tests/safety/${test}_test.cpp does not compile"
   done
-  c++ "${flags[@]}" -I. -Isrc -c cli/allocations.cpp -o "$work/allocations.o" || fail "cli/allocations.cpp does not compile"
+  c++ "${flags[@]}" -I. -Isrc -I"$build/generated" -c cli/allocations.cpp -o "$work/allocations.o" || fail "cli/allocations.cpp does not compile"
 }
 
 # $1: folder with the sources, and objects of those that need no compiling. Links them before the library, so that they stand for its own.
 program() {
   local source
   for source in "${sources[@]}"; do
-    [[ -f $1/$source.o ]] || c++ "${flags[@]}" -I"$1" -Isrc -c "$1/$source.cpp" -o "$1/$source.o" || return 1
+    [[ -f $1/$source.o ]] || c++ "${flags[@]}" -I"$1" -Isrc -I"$build/generated" -c "$1/$source.cpp" -o "$1/$source.o" || return 1
   done
-  c++ "$1"/*.o "$work"/*_test.o "$work/allocations.o" "$build/lib/libsightline.a" \
+  c++ "$1"/*.o "$work"/*_test.o "$work/allocations.o" "$build/lib/libsightline_core.a" \
     -lgtest_main -lgmock -lgtest -lfmt -lpthread -o "$1/tests" || return 1
 }
 

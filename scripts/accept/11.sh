@@ -43,5 +43,34 @@ logs() {
   ((bad == 0 && flown > 0))
 }
 
-all=(logs)
+# What others get: components without what they do not need, old processors, shared libraries, an older compiler.
+package() {
+  local work name told
+  local -a without=()
+  work=$(mktemp -d) || return 1
+  for name in SQLite3 tomlplusplus nlohmann_json CLI11 ZLIB PkgConfig; do
+    without+=("-DCMAKE_DISABLE_FIND_PACKAGE_$name=ON")
+  done
+  told=$(cmake -S . -B "$work/core" -G Ninja "${without[@]}" 2>&1) || { echo "$told"; return 1; }
+  grep '^-- sightline: without' <<<"$told" || return 1
+  whole || { rm -rf "$work"; return 0; }
+  cmake --build "$work/core" && cmake --install "$work/core" --prefix "$work/core/prefix" >/dev/null || return 1
+  ls "$work"/core/prefix/lib*/*.a "$work"/core/prefix/lib/*/*.a 2>/dev/null
+  SIGHTLINE_CAMPAIGN=whole "$build/tests/house_campaign_test" || return 1
+  # Shared libraries with a SONAME, and a program that finds them.
+  cmake -S . -B "$work/shared" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=ON -DSIGHTLINE_TESTS=OFF >/dev/null &&
+    cmake --build "$work/shared" && cmake --install "$work/shared" --prefix "$work/shared/prefix" >/dev/null || return 1
+  find "$work/shared/prefix" -name 'libsightline*.so.*.*.*' -exec sh -c 'readelf -d "$1" | grep SONAME' _ {} \;
+  "$work/shared/prefix/bin/sightline" run scenarios/paper_7_1.toml --seed 1 -o "$work/flight" >/dev/null || return 1
+  "$build/bin/sightline" run scenarios/paper_7_1.toml --seed 1 -o "$work/static" >/dev/null || return 1
+  node tests/npm/same_mcap.mjs "$work"/{static,flight}/run.mcap || return 1
+  # The compiler of Ubuntu 22.04.
+  cmake -S . -B "$work/old" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=g++-11 -DCMAKE_C_COMPILER=gcc-11 >/dev/null &&
+    cmake --build "$work/old" --target sightline_cli math_test formula_test solver_test &&
+    "$work/old/bin/sightline" --version &&
+    for name in math formula solver; do "$work/old/tests/${name}_test" --gtest_brief=1 || return 1; done
+  rm -rf "$work"
+}
+
+all=(logs package)
 run_sections "$@"

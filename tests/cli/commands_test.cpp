@@ -422,6 +422,9 @@ TEST(Commands, VersionNamesItself) {
   const auto version = sightline("version", folder);
   EXPECT_EQ(version.code, 0);
   EXPECT_EQ(version.out.rfind("sightline ", 0), 0u) << version.out;
+  const auto flag = sightline("--version", folder);
+  EXPECT_EQ(flag.code, 0);
+  EXPECT_EQ(flag.out, version.out);
 }
 
 }  // namespace

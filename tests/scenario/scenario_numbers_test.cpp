@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "sightline/scenario/toml_table.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/random.hpp"
 

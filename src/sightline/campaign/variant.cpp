@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {
 namespace {

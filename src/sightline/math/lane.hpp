@@ -3,6 +3,10 @@
 /// The same operations exist for plain `double`, so that a formula or a kernel is written once over `Real`
 /// and gives the same bits on one lane as on eight: nothing here sums across lanes, and a fused product is
 /// fused everywhere.
+///
+/// How wide a pack is was fixed when the library was built (lane_width.hpp); a program may be built for a lesser machine,
+/// whose packs are then several of its registers. How a pack is handed to a function depends on that machine, so the
+/// name of Lane says both: no function over lanes of one file takes the place of another file's.
 #pragma once
 
 #include <bit>
@@ -10,6 +14,8 @@
 #include <concepts>
 #include <cstdint>
 #include <utility>
+
+#include "sightline/math/lane_width.hpp"
 
 #if defined(__AVX512F__) || defined(__AVX__) || defined(__FMA__)
 #include <immintrin.h>
@@ -19,16 +25,15 @@
 
 namespace sightline {
 
+/// Defined by the library alone, and asked for by every file that computes on lanes: one of another width is not linked.
+extern const int SIGHTLINE_LANES_AGREE;
+
+inline namespace SIGHTLINE_LANES {
+[[gnu::used]] inline const int* const lanes_agree = &SIGHTLINE_LANES_AGREE;
+
 /// Doubles in one register of the machine the library is built for.
-#if defined(__AVX512F__)
-inline constexpr int native_width = 8;
-#elif defined(__AVX__)
-inline constexpr int native_width = 4;
-#elif defined(__SSE2__) || defined(__aarch64__)
-inline constexpr int native_width = 2;
-#else
-inline constexpr int native_width = 1;
-#endif
+inline constexpr int native_width = SIGHTLINE_LANE_WIDTH;
+}  // namespace SIGHTLINE_LANES
 
 /// Rows of lanes begin on a multiple of this many bytes and hold a multiple of `row_quantum` doubles.
 inline constexpr int row_alignment = 64;
@@ -62,6 +67,8 @@ struct Storage<8> {
   typedef std::int64_t Bits __attribute__((vector_size(64)));
 };
 }  // namespace detail
+
+inline namespace SIGHTLINE_LANES {
 
 /// W doubles, W = 1, 2, 4 or 8; arithmetic is elementwise.
 template <int W>
@@ -102,6 +109,8 @@ struct Lane {
 
 using NativeLane = Lane<native_width>;
 
+}  // namespace SIGHTLINE_LANES
+
 namespace detail {
 template <class T>
 inline constexpr bool is_lane = false;
@@ -122,7 +131,7 @@ D fma(D a, D b, D c) {
 
 template <int W>
 Lane<W> fma(Lane<W> a, Lane<W> b, Lane<W> c) {
-  using L = Lane<W>;
+  using L [[maybe_unused]] = Lane<W>;
 #if defined(__AVX512F__)
   if constexpr (W == 8)
     return L((typename L::Vector)_mm512_fmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
@@ -155,7 +164,7 @@ D subtract_product(D a, D b, D c) {
 // By their own instructions: the compiler does not draw the sign of a vector into a fused product.
 template <int W>
 Lane<W> multiply_subtract(Lane<W> a, Lane<W> b, Lane<W> c) {
-  using L = Lane<W>;
+  using L [[maybe_unused]] = Lane<W>;
 #if defined(__AVX512F__)
   if constexpr (W == 8)
     return L((typename L::Vector)_mm512_fmsub_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
@@ -170,7 +179,7 @@ Lane<W> multiply_subtract(Lane<W> a, Lane<W> b, Lane<W> c) {
 
 template <int W>
 Lane<W> subtract_product(Lane<W> a, Lane<W> b, Lane<W> c) {
-  using L = Lane<W>;
+  using L [[maybe_unused]] = Lane<W>;
 #if defined(__AVX512F__)
   if constexpr (W == 8)
     return L((typename L::Vector)_mm512_fnmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));

@@ -190,7 +190,7 @@ std::string SafetySummary::json() const {
                                       {"least", std::isfinite(least) ? Json(least) : Json()},
                                       {"time", pair.time}});
     if (!pair.in_force.is_whole(static_cast<double>(samples_) * period_))
-      json["hard_distances"].back()["in_force"] = pair.in_force.json();
+      json["hard_distances"].back()["in_force"] = Json::parse(pair.in_force.json());
   }
   json["walls"] = Json::array();
   for (const Bound& bound : by_excess()) {
@@ -221,7 +221,8 @@ std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view t
         fmt::format("{} and {}", pair.at("a").get<std::string>(), pair.at("b").get<std::string>());
     if (pair.at("least").is_null()) continue;
     const double least = pair.at("least").get<double>(), d_hard = pair.at("d_hard").get<double>();
-    const std::string when = pair.contains("in_force") ? ", in " + time_words(pair.at("in_force")) : "";
+    const std::string when =
+        pair.contains("in_force") ? ", in " + time_words(pair.at("in_force").dump()) : "";
     lines.emplace_back("hard distance", fmt::format("{}: {:.4g} m at least, {} {} m{}", who, least,
                                                     least < d_hard ? "BROKEN, to be" : "kept", d_hard, when));
   }

@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 std::string Summary::json() const {
   const SummaryValues v = values();
   const auto add_time = [&](Json& to, const TimeInForce& time) {
-    if (!time.is_whole(end_)) to["in_force"] = time.json();
+    if (!time.is_whole(end_)) to["in_force"] = Json::parse(time.json());
   };
   Json json;
   json["scenario"] = scenario_.name;
@@ -52,7 +52,8 @@ std::string Summary::json() const {
     add_time(json["pairs"].back(), pair.in_force);
   }
   for (const auto& idle : v.idle_observers) {
-    json["idle_observers"].push_back({{"observer", idle.observer}, {"in_force", idle.time.json()}});
+    json["idle_observers"].push_back(
+        {{"observer", idle.observer}, {"in_force", Json::parse(idle.time.json())}});
   }
   for (const auto& robot : v.robots) {
     json["agents"].push_back(

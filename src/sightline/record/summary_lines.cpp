@@ -74,7 +74,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
 
   // Over what time something was judged; all of the run in the words given.
   const auto in_force = [](const Json& judged, std::string_view all) {
-    return judged.contains("in_force") ? time_words(judged.at("in_force")) : std::string(all);
+    return judged.contains("in_force") ? time_words(judged.at("in_force").dump()) : std::string(all);
   };
 
   std::string statuses;
@@ -127,7 +127,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
       and_more("pairs"));
   if (s.contains("idle_observers")) {
     for (const Json& idle : s.at("idle_observers"))
-      add(name(idle.at("observer")) + " observes nobody", time_words(idle.at("in_force")));
+      add(name(idle.at("observer")) + " observes nobody", time_words(idle.at("in_force").dump()));
   }
   const auto tell_agent = [&](const Json& agent) {
     const Json& error = agent.at("rms_position_error");

@@ -17,9 +17,12 @@ bool TimeInForce::is_whole(double end) const {
   return total >= end * (1 - rounding);
 }
 
-nlohmann::ordered_json TimeInForce::json() const { return {{"from", from}, {"to", to}, {"total", total}}; }
+std::string TimeInForce::json() const {
+  return nlohmann::ordered_json{{"from", from}, {"to", to}, {"total", total}}.dump();
+}
 
-std::string time_words(const nlohmann::ordered_json& in_force) {
+std::string time_words(std::string_view json) {
+  const auto in_force = nlohmann::json::parse(json);
   const auto number = [&](const char* key) { return in_force.at(key).get<double>(); };
   return fmt::format("{:.1f} s, {:.1f} to {:.1f} s", number("total"), number("from"), number("to"));
 }

@@ -1,8 +1,8 @@
 /// From when to when a judgement of a run counted, and how long in all.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 
 namespace sightline {
 
@@ -15,11 +15,11 @@ struct TimeInForce {
   /// Whether it counted all the time from 0 to the end of a run [s].
   bool is_whole(double end) const;
   /// {"from", "to", "total"}.
-  nlohmann::ordered_json json() const;
+  std::string json() const;
 };
 
 /// "24.0 s, 2.0 to 26.0 s" of that json.
-/// @throws nlohmann::json::exception where it is none
-std::string time_words(const nlohmann::ordered_json& in_force);
+/// @throws std::exception where it is none
+std::string time_words(std::string_view json);
 
 }  // namespace sightline

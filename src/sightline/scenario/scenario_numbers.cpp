@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "sightline/scenario/toml_table.hpp"
+
 namespace sightline {
 namespace {
 

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <utility>
 
-#include "sightline/scenario/toml_table.hpp"
-
 namespace sightline {
+
+struct TomlDocument;
 
 /// A number and the bytes of the text that say it.
 struct NumberInText {

@@ -1,0 +1,81 @@
+#include "cli/arguments.hpp"
+
+namespace sightline::cli {
+namespace {
+
+constexpr int runs_max = 1'000'000'000;
+constexpr std::uint64_t seed_max = 9'223'372'036'854'775'807;  // as in a scenario
+
+}  // namespace
+
+Arguments::Arguments()
+    : app("sightline keeps robot teams in each other's sight: real-time nonlinear MPC of coupled robots.",
+          "sightline") {
+  app.require_subcommand(1);
+  app.set_help_all_flag("--help-all", "Help of all commands");
+  app.set_version_flag("--version", version_text, "Version and compiler");
+
+  run_command = app.add_subcommand("run", "Fly a scenario; write log, summary and report");
+  run_command->add_option("SCENARIO", run.scenario, "Scenario file (TOML)")->required();
+  run_command->add_option("-o,--output", run.output, "Folder for the results [out/NAME]");
+  run_command->add_option("--solver", run.solver, "Solver, instead of the scenario's");
+  run_command->add_option("--seed", run.seed, "Seed of all chance, instead of the scenario's")
+      ->check(CLI::Range(std::uint64_t{0}, seed_max));
+  run_command->add_flag("--realtime", run.realtime, "Pace by the wall clock; missed periods are events");
+
+  CLI::Option* partition =
+      run_command->add_option("--partition", run.partition, "Parts that plan by themselves: \"a,b | c,d\"");
+  run_command->add_option("--order", run.order, "Of the parts: jacobi or gauss_seidel [gauss_seidel]")
+      ->needs(partition);
+  run_command->add_option("--exchanges", run.exchanges, "Rounds of the parts in an update [1]")
+      ->needs(partition);
+
+  check_command = app.add_subcommand("check", "Read a scenario and say what it describes");
+  check_command->add_option("SCENARIO", scenario, "Scenario file (TOML)")->required();
+  check_command->add_flag("--print", expanded, "Print the scenario with its templates and ranges expanded");
+
+  report_command = app.add_subcommand("report", "Make report.html again from a run's files");
+  report_command->add_option("DIR", folder, "Folder of a run")->required();
+
+  replay_command = app.add_subcommand("replay", "Fly a run's measurements again and compare its commands");
+  replay_command->add_option("DIR", replay.folder, "Folder of a run")->required();
+  replay_command->add_option("--solver", replay.solver, "Solver, instead of the flight's");
+  replay_command->add_option("--set", replay.set, "KEY=VALUE of the scenario, couple[0].weight=0.5; often")
+      ->allow_extra_args(false);
+  replay_command->add_flag("--json", replay.json, "JSON instead of a table");
+
+  potential_command =
+      app.add_subcommand("potential", "Draw and judge the potentials of a scenario's couplings");
+  potential_command->add_option("SCENARIO", potential.scenario, "Scenario file (TOML)")->required();
+  potential_command->add_option("--couple", potential.couple, "One coupling, from 0 in the file's order");
+  potential_command->add_option("-o,--output", potential.output,
+                                "Folder for the results [out/NAME/potential]");
+
+  explain_command =
+      app.add_subcommand("explain", "Say before a flight which limits can hold and what they are worth");
+  explain_command->add_option("SCENARIO", scenario, "Scenario file (TOML)")->required();
+
+  campaign_command = app.add_subcommand("campaign", "Fly a scenario many times, as its [campaign] draws");
+  campaign_command->add_option("SCENARIO", campaign.scenario, "Scenario file (TOML)")->required();
+  campaign_command->add_option("--runs", campaign.runs, "Closed loops")
+      ->capture_default_str()
+      ->check(CLI::Range(1, runs_max));
+  campaign_command->add_option("--seed", campaign.seed, "Seed of all draws, instead of the scenario's")
+      ->check(CLI::Range(std::uint64_t{0}, seed_max));
+  campaign_command->add_option("--threads", campaign.threads, "Runs in the air at once [all cores]")
+      ->check(CLI::Range(1, 1024));
+  campaign_command->add_option("-o,--output", campaign.output, "Folder for the results [out/NAME/campaign]");
+  campaign_command->add_option("--only", campaign.only, "Fly this run alone, with log and report")
+      ->check(CLI::Range(0, runs_max - 1));
+  campaign_command->add_option("--beside", campaign.beside,
+                               "Another scenario of the same robots that flies the same draws");
+
+  version_command = app.add_subcommand("version", "Version and compiler");
+
+  bench_command = app.add_subcommand("bench", "Time the solvers and compare them with the optimum");
+  bench_command->add_option("--case", bench.name, "One case, instead of all");
+  bench_command->add_option("--solver", bench.solver, "Solver [newton_riccati]");
+  bench_command->add_flag("--json", bench.json, "JSON instead of a table");
+}
+
+}  // namespace sightline::cli

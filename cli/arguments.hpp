@@ -1,0 +1,28 @@
+/// The command line as it describes itself: the commands, their options, and what was said of them. Pages and
+/// completion are made from it, too.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "cli/commands.hpp"
+
+namespace sightline::cli {
+
+struct Arguments {
+  Arguments();
+  Arguments(const Arguments&) = delete;
+  Arguments& operator=(const Arguments&) = delete;
+
+  CLI::App app;
+  RunOptions run;
+  std::filesystem::path scenario, folder;
+  bool expanded = false;
+  ReplayCommand replay;
+  PotentialOptions potential;
+  CampaignCommand campaign;
+  BenchCommand bench;
+  CLI::App *run_command, *check_command, *report_command, *replay_command, *potential_command,
+      *explain_command, *campaign_command, *version_command, *bench_command;
+};
+
+}  // namespace sightline::cli

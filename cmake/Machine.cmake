@@ -1,0 +1,33 @@
+# What the compiler's machine has under the flags FLAGS: the lane width, as SIGHTLINE_LANE_WIDTH, and the features of
+# the processor that a program needs then, as checks of C++ in SIGHTLINE_NEEDS.
+function(sightline_machine flags)
+  separate_arguments(own UNIX_COMMAND "${CMAKE_CXX_FLAGS}")
+  if(CMAKE_CXX_COMPILER_TARGET AND CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    list(APPEND own --target=${CMAKE_CXX_COMPILER_TARGET})
+  endif()
+  execute_process(COMMAND ${CMAKE_CXX_COMPILER} ${CMAKE_CXX_COMPILER_ARG1} ${own} ${flags} -dM -E -x c++ /dev/null
+    OUTPUT_VARIABLE macros ERROR_VARIABLE error RESULT_VARIABLE code)
+  if(code)
+    message(FATAL_ERROR "SIGHTLINE_ARCH = ${SIGHTLINE_ARCH}, expected a name that -march of ${CMAKE_CXX_COMPILER} takes:\n${error}")
+  endif()
+  set(width 1)
+  foreach(row "__SSE2__ 2" "__aarch64__ 2" "__AVX__ 4" "__AVX512F__ 8")
+    separate_arguments(row UNIX_COMMAND "${row}")
+    list(GET row 0 macro)
+    if(macros MATCHES "#define ${macro} ")
+      list(GET row 1 width)
+    endif()
+  endforeach()
+  # Those that both compilers can ask the processor for.
+  set(needs "")
+  foreach(feature ssse3 sse4.1 sse4.2 popcnt avx avx2 fma bmi bmi2
+                  avx512f avx512vl avx512bw avx512dq avx512cd avx512ifma avx512vbmi avx512vbmi2 avx512vnni avx512bf16)
+    string(TOUPPER "__${feature}__" macro)
+    string(REPLACE "." "_" macro "${macro}")
+    if(macros MATCHES "#define ${macro} ")
+      string(APPEND needs "  need(__builtin_cpu_supports(\"${feature}\"), \"${feature}\");\n")
+    endif()
+  endforeach()
+  set(SIGHTLINE_LANE_WIDTH ${width} PARENT_SCOPE)
+  set(SIGHTLINE_NEEDS "${needs}" PARENT_SCOPE)
+endfunction()

@@ -1,0 +1,236 @@
+// What another project gets: from an installed prefix, as a subproject, by pkg-config, and as a Debian package.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <regex>
+#include <vector>
+
+#include "sightline/math/lane.hpp"
+#include "tests/support/campaign.hpp"
+#include "tests/support/command.hpp"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+using test::fresh_folder;
+using test::read_file;
+using test::shell;
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string tree = SIGHTLINE_SOURCE_DIR, build = SIGHTLINE_BUILD;
+
+void write(const fs::path& file, const std::string& text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+/// The example of README, but that it prints every bit.
+std::string flight() {
+  return std::regex_replace(read_file(tree + "/examples/sensor_tracking.cpp"), std::regex("%\\.12g"), "%a");
+}
+
+class Install : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    prefix_ = std::make_unique<test::Folder>("sightline_prefix");
+    const fs::path folder = prefix_->path() / "log";
+    fs::create_directories(folder);
+    const auto done = shell("cmake --install " + build + " --prefix " + prefix(), folder);
+    ASSERT_EQ(done.code, 0) << done.err;
+  }
+  static void TearDownTestSuite() { prefix_.reset(); }
+  static std::string prefix() { return prefix_->path().string(); }
+
+  /// A project of these lines in folder/source, configured into folder/build.
+  test::CommandResult configured(const std::string& lines, const std::string& options) {
+    write(folder_ / "source/CMakeLists.txt",
+          "cmake_minimum_required(VERSION 3.22)\nproject(consumer LANGUAGES C CXX)\n" + lines);
+    return shell(
+        "cmake -G Ninja -S " + path("source") + " -B " + path("build") + " -DCMAKE_PREFIX_PATH=" + prefix() +
+            " -DCMAKE_CXX_COMPILER=" SIGHTLINE_COMPILER " -DCMAKE_EXPORT_COMPILE_COMMANDS=ON " + options,
+        folder_);
+  }
+  test::CommandResult built(const std::string& target) {
+    return shell("cmake --build " + path("build") + " --target " + target, folder_);
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  const fs::path folder_ = fresh_folder();
+
+ private:
+  static std::unique_ptr<test::Folder> prefix_;
+};
+std::unique_ptr<test::Folder> Install::prefix_;
+
+/// As on a machine that has none of what the core does without.
+const std::string bare =
+    "-DCMAKE_DISABLE_FIND_PACKAGE_SQLite3=ON -DCMAKE_DISABLE_FIND_PACKAGE_tomlplusplus=ON "
+    "-DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON -DCMAKE_DISABLE_FIND_PACKAGE_CLI11=ON "
+    "-DCMAKE_DISABLE_FIND_PACKAGE_ZLIB=ON -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON ";
+
+TEST_F(Install,
+       a_plain_program_on_a_bare_machine_flies_the_same_bits_and_one_of_another_lane_width_is_not_linked) {
+  write(folder_ / "source/flight.cpp", flight());
+  const std::string other = native_width == 2 ? "4" : "2", own = std::to_string(native_width);
+  const auto done = configured(
+      "find_package(sightline REQUIRED COMPONENTS core)\n"
+      "foreach(name plain tuned forced)\n"
+      "  add_executable(${name} flight.cpp)\n"
+      "  target_link_libraries(${name} PRIVATE sightline::core)\n"
+      "endforeach()\n"
+      "target_compile_options(tuned PRIVATE ${SIGHTLINE_KERNEL_FLAGS})\n"
+      "target_compile_definitions(forced PRIVATE SIGHTLINE_LANE_WIDTH=" +
+          other + ")\n",
+      "-DCMAKE_CXX_FLAGS=-O2 " + bare);
+  ASSERT_EQ(done.code, 0) << done.err;
+  ASSERT_EQ(built("plain tuned").code, 0) << read_file(folder_ / "stdout.txt");
+  const auto plain = shell(path("build/plain"), folder_), tuned = shell(path("build/tuned"), folder_);
+  EXPECT_EQ(plain.code, 0);
+  EXPECT_THAT(plain.out, HasSubstr("0x1."));
+  EXPECT_EQ(plain.out, tuned.out);
+
+  // The program of the tree prints fewer digits.
+  std::string digits = std::regex_replace(plain.out, std::regex("^|\n(?=.)"), "$& ");
+  const auto shorter =
+      shell("printf '%.12g\\n' " + std::regex_replace(digits, std::regex("\n"), " "), folder_);
+  EXPECT_EQ(shorter.out, shell(SIGHTLINE_EXAMPLES "/sensor_tracking", folder_).out);
+
+  const auto forced = built("forced");
+  EXPECT_NE(forced.code, 0);
+  EXPECT_THAT(forced.out + forced.err, HasSubstr("undefined reference to `sightline::lanes_" + other +
+                                                 "_here_and_" + own + "_in_the_library'"));
+}
+
+TEST_F(Install, a_component_that_was_not_built_is_refused_by_name) {
+  const auto done = configured("find_package(sightline REQUIRED COMPONENTS core wings)\n", "");
+  EXPECT_NE(done.code, 0);
+  EXPECT_THAT(done.err,
+              ContainsRegex("component wings is not among those\n? +that were built: core;sightline;cli"));
+}
+
+TEST_F(Install, the_whole_library_is_found_by_cmake_and_by_pkg_config) {
+  const std::string scenario = tree + "/scenarios/paper_7_1.toml";
+  write(folder_ / "source/reads.cpp",
+        "#include <sightline/scenario/scenario.hpp>\n#include <cstdio>\n"
+        "int main(int, char** argv) { std::puts(sightline::read_scenario(argv[1]).name.c_str()); }\n");
+  ASSERT_EQ(configured("find_package(sightline REQUIRED)\nadd_executable(reads reads.cpp)\n"
+                       "target_link_libraries(reads PRIVATE sightline::sightline)\n",
+                       "-DCMAKE_BUILD_TYPE=Release")
+                .code,
+            0)
+      << read_file(folder_ / "stderr.txt");
+  ASSERT_EQ(built("reads").code, 0) << read_file(folder_ / "stdout.txt");
+  EXPECT_EQ(shell(path("build/reads") + " " + scenario, folder_).out, "paper_7_1\n");
+
+  const std::string pc = "$(PKG_CONFIG_PATH=$(dirname $(find " + prefix() +
+                         " -name sightline.pc)) pkg-config --cflags --libs sightline)";
+  const auto linked = shell(
+      SIGHTLINE_COMPILER " -O2 " + path("source/reads.cpp") + " " + pc + " -o " + path("reads"), folder_);
+  ASSERT_EQ(linked.code, 0) << linked.err;
+  EXPECT_EQ(shell(path("reads") + " " + scenario, folder_).out, "paper_7_1\n");
+}
+
+TEST_F(Install, every_header_stands_by_itself_and_none_shows_what_the_library_is_made_with) {
+  std::vector<fs::path> headers;
+  for (const auto& entry : fs::recursive_directory_iterator(prefix() + "/include"))
+    if (entry.is_regular_file()) headers.push_back(entry.path());
+  std::sort(headers.begin(), headers.end());
+  ASSERT_GT(headers.size(), 50u);
+  const auto found = shell(
+      "grep -rlE '#include <(toml\\+\\+|nlohmann|sqlite3|zstd|zlib|CLI)' " + prefix() + "/include", folder_);
+  EXPECT_EQ(found.out, "");
+  const auto internal =
+      shell("find " + prefix() + "/include -name '*_parts.hpp' -o -name 'toml_table.hpp'", folder_);
+  EXPECT_EQ(internal.out, "");
+  // The short form reads some.
+  const std::size_t step = whole_campaign() ? 1 : 20;
+  for (std::size_t i = 0; i < headers.size(); i += step) {
+    const auto done = shell("echo '#include \"" + headers[i].string() +
+                                "\"' | " SIGHTLINE_COMPILER
+                                " -std=c++20 -Wall -Wextra -Werror -Wno-psabi -fsyntax-only -I" +
+                                prefix() + "/include -x c++ -",
+                            folder_);
+    EXPECT_EQ(done.code, 0) << headers[i] << "\n" << done.err;
+  }
+}
+
+TEST_F(Install, a_host_project_gets_the_library_and_neither_flags_nor_programs) {
+  write(folder_ / "source/flight.cpp", flight());
+  const auto done = configured("add_compile_options(-Wall)\nadd_subdirectory(" + tree +
+                                   " sightline)\n"
+                                   "add_executable(flight flight.cpp)\n"
+                                   "target_link_libraries(flight PRIVATE sightline::core)\n",
+                               "-DCMAKE_BUILD_TYPE=Release");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const auto targets = shell("ninja -C " + path("build") + " -t targets all", folder_);
+  EXPECT_THAT(targets.out, AllOf(HasSubstr("sightline_core"), Not(HasSubstr("sightline_cli")),
+                                 Not(HasSubstr("example_")), Not(HasSubstr("/tests/"))));
+  const std::string commands = read_file(folder_ / "build/compile_commands.json");
+  EXPECT_THAT(commands, AllOf(Not(HasSubstr("-Werror")), Not(HasSubstr("-march=native"))));
+  std::smatch own;
+  ASSERT_TRUE(std::regex_search(commands, own,
+                                std::regex("\"command\": \"([^\"]* -c [^\"]*/source/flight\\.cpp)\"")));
+  EXPECT_THAT(own[1].str(),
+              AllOf(HasSubstr("-Wall"), HasSubstr("-ffp-contract=off"), Not(HasSubstr("-march")),
+                    Not(HasSubstr("-Wextra")), Not(HasSubstr("-fno-math-errno"))));
+  if (!whole_campaign()) return;
+  ASSERT_EQ(built("flight").code, 0) << read_file(folder_ / "stdout.txt");
+  EXPECT_EQ(shell(path("build/flight"), folder_).code, 0);
+}
+
+TEST_F(Install, an_old_processor_is_told_so_before_it_meets_what_it_cannot_do) {
+  if (shell("command -v qemu-x86_64", folder_).code != 0) GTEST_SKIP() << "qemu-user is not installed";
+  const auto done = shell("qemu-x86_64 -cpu Nehalem '" SIGHTLINE_BINARY "' version", folder_);
+#if defined(__AVX__)
+  EXPECT_EQ(done.code, 2);
+  EXPECT_EQ(done.out, "");
+  EXPECT_THAT(done.err,
+              ContainsRegex("sightline: this library was built for SIGHTLINE_ARCH=.*, and this processor "
+                            "lacks .*avx.*; expected a library that is built with -DSIGHTLINE_ARCH=x86-64"));
+#elif defined(__x86_64__)
+  EXPECT_EQ(done.code, 0) << done.err;
+#endif
+}
+
+TEST_F(Install, the_debian_package_holds_a_program_that_flies_its_pages_and_its_completion) {
+  if (shell("command -v dpkg-deb dpkg-shlibdeps", folder_).code != 0) GTEST_SKIP() << "no dpkg-dev";
+  const auto done = shell("cd " + build + " && cpack -G DEB -B " + path("packages"), folder_);
+  ASSERT_EQ(done.code, 0) << done.err << done.out;
+  ASSERT_EQ(shell("dpkg-deb -x " + path("packages/") + "*.deb " + path("root"), folder_).code, 0);
+  const auto fields = shell("dpkg-deb -f " + path("packages/") + "*.deb", folder_);
+  EXPECT_THAT(fields.out, AllOf(ContainsRegex("Depends: .*libfmt9"), ContainsRegex("Depends: .*libsqlite3"),
+                                HasSubstr("Recommends: gnuplot-nox")));
+  const auto version = shell(path("root/usr/bin/sightline") + " --version", folder_);
+  EXPECT_EQ(version.code, 0) << version.err;
+  EXPECT_THAT(version.out, HasSubstr("sightline "));
+  // Each command has a page, and the completion names it.
+  const auto help = shell(path("root/usr/bin/sightline") + " --help", folder_);
+  const std::string completion = path("root/usr/share/bash-completion/completions/sightline");
+  int commands = 0;
+  const std::regex line("\n  ([a-z]+) +[A-Z]");
+  for (std::sregex_iterator at(help.out.begin(), help.out.end(), line), end; at != end; ++at, ++commands) {
+    const std::string page = path("root/usr/share/man/man1/sightline-") + (*at)[1].str() + ".1.gz";
+    EXPECT_THAT(shell("zcat " + page, folder_).out,
+                HasSubstr(".SH SYNOPSIS\n\\fBsightline " + (*at)[1].str()))
+        << page;
+    EXPECT_THAT(read_file(completion), HasSubstr((*at)[1].str() + ") options="));
+  }
+  EXPECT_GE(commands, 8);
+  const auto typed = [&](const std::string& words, int at) {
+    return shell("bash -c '. " + completion + "; COMP_WORDS=(" + words +
+                     "); COMP_CWORD=" + std::to_string(at) + "; _sightline; echo \"${COMPREPLY[@]}\"'",
+                 folder_)
+        .out;
+  };
+  EXPECT_EQ(typed("sightline po", 1), "potential\n");
+  EXPECT_EQ(typed("sightline run --re", 2), "--realtime\n");
+  EXPECT_EQ(typed("sightline check scenarios/paper_7_1.t", 2), "scenarios/paper_7_1.toml\n");
+}
+
+}  // namespace
+}  // namespace sightline
