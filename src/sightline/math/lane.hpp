@@ -122,7 +122,7 @@ D fma(D a, D b, D c) {
 
 template <int W>
 Lane<W> fma(Lane<W> a, Lane<W> b, Lane<W> c) {
-  using L = Lane<W>;
+  using L [[maybe_unused]] = Lane<W>;
 #if defined(__AVX512F__)
   if constexpr (W == 8)
     return L((typename L::Vector)_mm512_fmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
@@ -155,7 +155,7 @@ D subtract_product(D a, D b, D c) {
 // By their own instructions: the compiler does not draw the sign of a vector into a fused product.
 template <int W>
 Lane<W> multiply_subtract(Lane<W> a, Lane<W> b, Lane<W> c) {
-  using L = Lane<W>;
+  using L [[maybe_unused]] = Lane<W>;
 #if defined(__AVX512F__)
   if constexpr (W == 8)
     return L((typename L::Vector)_mm512_fmsub_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
@@ -170,7 +170,7 @@ Lane<W> multiply_subtract(Lane<W> a, Lane<W> b, Lane<W> c) {
 
 template <int W>
 Lane<W> subtract_product(Lane<W> a, Lane<W> b, Lane<W> c) {
-  using L = Lane<W>;
+  using L [[maybe_unused]] = Lane<W>;
 #if defined(__AVX512F__)
   if constexpr (W == 8)
     return L((typename L::Vector)_mm512_fnmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
