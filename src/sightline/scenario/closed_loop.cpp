@@ -59,6 +59,10 @@ Controllers Controls::controllers() const {
   return {*solver_};
 }
 
+KernelUse Controls::kernels() const {
+  return succession_ ? succession_->present().solver->kernels() : solver_->kernels();
+}
+
 ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock,
                        Sink<Sample>& sink, std::int64_t (*allocations)() noexcept, Succession* succession)
     : plant_(scenario.team, scenario.x0, plant_options(scenario)),

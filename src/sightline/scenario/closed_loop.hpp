@@ -22,6 +22,8 @@ class Controls {
 
   /// Of the start.
   Controllers controllers() const;
+  /// Of the solver of the start.
+  KernelUse kernels() const;
   /// None for a team that stays.
   Succession* succession() const { return succession_.get(); }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "sightline/ocp/ocp.hpp"
+#include "sightline/solver/kernels/kernel_use.hpp"
 
 namespace sightline {
 
@@ -71,6 +72,9 @@ class Solver {
 
   /// Forgets the iterate: the next update starts as the first did.
   virtual void restart() noexcept = 0;
+
+  /// Which of its formulas are compiled, for messages; nothing where none is ever looked for.
+  virtual KernelUse kernels() const { return {}; }
 
   /// solve(), for a program that only wants the inputs.
   std::span<const double> step(double time, std::span<const double> states) noexcept {

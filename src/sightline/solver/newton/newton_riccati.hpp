@@ -42,6 +42,7 @@ class NewtonRiccati final : public Solver {
   double kkt(double time, std::span<const double> states) noexcept override;
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;
+  KernelUse kernels() const override;
 
   /// The inputs planned at stage k, of all agents (nu): what the next update starts from. Here and below a stage or a
   /// length that is not the problem's changes nothing.
