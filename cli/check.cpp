@@ -13,7 +13,7 @@ namespace sightline::cli {
 int check(const std::filesystem::path& scenario, bool expanded) {
   try {
     const Scenario read = read_scenario(scenario);
-    (void)Controls(read);
+    const Controls controls(read);
     const Preflight known = preflight(read);
     for (const std::string& refusal : known.refusals) tell("{}\n", refusal);
     if (!known.refusals.empty()) return 2;
@@ -26,6 +26,7 @@ int check(const std::filesystem::path& scenario, bool expanded) {
     print("ok\n{}", summary(read));
     for (const std::string& remark : known.remarks) print("smooth      {}\n", remark);
     for (const std::string& warning : known.warnings) print("warning     {}\n", warning);
+    if (const std::string told = controls.kernels().sentence(); !told.empty()) say(told);
     return 0;
   } catch (const std::exception& error) {
     tell("{}\n", error.what());

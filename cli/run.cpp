@@ -93,6 +93,7 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
 
 Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock) {
   const Controls controls(scenario);
+  if (const std::string told = controls.kernels().sentence(); !told.empty()) say(told);
   return fly_logged(scenario, folder, clock, controls.controllers(), controls.team_switcher());
 }
 

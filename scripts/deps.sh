@@ -1,11 +1,14 @@
 #!/usr/bin/env bash
-# Installs the packages sightline needs on Debian 12:  scripts/deps.sh [demo|test|ci]   (ci, all, if not said)
+# Installs the packages sightline needs on Debian 12:  scripts/deps.sh [demo|test|ci|arm64]   (ci if not said)
+# arm64 adds to `test` a cross compiler, qemu-user and the libraries for AArch64; ci does without.
 set -euo pipefail
 
 packages=(cmake g++ gnuplot-nox libcli11-dev libfmt-dev libsqlite3-dev libtomlplusplus-dev
   libzstd-dev ninja-build nlohmann-json3-dev pkg-config zlib1g-dev)
 test_packages=(ca-certificates ccache coinor-libipopt-dev dpkg-dev libblas-dev libeigen3-dev libgmock-dev
   libgtest-dev liblapack-dev librsvg2-bin qemu-user)
+arm64_packages=(g++-aarch64-linux-gnu qemu-user libfmt-dev:arm64 libgmock-dev:arm64 libgtest-dev:arm64
+  libsqlite3-dev:arm64 libtomlplusplus-dev:arm64 libzstd-dev:arm64 zlib1g-dev:arm64)
 ci_packages=(clang-14 clang-format-14 clang-tidy-14 g++-11 git libclang-rt-14-dev)
 
 use=${1:-ci}
@@ -13,7 +16,8 @@ case $use in
   demo) ;;
   test) packages+=("${test_packages[@]}") ;;
   ci) packages+=("${test_packages[@]}" "${ci_packages[@]}") ;;
-  *) echo "deps.sh: argument = $use, expected demo, test or ci" >&2 && exit 2 ;;
+  arm64) packages+=("${test_packages[@]}" "${arm64_packages[@]}") ;;
+  *) echo "deps.sh: argument = $use, expected demo, test, ci or arm64" >&2 && exit 2 ;;
 esac
 if [[ $use != demo ]]; then
   # A node from elsewhere serves as well as Debian's.
@@ -42,6 +46,7 @@ fi
 apt() { "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o Dpkg::Use-Pty=0 "$@" </dev/null; }
 install_missing() { apt update && apt install -y --no-install-recommends "${missing[@]}"; }
 
+if [[ $use == arm64 ]]; then "${sudo[@]}" dpkg --add-architecture arm64; fi
 echo "deps.sh: installing with apt-get: ${missing[*]}" >&2
 # A mirror that answers badly once often answers well the second time.
 install_missing >&2 || { echo "deps.sh: once more" >&2 && sleep 5 && install_missing >&2; }

@@ -72,5 +72,35 @@ package() {
   rm -rf "$work"
 }
 
-all=(logs package)
+# GCC and clang print the same kernels and fly every shipped scenario, seed 1, to the same messages. Builds the preset
+# clang, library and command line, into build/clang; --short: the kernels alone.
+bits() {
+  local other=build/clang kernels=$out/clang_kernels name told bad=0 flown=0 side
+  local target=sightline_cli
+  whole || target=sightline_generate
+  cmake --preset clang -DSIGHTLINE_TESTS=OFF -DSIGHTLINE_BENCH=OFF >/dev/null &&
+    cmake --build --preset clang --target "$target" | tail -n 1
+  ((PIPESTATUS[0] == 0)) && "$other/bin/sightline_generate" "$kernels" && diff -rq "$build/generated/kernels" "$kernels" || return 1
+  echo "$(find "$kernels" -name '*.cpp' | wc -l) files of kernels, all the same"
+  whole || return 0
+  local -a scenarios=(scenarios/*.toml)
+  for scenario in "${scenarios[@]}"; do
+    name=$(basename "$scenario" .toml)
+    for side in "$build" "$other"; do
+      "$side/bin/sightline" run "$scenario" --seed 1 -o "$out/$side/$name" >"$out/$name.txt" 2>&1
+      (($? <= 1)) || { echo "$side: $scenario did not fly"; tail -n 3 "$out/$name.txt"; bad=$((bad + 1)); continue 2; }
+    done
+    if told=$(node tests/npm/same_mcap.mjs "$out/$build/$name/run.mcap" "$out/$other/$name/run.mcap" 2>&1); then
+      flown=$((flown + 1))
+    else
+      bad=$((bad + 1))
+    fi
+    printf '%-40s %s\n' "$scenario" "$told"
+    rm -rf "$out/$build/$name" "$out/$other/$name" "$out/$name.txt"
+  done
+  echo "$flown logs the same, $bad not"
+  ((bad == 0 && flown > 0))
+}
+
+all=(logs package bits)
 run_sections "$@"

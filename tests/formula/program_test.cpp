@@ -155,6 +155,85 @@ TEST(Program, TheSameFormulaGivesTheSameProgram) {
   }
 }
 
+/// A formula whose operands are computed in an order that C++ leaves to the compiler: left first, right first, or
+/// either, operation by operation. Of few numbers and few functions, so that equal parts and equal shapes meet.
+class Tree {
+ public:
+  enum class Order { left_first, right_first, mixed };
+
+  Tree(Random& random, int depth) : kind_(static_cast<int>(random() % 9)) {
+    constexpr std::array numbers = {0.0, 1.0, 0.5, 2.0, 3.0};
+    number_ = numbers[random() % numbers.size()];
+    input_ = random() % n;
+    if (depth == 0) kind_ = random() % 3 == 0 ? 1 : 0;
+    for (std::size_t i = 0; kind_ > 1 && i < 2; ++i) parts_.emplace_back(random, depth - 1);
+  }
+
+  Symbol record(std::span<const Symbol> x, Order order, Random& random) const {
+    if (kind_ == 0) return x[input_];
+    if (kind_ == 1) return number_;
+    const bool left = order == Order::left_first || (order == Order::mixed && random() % 2 == 0);
+    std::array<Symbol, 2> s;
+    for (const std::size_t i : {left ? 0u : 1u, left ? 1u : 0u}) s[i] = parts_[i].record(x, order, random);
+    switch (kind_) {
+      case 2:
+      case 3:
+        return s[0] * s[1];
+      case 4:
+        return s[0] - s[1];
+      case 5:
+        return s[0] + s[1];
+      case 6:
+        return logistic(s[0] - s[1]);
+      case 7:
+        return number_ * s[0] + s[1] / (1.0 + s[0] * s[0]);
+      default:
+        return atan2(s[0], s[1] * number_ + 2.0);
+    }
+  }
+
+ private:
+  int kind_;
+  double number_ = 0.0;
+  std::size_t input_ = 0;
+  std::vector<Tree> parts_;
+};
+
+/// Value, gradient and Hessian of trees, the second tree with parameters of its own.
+Program recorded(std::span<const Tree> trees, Tree::Order order, std::uint64_t seed, bool parameters) {
+  Random random(seed);
+  Graph graph;
+  const auto x = variables(graph, 0, n);
+  std::vector<Term> inputs, outputs;
+  for (const Symbol& s : x) inputs.push_back(s.in(graph));
+  Term sum = graph.constant(0.0);
+  for (const Tree& tree : trees) {
+    if (parameters) graph.keep_parameters();
+    sum = graph.add(sum, tree.record(x, order, random).in(graph));
+  }
+  graph.keep_values();
+  outputs.push_back(sum);
+  const Derivatives d = derive(graph, sum, inputs);
+  outputs.insert(outputs.end(), d.first.begin(), d.first.end());
+  outputs.insert(outputs.end(), d.second.begin(), d.second.end());
+  return Program(graph, outputs, n);
+}
+
+TEST(Program, TheOrderInWhichOperandsAreComputedDoesNotMatter) {
+  Random random(6);
+  std::size_t instructions = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const std::vector<Tree> trees = {Tree(random, 1 + k % 4), Tree(random, 2)};
+    for (const bool parameters : {false, true}) {
+      const Program left = recorded(trees, Tree::Order::left_first, 0, parameters);
+      ASSERT_EQ(left, recorded(trees, Tree::Order::right_first, 0, parameters)) << k;
+      ASSERT_EQ(left, recorded(trees, Tree::Order::mixed, random(), parameters)) << k;
+      instructions += left.instructions().size();
+    }
+  }
+  EXPECT_GT(instructions, 200'000u) << "formulas that are worth it";
+}
+
 TEST(Program, ConstantsAreDistinctAndUsed) {
   Random random(5);
   for (int k = 0; k < 1000; ++k) {

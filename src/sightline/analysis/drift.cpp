@@ -112,7 +112,7 @@ Settled Flow::settle(int steps) const {
         const double wanted = -pulls[i].slope[k] / (damping + pulls[i].stiffness[k]);
         if (now[i].free[k] && std::isfinite(wanted)) step[k] = wanted;
       }
-      const double length = std::hypot(step[0], step[1], step[2]);
+      const double length = norm(Vec3<double>{step[0], step[1], step[2]});
       const double share = length > longest ? longest / length : 1.0;
       now[i].p = now[i].p + share * Vec3<double>{step[0], step[1], step[2]};
       now[i].psi += std::clamp(step[3], -widest, widest);

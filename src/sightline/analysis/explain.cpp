@@ -291,7 +291,7 @@ class Pair {
       return field_(s).l;
     };
     if (!(distance < 1.5 * explain_reach) || (at(0.8) == cost && at(1.2) == cost)) return {};
-    PairRest result{distance, std::hypot(r.x, r.y), -r.z, cost, {distance, distance}, {}};
+    PairRest result{distance, norm(r.x, r.y), -r.z, cost, {distance, distance}, {}};
     const auto near = [&](double scale) { return at(scale) <= cost + explain_margin; };
     for (double scale = 1.0; scale > 0 && near(scale); scale -= 1e-3) result.within.low = scale * distance;
     for (double scale = 1.0; scale < 3 && near(scale); scale += 1e-3) result.within.high = scale * distance;

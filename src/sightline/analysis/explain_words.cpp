@@ -27,7 +27,7 @@ std::string bands(const std::vector<DistanceBand>& all) {
 
 /// "climb", of robots that go on together.
 std::string_view way(const Vec3<double>& drift) {
-  if (std::fabs(drift.z) < std::hypot(drift.x, drift.y)) return "wander";
+  if (std::fabs(drift.z) < norm(drift.x, drift.y)) return "wander";
   return drift.z > 0 ? "climb" : "sink";
 }
 

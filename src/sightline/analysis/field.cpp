@@ -105,7 +105,7 @@ Vec3<double> in_sensor_frame(const Station& s, const SensorMount* mount) {
   return (mount != nullptr ? *mount : SensorMount{0.0, 0.0})(observer_of(s), s.target);
 }
 
-double FieldValue::slope() const { return std::hypot(first[0], first[1], first[2]); }
+double FieldValue::slope() const { return norm(Vec3<double>{first[0], first[1], first[2]}); }
 
 std::array<double, 3> FieldValue::curvatures() const {
   return eigenvalues({at(0, 0), at(0, 1), at(0, 2), at(1, 1), at(1, 2), at(2, 2)});

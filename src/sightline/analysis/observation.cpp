@@ -252,7 +252,7 @@ std::string to_string(const ObservationCycle& cycle, const Team& team) {
   if (!cycle.after.empty()) text += fmt::format(" after {}", cycle.after);
   const Vec3<double>& d = cycle.drift;
   if (norm(d) == 0) return text + ": a cycle that comes to rest";
-  const bool upright = std::fabs(d.z) > std::hypot(d.x, d.y);
+  const bool upright = std::fabs(d.z) > norm(d.x, d.y);
   text += fmt::format(": no rest suits all, they {} together for ever", !upright  ? "wander"
                                                                         : d.z > 0 ? "climb"
                                                                                   : "sink");

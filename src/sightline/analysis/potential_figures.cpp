@@ -368,7 +368,7 @@ class Pictures {
       Curve curve{fmt::format("{:.3g} m away", distance), colour++, Mark::line};
       for (int i = 0; i <= 360; ++i) {
         const double psi = pi * (i / 180.0 - 1);
-        const double r = distance / std::hypot(1.0, down);
+        const double r = distance / norm(1.0, down);
         curve.x.push_back(psi);
         curve.y.push_back(std::fabs(field_({.target = {r, 0, -r * down}, .psi = psi}).yaw()));
       }

@@ -78,7 +78,7 @@ class Judge {
     Share outside, step, flat_in_position, flat_in_yaw, both, behind, away;
     for (int n = 0; n < v_.options.samples; ++n) {
       const auto [u, v, w] = spread(n);
-      volume_.push_back(seen_at(v_.options.reach * std::cbrt(w) * direction(u, v), mount_));
+      volume_.push_back(seen_at(v_.options.reach * std::pow(w, 1.0 / 3) * direction(u, v), mount_));
     }
     values_ = field_(volume_);
     for (std::size_t k = 0; k < volume_.size(); ++k) {
@@ -124,7 +124,7 @@ class Judge {
     for (std::size_t k = 0; k < stations.size(); ++k) {
       if (!(violation(stations[k]) > 0)) continue;
       const Vec3<double> p_S = in_sensor_frame(stations[k], mount_);
-      const double r = norm(p_S), angle = std::atan2(std::hypot(p_S.y, p_S.z), p_S.x);
+      const double r = norm(p_S), angle = std::atan2(norm(p_S.y, p_S.z), p_S.x);
       by_distance[at(std::min(bins - 1, static_cast<int>(r / bin)))].count(flat(values[k].slope()));
       if (r > bin)
         by_angle[at(std::min(sectors - 1, static_cast<int>(angle / sector)))].count(flat(values[k].yaw()));

@@ -122,44 +122,55 @@ Local differentiate(Graph& g, int v, bool second_order) {
   return d;
 }
 
-/// The reverse sweep over the nodes of one output.
+/// The reverse sweep over the nodes of one output. Nodes are named by their place in the order of the output, so that
+/// sums come about in one way however the graph was recorded.
 class Sweep {
  public:
   Sweep(Graph& graph, Term out, std::span<const Term> variables, bool second_order)
-      : graph_(graph), second_order_(second_order), size_(static_cast<std::size_t>(out.node) + 1) {
-    adjoint_.resize(size_);
-    second_.resize(size_);
+      : graph_(graph), second_order_(second_order), order_(graph.in_order(std::span(&out, 1))) {
+    // Variables first: what two of the others share is handed on by the later one, and a variable hands on nothing.
+    std::stable_partition(order_.begin(), order_.end(), [&](int v) {
+      return graph.nodes()[index(v)].op == Op::input || graph.nodes()[index(v)].op == Op::constant;
+    });
+    place_.assign(index(graph.size()), -1);
+    for (std::size_t i = 0; i < order_.size(); ++i) place_[index(order_[i])] = static_cast<int>(i);
+    adjoint_.resize(order_.size());
+    second_.resize(order_.size());
     varies_ = depends_on(variables);
-    adjoint_[size_ - 1] = graph.constant(out.negative ? -1.0 : 1.0);
-    for (int v = out.node; v >= 0; --v) {
-      if (varies_[index(v)]) push(v);
+    adjoint_.back() = graph.constant(out.negative ? -1.0 : 1.0);
+    for (std::size_t i = order_.size(); i-- > 0;) {
+      if (varies_[i]) push(static_cast<int>(i));
     }
   }
 
-  Term first(Term variable) const { return or_zero(lookup(variable.node)); }
+  Term first(Term variable) const {
+    const int i = place(variable);
+    return i < 0 ? graph_.constant(0.0) : or_zero(adjoint_[index(i)]);
+  }
 
   Term second(Term a, Term b) const {
-    const auto [low, high] = std::minmax(a.node, b.node);
-    if (index(high) >= size_) return graph_.constant(0.0);
+    const auto [low, high] = std::minmax({place(a), place(b)});
+    if (low < 0) return graph_.constant(0.0);
     const auto& row = second_[index(high)];
     const auto entry = row.find(low);
     return entry == row.end() ? graph_.constant(0.0) : entry->second;
   }
 
  private:
-  static std::size_t index(int node) { return static_cast<std::size_t>(node); }
-  Term lookup(int node) const { return index(node) < size_ ? adjoint_[index(node)] : Term{}; }
+  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+  /// Of a node in the order, -1 if the output does not need it.
+  int place(Term t) const { return index(t.node) < place_.size() ? place_[index(t.node)] : -1; }
   Term or_zero(Term t) const { return t.node < 0 ? graph_.constant(0.0) : t; }
 
   std::vector<bool> depends_on(std::span<const Term> variables) const {
-    std::vector<bool> varies(size_, false);
+    std::vector<bool> varies(order_.size(), false);
     for (const Term v : variables) {
-      if (index(v.node) < size_) varies[index(v.node)] = true;
+      if (place(v) >= 0) varies[index(place(v))] = true;
     }
-    for (std::size_t i = 0; i < size_; ++i) {
-      const Node& n = graph_.nodes()[i];
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      const Node& n = graph_.nodes()[index(order_[i])];
       if (n.op == Op::input || n.op == Op::constant) continue;
-      varies[i] = varies[index(n.a.node)] || (n.b.node >= 0 && varies[index(n.b.node)]);
+      varies[i] = varies[index(place(n.a))] || (n.b.node >= 0 && varies[index(place(n.b))]);
     }
     return varies;
   }
@@ -173,12 +184,13 @@ class Sweep {
     accumulate(second_[index(high)].try_emplace(low, Term{}).first->second, t);
   }
 
-  /// Hands the adjoint and the second derivatives that end at node v on to its operands.
+  /// Hands the adjoint and the second derivatives that end at a node on to its operands.
   void push(int v) {
     const Term adjoint = adjoint_[index(v)];
     if (adjoint.node < 0 && second_[index(v)].empty()) return;
-    Local d = differentiate(graph_, v, second_order_);
+    Local d = differentiate(graph_, order_[index(v)], second_order_);
     if (d.count == 0) return;
+    for (int i = 0; i < d.count; ++i) d.operand[index(i)] = place_[index(d.operand[index(i)])];
     std::array<bool, 2> active{};
     for (std::size_t i = 0; i < static_cast<std::size_t>(d.count); ++i)
       active[i] = varies_[index(d.operand[i])];
@@ -229,10 +241,10 @@ class Sweep {
 
   Graph& graph_;
   bool second_order_;
-  std::size_t size_;
+  std::vector<int> order_, place_;  // nodes, and back
   std::vector<bool> varies_;
   std::vector<Term> adjoint_;                // node -1: zero so far
-  std::vector<std::map<int, Term>> second_;  // [node]: partner <= node -> second derivative
+  std::vector<std::map<int, Term>> second_;  // [place]: partner <= place -> second derivative
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "sightline/formula/graph.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -13,6 +14,19 @@ namespace {
 Term positive(Term t) { return {t.node, false}; }
 Term with_sign(Term t, bool negative) { return {t.node, t.negative != negative}; }
 
+/// A hash that is the same on every machine.
+std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
+  hash = (hash ^ value) * 0x9E3779B97F4A7C15ull;
+  hash = (hash ^ (hash >> 32)) * 0xD6E8FEB86659FD93ull;
+  return hash ^ (hash >> 29);
+}
+std::uint64_t mixed(std::uint64_t hash, double value) {
+  return mixed(hash, std::bit_cast<std::uint64_t>(value));
+}
+
+/// What a key is made of besides operands; beyond all operations.
+enum Kind : std::uint64_t { of_operation = 1, of_number = 101, of_parameter, of_product };
+
 }  // namespace
 
 std::size_t Graph::Hash::operator()(const Node& n) const {
@@ -23,10 +37,65 @@ std::size_t Graph::Hash::operator()(const Node& n) const {
   return h;
 }
 
+bool Graph::stands_before(Term a, Term b) const {
+  return key(a) != key(b) ? key(a) < key(b) : a.node < b.node;
+}
+
+Graph::Key Graph::key_of(const Node& node) const {
+  if (node.op == Op::input) return {0, static_cast<std::uint64_t>(node.value), 0};
+  Key k{0, mixed(of_operation, static_cast<std::uint64_t>(node.op)), 0};
+  if (node.op == Op::constant) {
+    k.shape = mixed(k.shape, node.value);
+    return k;
+  }
+  k.values = k.shape;
+  for (const Term t : {node.a, node.b}) {
+    if (t.node < 0) continue;
+    const std::uint64_t sign = t.negative ? 1 : 0;
+    k.height = std::max(k.height, key(t).height + 1);
+    k.shape = mixed(mixed(k.shape, key(t).shape), sign);
+    k.values = mixed(mixed(mixed(k.values, key(t).shape), key(t).values), sign);
+  }
+  return k;
+}
+
+Term Graph::append(const Node& node, const Key& key) {
+  nodes_.push_back(node);
+  keys_.push_back(key);
+  return {size() - 1, false};
+}
+
 Term Graph::unique(const Node& node) {
   const auto [entry, added] = index_.try_emplace(node, size());
-  if (added) nodes_.push_back(node);
+  if (added) append(node, key_of(node));
   return {entry->second, false};
+}
+
+std::vector<int> Graph::in_order(std::span<const Term> outputs) const {
+  std::vector<int> order, open;
+  std::vector<bool> done(nodes_.size(), false);
+  const auto is_done = [&](Term t) { return t.node < 0 || done[static_cast<std::size_t>(t.node)]; };
+  for (const Term out : outputs) {
+    open.push_back(out.node);
+    while (!open.empty()) {
+      const int v = open.back();
+      const Node& n = nodes_[static_cast<std::size_t>(v)];
+      const bool leaf = n.op == Op::input || n.op == Op::constant;
+      // The deeper operand first: what hangs on it is done while few other results wait.
+      const Term last = n.b.node >= 0 ? n.b : n.a;
+      if (!leaf && !is_done(last)) {
+        open.push_back(last.node);
+      } else if (!leaf && !is_done(n.a)) {
+        open.push_back(n.a.node);
+      } else {
+        open.pop_back();
+        if (is_done({v, false})) continue;
+        done[static_cast<std::size_t>(v)] = true;
+        order.push_back(v);
+      }
+    }
+  }
+  return order;
 }
 
 Term Graph::input(int index) { return unique({.op = Op::input, .value = static_cast<double>(index)}); }
@@ -43,20 +112,49 @@ Graph::Factors Graph::factors(Term t) const {
   return f;
 }
 
-Term Graph::parameter(const Factors& factors, double value) {
+/// By its factors in an order that is its own, so that it is rounded in one way.
+Term Graph::product(Factors factors) {
   const bool negative = factors.first < 0;
-  const auto [entry, added] = names_.try_emplace({std::fabs(factors.first), factors.second}, size());
+  factors.first = std::fabs(factors.first);
+  const auto leaf = [&](int i) -> const Leaf& { return leaves_[static_cast<std::size_t>(i)]; };
+  std::sort(factors.second.begin(), factors.second.end(),
+            [&](int i, int j) { return leaf(i).key != leaf(j).key ? leaf(i).key < leaf(j).key : i < j; });
+  const auto [entry, added] = names_.try_emplace(factors, size());
   if (added) {
-    factors_[size()] = entry->first;
-    nodes_.push_back({.op = Op::constant, .a = {size(), false}, .value = negative ? -value : value});
+    factors_[size()] = factors;
+    double value = factors.first;
+    Key k{0, mixed(of_product, factors.first), of_product};
+    for (const int i : factors.second) {
+      value *= leaf(i).value;
+      k.shape = mixed(k.shape, leaf(i).key.shape);
+      k.values = mixed(k.values, leaf(i).key.values);
+    }
+    append({.op = Op::constant, .a = {size(), false}, .value = value}, k);
   }
   return {entry->second, negative};
+}
+
+Term Graph::leaf(double value, const Key& key) {
+  leaves_.push_back({value, key});
+  return product({1.0, {static_cast<int>(leaves_.size()) - 1}});
+}
+
+Term Graph::parameter(double value) {
+  const std::uint64_t shape = mixed(of_parameter, static_cast<std::uint64_t>(named_++));
+  return leaf(value, {0, shape, mixed(shape, value)});
 }
 
 Term Graph::number(double value, Term other, bool factor) {
   if (formula_ == 0 || (value == 0 && zeros_ == Zeros::folded)) return constant(value);
   const auto [entry, added] = numbers_.try_emplace({formula_, other.node, factor, value});
-  if (added) entry->second = parameter(value);
+  if (added) {
+    std::uint64_t shape = mixed(mixed(of_number, static_cast<std::uint64_t>(formula_)), factor ? 1.0 : 0.0);
+    // A constant summand of the other is left out of account: where it is zero it is not there, in the same formula.
+    const bool shifted = node(other).op == Op::add && is_constant(node(other).a);
+    const Key& met = key(shifted ? node(other).b : other);
+    shape = mixed(shape, met.shape);
+    entry->second = leaf(value, {0, shape, mixed(mixed(shape, met.values), value)});
+  }
   return entry->second;
 }
 
@@ -67,7 +165,10 @@ Term Graph::of_constant(Op op, Term a, double value) {
 /// A constant that comes out of an operation on parameters.
 Term Graph::result(const Node& operation, double value) {
   const auto [entry, added] = results_.try_emplace(operation);
-  if (added) entry->second = parameter(value);
+  if (added) {
+    const Key k = key_of(operation);
+    entry->second = leaf(value, {0, k.shape, k.values});
+  }
   return entry->second;
 }
 
@@ -81,15 +182,13 @@ Term Graph::sum_of_constants(Term a, Term b) {
 }
 
 Term Graph::product_of_constants(Term a, Term b) {
-  const double product = constant_value(a) * constant_value(b);
-  if (!is_parameter(a) && !is_parameter(b)) return constant(product);
+  if (!is_parameter(a) && !is_parameter(b)) return constant(constant_value(a) * constant_value(b));
   if (is_zero(a) || is_zero(b)) return constant(0.0);
   Factors all = factors(a);
   const Factors more = factors(b);
   all.first *= more.first;
   all.second.insert(all.second.end(), more.second.begin(), more.second.end());
-  std::sort(all.second.begin(), all.second.end());
-  return parameter(all, product);
+  return product(std::move(all));
 }
 
 Term Graph::add(Term a, Term b) {
@@ -105,7 +204,7 @@ Term Graph::add(Term a, Term b) {
     return add(sum_of_constants(a, with_sign(inner.a, b.negative)), with_sign(inner.b, b.negative));
   }
   // The sum with a positive first operand stands for its negative too.
-  if (!is_constant(a) && a.node > b.node) std::swap(a, b);
+  if (!is_constant(a) && stands_before(b, a)) std::swap(a, b);
   const bool negative = a.negative;
   return with_sign(unique({.op = Op::add, .a = positive(a), .b = with_sign(b, negative)}), negative);
 }
@@ -131,7 +230,7 @@ Term Graph::multiply(Term a, Term b) {
     };
     if (draw_constants_ && node(a).op == Op::multiply && is_constant(node(a).a)) return pull(a, b);
     if (draw_constants_ && node(b).op == Op::multiply && is_constant(node(b).a)) return pull(b, a);
-    if (a.node > b.node) std::swap(a, b);
+    if (stands_before(b, a)) std::swap(a, b);
   }
   return with_sign(unique({.op = Op::multiply, .a = a, .b = b}), negative);
 }

@@ -3,8 +3,13 @@
 /// Signs are kept on the references, not in nodes: -(a b), (-a) b and a (-b) are the same product seen
 /// through a negative `Term`, so the graph of a gradient shares all it can. Zeros, ones and constants fold
 /// away on entry.
+///
+/// What is recorded depends on the formula alone, and not on the order in which its operands were computed, which
+/// C++ leaves to the compiler: operands of sums and products are ordered by a key of their structure, and whoever
+/// goes through the nodes does so in `in_order`. So every compiler derives and prints the same programs.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -57,7 +62,7 @@ enum class Zeros {
   folded,  ///< a part of the shape: what it meets is not there
 };
 
-/// The graph; nodes are in an order in which operands come first.
+/// The graph; nodes are stored in the order of their creation, operands first.
 class Graph {
  public:
   Term input(int index);
@@ -89,7 +94,7 @@ class Graph {
   /// Ends it: numbers fold away, and are known by their value, again.
   void keep_values() { formula_ = 0; }
   /// A number of its own, which folds nothing away whatever its value.
-  Term parameter(double value) { return parameter({1.0, {leaves_++}}, value); }
+  Term parameter(double value);
   /// A number of the formula that meets `other`, as a factor or as a summand.
   Term number(double value, Term other, bool factor);
 
@@ -109,20 +114,39 @@ class Graph {
   std::span<const Node> nodes() const { return nodes_; }
   int size() const { return static_cast<int>(nodes_.size()); }
 
+  /// The nodes that the outputs need, operands first: depth first from the first output to the last. The same for one
+  /// formula, in whatever order its nodes were created.
+  std::vector<int> in_order(std::span<const Term> outputs) const;
+
  private:
   struct Hash {
     std::size_t operator()(const Node& n) const;
   };
 
+  /// Where a node stands among operands: the shallow ones first, inputs by their index, others by what they are made
+  /// of; by the values of parameters, which are no part of the shape, only where all else is equal.
+  struct Key {
+    int height = 0;
+    std::uint64_t shape = 0, values = 0;
+
+    auto operator<=>(const Key&) const = default;
+  };
+
   /// Products of parameters are known by their factors, in any order; other results by how they came about.
   using Factors = std::pair<double, std::vector<int>>;
 
+  const Key& key(Term t) const { return keys_[static_cast<std::size_t>(t.node)]; }
+  bool stands_before(Term a, Term b) const;
+  Key key_of(const Node& node) const;
   Term unique(const Node& node);
+  Term append(const Node& node, const Key& key);
   bool is_number(Term t, double value) const {
     return is_constant(t) && !is_parameter(t) && node(t).value == value;
   }
   Factors factors(Term t) const;
-  Term parameter(const Factors& factors, double value);
+  /// A parameter of its own.
+  Term leaf(double value, const Key& key);
+  Term product(Factors factors);
   Term result(const Node& operation, double value);
   Term of_constant(Op op, Term a, double value);
   Term sum_of_constants(Term a, Term b);
@@ -135,8 +159,14 @@ class Graph {
   std::map<Factors, int> names_;                                // node of a parameter
   std::map<int, Factors> factors_;                              // and back
   std::unordered_map<Node, Term, Hash> results_;
-  int leaves_ = 0;
+  struct Leaf {
+    double value;
+    Key key;
+  };
+  std::vector<Leaf> leaves_;  // parameters that are no product
+  int named_ = 0;             // parameters that are no number of a formula
   std::vector<Node> nodes_;
+  std::vector<Key> keys_;
   std::unordered_map<Node, int, Hash> index_;
 };
 

@@ -4,13 +4,16 @@
 #include <cassert>
 #include <map>
 
+#include "sightline/base/index.hpp"
+
 namespace sightline {
 namespace {
 
 /// Lowers the live part of a graph to instructions over rows that are numbered once their kinds are known.
 class Lowering {
  public:
-  Lowering(const Graph& graph, std::span<const Term> outputs) : graph_(graph), outputs_(outputs) {
+  Lowering(const Graph& graph, std::span<const Term> outputs)
+      : graph_(graph), outputs_(outputs), order_(graph.in_order(outputs)) {
     count_uses();
     choose_fusions();
     choose_negated();
@@ -19,18 +22,18 @@ class Lowering {
   }
 
   void emit(int inputs, std::vector<double>& constants, std::vector<Instruction>& out, int& scratch) {
-    for (std::size_t v = 0; v < uses_.size(); ++v) {
-      if (uses_[v] > 0 && node(v).op == Op::constant) {
-        row_[static_cast<int>(v)] = inputs + static_cast<int>(constants.size());
-        constants.push_back(node(v).value);
-      } else if (uses_[v] > 0 && node(v).op == Op::input) {
-        assert(node(v).value < inputs && "an input of the formula lies outside the program's inputs");
-        row_[static_cast<int>(v)] = static_cast<int>(node(v).value);
+    for (const int v : order_) {
+      if (node(at(v)).op == Op::constant) {
+        row_[v] = inputs + static_cast<int>(constants.size());
+        constants.push_back(node(at(v)).value);
+      } else if (node(at(v)).op == Op::input) {
+        assert(node(at(v)).value < inputs && "an input of the formula lies outside the program's inputs");
+        row_[v] = static_cast<int>(node(at(v)).value);
       }
     }
     first_scratch_ = inputs + static_cast<int>(constants.size());
-    for (std::size_t v = 0; v < uses_.size(); ++v) {
-      if (is_computed(v)) lower(static_cast<int>(v), out);
+    for (const int v : order_) {
+      if (is_computed(at(v))) lower(v, out);
     }
     scratch = scratch_;
     const int first_output = first_scratch_ + scratch_;
@@ -45,17 +48,16 @@ class Lowering {
  private:
   const Node& node(std::size_t v) const { return graph_.nodes()[v]; }
   const Node& node(Term t) const { return graph_.node(t); }
-  std::size_t index(Term t) const { return static_cast<std::size_t>(t.node); }
+  std::size_t index(Term t) const { return at(t.node); }
   bool is_computed(std::size_t v) const {
-    return uses_[v] > 0 && !fused_[v] && node(v).op != Op::input && node(v).op != Op::constant;
+    return !fused_[v] && node(v).op != Op::input && node(v).op != Op::constant;
   }
 
   void count_uses() {
     uses_.assign(static_cast<std::size_t>(graph_.size()), 0);
     for (const Term t : outputs_) ++uses_[index(t)];
-    for (std::size_t v = uses_.size(); v-- > 0;) {
-      if (uses_[v] == 0) continue;
-      const Node& n = node(v);
+    for (const int v : order_) {
+      const Node& n = node(at(v));
       if (n.op == Op::input || n.op == Op::constant) continue;
       ++uses_[index(n.a)];
       if (n.b.node >= 0) ++uses_[index(n.b)];
@@ -66,8 +68,9 @@ class Lowering {
   void choose_fusions() {
     fused_.assign(uses_.size(), false);
     product_of_.assign(uses_.size(), Term{});
-    for (std::size_t v = 0; v < uses_.size(); ++v) {
-      if (uses_[v] == 0 || node(v).op != Op::add) continue;
+    for (const int live : order_) {
+      const std::size_t v = at(live);
+      if (node(v).op != Op::add) continue;
       const auto fusible = [&](Term t) { return node(t).op == Op::multiply && uses_[index(t)] == 1; };
       const Node& n = node(v);
       const Term product = fusible(n.b) ? n.b : fusible(n.a) ? n.a : Term{};
@@ -101,9 +104,9 @@ class Lowering {
   }
 
   void order_and_lifetimes() {
-    for (std::size_t v = 0; v < uses_.size(); ++v) {
-      if (!is_computed(v)) continue;
-      for_each_operand(v, [&](Term t) { last_use_[index(t)] = static_cast<int>(v); });
+    for (const int v : order_) {
+      if (!is_computed(at(v))) continue;
+      for_each_operand(at(v), [&](Term t) { last_use_[index(t)] = v; });
     }
     for (const Term t : outputs_) last_use_[index(t)] = graph_.size();
   }
@@ -196,6 +199,7 @@ class Lowering {
 
   const Graph& graph_;
   std::span<const Term> outputs_;
+  std::vector<int> order_;  // of the live nodes
   std::vector<int> uses_;
   std::vector<bool> fused_, negated_;
   std::vector<Term> product_of_;  // the fused product of a sum

@@ -36,4 +36,11 @@ S norm(const Vec3<S>& a) {
   return sqrt(dot(a, a));
 }
 
+/// sqrt(x^2 + y^2), within 1 ulp where the squares are normal: for lengths from 1e-150 to 1e150. Beyond, it is 0 or
+/// infinite: nothing is scaled. std::hypot, which does, has other bits on other machines.
+template <Real L>
+L norm(L x, L y) {
+  return sqrt(fma(x, x, y * y));
+}
+
 }  // namespace sightline

@@ -11,7 +11,7 @@ bool all_finite(std::span<const double> values) noexcept {
 }
 
 bool normalise_heading(double* d) noexcept {
-  const double length = std::hypot(d[0], d[1]);
+  const double length = norm(d[0], d[1]);
   constexpr double shortest = 1e-6;  // below, a direction is rounding
   if (!(length > shortest) || !std::isfinite(length)) return false;
   d[0] /= length;

@@ -83,7 +83,7 @@ StateRoles roles_of(const Model& model) {
     });
     if (turns) roles.angle = state, placed = true;
     const bool speeds = always([&](const Slopes& s, const Vec2<double>&) {
-      return is(std::hypot(s.at(velocity, k), s.at(velocity + 1, k), s.at(velocity + 2, k)), 1.0);
+      return is(norm(Vec3<double>{s.at(velocity, k), s.at(velocity + 1, k), s.at(velocity + 2, k)}), 1.0);
     });
     const bool called = k < model.states().size() && model.states()[k].starts_with("v_");
     if (!placed && (speeds || called)) roles.velocities.push_back(state);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "sightline/math/fixed.hpp"
+
 namespace sightline {
 namespace {
 
@@ -41,7 +43,7 @@ void put_header(CdrEncoder& to, std::uint64_t time, std::string_view frame) {
 
 // The turn about z that takes the x axis to d: (cos ψ/2, sin ψ/2) without an angle, w >= 0.
 void put_pose(CdrEncoder& to, const StampedPose& pose) {
-  const double length = std::hypot(pose.d[0], pose.d[1]);
+  const double length = norm(pose.d[0], pose.d[1]);
   const double c = pose.d[0] / length, s = pose.d[1] / length;
   const double larger = std::sqrt(0.5 * (1 + std::abs(c)));
   const double smaller = 0.5 * std::abs(s) / larger;

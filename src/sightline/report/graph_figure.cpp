@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "sightline/math/fixed.hpp"
 #include "sightline/plot/graph_layout.hpp"
 #include "sightline/plot/page.hpp"
 #include "sightline/scenario/scenario_text.hpp"
@@ -40,7 +41,7 @@ enum class Heads { none, at_the_end, at_both };
 /// Whether a third node lies on the way from one to another; of a circle none does.
 bool passes_a_node(const GraphLayout& layout, const GraphLayout::Node& a, const GraphLayout::Node& b) {
   if (layout.kind == GraphLayout::Kind::circle) return false;
-  const double dx = b.x - a.x, dy = b.y - a.y, length = std::hypot(dx, dy);
+  const double dx = b.x - a.x, dy = b.y - a.y, length = norm(dx, dy);
   return std::any_of(layout.nodes.begin(), layout.nodes.end(), [&](const GraphLayout::Node& node) {
     const double along = ((node.x - a.x) * dx + (node.y - a.y) * dy) / length;
     const double off = ((node.y - a.y) * dx - (node.x - a.x) * dy) / length;
@@ -53,7 +54,7 @@ std::string line(const GraphLayout& layout, std::size_t from, std::size_t to, He
                  std::string_view id, bool faint) {
   constexpr double bent = 44.0;
   const GraphLayout::Node &a = layout.nodes[from], &b = layout.nodes[to];
-  const double dx = b.x - a.x, dy = b.y - a.y, length = std::hypot(dx, dy);
+  const double dx = b.x - a.x, dy = b.y - a.y, length = norm(dx, dy);
   const double ux = dx / length, uy = dy / length;
   const double bend = passes_a_node(layout, a, b) ? std::copysign(bent, ux) : 0.0;
   const double tail = radius + (heads == Heads::at_both ? 3.0 : 1.0), tip = radius + 3.0;

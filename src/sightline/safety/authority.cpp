@@ -80,7 +80,7 @@ Strength strength(const Columns& c, const Vec2<double>& other, std::span<const d
   for (std::size_t i = 0; i < u_min.size(); ++i) {
     const Vec2<double>& g = c.thrust[i];
     const Vec2<double> s = {(yy * g.x - xy * g.y) / determinant, (xx * g.y - xy * g.x) / determinant};
-    const double length = std::hypot(s.x, s.y), held = dot(s, other);
+    const double length = norm(s.x, s.y), held = dot(s, other);
     if (length == 0) continue;
     const double whole = std::min(u_max[i], -u_min[i]), free = std::min(u_max[i] - held, held - u_min[i]);
     least.disc = std::min(least.disc, free / length);
@@ -140,7 +140,7 @@ void add_thrusts(const std::vector<Place>& all, double part, std::span<const dou
     const bool fixed = std::all_of(all.begin(), all.end(), [&](const Place& place) {
       for (std::size_t k = 0; k < u_min.size(); ++k) {
         const Vec2<double> g = in_frame(all.front(), k, turns), h = in_frame(place, k, turns);
-        if (std::hypot(g.x - h.x, g.y - h.y) > same * (std::hypot(g.x, g.y) + none)) return false;
+        if (norm(g.x - h.x, g.y - h.y) > same * (norm(g.x, g.y) + none)) return false;
       }
       return true;
     });

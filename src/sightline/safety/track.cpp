@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "sightline/math/fixed.hpp"
 #include "sightline/math/integrate.hpp"
 
 namespace sightline {
@@ -20,7 +21,7 @@ bool equal_bits(std::span<const double> a, std::span<const double> b) noexcept {
   return std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
 }
 
-double chord(const Vec2<double>& a, const Vec2<double>& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+double chord(const Vec2<double>& a, const Vec2<double>& b) { return norm(a.x - b.x, a.y - b.y); }
 
 }  // namespace
 
@@ -78,7 +79,7 @@ void Track::begin(std::span<const double> x, double now) noexcept {
 Doubt Track::implausible(std::span<const double> x) noexcept {
   if (!all_finite(x)) return Doubt::not_finite;
   sight_ = model_.sight(x.data(), no_input_.data());
-  const double circle = std::hypot(sight_.d.x, sight_.d.y);
+  const double circle = norm(sight_.d.x, sight_.d.y);
   if (!(std::abs(circle - 1.0) <= off_the_circle)) return Doubt::heading;
   for (const double p : {sight_.p.x, sight_.p.y, sight_.p.z}) {
     if (!(std::abs(p) <= limits_.world)) return Doubt::world;

@@ -96,6 +96,10 @@ Controllers Controls::controllers() const {
   return {*solver_};
 }
 
+KernelUse Controls::kernels() const {
+  return team_switcher_ ? team_switcher_->present().solver->kernels() : solver_->kernels();
+}
+
 std::unique_ptr<World> make_world(const Scenario& scenario) {
   return std::make_unique<ModelWorld>(scenario.team, scenario.x0, plant_options(scenario),
                                       sensor_options(scenario));

@@ -35,6 +35,8 @@ class Controls {
 
   /// Of the start.
   Controllers controllers() const;
+  /// Of the solver of the start.
+  KernelUse kernels() const;
   /// None for a team that stays.
   TeamSwitcher* team_switcher() const { return team_switcher_.get(); }
 

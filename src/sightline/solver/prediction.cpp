@@ -18,7 +18,7 @@ Sight<double> between(const Sight<double>& a, const Sight<double>& b, double sha
   s.p = a.p + share * (b.p - a.p);
   s.v = a.v + share * (b.v - a.v);
   const Vec2<double> d = {mixed(a.d.x, b.d.x), mixed(a.d.y, b.d.y)};
-  const double length = std::hypot(d.x, d.y);
+  const double length = norm(d.x, d.y);
   if (length > 0) s.d = {d.x / length, d.y / length};  // headings that are opposite have none between them
   return s;
 }

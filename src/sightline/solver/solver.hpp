@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "sightline/ocp/ocp.hpp"
+#include "sightline/solver/kernels/kernel_use.hpp"
 
 namespace sightline {
 
@@ -78,6 +79,8 @@ class Solver {
   virtual TeamPlanner* team_planner() noexcept { return nullptr; }
   /// Whether it plans for teams with swarms, Team::keep_apart().
   virtual bool keeps_apart() const noexcept { return false; }
+  /// Which of its formulas are compiled, for messages; nothing where none is ever looked for.
+  virtual KernelUse kernels() const { return {}; }
 
   /// solve(), for a program that only wants the inputs.
   std::span<const double> step(double time, std::span<const double> states) noexcept {

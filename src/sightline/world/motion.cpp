@@ -201,7 +201,7 @@ struct Motions::Steer {
     if (mover.entered) return mover.v;
     mover.entered = true;
     const Vec3<double> aim = meeting_place(robot.p - p, robot.v, cross.speed);
-    const double level = std::hypot(aim.x, aim.y);
+    const double level = norm(aim.x, aim.y);
     const double turn = level > 0 ? std::asin(std::clamp(cross.miss / level, -1.0, 1.0)) : 0.0;
     const Vec2<double> turned = rotate<double>({cos(turn), sin(turn)}, {aim.x, aim.y});
     return mover.v = along({turned.x, turned.y, aim.z}, cross.speed);

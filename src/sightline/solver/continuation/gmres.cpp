@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "sightline/math/fixed.hpp"
+
 namespace sightline {
 namespace {
 
@@ -91,7 +93,7 @@ bool Gmres::rotate(int k) noexcept {
     hessenberg(j, k) = cos_[at(j)] * a + sin_[at(j)] * b;
     hessenberg(j + 1, k) = cos_[at(j)] * b - sin_[at(j)] * a;
   }
-  const double diagonal = std::hypot(hessenberg(k, k), hessenberg(k + 1, k));
+  const double diagonal = norm(hessenberg(k, k), hessenberg(k + 1, k));
   // A singular matrix leaves a diagonal of rounding alone.
   if (!(diagonal > 1e-12 * std::sqrt(square)) || !std::isfinite(diagonal)) return false;
   cos_[at(k)] = hessenberg(k, k) / diagonal;

@@ -29,15 +29,21 @@ bool register_kernels(KernelTable& table) {
 std::unique_ptr<Group> make_group(std::shared_ptr<const StagePrograms> programs, int stages, int width,
                                   KernelChoice choice) {
   if (choice == KernelChoice::compiled_if_there) {
-    const std::uint64_t wanted = structure(*programs);
-    for (const KernelTable* table = tables(); table != nullptr; table = table->next) {
-      for (const StageKernel& kernel : table->stages) {
-        if (is_of(kernel, *programs, wanted, width)) return kernel.make(std::move(programs), stages);
-      }
-    }
+    const StageKernel* const kernel = find_stage(*programs, width);
+    if (kernel != nullptr) return kernel->make(std::move(programs), stages);
   }
   if (width == native_width) return make_interpreted<native_width>(std::move(programs), stages);
   return make_interpreted<2>(std::move(programs), stages);
+}
+
+const StageKernel* find_stage(const StagePrograms& programs, int width) {
+  const std::uint64_t wanted = structure(programs);
+  for (const KernelTable* table = tables(); table != nullptr; table = table->next) {
+    for (const StageKernel& kernel : table->stages) {
+      if (is_of(kernel, programs, wanted, width)) return &kernel;
+    }
+  }
+  return nullptr;
 }
 
 const FormulaKernel* find_formula(const Program& program, int width) {

@@ -48,6 +48,8 @@ enum class KernelChoice {
 std::unique_ptr<Group> make_group(std::shared_ptr<const StagePrograms> programs, int stages, int width,
                                   KernelChoice choice);
 
+/// The compiled functions of a model for groups of that width, or none.
+const StageKernel* find_stage(const StagePrograms& programs, int width);
 /// The compiled function of a program, or none.
 const FormulaKernel* find_formula(const Program& program, int width);
 

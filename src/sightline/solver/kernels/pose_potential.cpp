@@ -95,6 +95,11 @@ PosePotential trace_potential(std::span<const Weighted* const> given, double h, 
                               Numbers numbers) {
   const std::vector<const Weighted*> terms = sorted(given);
   PosePotential p;
+  p.names.emplace_back();
+  for (const Weighted* term : terms) {
+    if (!p.names[0].empty()) p.names[0] += " + ";
+    p.names[0] += term->potential.name();
+  }
   {
     Graph graph;
     const Term l = record(graph, terms, h, range(PosePotential::time_variable + 1), numbers);
@@ -184,7 +189,10 @@ std::vector<PosePotential> trace_terms(const Terms& terms, double h, const Ends&
   if (parts.size() == 1 || !std::all_of(parts.begin(), parts.end(), [](const auto& p) { return p.relative; }))
     return parts;
   PosePotential whole = std::move(parts[0]);
-  for (std::size_t i = 1; i < parts.size(); ++i) whole.others.push_back(std::move(parts[i].derivatives));
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    whole.others.push_back(std::move(parts[i].derivatives));
+    whole.names.push_back(std::move(parts[i].names[0]));
+  }
   whole.value = trace_potential(terms, h, ends).value;
   return {std::move(whole)};
 }
@@ -245,6 +253,7 @@ SwarmPotential trace_swarm(const Weighted& term, double h, Numbers numbers) {
   const Term l = record(graph, std::array{&term}, h, variables, numbers);
   const std::vector<int> seen = occurring(graph, l, n);
   SwarmPotential p;
+  p.name = term.potential.name();
   p.sees_headings = std::any_of(seen.begin(), seen.end(), [](int v) { return v >= 3; });
   p.value = Program(graph, std::vector{l}, n);
   const Derivatives d = derive(graph, l, inputs(graph, n));

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "sightline/formula/program.hpp"
@@ -36,13 +37,14 @@ struct PosePotential {
   };
 
   bool relative = false;
-  std::vector<int> variables;   ///< of (s_a, s_b, t), inputs of both programs in this order
-  Program value;                ///< one output
-  Program derivatives;          ///< every entry of the lists below, once up to sign
-  std::vector<Program> others;  ///< of a relative one: derivatives to be added, compiled apart
-  std::vector<First> gradient;  ///< of the ends that feel it
-  std::vector<Second> own;      ///< Hessian within an end that feels it, row <= column
-  std::vector<Second> cross;    ///< Hessian between a (row) and b (column), where both are agents
+  std::vector<int> variables;      ///< of (s_a, s_b, t), inputs of both programs in this order
+  Program value;                   ///< one output
+  Program derivatives;             ///< every entry of the lists below, once up to sign
+  std::vector<Program> others;     ///< of a relative one: derivatives to be added, compiled apart
+  std::vector<std::string> names;  ///< of the potentials in `derivatives`, then in each of the others
+  std::vector<First> gradient;     ///< of the ends that feel it
+  std::vector<Second> own;         ///< Hessian within an end that feels it, row <= column
+  std::vector<Second> cross;       ///< Hessian between a (row) and b (column), where both are agents
 
   /// Whether the velocity of that end occurs.
   bool sees_motion(bool of_b) const;
@@ -83,6 +85,7 @@ struct SwarmPotential {
   double radius = 0.0;
   int capacity = 0;
   bool sees_headings = false;
+  std::string name;
   Program value, derivatives;
 };
 

@@ -1,5 +1,7 @@
 #include "sightline/solver/newton/groups.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -10,6 +12,7 @@ namespace {
 
 /// Agents of one model with equal barriers and input scales that are seen alike.
 struct Kind {
+  std::string_view robot;
   BlockProgram step;
   Program barriers;
   std::vector<double> scales;
@@ -37,8 +40,9 @@ std::vector<Kind> sort_into_kinds(const Ocp& ocp, std::span<const BodyPotential>
     auto kind = std::find_if(kinds.begin(), kinds.end(), same);
     if (kind == kinds.end()) {
       auto programs = std::make_shared<const StagePrograms>(trace_stage(model, h, seen, limits, scales));
-      kind = kinds.insert(kinds.end(),
-                          {std::move(step), std::move(barriers), std::move(scales), std::move(programs), {}});
+      kind = kinds.insert(
+          kinds.end(),
+          {model.name(), std::move(step), std::move(barriers), std::move(scales), std::move(programs), {}});
     }
     kind->agents.push_back(a);
   }
@@ -101,6 +105,9 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
   for (const Kind& kind : kinds) {
     const int first = static_cast<int>(groups_.size()), n = static_cast<int>(kind.agents.size());
     const int groups = (n + layout_.width - 1) / layout_.width;
+    kernels_.add(
+        fmt::format("robot {}", kind.robot),
+        choice == KernelChoice::compiled_if_there && find_stage(*kind.programs, layout_.width) != nullptr);
     for (int g = 0; g < groups; ++g) {
       groups_.push_back(make_group(kind.programs, layout_.stages, layout_.width, choice));
       layout_.add(kind.programs->sizes.nu, kind.programs->sizes.ns);

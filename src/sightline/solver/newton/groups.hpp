@@ -7,6 +7,7 @@
 
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/solver/kernels/kernel_table.hpp"
+#include "sightline/solver/kernels/kernel_use.hpp"
 #include "sightline/solver/newton/coupling.hpp"
 #include "sightline/solver/newton/group.hpp"
 #include "sightline/solver/newton/layout.hpp"
@@ -20,6 +21,8 @@ class Groups {
   Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice);
 
   const Layout& layout() const { return layout_; }
+  /// Of the robots.
+  const KernelUse& kernels() const { return kernels_; }
   Group& group_of(int agent) { return *groups_[static_cast<std::size_t>(layout_.place(agent).group)]; }
   const Group& group_of(int agent) const {
     return *groups_[static_cast<std::size_t>(layout_.place(agent).group)];
@@ -49,6 +52,7 @@ class Groups {
 
   double h_;
   Layout layout_;
+  KernelUse kernels_;
   std::vector<std::unique_ptr<Group>> groups_;
   std::vector<std::vector<int>> members_;  // [group][lane]: agent
   std::vector<Limited> limited_;           // [agent]

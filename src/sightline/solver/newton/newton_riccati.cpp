@@ -22,6 +22,8 @@ double NewtonRiccati::kkt(double time, std::span<const double> states) noexcept 
 
 void NewtonRiccati::planned(double time, std::span<double> u) const noexcept { update_->planned(time, u); }
 
+KernelUse NewtonRiccati::kernels() const { return update_->kernels(); }
+
 void NewtonRiccati::restart() noexcept { update_->restart(); }
 
 void NewtonRiccati::plan(int k, std::span<double> u) const noexcept { update_->plan(k, u); }

@@ -47,6 +47,7 @@ class NewtonRiccati final : public Solver, public TeamPlanner {
   void restart() noexcept override;
   TeamPlanner* team_planner() noexcept override { return this; }
   bool keeps_apart() const noexcept override { return true; }
+  KernelUse kernels() const override;
 
   void plan(int k, std::span<double> u) const noexcept override;
   void set_plan(int k, std::span<const double> u) noexcept override;

@@ -47,6 +47,21 @@ L within(L x, L low, L high) { return minimum(maximum(x, low), high); }
 
 }  // namespace
 
+KernelUse NewtonUpdate::kernels() const {
+  KernelUse use = groups_.kernels();
+  const auto add = [&](const std::string& name, const Program& program) {
+    use.add(name, options_.kernels == KernelChoice::compiled_if_there &&
+                      find_formula(program, native_width) != nullptr);
+  };
+  for (const BodyPotential& p : potentials_) {
+    add(p.potential.names[0], p.potential.derivatives);
+    for (std::size_t i = 0; i < p.potential.others.size(); ++i)
+      add(p.potential.names[i + 1], p.potential.others[i]);
+  }
+  for (const SwarmPotential& s : swarms_) add(s.name, s.derivatives);
+  return use;
+}
+
 NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
     : ocp_(std::move(ocp)),
       options_(checked(options)),

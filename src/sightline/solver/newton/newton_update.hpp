@@ -16,6 +16,8 @@ class NewtonUpdate {
   /// @throws std::invalid_argument naming an option out of its range
   NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options);
 
+  /// As Solver::kernels().
+  KernelUse kernels() const;
   const Ocp& ocp() const { return ocp_; }
   double tolerance() const noexcept { return options_.tolerance; }
 

@@ -1,0 +1,66 @@
+#include "sightline/solver/kernels/kernel_use.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/robots.hpp"
+#include "sightline/potential/bearing.hpp"
+#include "sightline/potential/region.hpp"
+#include "sightline/solver/continuation/cmscgmres.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr Horizon horizon{.T = 1.0, .N = 20, .dt = 0.01};
+
+std::vector<std::string> interpreted(const KernelUse& use) {
+  std::vector<std::string> names;
+  for (const KernelUse::Formula& f : use.formulas) {
+    if (!f.compiled) names.push_back(f.name);
+  }
+  return names;
+}
+
+/// Two multirotors and a rover; the first looks at the second.
+struct Watched {
+  Team team;
+  AgentId a = team.add(Multirotor{}), b = team.add(Multirotor{}), c = team.add(OmniRover{});
+  Watched() { team.couple(0.4 * Bearing{}, {a, b}); }
+};
+
+TEST(KernelUse, RobotsAndPotentialsOfTheLibraryAreCompiled) {
+  const Watched watched;
+  const KernelUse use = NewtonRiccati(watched.team, horizon).kernels();
+  EXPECT_EQ(use.formulas.size(), 3u);
+  EXPECT_EQ(interpreted(use), std::vector<std::string>{});
+  EXPECT_EQ(use.sentence(), "");
+}
+
+TEST(KernelUse, WhatWasNotPrintedIsNamed) {
+  Watched watched;
+  const AgentId odd = watched.team.add(Multirotor{.a_f = 0.0});
+  watched.team.couple(0.4 * Bearing{}, {odd, watched.a});
+  watched.team.couple(0.4 * Region("range < 6 m"), {odd, watched.a});
+  watched.team.couple(1.0 * Region("range < 6 m"), {watched.a, watched.c});
+  const KernelUse use = NewtonRiccati(watched.team, horizon).kernels();
+  EXPECT_EQ(interpreted(use), (std::vector<std::string>{"robot multirotor", "region"}));
+  EXPECT_EQ(use.sentence(),
+            "2 of 4 formulas are interpreted, several times slower than compiled, to the same bits: robot "
+            "multirotor, region");
+}
+
+TEST(KernelUse, ASolverToldToInterpretSaysSo) {
+  const Watched watched;
+  const KernelUse use =
+      NewtonRiccati(watched.team, horizon, {.kernels = KernelChoice::interpreted}).kernels();
+  EXPECT_EQ(interpreted(use).size(), use.formulas.size());
+}
+
+TEST(KernelUse, ASolverThatLooksForNoneHasNothingToSay) {
+  const Watched watched;
+  EXPECT_EQ(Cmscgmres(Ocp(watched.team, horizon), {}).kernels().sentence(), "");
+}
+
+}  // namespace
+}  // namespace sightline
