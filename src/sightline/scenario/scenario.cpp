@@ -9,16 +9,16 @@
 #include <unordered_map>
 #include <utility>
 
-#include "sightline/scenario/campaign_parts.hpp"
 #include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/coupling_parts.hpp"
-#include "sightline/scenario/event_parts.hpp"
-#include "sightline/scenario/keep_apart_parts.hpp"
-#include "sightline/scenario/motion_parts.hpp"
-#include "sightline/scenario/safety_parts.hpp"
-#include "sightline/scenario/scenario_parts.hpp"
+#include "sightline/scenario/read_campaign.hpp"
+#include "sightline/scenario/read_coupling.hpp"
+#include "sightline/scenario/read_event.hpp"
+#include "sightline/scenario/read_motion.hpp"
+#include "sightline/scenario/read_part.hpp"
+#include "sightline/scenario/read_robot.hpp"
+#include "sightline/scenario/read_safety.hpp"
+#include "sightline/scenario/read_shape.hpp"
 #include "sightline/scenario/script_words.hpp"
-#include "sightline/scenario/shape_parts.hpp"
 #include "sightline/scenario/templates.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
@@ -313,10 +313,12 @@ class Reader {
 
 }  // namespace
 
-Scenario parse_scenario(std::string text, const std::filesystem::path& file) {
-  TomlDocument document = parse_toml(text, file.native());
-  expand(document);
+Scenario parse_scenario(std::string text, const std::filesystem::path& file, const Parts& parts) {
   Scenario scenario;
+  scenario.parts = std::make_shared<const Parts>(parts);
+  TomlDocument document = parse_toml(text, file.native());
+  document.parts = scenario.parts.get();
+  expand(document);
   Reader(document, scenario).read();
   // A campaign draws numbers of the file as it is written.
   if (document.root.contains("campaign"))
@@ -328,7 +330,9 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file) {
   return scenario;
 }
 
-Scenario read_scenario(const std::filesystem::path& file) { return parse_scenario(read_text(file), file); }
+Scenario read_scenario(const std::filesystem::path& file, const Parts& parts) {
+  return parse_scenario(read_text(file), file, parts);
+}
 
 PlantOptions plant_options(const Scenario& scenario) {
   PlantOptions options{.seed = scenario.simulation.seed,

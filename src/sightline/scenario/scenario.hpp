@@ -28,6 +28,9 @@
 
 namespace sightline {
 
+struct Parts;
+const Parts& parts_of_sightline();
+
 /// Which solver, and its options.
 struct SolverChoice {
   std::string name = "newton_riccati";
@@ -92,6 +95,7 @@ struct Scenario {
   std::string name;  ///< of the file, without folder and extension
   std::string text;  ///< as it was read
   std::filesystem::path file;
+  std::shared_ptr<const Parts> parts{};  ///< by which it was read, and will be read again
   Horizon horizon{};
   SolverChoice solver{};
   Team team{};  ///< robots, then targets, then obstacles, each in the order of the file
@@ -108,12 +112,14 @@ struct Scenario {
   std::optional<CampaignPlan> campaign{};
 };
 
+/// @param parts  what it may call by name
 /// @throws ScenarioError
-Scenario read_scenario(const std::filesystem::path& file);
+Scenario read_scenario(const std::filesystem::path& file, const Parts& parts = parts_of_sightline());
 
 /// The same from a text that is already read; `file` stands in the refusals.
 /// @throws ScenarioError
-Scenario parse_scenario(std::string text, const std::filesystem::path& file);
+Scenario parse_scenario(std::string text, const std::filesystem::path& file,
+                        const Parts& parts = parts_of_sightline());
 
 /// The simulated world of a scenario, and what its controllers see of it.
 PlantOptions plant_options(const Scenario& scenario);

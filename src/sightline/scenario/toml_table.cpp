@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/string_place.hpp"
 
 namespace sightline {
@@ -74,6 +75,10 @@ TomlTable::TomlTable(const TomlDocument& document) : document_(&document), table
 
 TomlTable::TomlTable(const TomlDocument& document, const toml::table& table, std::string path)
     : document_(&document), table_(&table), path_(std::move(path)), line_(line_of(table)) {}
+
+const Parts& TomlTable::parts() const {
+  return document_->parts != nullptr ? *document_->parts : parts_of_sightline();
+}
 
 const toml::node* TomlTable::find(std::string_view key) const { return table_->get(key); }
 
