@@ -75,28 +75,28 @@ ratio() { awk -v a="$1" -v b="$2" 'BEGIN { printf "%.2f", a / b }'; }
   cat <<'TEXT'
 # Benchmarks
 
-Made by `bench/table.sh`, in one run on one core. Not to be edited.
+Made by `bench/table.sh`, in one run on one core; do not edit.
 
-Every case is 60 s of closed loop, 6000 updates at 100 Hz, horizon 1 s in 20 stages; between two updates only the plant
-moves. Times are by the wall clock and include the cold start at the first update, and at p99 and the maximum what
+Every case is 60 s of closed loop: 6000 updates at 100 Hz, horizon 1 s in 20 stages. Between two updates only the plant
+runs. Times are wall-clock times. They include the cold start of the first update, and, in p99 and the maximum, what
 other programs took of the core. *Error* is the infinity norm of
-u - u*, where u* is the optimum at the same state, converged to 1e-10; *before* are all updates up to 2 s but the
-first. IPOPT (3.11, MUMPS) gets every 50th problem as sparse multiple shooting with exact derivatives, started at the
-optimum of the update before; where the team is masked, robot by robot. Its time is the processor's, its error that of
-whole horizons against u*.
+u - u*, where u* is the optimum at the same state, converged to 1e-10; *before* are all updates up to 2 s except the
+first. IPOPT (3.11, MUMPS) solves every 50th problem as sparse multiple shooting with exact derivatives, started at the
+optimum of the update before, to a tolerance of 1e-13; where the team is masked, robot by robot. Its time is processor time, its error that of
+whole horizons against u*. Robots of one model are computed in SIMD lanes: two where a team has at most two robots of each model, else all lanes of the processor (eight with AVX-512). So chains of 4 and of 8 take nearly the same time.
 
 TEXT
-  printf 'Load of the machine at the start: %s (0 is a quiet one).\n\n' "$load"
+  printf 'Load of the machine at the start: %s (0: idle).\n\n' "$load"
   cat "$work/table.md"
-  printf '\nWith the same programs, interpreted instead of compiled, a chain of 8 takes %s times as long.\n' \
+  printf '\nWith interpreted instead of compiled programs, a chain of 8 takes %s times as long.\n' \
     "$(ratio "$(median chain_8_interpreted)" "$(median chain_8)")"
   if [[ -s $work/prototype.txt ]]; then
     cat <<'TEXT'
 
-## Beside the prototype
+## Compared with the prototype
 
-The prototype is written for these teams by hand: one kind of coupling with hand-derived derivatives. It was timed
-before and after the table, by the processor's clock of its thread (about 0.2 us of each of its medians); the lower
+The prototype is written by hand for these teams: one kind of coupling with hand-derived derivatives. It was timed
+before and after the table, with the processor's clock of its thread (reading it takes about 0.2 us of each of its medians); the lower
 median counts.
 
 | case | median us | prototype us | ratio | p99 / median |
@@ -120,7 +120,7 @@ CASES
 ![Median time of an update over the number of robots, both axes logarithmic](scaling.svg)
 
 Time grows with the power $joint of the number of robots from 2 to 64, where all feel the couplings ($joint_from_8 from 8 to
-64); with the power $masked where the watching robot alone does ($masked_from_8 from 8 to 64).
+64); with the power $masked where only the observer does ($masked_from_8 from 8 to 64).
 TEXT
 } >bench/README.md
 echo "table.sh: wrote bench/README.md and bench/scaling.svg" >&2

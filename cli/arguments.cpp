@@ -19,18 +19,19 @@ Arguments::Arguments()
   run_command->add_option("SCENARIO", run.scenario, "Scenario file (TOML)")->required();
   run_command->add_option("-o,--output", run.output, "Folder for the results [out/NAME]");
   run_command->add_option("--solver", run.solver, "Solver, instead of the scenario's");
-  run_command->add_option("--seed", run.seed, "Seed of all chance, instead of the scenario's")
+  run_command->add_option("--seed", run.seed, "Seed of all random numbers, instead of the scenario's")
       ->check(CLI::Range(std::uint64_t{0}, seed_max));
-  run_command->add_flag("--realtime", run.realtime, "Pace by the wall clock; missed periods are events");
+  run_command->add_flag("--realtime", run.realtime, "Run in real time; missed periods are events");
 
-  CLI::Option* partition =
-      run_command->add_option("--partition", run.partition, "Parts that plan by themselves: \"a,b | c,d\"");
-  run_command->add_option("--order", run.order, "Of the parts: jacobi or gauss_seidel [gauss_seidel]")
+  CLI::Option* partition = run_command->add_option("--partition", run.partition,
+                                                   "Subteams, each with its own solver: \"a,b | c,d\"");
+  run_command
+      ->add_option("--order", run.order, "Order of the subteams: jacobi or gauss_seidel [gauss_seidel]")
       ->needs(partition);
-  run_command->add_option("--exchanges", run.exchanges, "Rounds of the parts in an update [1]")
+  run_command->add_option("--exchanges", run.exchanges, "Exchanges of predictions per update [1]")
       ->needs(partition);
 
-  check_command = app.add_subcommand("check", "Read a scenario and say what it describes");
+  check_command = app.add_subcommand("check", "Check a scenario and print what it describes");
   check_command->add_option("SCENARIO", scenario, "Scenario file (TOML)")->required();
   check_command->add_flag("--print", expanded, "Print the scenario with its templates and ranges expanded");
 
@@ -52,23 +53,28 @@ Arguments::Arguments()
                                 "Folder for the results [out/NAME/potential]");
 
   explain_command =
-      app.add_subcommand("explain", "Say before a flight which limits can hold and what they are worth");
+      app.add_subcommand("explain", "Analyse which limits can hold together and what they cost");
   explain_command->add_option("SCENARIO", scenario, "Scenario file (TOML)")->required();
 
-  campaign_command = app.add_subcommand("campaign", "Fly a scenario many times, as its [campaign] draws");
+  campaign_command =
+      app.add_subcommand("campaign", "Fly a scenario many times with random draws, [campaign]");
   campaign_command->add_option("SCENARIO", campaign.scenario, "Scenario file (TOML)")->required();
-  campaign_command->add_option("--runs", campaign.runs, "Closed loops")
+  campaign_command->add_option("--runs", campaign.runs, "Number of runs")
       ->capture_default_str()
       ->check(CLI::Range(1, runs_max));
   campaign_command->add_option("--seed", campaign.seed, "Seed of all draws, instead of the scenario's")
       ->check(CLI::Range(std::uint64_t{0}, seed_max));
-  campaign_command->add_option("--threads", campaign.threads, "Runs in the air at once [all cores]")
+  campaign_command->add_option("--threads", campaign.threads, "Runs at the same time [all cores]")
       ->check(CLI::Range(1, 1024));
   campaign_command->add_option("-o,--output", campaign.output, "Folder for the results [out/NAME/campaign]");
   campaign_command->add_option("--only", campaign.only, "Fly this run alone, with log and report")
       ->check(CLI::Range(0, runs_max - 1));
   campaign_command->add_option("--beside", campaign.beside,
-                               "Another scenario of the same robots that flies the same draws");
+                               "Another scenario of the same robots, flown with the same draws");
+
+  parts_command = app.add_subcommand(
+      "parts", "List the robots, potentials, references and limits that a scenario may use");
+  parts_command->add_flag("--json", parts_as_json, "JSON instead of tables");
 
   version_command = app.add_subcommand("version", "Version and compiler");
 

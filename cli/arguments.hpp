@@ -16,13 +16,13 @@ struct Arguments {
   CLI::App app;
   RunOptions run;
   std::filesystem::path scenario, folder;
-  bool expanded = false;
+  bool expanded = false, parts_as_json = false;
   ReplayCommand replay;
   PotentialOptions potential;
   CampaignCommand campaign;
   BenchCommand bench;
   CLI::App *run_command, *check_command, *report_command, *replay_command, *potential_command,
-      *explain_command, *campaign_command, *version_command, *bench_command;
+      *explain_command, *campaign_command, *parts_command, *version_command, *bench_command;
 };
 
 }  // namespace sightline::cli

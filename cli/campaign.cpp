@@ -35,9 +35,9 @@ struct Input {
   fs::path folder_of(std::size_t i) const { return i == 0 ? folder : folder / scenarios[i].name; }
 };
 
-Input read(const CampaignCommand& command) {
+Input read(const CampaignCommand& command, const Parts& parts) {
   Input input;
-  const Scenario& scenario = input.scenarios.emplace_back(read_scenario(command.scenario));
+  const Scenario& scenario = input.scenarios.emplace_back(read_scenario(command.scenario, parts));
   if (!scenario.campaign) {
     throw std::invalid_argument(fmt::format(
         "{}:1: campaign is missing, expected [campaign] with what is drawn", scenario.file.native()));
@@ -50,7 +50,7 @@ Input read(const CampaignCommand& command) {
   const fs::path own = fs::path("out") / scenario.name;
   const fs::path alone = command.only ? own / fmt::format("run_{}", *command.only) : own / "campaign";
   input.folder = command.output.empty() ? alone : command.output;
-  if (!command.beside.empty()) input.scenarios.push_back(read_scenario(command.beside));
+  if (!command.beside.empty()) input.scenarios.push_back(read_scenario(command.beside, parts));
   for (const Scenario& one : input.scenarios) {
     if (changes_in_flight(one)) {
       throw std::invalid_argument(
@@ -172,10 +172,10 @@ int fly_one(const Input& input, int index) {
 
 }  // namespace
 
-int campaign(const CampaignCommand& command) {
+int campaign(const CampaignCommand& command, const Parts& parts) {
   Input input;
   try {
-    input = read(command);
+    input = read(command, parts);
   } catch (const std::exception& error) {
     tell("{}\n", error.what());
     return 2;

@@ -10,9 +10,9 @@
 
 namespace sightline::cli {
 
-int check(const std::filesystem::path& scenario, bool expanded) {
+int check(const std::filesystem::path& scenario, bool expanded, const Parts& parts) {
   try {
-    const Scenario read = read_scenario(scenario);
+    const Scenario read = read_scenario(scenario, parts);
     const Controls controls(read);
     const Preflight known = preflight(read);
     for (const std::string& refusal : known.refusals) tell("{}\n", refusal);

@@ -1,5 +1,5 @@
 /// The commands. Each prints results on stdout and messages on stderr, and returns the exit code:
-/// 0 done, 1 the flight failed or output was lost, 2 bad input.
+/// 0 done, 1 the flight failed or output was lost, 2 bad input. `parts` are what a scenario may call by name.
 #pragma once
 
 #include <cstdint>
@@ -57,7 +57,7 @@ struct CampaignCommand {
 };
 
 /// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.
-int run(const RunOptions& options);
+int run(const RunOptions& options, const Parts& parts);
 
 /// Where a flight leaves its files, and where its comparisons leave theirs; for this process alone.
 class RunFolder {
@@ -77,18 +77,20 @@ struct PartitionChoice;
 int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const PartitionChoice* partition = nullptr);
 /// Flies a scenario many times as its [campaign] says; leaves campaign.sqlite and campaign.html. 1 where a run is
 /// not recovered.
-int campaign(const CampaignCommand& command);
+int campaign(const CampaignCommand& command, const Parts& parts);
 /// Reads a scenario and says what it describes, or what is wrong with it; or prints it expanded, as TOML.
-int check(const std::filesystem::path& scenario, bool expanded);
+int check(const std::filesystem::path& scenario, bool expanded, const Parts& parts);
 /// Makes report.html again from what a run left.
 int report(const std::filesystem::path& folder);
 /// Feeds the measurements of a run through its loop again and compares each command, bit for bit: 1 where one differs.
 /// With another solver or other values, says how far the commands are from the recorded ones.
-int replay(const ReplayCommand& command);
+int replay(const ReplayCommand& command, const Parts& parts);
 /// Draws and judges the potentials of a scenario: index.html and verdict.json.
-int potential(const PotentialOptions& options);
+int potential(const PotentialOptions& options, const Parts& parts);
 /// Says which limits of a scenario can hold together and what each is worth.
-int explain(const std::filesystem::path& scenario);
+int explain(const std::filesystem::path& scenario, const Parts& parts);
+/// Says which parts a scenario may call by name, with their parameters: tables of Markdown, or JSON.
+int list_parts(bool json, const Parts& parts);
 int version();
 /// Of the library, and of the compiler that built it.
 std::string version_text();

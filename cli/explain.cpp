@@ -9,9 +9,9 @@
 
 namespace sightline::cli {
 
-int explain(const std::filesystem::path& scenario) {
+int explain(const std::filesystem::path& scenario, const Parts& parts) {
   try {
-    const Scenario read = read_scenario(scenario);
+    const Scenario read = read_scenario(scenario, parts);
     print("{}", to_string(sightline::explain(read.team, read.x0), read.team));
     for (const ObservationCycle& cycle : observation_cycles(read)) print("{}\n", to_string(cycle, read.team));
     return 0;

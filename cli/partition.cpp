@@ -51,7 +51,8 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
                     team_planners()));
   }
   if (changes_in_flight(scenario)) {
-    throw std::invalid_argument("--partition: the team changes in flight, expected one that stays");
+    throw std::invalid_argument(
+        "--partition: the team changes in flight, expected a scenario without events");
   }
   PartitionChoice choice{.text = parts,
                          .parts = sightline::read_partition(parts, scenario.team),
@@ -132,11 +133,11 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
   json["moments"] = moments.size();
   json["sweeps"] = Json::array();
 
-  std::string text = fmt::format("{} parts, {} order, exchanges an update: {}\n", solver_.subteams(),
+  std::string text = fmt::format("{} subteams, {} order, exchanges per update: {}\n", solver_.subteams(),
                                  to_string(choice_.order), choice_.exchanges);
   text += fmt::format("cost {:.6g} s, of the whole team's solver {:.6g} s: {:+.4f} %\n", cost, whole_cost,
                       100 * excess);
-  text += fmt::format("slowest part {:.1f} us an update, median; a robot tells {} numbers an exchange\n",
+  text += fmt::format("slowest subteam {:.1f} us per update, median; a robot sends {} numbers per exchange\n",
                       quantile(part_us_, 0.5), numbers);
   if (moments.empty()) {
     text += "no moment of the flight has a stationary point to compare with\n";

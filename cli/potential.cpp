@@ -30,12 +30,12 @@ std::optional<std::size_t> chosen(const PotentialOptions& options, const Scenari
 
 }  // namespace
 
-int potential(const PotentialOptions& options) {
+int potential(const PotentialOptions& options, const Parts& parts) {
   Scenario scenario;
   std::optional<FolderLock> lock;
   std::optional<std::size_t> only;
   try {
-    scenario = read_scenario(options.scenario);
+    scenario = read_scenario(options.scenario, parts);
     only = chosen(options, scenario);
     lock.emplace(
         options.output.empty() ? std::filesystem::path("out") / scenario.name / "potential" : options.output,

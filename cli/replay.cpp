@@ -17,8 +17,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// The scenario of the log, as it was flown, or with what the command changes.
-Scenario scenario_of(const FlownAs& flown, const std::filesystem::path& log, const ReplayCommand& command) {
-  Scenario scenario = parse_scenario(flown.text, log, {.files = flown.files, .set = command.set});
+Scenario scenario_of(const FlownAs& flown, const std::filesystem::path& log, const ReplayCommand& command,
+                     const Parts& parts) {
+  Scenario scenario = parse_scenario(flown.text, log, parts, {.files = flown.files, .set = command.set});
   scenario.name = flown.name;
   const bool in_parts = !flown.partition.empty();
   if (command.solver) {
@@ -101,7 +102,7 @@ void print_text(const CommandComparison& compared, const Scenario& scenario) {
 
 }  // namespace
 
-int replay(const ReplayCommand& command) {
+int replay(const ReplayCommand& command, const Parts& parts) {
   const std::filesystem::path log = command.folder / "run.mcap";
   const bool changed = command.solver || !command.set.empty();
   try {
@@ -110,7 +111,7 @@ int replay(const ReplayCommand& command) {
       return 2;
     }
     const FlownAs flown = flown_as(log);
-    const Scenario scenario = scenario_of(flown, log, command);
+    const Scenario scenario = scenario_of(flown, log, command, parts);
     RecordedFlight flight(log, scenario.team, scenario.x0, scenario.horizon.dt);
     if (flown.version != sightline::version || flown.compiler != compiler) {
       say(fmt::format("the log is of sightline {} ({}), this is {} ({}): last bits may differ", flown.version,

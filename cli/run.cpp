@@ -24,8 +24,8 @@ std::size_t ring_capacity(const Sample& sample) {
   return std::clamp<std::size_t>(memory / (sizeof(Sample) + sizeof(double) * numbers), 8, 1024);
 }
 
-Scenario read(const RunOptions& options) {
-  Scenario scenario = read_scenario(options.scenario);
+Scenario read(const RunOptions& options, const Parts& parts) {
+  Scenario scenario = read_scenario(options.scenario, parts);
   if (options.seed) scenario.simulation.seed = *options.seed;
   // The scenario's own options hold for its own solver.
   if (options.solver && *options.solver != scenario.solver.name)
@@ -114,12 +114,12 @@ RunFolder::RunFolder(const std::filesystem::path& folder, const Scenario& scenar
                                                                      "report.html", "partition.json"});
 }
 
-int run(const RunOptions& options) {
+int run(const RunOptions& options, const Parts& parts) {
   Scenario scenario;
   std::optional<PartitionChoice> partition;
   std::optional<RunFolder> folder;
   try {
-    scenario = read(options);
+    scenario = read(options, parts);
     if (options.partition)
       partition = read_partition(scenario, *options.partition, options.order, options.exchanges);
     folder.emplace(options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output,

@@ -63,7 +63,7 @@ TEST(RunInParts, TellsHowFarItIsFromTheOptimumOfTheWholeSweepBySweep) {
                                  "' --exchanges 2 -o " + out.string(),
                              folder);
   EXPECT_EQ(run.code, 0) << run.err;
-  EXPECT_NE(run.out.find("4 parts, gauss_seidel order, exchanges an update: 2\n"), std::string::npos)
+  EXPECT_NE(run.out.find("4 subteams, gauss_seidel order, exchanges per update: 2\n"), std::string::npos)
       << run.out;
   const json told = json::parse(read_file(out / "partition.json"));
   EXPECT_GE(told.at("moments"), 20);

@@ -8,7 +8,7 @@
 
 #include "sightline/record/summary.hpp"
 #include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/safety_parts.hpp"
+#include "sightline/scenario/read_safety.hpp"
 #include "tests/support/campaign.hpp"
 
 namespace sightline {

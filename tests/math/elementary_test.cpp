@@ -121,14 +121,14 @@ TEST(Elementary, Atan2IsWithinThreeUlpInEveryQuarter) {
 TEST(Elementary, AnyFiniteArgumentGivesAFiniteResultInItsRange) {
   Random random(2);
   for (int k = 0; k < 200'000; ++k) {
-    const double x = any_finite(random);
+    const double x = random_finite(random);
     EXPECT_TRUE(std::isfinite(exp(x)) && exp(x) > 0) << x;
     EXPECT_TRUE(logistic(x) > 0 && logistic(x) <= 1) << x;
     EXPECT_LE(std::fabs(sin(x)), 1.0) << x;
     EXPECT_LE(std::fabs(cos(x)), 1.0) << x;
     EXPECT_TRUE(std::isfinite(softplus(x)) && softplus(x) > 0) << x;
     EXPECT_TRUE(std::isfinite(log(std::fabs(x)))) << x;
-    const double y = any_finite(random);
+    const double y = random_finite(random);
     EXPECT_LE(std::fabs(atan2(y, x)), std::numbers::pi) << y << ' ' << x;
   }
 }
@@ -193,7 +193,9 @@ TYPED_TEST(ElementaryOnLanes, EachLaneHoldsTheBitsOfTheDouble) {
     std::array<double, width> row;
     for (double& x : row) {
       const double special[] = {nan, infinity, -infinity, -0.0};
-      x = k % 3 == 0 ? any_finite(random) : k % 31 == 1 ? special[random() % 4] : uniform(random, -800, 800);
+      x = k % 3 == 0    ? random_finite(random)
+          : k % 31 == 1 ? special[random() % 4]
+                        : uniform(random, -800, 800);
     }
     const TypeParam x = TypeParam::load(row.data());
     const TypeParam e = exp(x), l = logistic(x), s = sin(x), c = cos(x), r = relaxed_log(x), p = softplus(x),

@@ -15,7 +15,7 @@ TEST(UnitStep, IsOneWhereTheLimitIsViolatedAndZeroWhereItIsMet) {
   Random random(1);
   const UnitStep eps;
   for (int k = 0; k < 10'000; ++k) {
-    const double c = any_finite(random);
+    const double c = random_finite(random);
     EXPECT_EQ(eps(c), c > 0 ? 1.0 : 0.0);
   }
   EXPECT_EQ(eps(0.0), 0.0);

@@ -116,9 +116,12 @@ TEST(Replay, ALogSaysHowItWasFlown) {
   EXPECT_EQ(as.text, flown.scenario.text);
   EXPECT_EQ(as.solver, "newton_riccati");
   ASSERT_TRUE(as.files.contains("sensors/camera.toml")) << "the sensor that it names is in the log";
-  EXPECT_EQ(parse_scenario(as.text, "nowhere/log", {.files = as.files}).team.couplings().size(),
+  EXPECT_EQ(parse_scenario(as.text, "nowhere/log", parts_of_sightline(), {.files = as.files})
+                .team.couplings()
+                .size(),
             flown.scenario.team.couplings().size());
-  EXPECT_THROW(parse_scenario(as.text, "nowhere/log", {.files = FileTexts{}}), ScenarioError);
+  EXPECT_THROW(parse_scenario(as.text, "nowhere/log", parts_of_sightline(), {.files = FileTexts{}}),
+               ScenarioError);
 }
 
 }  // namespace

@@ -371,7 +371,7 @@ TEST(Summary, AnInputThatJumpsToAndFroIsToldWithItsCure) {
     EXPECT_EQ(found[0].at("agent"), "observer");
     EXPECT_EQ(found[0].at("input"), "u_psi");
     EXPECT_NEAR(found[0].at("jump"), 0.41, 1e-12);
-    EXPECT_THAT(line_of(summary, "chatter of observer"), HasSubstr("u_psi jumps"));
+    EXPECT_THAT(line_of(summary, "chatter of observer"), HasSubstr("u_psi oscillates"));
     EXPECT_THAT(line_of(summary, "chatter of observer"), HasSubstr(as_text ? "smooth" : "a larger R"));
   }
 }

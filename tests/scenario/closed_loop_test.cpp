@@ -6,6 +6,8 @@
 #include <cmath>
 #include <thread>
 
+#include "sightline/scenario/parts.hpp"
+#include "sightline/world/model_world.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -134,6 +136,41 @@ TEST(ClosedLoop, AStartThatIsNoStateIsRefused) {
   SimulatedClock clock;
   Kept sink(sized_sample(flight.team, controllers));
   EXPECT_THROW(ClosedLoop(flight, controllers, clock, sink), std::invalid_argument);
+}
+
+TEST(ClosedLoop, FliesInTheWorldThatTheScenarioNames) {
+  const std::string text = test::read_file(SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml");
+  int made = 0;
+  Parts parts;
+  parts.worlds.add("windy", [&made](const Scenario& scenario) -> std::unique_ptr<World> {
+    ++made;
+    PlantOptions options = plant_options(scenario);
+    options.disturbances.wind = {0.5, 0, 0};
+    return std::make_unique<ModelWorld>(scenario.team, scenario.x0, options, sensor_options(scenario));
+  });
+  const auto in = [&](std::string_view kind) {
+    Scenario flight =
+        parse_scenario(text + "\n[world]\nkind = \"" + std::string(kind) + "\"\n", "t.toml", parts);
+    flight.simulation.duration = 1.0;
+    const auto solver = make_solver(flight.solver, flight.team, flight.horizon);
+    return flown(flight, *solver);
+  };
+  Scenario plain = parse_scenario(text, "t.toml", parts);
+  plain.simulation.duration = 1.0;
+  const auto solver = make_solver(plain.solver, plain.team, plain.horizon);
+  EXPECT_EQ(in("model"), flown(plain, *solver)) << "the default";
+  EXPECT_NE(in("windy"), in("model"));
+  EXPECT_EQ(made, 1);
+  EXPECT_THROW(in("winy"), ScenarioError);
+}
+
+TEST(ClosedLoop, AWorldIsRegisteredOnceByAWord) {
+  Parts parts;
+  const MakeWorld make = *parts.worlds.find("model");
+  EXPECT_THROW(parts.worlds.add("model", make), std::invalid_argument);
+  EXPECT_THROW(parts.worlds.add("My World", make), std::invalid_argument);
+  EXPECT_THROW(parts.worlds.add("nothing", {}), std::invalid_argument);
+  EXPECT_EQ(parts.worlds.names().size(), 1U);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ TEST(ScenarioNumbers, WhatIsWrittenIsReadBackBitForBitAndAllElseStays) {
   for (int trial = 0; trial < 2000; ++trial) {
     Changes changes;
     for (const char* key : {"e", "a", "b.c[1]"}) {
-      double value = any_finite(random);
+      double value = random_finite(random);
       changes.emplace_back(before.at(key), value);
     }
     const std::string after = with_numbers(text, changes);

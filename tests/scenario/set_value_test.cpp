@@ -21,7 +21,7 @@ weight = 0.4
 )";
 
 Scenario with(const std::vector<std::string>& set) {
-  return parse_scenario(text, "team.toml", {.files = {}, .set = set});
+  return parse_scenario(text, "team.toml", parts_of_sightline(), {.files = {}, .set = set});
 }
 
 std::string refusal(const std::string& assignment) {
@@ -68,7 +68,8 @@ TEST(SetValue, PlacesThatCannotBeAreToldWithWhatCan) {
 TEST(SetValue, WhatTheValueMeansIsCheckedAsInTheFile) {
   EXPECT_EQ(refusal("couple[0].wieght=1"),
             "team.toml: couple[0].wieght = 1, expected a known key, the nearest is \"weight\"");
-  EXPECT_THAT(refusal("horizon.stages=0"), testing::HasSubstr("horizon.stages = 0, expected an integer, 1 to 1000"));
+  EXPECT_THAT(refusal("horizon.stages=0"),
+              testing::HasSubstr("horizon.stages = 0, expected an integer, 1 to 1000"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/region.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
+#include "sightline/solver/kernels/kernel_table.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 
 namespace sightline {

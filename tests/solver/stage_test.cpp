@@ -247,7 +247,7 @@ TEST(Stage, NoParameterAndNoStageLengthChangesTheStructureOfAModel) {
     return OmniRover{any_number(r), any_number(r), any_number(r), any_number(r), any_number(r)};
   });
   expect_one_structure([](Random& r) { return Unicycle{any_number(r), any_number(r), any_number(r)}; });
-  expect_one_structure([](Random& r) { return PointMass{any_number(r)}; });
+  expect_one_structure([](Random& r) { return PointMass{std::abs(any_number(r))}; });
   expect_one_structure([](Random& r) {
     return VelocityMultirotor{any_number(r), any_number(r), any_number(r), any_number(r)};
   });

@@ -19,7 +19,7 @@ inline double uniform(Random& random, double low, double high) {
 }
 
 /// Any finite double, every exponent alike.
-inline double any_finite(Random& random) {
+inline double random_finite(Random& random) {
   for (;;) {
     const double x = std::bit_cast<double>(std::uint64_t{random()});
     if (std::isfinite(x)) return x;

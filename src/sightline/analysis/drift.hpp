@@ -1,8 +1,8 @@
-/// Where robots go that follow what each of them feels, and nobody else's cost: to a rest, or on for ever.
+/// Gradient flow of robots, each by its own cost alone: it ends in an equilibrium, or drifts for ever.
 ///
-/// To first order, each goes down its own cost, p_i' = -d F_i / d p_i, psi_i' = -d F_i / d psi_i, with F_i the sum of
-/// the potentials that i feels and of its own tracking. What rests in a flight rests here. Costs that differ need have
-/// no rest in common: of two robots that look down at each other each wants to be the higher one.
+/// Each robot follows its own negative gradient, p_i' = -d F_i / d p_i, psi_i' = -d F_i / d psi_i, with F_i the sum of
+/// the potentials that i feels and of its own tracking. A rest in flight is one of the flow. Different costs need have
+/// no common equilibrium: two robots that look down at each other both minimise their cost by being the higher one.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-/// What a team's limits mean before it flies: which can hold together, where a pair comes to rest, and what each limit
-/// is worth against the others.
+/// Analysis of a team's limits before a flight: which can hold together, each pair's equilibrium, and what each limit
+/// costs compared with the others.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@ namespace sightline {
 
 /// What a limit asks of the distance of its two bodies.
 enum class LimitKind {
-  apart,     ///< broken by who is near, whatever the direction
-  together,  ///< broken by who is far
+  apart,     ///< broken at small distances, in any direction
+  together,  ///< broken at large distances
   view,      ///< depends on the direction
   none,      ///< states no limit
 };
@@ -33,7 +33,7 @@ struct LimitWorth {
   double worst = 0.0;               ///< weight times the greatest l within `explain_reach`
 };
 
-/// Where two bodies come to rest if their couplings alone move them, each by those that it feels.
+/// Equilibrium of two bodies under their couplings alone, each moved by those that it feels.
 struct PairRest {
   double distance, across, height;  ///< of the first above the second [m]
   double cost;                      ///< weighted
@@ -52,7 +52,7 @@ struct PairAdvice {
   std::optional<Vec3<double>> drift;  ///< where they go together for ever, each by what it feels; a direction
 };
 
-/// What being hit costs a robot against all else that it would lose by evading.
+/// Cost of a collision for a robot, compared with all other limits that it would break by evading.
 struct HitCost {
   std::size_t coupling;  ///< that keeps it apart from another
   AgentId agent;         ///< that feels it

@@ -96,7 +96,8 @@ std::string pair_words(const PairAdvice& pair, const Team& team) {
                team.name(pair.first), team.name(pair.second), way(*pair.drift));
   }
   if (!pair.rest) {
-    text += fmt::format("  no rest within {:.3g} m: nothing holds them at a distance\n", 1.5 * explain_reach);
+    text += fmt::format("  no equilibrium within {:.3g} m: nothing keeps them at a distance\n",
+                        1.5 * explain_reach);
     return text;
   }
   const PairRest& rest = *pair.rest;
@@ -148,7 +149,7 @@ std::string to_string(const Explanation& e, const Team& team) {
   for (const HitCost& h : e.hits) {
     if (h.weight || is_weakest(h, e)) text += hit_words(h, team);
   }
-  if (e.pairs.empty()) text += "no couplings: each robot flies for itself\n";
+  if (e.pairs.empty()) text += "no couplings: each robot flies by its own cost\n";
   return text;
 }
 

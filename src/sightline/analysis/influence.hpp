@@ -1,4 +1,4 @@
-/// What the inputs of a robot can change, and limits that nobody who feels them can.
+/// What the inputs of a robot can change, and limits that no robot that feels them can change.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-/// Cycles of observation: robots that observe each other all round, and what becomes of them.
+/// Cycles of observation: robots that observe each other in a cycle, and whether they come to rest.
 #pragma once
 
 #include <span>

@@ -11,7 +11,6 @@
 #include "sightline/analysis/potential_page.hpp"
 #include "sightline/analysis/starts.hpp"
 #include "sightline/potential/finite.hpp"
-#include "sightline/potential/region.hpp"
 
 namespace sightline {
 namespace {
@@ -48,11 +47,11 @@ class Regions {
   /// @param where         ":line" of the file, or nothing
   /// @param whole_flight  else it is in force for a part of the flight that is not known
   void look_at(const Potential& potential, std::string_view where, std::string_view who, bool whole_flight) {
-    const auto* region = potential.as<Region>();
-    if (region == nullptr) return;
-    if (const auto smoothed = region->smoothed(); !smoothed.empty()) {
+    const std::optional<Rounding> rounding = potential.rounding();
+    if (!rounding) return;
+    if (!rounding->corners.empty()) {
       to_.remarks.push_back(fmt::format("{}: corners of {} are rounded off over {} (m, rad)", who,
-                                        fmt::join(smoothed, ", "), region->width()));
+                                        fmt::join(rounding->corners, ", "), rounding->width));
     }
     const auto spot = not_finite_at(potential, search_);
     if (!spot) return;

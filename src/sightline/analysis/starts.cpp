@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "sightline/analysis/influence.hpp"
-#include "sightline/scenario/safety_parts.hpp"
+#include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
 namespace {

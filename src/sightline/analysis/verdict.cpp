@@ -8,7 +8,6 @@
 #include "sightline/analysis/verdict_words.hpp"
 #include "sightline/base/index.hpp"
 #include "sightline/base/quantile.hpp"
-#include "sightline/potential/region.hpp"
 
 namespace sightline {
 namespace {
@@ -302,11 +301,11 @@ class Judge {
 
 /// The least of a few widths over which rounded corners are no longer stiff.
 std::optional<Cure> cure_of(const Potential& potential, const VerdictOptions& options) {
-  const auto* region = potential.as<Region>();
-  if (region == nullptr) return {};
+  const std::optional<Rounding> rounding = potential.rounding();
+  if (!rounding) return {};
   for (const double smooth : {0.003, 0.01, 0.03, 0.1}) {
-    if (smooth <= region->width()) continue;
-    const double left = Judge(Potential(region->smoothed_over(smooth)), options).verdict().curvature_worst;
+    if (smooth <= rounding->width) continue;
+    const double left = Judge(potential.smoothed_over(smooth), options).verdict().curvature_worst;
     if (left <= stiff / 2) return Cure{smooth, left};
   }
   return {};

@@ -1,5 +1,5 @@
-/// What a potential does to who flies by it, found by sampling: is its region the one its limit states, where does it
-/// leave a robot without a gradient, where would it come to rest, how stiff is it.
+/// Properties of a potential, found by sampling: is its region the one its limit states, where does it
+/// have no gradient, where are its local minima, how stiff is it.
 ///
 /// The target is placed in the sensor frame S of an observer at the origin (`moved_to` puts it elsewhere), both at rest; a
 /// potential without a sensor is sampled in V. Numbers are those of the potential by itself, without its weight.
@@ -17,7 +17,7 @@ namespace sightline {
 
 struct VerdictOptions {
   double reach = 6.0;  ///< R: how far around the sensor is looked at [m]; further for a limit that is further
-  double flat = 0.03;  ///< a gradient below this is none [1/m], [1/rad]
+  double flat = 0.03;  ///< a gradient below this counts as zero [1/m], [1/rad]
   int samples = 60'000;  ///< of the volume
 };
 
@@ -26,7 +26,7 @@ struct HalfAngle {
   double least, greatest;
 };
 
-/// A place outside the limit where the potential is least: who gets there stays there.
+/// A local minimum outside the limit.
 struct Trap {
   Vec3<double> p_S;  ///< the target in the sensor frame
   double l;
@@ -55,15 +55,15 @@ struct Verdict {
   double step_disagrees = 0.0;     ///< share of the volume where the unit step and the limit disagree
   double sigmoid_disagrees = 0.0;  ///< where l above its value at the limit and the limit do
   double level = 0.0;              ///< l at the limit, the median
-  double bias = 0.0;               ///< so far beyond the limit l is worth half its step, the median [m]
-  double bias_worst = 0.0;         ///< of the greatest size, at most 1 m [m]
-  double bias_angle = 0.0;         ///< the median, seen from the sensor [rad]
+  double bias = 0.0;        ///< distance beyond the limit at which l has half of its step, the median [m]
+  double bias_worst = 0.0;  ///< of the greatest size, at most 1 m [m]
+  double bias_angle = 0.0;  ///< the median, seen from the sensor [rad]
   std::optional<HalfAngle> of_step, of_limit;  ///< the cones of the unit step and of the limit
 
   // Where does the gradient vanish? Shares of the volume that breaks the limit.
   double flat_in_position = 0.0;
   double flat_in_yaw = 0.0;                ///< 0 if it does not see the heading
-  double flat_in_both = 0.0;               ///< nothing pulls and nothing turns
+  double flat_in_both = 0.0;               ///< no gradient in position and none in yaw
   double flat_in_yaw_behind = 0.0;         ///< of what lies behind the sensor, x_S < 0
   double turns_away = 0.0;                 ///< where it turns the target out of view, not into it
   std::optional<double> flat_beyond;       ///< from this distance on nothing pulls [m]

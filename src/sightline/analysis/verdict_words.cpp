@@ -80,10 +80,11 @@ void describe_gradient(const Verdict& v, Writer& to) {
              "nothing pulls (|gradient| < {:.3g} 1/m) in {} of what is outside the limit within {:.3g} m",
              flat, percent(v.flat_in_position), R));
   if (v.flat_beyond) {
-    to.say(true, fmt::format(
-                     "its gradient vanishes beyond {:.3g} m: below {:.3g} 1/m from there to {:.3g} m, who is "
-                     "there is lost",
-                     *v.flat_beyond, flat, R));
+    to.say(true,
+           fmt::format(
+               "its gradient vanishes beyond {:.3g} m: below {:.3g} 1/m from there to {:.3g} m, a target "
+               "there is lost",
+               *v.flat_beyond, flat, R));
   }
   if (v.flat_within) {
     to.say(true, fmt::format("its gradient vanishes within {:.3g} m: below {:.3g} 1/m, nothing pushes out",
@@ -142,7 +143,7 @@ void describe_rest(const Verdict& v, Writer& to) {
   if (v.cure) {
     to.say(true,
            fmt::format(
-               "commands may alternate at its corners: smooth = {:.3g} rounds them off, and its greatest "
+               "commands may oscillate at its corners: smooth = {:.3g} rounds them off, and its greatest "
                "second derivative is {:.3g} 1/m^2",
                v.cure->smooth, v.cure->curvature));
   }

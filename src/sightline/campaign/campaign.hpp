@@ -1,4 +1,4 @@
-/// Many closed loops of one scenario, each with its own numbers, on all cores.
+/// Monte Carlo runs of one scenario, each with its own draws, on all cores.
 #pragma once
 
 #include <atomic>
@@ -15,10 +15,10 @@ namespace sightline {
 
 struct CampaignOptions {
   int runs = 100;          ///< >= 1
-  std::uint64_t seed = 1;  ///< with an index, all that a run is made from
+  std::uint64_t seed = 1;  ///< with an index, it determines all draws of a run
   int threads = 1;         ///< >= 1
   int first = 0;           ///< the runs before this one are known already
-  /// Ends the campaign after the runs in the air, once it is true.
+  /// Ends the campaign after the present runs, once it is true.
   const std::atomic<bool>* stop = nullptr;
 };
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sightline/base/same_time.hpp"
-#include "sightline/scenario/safety_parts.hpp"
+#include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
 namespace {

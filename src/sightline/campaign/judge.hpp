@@ -1,4 +1,4 @@
-/// What became of one run.
+/// The outcome of one run.
 #pragma once
 
 #include <array>
@@ -41,7 +41,7 @@ struct RunResult {
   double energy = 0.0;             ///< sum of dt u'Ru of the applied inputs, all robots [s]
   std::vector<double> energies{};  ///< the same of each robot, in the order of the team
   double chatter = 0.0;            ///< largest share of the time in which an input alternated at the period
-  /// Greatest speed at which a robot left where it was asked to be, at the end [m/s]; 0: none did; not a number:
+  /// Greatest steady speed at which a robot moved away from its task at the end [m/s]; 0: none did; not a number:
   /// the run was too short to judge.
   double drift = 0.0;
   double longest_without_plan = 0.0;  ///< of all solvers, whatever the reason [s]; 0: each update gave one

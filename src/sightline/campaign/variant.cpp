@@ -22,7 +22,12 @@ bool shapes_the_team(std::string_view key) {
 }  // namespace
 
 Variants::Variants(const Scenario& base, const CampaignPlan& plan)
-    : plan_(plan), file_(base.file), text_(base.text), name_(base.name), solver_(base.solver) {
+    : plan_(plan),
+      file_(base.file),
+      text_(base.text),
+      name_(base.name),
+      parts_(base.parts),
+      solver_(base.solver) {
   const ScenarioNumbers numbers = numbers_of(parse_toml(text_, file_.native()));
   const auto find = [&](const std::string& key) {
     const auto found = numbers.find(key);
@@ -93,7 +98,7 @@ Scenario Variants::of(const RunDraw& run) const {
   if (seed_) changes.emplace_back(*seed_, static_cast<double>(run.seed));  // below 2^53
   std::string text = with_numbers(text_, changes);
 
-  Scenario scenario = parse_scenario(std::move(text), file_);
+  Scenario scenario = parse_scenario(std::move(text), file_, parts_ ? *parts_ : parts_of_sightline());
   scenario.name = name_;
   scenario.solver = solver_;
   scenario.simulation.duration = plan_.duration;

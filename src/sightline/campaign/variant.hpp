@@ -37,6 +37,7 @@ class Variants {
   CampaignPlan plan_;
   std::filesystem::path file_;
   std::string text_, name_;
+  std::shared_ptr<const Parts> parts_;
   std::vector<Start> starts_;
   std::vector<NumberInText> draws_;
   std::vector<std::size_t> of_team_;             // indices of values

@@ -1,5 +1,5 @@
-/// The seam to a user's functions: what they throw has no way out of the control path, and stands there as numbers
-/// that are none. A function that throws nothing costs nothing.
+/// Calls of a user's functions in the control path: an exception does not leave it, but gives results that are
+/// NaN. A function that throws nothing costs nothing.
 #pragma once
 
 #include <algorithm>

@@ -7,6 +7,7 @@
 #include <array>
 #include <string_view>
 
+#include "sightline/base/parameter.hpp"
 #include "sightline/model/frames.hpp"
 
 namespace sightline {
@@ -23,11 +24,21 @@ struct OmniRover {
                                                               "d_y", "v_f", "v_s"};
   static constexpr std::array<std::string_view, nu> inputs = {"u_f", "u_s", "u_psi"};
 
-  double b_psi = 1.5;  ///< yaw rate per command [rad/s]
-  double a_f = -2.5;   ///< forward drag [1/s]
-  double b_f = 2.5;    ///< forward acceleration per command [m/s^2]; b_f / -a_f is the top speed
-  double a_s = -2.5;   ///< sideward drag [1/s]
-  double b_s = 2.5;    ///< sideward acceleration per command [m/s^2]
+  double b_psi = 1.5;
+  double a_f = -2.5;
+  double b_f = 2.5;
+  double a_s = -2.5;
+  double b_s = 2.5;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("b_psi", &OmniRover::b_psi, "rad/s", any_finite, "yaw rate per command"),
+        parameter("a_f", &OmniRover::a_f, "1/s", any_finite, "forward drag"),
+        parameter("b_f", &OmniRover::b_f, "m/s^2", any_finite,
+                  "forward acceleration per command; b_f / -a_f is the top speed"),
+        parameter("a_s", &OmniRover::a_s, "1/s", any_finite, "sideward drag"),
+        parameter("b_s", &OmniRover::b_s, "m/s^2", any_finite, "sideward acceleration per command")};
+  }
 
   template <class S>
   std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
@@ -66,7 +77,14 @@ struct Unicycle {
   static constexpr std::array<std::string_view, nx> states = {"p_x", "p_y", "p_z", "d_x", "d_y", "v_f"};
   static constexpr std::array<std::string_view, nu> inputs = {"u_f", "u_psi"};
 
-  double b_psi = 1.5, a_f = -2.5, b_f = 2.5;  ///< as OmniRover
+  double b_psi = 1.5, a_f = -2.5, b_f = 2.5;
+
+  static constexpr auto parameters() {
+    return std::tuple{parameter("b_psi", &Unicycle::b_psi, "rad/s", any_finite, "yaw rate per command"),
+                      parameter("a_f", &Unicycle::a_f, "1/s", any_finite, "forward drag"),
+                      parameter("b_f", &Unicycle::b_f, "m/s^2", any_finite,
+                                "forward acceleration per command; b_f / -a_f is the top speed")};
+  }
 
   template <class S>
   std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/base/parameter.hpp"
 #include "sightline/formula/trace.hpp"
 #include "sightline/math/integrate.hpp"
 #include "sightline/math/or_nan.hpp"
@@ -17,7 +18,8 @@
 namespace sightline {
 
 /// What a robot's struct must offer; see robots.hpp. It may have `u_max()`, the limits of its inputs, and `u_min()`;
-/// without them they are 1, and -u_max.
+/// without them they are 1, and -u_max. `parameters()` describes its numbers (base/parameter.hpp), and `check()` refuses
+/// what does not fit together.
 template <class M>
 concept RobotModel = requires(const M& m, const std::array<double, M::nx>& x,
                               const std::array<double, M::nu>& u) {
@@ -42,8 +44,12 @@ Sight<S> sight(const M& model, const std::array<S, M::nx>& x, const std::array<S
 /// leaves numbers that are none.
 class Model {
  public:
+  /// @throws std::invalid_argument for a parameter out of its range, and from the robot's own check()
   template <RobotModel M>
-  Model(const M& model) : block_(std::make_shared<const Block<M>>(model)) {}
+  Model(const M& model) : block_(std::make_shared<const Block<M>>(model)) {
+    if constexpr (Described<M>) check_parameters(model);
+    if constexpr (requires { model.check(); }) model.check();
+  }
 
   /// A robot of any kind; of a struct it is made from that.
   struct Interface {
@@ -54,6 +60,7 @@ class Model {
     std::vector<double> u_min, u_max;
 
     virtual ~Interface() = default;
+    virtual std::vector<ParameterText> parameters() const { return {}; }
     virtual void f(const double* x, const double* u, double* rate) const noexcept = 0;
     virtual Sight<double> sight(const double* x, const double* u) const noexcept = 0;
     virtual void step(double* x, const double* u, double dt) const noexcept = 0;
@@ -74,6 +81,8 @@ class Model {
   /// What the inputs are limited to unless the team says otherwise.
   std::span<const double> u_min() const { return block_->u_min; }
   std::span<const double> u_max() const { return block_->u_max; }
+  /// Its parameters in words; none of a robot that does not describe them.
+  std::vector<ParameterText> parameters() const { return block_->parameters(); }
   /// Whether its state says where it heads; else it heads along x of G.
   bool turns() const { return block_->turns; }
 
@@ -144,6 +153,7 @@ struct Model::Block final : Model::Interface {
   }
   static constexpr std::size_t states_n = M::nx, inputs_n = M::nu;
 
+  std::vector<ParameterText> parameters() const override { return parameter_texts(model); }
   void f(const double* x, const double* u, double* rate) const noexcept override {
     write_or_nan(rate, states_n, [&] {
       const auto r = model.f(take<states_n>(x), take<inputs_n>(u));

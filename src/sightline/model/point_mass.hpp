@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "sightline/base/parameter.hpp"
 #include "sightline/model/frames.hpp"
 
 namespace sightline {
@@ -18,7 +19,12 @@ struct PointMass {
   static constexpr std::array<std::string_view, nx> states = {"p_x", "p_y", "p_z", "v_x", "v_y", "v_z"};
   static constexpr std::array<std::string_view, nu> inputs = {"u_x", "u_y", "u_z"};
 
-  double drag = 0.0;  ///< [1/s], >= 0
+  double drag = 0.0;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("drag", &PointMass::drag, "1/s", from_zero, "how fast it slows down by itself")};
+  }
 
   template <class S>
   std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {

@@ -8,9 +8,25 @@
 #include <span>
 #include <string_view>
 
+#include "sightline/base/parameter.hpp"
 #include "sightline/model/frames.hpp"
 
 namespace sightline {
+
+namespace detail {
+
+/// What (24) and (15) have in common.
+template <class M>
+constexpr auto multirotor_parameters() {
+  return std::tuple{parameter("b_z", &M::b_z, "m/s", any_finite, "climb per command"),
+                    parameter("b_psi", &M::b_psi, "rad/s", any_finite, "yaw rate per command"),
+                    parameter("a_f", &M::a_f, "1/s", any_finite, "forward drag"),
+                    parameter("b_f", &M::b_f, "m/s^2", any_finite, "forward acceleration per command"),
+                    parameter("a_s", &M::a_s, "1/s", any_finite, "sideward drag"),
+                    parameter("b_s", &M::b_s, "m/s^2", any_finite, "sideward acceleration per command")};
+}
+
+}  // namespace detail
 
 /// Hover-controlled multirotor with the heading as a direction vector, (24); the defaults are the
 /// AR.Drone 2.0, (16).
@@ -24,12 +40,14 @@ struct Multirotor {
                                                               "d_y", "v_f", "v_s"};
   static constexpr std::array<std::string_view, nu> inputs = {"u_f", "u_s", "u_z", "u_psi"};
 
-  double b_z = 1.0;      ///< climb per command [m/s]
-  double b_psi = 1.6;    ///< yaw rate per command [rad/s]
-  double a_f = -0.5092;  ///< forward drag [1/s]
-  double b_f = 1.458;    ///< forward acceleration per command [m/s^2]
-  double a_s = -0.5092;  ///< sideward drag [1/s]
-  double b_s = 1.458;    ///< sideward acceleration per command [m/s^2]
+  double b_z = 1.0;
+  double b_psi = 1.6;
+  double a_f = -0.5092;
+  double b_f = 1.458;
+  double a_s = -0.5092;
+  double b_s = 1.458;
+
+  static constexpr auto parameters() { return detail::multirotor_parameters<Multirotor>(); }
 
   template <class S>
   std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
@@ -75,7 +93,9 @@ struct AngleMultirotor {
   static constexpr std::array<std::string_view, nx> states = {"p_x", "p_y", "p_z", "psi", "v_f", "v_s"};
   static constexpr std::array<std::string_view, nu> inputs = Multirotor::inputs;
 
-  double b_z = 1.0, b_psi = 1.6, a_f = -0.5092, b_f = 1.458, a_s = -0.5092, b_s = 1.458;  ///< as Multirotor
+  double b_z = 1.0, b_psi = 1.6, a_f = -0.5092, b_f = 1.458, a_s = -0.5092, b_s = 1.458;
+
+  static constexpr auto parameters() { return detail::multirotor_parameters<AngleMultirotor>(); }
 
   template <class S>
   std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {

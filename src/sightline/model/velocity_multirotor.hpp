@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "sightline/base/parameter.hpp"
 #include "sightline/model/frames.hpp"
 
 namespace sightline {
@@ -38,13 +39,27 @@ struct LaggedMultirotor {
   }();
   static constexpr std::array<std::string_view, nu> inputs = {"u_f", "u_s", "u_z", "u_psi"};
 
-  double tau_f = 0.5;      ///< lag of the forward velocity [s], > 0
-  double tau_s = 0.5;      ///< lag of the sideward velocity [s], > 0
-  double tau_z = 0.35;     ///< lag of the vertical velocity [s], > 0, where it is a state
-  double tau_psi = 0.2;    ///< lag of the yaw rate [s], > 0, where it is a state
-  double v_max = 3.0;      ///< limit of u_f and u_s [m/s], > 0
-  double climb_max = 1.0;  ///< limit of u_z [m/s], > 0
-  double yaw_max = 0.78;   ///< limit of u_psi [rad/s], > 0
+  double tau_f = 0.5;
+  double tau_s = 0.5;
+  double tau_z = 0.35;
+  double tau_psi = 0.2;
+  double v_max = 3.0;
+  double climb_max = 1.0;
+  double yaw_max = 0.78;
+
+  static constexpr auto parameters() {
+    using M = LaggedMultirotor;
+    constexpr Bounds lag = {1e-3, 1e3, "0.001 to 1000"},
+                     lag_or_none = {1e-3, 1e3, "0 or 0.001 to 1000", true};
+    return std::tuple{
+        parameter("tau_f", &M::tau_f, "s", lag, "lag of the forward velocity"),
+        parameter("tau_s", &M::tau_s, "s", lag, "lag of the sideward velocity"),
+        parameter("tau_z", &M::tau_z, "s", lag_or_none, "lag of the vertical velocity; 0: v_z is no state"),
+        parameter("tau_psi", &M::tau_psi, "s", lag_or_none, "lag of the yaw rate; 0: r is no state"),
+        parameter("v_max", &M::v_max, "m/s", above_zero, "limit of u_f and u_s"),
+        parameter("climb_max", &M::climb_max, "m/s", above_zero, "limit of u_z"),
+        parameter("yaw_max", &M::yaw_max, "rad/s", above_zero, "limit of u_psi")};
+  }
 
   /// A quadrotor of the PX4 class, flown with care. Its lags are ours and want identifying on one's own vehicle.
   static constexpr LaggedMultirotor px4() { return {}; }
@@ -59,6 +74,18 @@ struct LaggedMultirotor {
             .v_max = 1.458 * tau,
             .climb_max = 1.0,
             .yaw_max = 1.6};
+  }
+  static constexpr auto presets() {
+    return std::array{Preset<LaggedMultirotor>{"px4", px4()},
+                      Preset<LaggedMultirotor>{"ar_drone", ar_drone()}};
+  }
+  /// What a scenario gets: the vehicle without the states whose lag is 0, given to `make`.
+  template <class Make>
+  auto reduced(Make&& make) const {
+    if (tau_z == 0 && tau_psi == 0) return make(LaggedMultirotor<Lags::plane>::of(*this));
+    if (tau_z == 0) return make(LaggedMultirotor<Lags::yaw>::of(*this));
+    if (tau_psi == 0) return make(LaggedMultirotor<Lags::climb>::of(*this));
+    return make(*this);
   }
   /// The same vehicle with other lags as states.
   template <Lags others>

@@ -3,7 +3,7 @@
 ///
 /// Bodies are those of one Team that has all there will ever be. A run is in one stage at a time; it begins in
 /// "start". An event is armed in its stage only, or in all; once it has happened it is over until its stage is
-/// entered anew, unless it repeats. Stages "x:a", "x:b" are of their own, beside those of other x and of none.
+/// entered again, unless it repeats. Stages "x:a", "x:b" exclude each other only, not those of other x or of none.
 #pragma once
 
 #include <optional>
@@ -22,11 +22,11 @@ namespace sightline {
 struct AtTime {
   double t = 0.0;  ///< [s], >= 0
 };
-/// So long after its stage began; of an event of all stages, after the run began.
+/// At this time after its stage began; for an event of all stages, after the run began.
 struct AfterTime {
   double delay = 0.0;  ///< [s], >= 0
 };
-/// A message from outside, by its name; what comes while nothing waits for it is lost.
+/// A message from outside, by its name; one that arrives while no event waits for it is lost.
 struct Signal {
   std::string name;
 };
@@ -74,17 +74,17 @@ using Trigger = std::variant<AtTime, AfterTime, Signal, Condition>;
 
 // What.
 
-/// What a robot does that no controller steers any more.
+/// What an uncontrolled robot does.
 enum class Afterwards {
-  vanish,  ///< it is nowhere
-  hold,    ///< it brakes and stays; the others go on feeling what they felt of it
+  vanish,  ///< it is removed
+  hold,    ///< it brakes and stays; the others still feel their couplings with it
   land,    ///< it brakes and sinks to the ground
 };
 struct RemoveBody {
   BodyId body;
   Afterwards afterwards = Afterwards::vanish;  ///< of a robot; others vanish
 };
-/// Where it stands at the start; with the couplings it has, as far as their other ends are there.
+/// At its start; with its couplings to bodies that are present.
 struct AddBody {
   BodyId body;
 };
@@ -98,7 +98,7 @@ struct AddConstraint {
 struct RemoveTerm {
   std::string name;
 };
-/// What is left out stays.
+/// What is left out does not change.
 struct RetuneTerm {
   std::string name;
   std::optional<double> weight{};
@@ -135,7 +135,7 @@ struct TeamEvent {
   std::optional<double> ramp{};  ///< of the weights that change [s], >= 0; none: ramp_of()
 };
 
-/// The time over which an event's weights change [s]: what it says; else 1 s where an observer changes its target,
+/// The time over which an event's weights change [s]: its own; else 1 s where an observer changes its target,
 /// else 0.
 double ramp_of(const TeamEvent& event);
 

@@ -1,4 +1,4 @@
-/// Who is there now, and what couples them: what events change, and the Team that comes of it.
+/// The active team: which bodies are present and which couplings are in force, as events change them.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace sightline {
 enum class Presence : std::uint8_t {
   absent,   ///< nowhere
   steered,  ///< a robot of the team
-  hold,     ///< there, but no robot of the team: one that brakes and stays, or what nobody here controls
+  hold,     ///< present, but not controlled: a robot that brakes and stays, a target or an obstacle
   land,     ///< a robot that brakes and sinks
 };
 
@@ -31,7 +31,7 @@ class Roster {
   /// @param presence  of each body; those that are missing are there: robots steered, the others on hold
   explicit Roster(Team all, std::vector<Presence> presence = {});
 
-  /// Makes one change at time t [s]; weights move over `ramp` [s].
+  /// Makes one change at time t [s]; weights are blended over `ramp` [s].
   /// @return why it cannot be, a sentence: then nothing was changed; else empty
   std::string apply(const Action& action, double t, double ramp);
 
@@ -58,7 +58,7 @@ class Roster {
 
  private:
   struct Change;
-  /// A robot on its way from a reference to its present one.
+  /// A robot whose reference is blended from the last one to the present one.
   struct Turn {
     AgentId agent;
     Reference from;

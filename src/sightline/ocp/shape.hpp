@@ -1,4 +1,4 @@
-/// Who is coupled with whom in a team of many, in one line.
+/// Topologies of couplings in a team of many, in one line.
 ///
 ///   chain      b_1 observes b_0, b_2 observes b_1, ...    n - 1 pairs
 ///   ring       the same, and b_0 observes the last        n pairs
@@ -41,7 +41,7 @@ void couple(Team& team, const TermsOf& terms_of, std::span<const Between> pairs,
 /// The same with equal terms for all pairs.
 void couple(Team& team, const std::vector<Weighted>& terms, std::span<const Between> pairs, FeltBy felt_by);
 
-/// When another robot takes over in a relay.
+/// When another robot takes over as observer.
 struct RelayOptions {
   std::string name{};   ///< of the relay, its couplings, stages and events
   double margin = 0.3;  ///< it has to be nearer by so much [m], >= 0

@@ -1,4 +1,4 @@
-/// The robots, what they want by themselves, and what couples them. Composed at run time; `Ocp` is made from
+/// The robots, their own costs, and their couplings. Composed at run time; `Ocp` is made from
 /// it.
 #pragma once
 
@@ -19,7 +19,7 @@
 
 namespace sightline {
 
-/// Anything that has a place in the world: a robot, a target, an obstacle.
+/// Anything that has a position: a robot, a target, an obstacle.
 struct BodyId {
   int index = -1;
   bool operator==(const BodyId&) const = default;
@@ -73,7 +73,7 @@ struct Agent {
 /// which the input costs 1. So the unit in which an input is written changes nothing.
 std::vector<double> input_scales(const Agent& agent);
 
-/// Something that is not controlled; its prediction is the velocity it has.
+/// A body that is not controlled; it is predicted with constant velocity.
 struct Obstacle {
   std::string name;
   bool has_heading = false;  ///< its state is that of a PosedBody; else a Body's, which heads along x of G
@@ -109,7 +109,7 @@ struct BarrierTerm {
 ///
 /// The potential lies between any two of these robots that are nearer than `radius`, and both feel it. It is a
 /// function of the difference of their poses alone, l(p_a - p_b, d_a - d_b), and next to nothing at the radius
-/// and beyond, so that a pair that comes or goes makes no step.
+/// and beyond, so that a pair that appears or disappears causes no jump.
 struct Swarm {
   Weighted term;
   std::vector<AgentId> agents;  ///< at least two, each once; a pair's a is the earlier of the list
@@ -145,7 +145,7 @@ class InputBound {
   std::vector<double> values_;
 };
 
-/// Options of an agent of a known model, as a program writes them.
+/// Options of an agent of a known model, for use in programs.
 template <class M>
 struct AgentOptions {
   std::array<double, M::nx> Q{};

@@ -23,20 +23,27 @@ namespace sightline {
 /// which is 0.96 to 0.98 of `tilt` where |phi| exceeds 170 degrees (with the default from there to 189 degrees
 /// the robot turns left), and less than 1e-6 rad where |phi| is below 123 degrees.
 struct Bearing {
-  double alpha = 0.5;   ///< angle up to which the target counts as in view [rad], in (0, pi/2)
-  double width = 0.1;   ///< nearer than this to the sensor l is smoothed [m], > 0
-  double tilt = 0.2;    ///< to the left, of the axis with the target behind [rad], in [0, 0.2]
+  double alpha = 0.5;
+  double width = 0.1;
+  double tilt = 0.2;
   SensorMount mount{};  ///< of the camera on the observer, (45)
 
   static constexpr std::string_view name = "bearing";
+  static constexpr bool watches = true, keeps_apart = false;
+  static constexpr std::string_view limit_unit = "rad";
+  static constexpr auto parameters() {
+    constexpr Bounds small = {0.0, 0.2, "in [0, 0.2]"};
+    return std::tuple{
+        parameter("alpha", &Bearing::alpha, "rad", acute_angle,
+                  "angle up to which the target counts as in view"),
+        parameter("width", &Bearing::width, "m", above_zero, "nearer than this to the sensor l is smoothed"),
+        parameter("tilt", &Bearing::tilt, "rad", small, "to the left, of the axis with the target behind")};
+  }
 
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const {
-    require(alpha > 0 && alpha < half_pi, name, "alpha", alpha, "in (0, pi/2) rad");
-    require(width > 0, name, "width", width, "> 0 m");
-    require(tilt >= 0 && tilt <= 0.2, name, "tilt", tilt, "in [0, 0.2] rad");
-    require(std::fabs(mount.pitch) < half_pi, name, "mount.pitch", mount.pitch, "in (-pi/2, pi/2) rad");
-    require(std::isfinite(mount.offset), name, "mount.offset", mount.offset, "a finite length, m");
+    check_parameters(*this);
+    check_mount(name, mount);
   }
 
   template <class S>

@@ -26,19 +26,24 @@ S beyond(const Step& eps, double kappa_G, const S& outside) {
 ///   l = sig(z - z_max, kappa_A) (1 + kappa_G (z - z_max)^2)
 ///     + sig(z_min - z, kappa_A) (1 + kappa_G (z_min - z)^2)
 struct AltitudeBand {
-  double z_min = 0.3;     ///< [m]
-  double z_max = 3.0;     ///< [m], > z_min
-  double kappa_G = 0.1;   ///< slope outside [1/m^2], >= 0
-  double kappa_A = 10.0;  ///< sharpness of the step [1/m], > 0
+  double z_min = 0.3;
+  double z_max = 3.0;
+  double kappa_G = 0.1;
+  double kappa_A = 10.0;
 
   static constexpr std::string_view name = "altitude_band";
-
+  static constexpr std::string_view limit_unit = "m";
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("z_min", &AltitudeBand::z_min, "m", any_finite, "least height"),
+        parameter("z_max", &AltitudeBand::z_max, "m", any_finite, "greatest height, above z_min"),
+        parameter("kappa_G", &AltitudeBand::kappa_G, "1/m^2", from_zero, "slope outside"),
+        parameter("kappa_A", &AltitudeBand::kappa_A, "1/m", above_zero, "sharpness of the step")};
+  }
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const {
-    require(std::isfinite(z_min), name, "z_min", z_min, "a finite height, m");
+    check_parameters(*this);
     require(z_max > z_min, name, "z_max", z_max, "above z_min");
-    require(kappa_G >= 0, name, "kappa_G", kappa_G, ">= 0 1/m^2");
-    require(kappa_A > 0, name, "kappa_A", kappa_A, "> 0 1/m");
   }
 
   template <class Step, class S>
@@ -60,21 +65,25 @@ struct AltitudeBand {
 
 /// Keeps a robot within a box of G: the sum of the six sides, each as AltitudeBand has two.
 struct Geofence {
-  std::array<double, 3> low = {-10.0, -10.0, 0.0};  ///< corner [m]
-  std::array<double, 3> high = {10.0, 10.0, 5.0};   ///< opposite corner [m], > low in each axis
-  double kappa_G = 0.1;                             ///< slope outside [1/m^2], >= 0
-  double kappa_A = 10.0;                            ///< sharpness of the step [1/m], > 0
+  std::array<double, 3> low = {-10.0, -10.0, 0.0};
+  std::array<double, 3> high = {10.0, 10.0, 5.0};
+  double kappa_G = 0.1;
+  double kappa_A = 10.0;
 
   static constexpr std::string_view name = "geofence";
-
+  static constexpr std::string_view limit_unit = "m";
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("low", &Geofence::low, "m", any_finite, "corner"),
+        parameter("high", &Geofence::high, "m", any_finite, "opposite corner, above low in each axis"),
+        parameter("kappa_G", &Geofence::kappa_G, "1/m^2", from_zero, "slope outside"),
+        parameter("kappa_A", &Geofence::kappa_A, "1/m", above_zero, "sharpness of the step")};
+  }
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const {
-    for (std::size_t i = 0; i < 3; ++i) {
-      require(std::isfinite(low[i]), name, "low", low[i], "finite coordinates, m");
+    check_parameters(*this);
+    for (std::size_t i = 0; i < 3; ++i)
       require(high[i] > low[i], name, "high", high[i], "above low in each axis");
-    }
-    require(kappa_G >= 0, name, "kappa_G", kappa_G, ">= 0 1/m^2");
-    require(kappa_A > 0, name, "kappa_A", kappa_A, "> 0 1/m");
   }
 
   template <class Step, class S>

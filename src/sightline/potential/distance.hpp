@@ -11,20 +11,22 @@ namespace sightline {
 ///   c = d_min^2 - D^2 <= 0,   l = sig(c, kappa_A) (kappa_H - kappa_G D^2),   D the distance of the positions
 ///   [m]
 struct KeepOut {
-  double d_min = 1.0;      ///< [m], > 0
-  double kappa_H = 4.5;    ///< height of the step [-], > 0
-  double kappa_G = 0.001;  ///< slope inside [1/m^2], >= 0
-  double kappa_A = 3.0;    ///< sharpness of the step [1/m^2], > 0
+  double d_min = 1.0;
+  double kappa_H = 4.5;
+  double kappa_G = 0.001;
+  double kappa_A = 3.0;
 
   static constexpr std::string_view name = "keep_out";
-
-  /// @throws std::invalid_argument naming the field, its value and its range
-  void check() const {
-    require(d_min > 0, name, "d_min", d_min, "> 0 m");
-    require(kappa_H > 0, name, "kappa_H", kappa_H, "> 0");
-    require(kappa_G >= 0, name, "kappa_G", kappa_G, ">= 0 1/m^2");
-    require(kappa_A > 0, name, "kappa_A", kappa_A, "> 0 1/m^2");
+  static constexpr bool keeps_apart = true;
+  static constexpr std::string_view limit_unit = "m";
+  static constexpr auto parameters() {
+    return std::tuple{parameter("d_min", &KeepOut::d_min, "m", above_zero, "least distance"),
+                      parameter("kappa_H", &KeepOut::kappa_H, "", above_zero, "height of the step"),
+                      parameter("kappa_G", &KeepOut::kappa_G, "1/m^2", from_zero, "slope inside"),
+                      parameter("kappa_A", &KeepOut::kappa_A, "1/m^2", above_zero, "sharpness of the step")};
   }
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const { check_parameters(*this); }
 
   template <class Step, class S>
   S over(const Step& eps, const Pose<S>& a, const Pose<S>& b) const {
@@ -46,20 +48,22 @@ struct KeepOut {
 ///
 ///   c = D^2 - d_max^2 <= 0,   l = sig(c, kappa_A) (kappa_H + kappa_G D^2)
 struct Cohesion {
-  double d_max = 2.0;      ///< [m], > 0
-  double kappa_H = 1.5;    ///< height of the step [-], > 0
-  double kappa_G = 0.001;  ///< slope outside [1/m^2], >= 0
-  double kappa_A = 3.0;    ///< sharpness of the step [1/m^2], > 0
+  double d_max = 2.0;
+  double kappa_H = 1.5;
+  double kappa_G = 0.001;
+  double kappa_A = 3.0;
 
   static constexpr std::string_view name = "cohesion";
-
-  /// @throws std::invalid_argument naming the field, its value and its range
-  void check() const {
-    require(d_max > 0, name, "d_max", d_max, "> 0 m");
-    require(kappa_H > 0, name, "kappa_H", kappa_H, "> 0");
-    require(kappa_G >= 0, name, "kappa_G", kappa_G, ">= 0 1/m^2");
-    require(kappa_A > 0, name, "kappa_A", kappa_A, "> 0 1/m^2");
+  static constexpr bool keeps_apart = false;
+  static constexpr std::string_view limit_unit = "m";
+  static constexpr auto parameters() {
+    return std::tuple{parameter("d_max", &Cohesion::d_max, "m", above_zero, "greatest distance"),
+                      parameter("kappa_H", &Cohesion::kappa_H, "", above_zero, "height of the step"),
+                      parameter("kappa_G", &Cohesion::kappa_G, "1/m^2", from_zero, "slope outside"),
+                      parameter("kappa_A", &Cohesion::kappa_A, "1/m^2", above_zero, "sharpness of the step")};
   }
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const { check_parameters(*this); }
 
   template <class Step, class S>
   S over(const Step& eps, const Pose<S>& a, const Pose<S>& b) const {

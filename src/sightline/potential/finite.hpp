@@ -1,4 +1,4 @@
-/// Looks for places where a potential is no number, before anything flies there.
+/// Searches for poses and times at which a potential is not finite, before a flight.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ struct Spot {
   std::optional<double> ends{};  ///< there it is finite from the beginning on until this time [s]
 };
 
-/// Where and when is looked.
+/// Where and when to search.
 struct FiniteSearch {
   double from = 0.0, until = 100.0;  ///< [s]
   double period = 0.0;               ///< every multiple of it is looked at where the time counts [s]; 0: none

@@ -13,12 +13,14 @@ namespace sightline {
 ///
 /// Of a multirotor that is v_f^2 + v_s^2 <= max^2.
 struct SpeedLimit {
-  double max = 1.0;  ///< [m/s], > 0
+  double max = 1.0;
 
   static constexpr std::string_view name = "speed";
-
+  static constexpr auto parameters() {
+    return std::tuple{parameter("max", &SpeedLimit::max, "m/s", above_zero, "greatest horizontal speed")};
+  }
   /// @throws std::invalid_argument naming the field, its value and its range
-  void check() const { require(max > 0, name, "max", max, "> 0 m/s"); }
+  void check() const { check_parameters(*this); }
 
   template <class S>
   S operator()(const Sight<S>& robot) const {
@@ -30,16 +32,20 @@ struct SpeedLimit {
 ///
 ///   c = (u_i^2 + u_j^2) / radius^2 - 1
 struct InputDisc {
-  double radius = 1.0;  ///< in the unit of the inputs, > 0
-  int i = 0, j = 1;     ///< the inputs, different ones; of a multirotor u_f and u_s
+  double radius = 1.0;
+  int i = 0, j = 1;
 
   static constexpr std::string_view name = "input_disc";
-
+  static constexpr auto parameters() {
+    constexpr Bounds place = {0.0, 1000.0, "0 to 1000"};
+    return std::tuple{parameter("radius", &InputDisc::radius, "", above_zero, "in the unit of the inputs"),
+                      parameter("i", &InputDisc::i, "", place, "the one input, from 0; of a multirotor u_f"),
+                      parameter("j", &InputDisc::j, "", place, "the other; of a multirotor u_s")};
+  }
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const {
-    require(radius > 0, name, "radius", radius, "> 0");
-    require(i >= 0, name, "i", i, ">= 0");
-    require(j >= 0 && j != i, name, "j", j, ">= 0, another input than i");
+    check_parameters(*this);
+    require(j != i, name, "j", j, "another input than i");
   }
 
   int inputs() const { return std::max(i, j) + 1; }

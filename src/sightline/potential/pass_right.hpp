@@ -1,4 +1,4 @@
-/// Keeps robots apart that pass each other, each on its right: what meets head on does not stand still.
+/// Keeps robots apart that pass each other, each on its right: head-on encounters end in no deadlock.
 /// docs/equations.md, 14.
 #pragma once
 
@@ -10,23 +10,30 @@ namespace sightline {
 ///
 ///   l = softplus(kappa (d_min - D_e)) / kappa,   D_e = |p_a - p_b - (delta/2) J (d_a - d_b)|,   J (x, y) = (-y, x)
 ///
-/// J d is the left of a robot that looks along d: head on, each is pushed to its right; where ways cross, the one
-/// that comes from the right is held up less; robots that look one way see each other where they are. They pass
-/// d_min - delta apart on the right and d_min + delta on the left.
+/// J d points to the left of a robot with heading d: head on, each is pushed to its right; where paths cross, the one
+/// that comes from the right is slowed down less; for robots with equal headings nothing changes. They pass at
+/// d_min - delta on the right and at d_min + delta on the left.
 ///
-/// Surprise: it is the heading that says where a robot is bound for, so give the heading a reference.
+/// Surprise: the heading is taken for the direction of travel, so give the heading a reference.
 struct PassRight {
-  double d_min = 1.0;   ///< [m], > 0
-  double delta = 0.2;   ///< [m], >= 0 and < d_min; 0: TooNear
-  double kappa = 10.0;  ///< sharpness of the bend at d_min [1/m], > 0
+  double d_min = 1.0;
+  double delta = 0.2;
+  double kappa = 10.0;
 
   static constexpr std::string_view name = "pass_right";
-
+  static constexpr bool keeps_apart = true;
+  static constexpr std::string_view limit_unit = "m";
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("d_min", &PassRight::d_min, "m", above_zero, "least distance, but for delta"),
+        parameter("delta", &PassRight::delta, "m", from_zero,
+                  "how far to its left each has the other, below d_min; 0: as too_near"),
+        parameter("kappa", &PassRight::kappa, "1/m", above_zero, "sharpness of the bend at d_min")};
+  }
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const {
-    require(d_min > 0, name, "d_min", d_min, "> 0 m");
-    require(delta >= 0 && delta < d_min, name, "delta", delta, "0 m to below d_min");
-    require(kappa > 0, name, "kappa", kappa, "> 0 1/m");
+    check_parameters(*this);
+    require(delta < d_min, name, "delta", delta, "0 m to below d_min");
   }
 
   template <class S>

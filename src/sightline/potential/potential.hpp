@@ -7,7 +7,15 @@
 ///   S operator()(const Sight<S>& robot, const S& time) const;
 ///
 /// and, where it states a limit, `double violation(same Sights) const`, with the time as above: > 0 where the
-/// limit is broken, in its unit. Its name is `name`, a constant of the type or a function.
+/// limit is broken, in its unit. Its name is `name`, a constant of the type or a function; its parameters are described
+/// by `parameters()` (base/parameter.hpp). What else is asked of it, it says beside them, as constants or functions:
+///
+///   limit_unit    unit of the violation, "m"; left out: "in its own unit"
+///   keeps_apart   whether the limit is a least distance; left out: found by looking at the limit (protection.hpp)
+///   watches       whether the first body looks at the second; left out: it has a sensor and does not keep apart
+///   mount         the sensor's place on the observer; a scenario sets it from [agent.NAME.sensor]
+///   alpha         of one that watches: the angle of view [rad]
+///   d_min, d_max  the distances that it keeps [m]
 #pragma once
 
 #include <concepts>
@@ -15,9 +23,12 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "sightline/base/parameter.hpp"
 #include "sightline/formula/trace.hpp"
 #include "sightline/math/or_nan.hpp"
 #include "sightline/model/frames.hpp"
@@ -31,6 +42,18 @@ inline constexpr double half_pi = std::numbers::pi / 2;
 /// value is finite
 void require(bool holds, std::string_view potential, std::string_view field, double value,
              std::string_view expected);
+
+/// The angles of a field of view.
+inline constexpr Bounds acute_angle = {std::numeric_limits<double>::min(), half_pi*(1 - 1e-16),
+                                       "in (0, pi/2)"};
+/// @throws std::invalid_argument unless the pitch is in (-pi/2, pi/2) rad and the offset finite
+void check_mount(std::string_view potential, const SensorMount& mount);
+
+/// Corners of a potential that are rounded off, over a width in the unit of what has them.
+struct Rounding {
+  double width;
+  std::set<std::string> corners;  ///< "abs", "min"
+};
 
 template <class P, class S>
 concept PairPotentialOver = requires(const P& p, const Sight<S>& a, const S& t) {
@@ -59,15 +82,18 @@ concept SinglePotential =
 /// function throws on numbers, the value is NaN.
 class Potential {
  public:
-  /// @throws std::invalid_argument from the potential's own check()
+  /// @throws std::invalid_argument for a parameter out of its range, and from the potential's own check()
   template <class P>
   requires PairPotential<P> || SinglePotential<P> Potential(const P& potential)
       : block_(std::make_shared<const Block<P>>(potential)) {
+    if constexpr (Described<P>) check_parameters(potential);
     if constexpr (requires { potential.check(); }) potential.check();
   }
 
   std::string_view name() const { return block_->name; }
   bool is_pair() const { return block_->is_pair; }
+  /// Its parameters in words; none of a potential that does not describe them.
+  std::vector<ParameterText> parameters() const { return block_->parameters(); }
 
   /// l [-] of the observer a and the target b at time t [s].
   double operator()(const Sight<double>& a, const Sight<double>& b, double t) const noexcept {
@@ -84,6 +110,18 @@ class Potential {
   /// The distance beyond which it keeps two bodies, and within which [m], where it has a field of this name.
   std::optional<double> d_min() const { return block_->d_min(); }
   std::optional<double> d_max() const { return block_->d_max(); }
+  /// The angle of view up to which it counts as kept [rad], of one that watches and has a field of this name.
+  std::optional<double> alpha() const { return block_->alpha(); }
+  /// What its violation is measured in: "m", "rad"; "in its own unit" where it does not say.
+  std::string_view limit_unit() const { return block_->limit_unit; }
+  /// What it says of itself; none: it does not. keeps_apart() and watches() of protection.hpp know then.
+  std::optional<bool> says_keeps_apart() const { return block_->keeps_apart; }
+  std::optional<bool> says_watches() const { return block_->watches; }
+  /// The limits that all have to hold in it, each as a potential; none where it states a single one.
+  std::vector<Potential> conjuncts() const { return block_->conjuncts(); }
+  /// Its rounded corners, if it is a formula that can have some, and the same with others.
+  std::optional<Rounding> rounding() const { return block_->rounding(); }
+  Potential smoothed_over(double width) const { return block_->smoothed_over(width).value_or(*this); }
 
   /// l over the unit step, with its slope, (34): 0 where the limit holds; NaN if it was not written over a step.
   double sloped(const Sight<double>& a, const Sight<double>& b, double t = 0.0) const {
@@ -106,15 +144,21 @@ class Potential {
 
  private:
   struct Interface {
-    std::string_view name = "potential";
+    std::string_view name = "potential", limit_unit = "in its own unit";
     bool is_pair = true;
+    std::optional<bool> keeps_apart{}, watches{};
 
     virtual ~Interface() = default;
+    virtual std::vector<ParameterText> parameters() const = 0;
     virtual double value(const Sight<double>& a, const Sight<double>& b, double t) const noexcept = 0;
     virtual Symbol trace(const Sight<Symbol>& a, const Sight<Symbol>& b, const Symbol& t) const = 0;
     virtual double violation(const Sight<double>& a, const Sight<double>& b, double t) const noexcept = 0;
     virtual std::optional<double> d_min() const = 0;
     virtual std::optional<double> d_max() const = 0;
+    virtual std::optional<double> alpha() const = 0;
+    virtual std::vector<Potential> conjuncts() const = 0;
+    virtual std::optional<Rounding> rounding() const = 0;
+    virtual std::optional<Potential> smoothed_over(double width) const = 0;
     virtual double sloped(const Sight<double>& a, const Sight<double>& b, double t) const = 0;
     virtual std::optional<double> kappa_A() const = 0;
     virtual std::optional<Potential> sharpened(double kappa_A) const = 0;
@@ -132,8 +176,12 @@ class Potential {
       } else if constexpr (requires { P::name; }) {
         this->name = P::name;
       }
+      if constexpr (requires { std::string_view(P::limit_unit); }) this->limit_unit = P::limit_unit;
+      if constexpr (requires { bool{P::keeps_apart}; }) this->keeps_apart = P::keeps_apart;
+      if constexpr (requires { bool{P::watches}; }) this->watches = P::watches;
       this->is_pair = PairPotential<P>;
     }
+    std::vector<ParameterText> parameters() const override { return parameter_texts(potential); }
     template <class S>
     S at(const Sight<S>& a, [[maybe_unused]] const Sight<S>& b, [[maybe_unused]] const S& t) const {
       if constexpr (PairPotential<P>) {
@@ -176,6 +224,29 @@ class Potential {
     }
     std::optional<double> d_max() const override {
       if constexpr (requires { double(potential.d_max); }) return potential.d_max;
+      return {};
+    }
+    std::optional<double> alpha() const override {
+      if constexpr (requires { double(potential.alpha); }) {
+        if (mount() != nullptr) return potential.alpha;
+      }
+      return {};
+    }
+    std::vector<Potential> conjuncts() const override {
+      std::vector<Potential> all;
+      if constexpr (requires { potential.conjuncts(); }) {
+        for (const auto& one : potential.conjuncts()) all.push_back(Potential(one));
+      }
+      return all;
+    }
+    std::optional<Rounding> rounding() const override {
+      if constexpr (requires { Rounding{potential.width(), potential.smoothed()}; })
+        return Rounding{potential.width(), potential.smoothed()};
+      return {};
+    }
+    std::optional<Potential> smoothed_over([[maybe_unused]] double width) const override {
+      if constexpr (requires { Potential(potential.smoothed_over(width)); })
+        return Potential(potential.smoothed_over(width));
       return {};
     }
     double sloped([[maybe_unused]] const Sight<double>& a, [[maybe_unused]] const Sight<double>& b,

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/potential/region.hpp"
-
 namespace sightline {
 namespace {
 
@@ -41,24 +39,30 @@ bool is_always(bool broken, const Potential& potential, double distance, double 
 
 }  // namespace
 
-bool keeps_apart(const Potential& potential) {
+bool limits_distance_from_below(const Potential& potential) {
   if (!potential.is_pair()) return false;
   const double sensor = potential.mount() != nullptr ? potential.mount()->offset : 0.0;
   return (is_always(true, potential, near, 0.0) || is_always(true, potential, near, sensor)) &&
          is_always(false, potential, far, 0.0);
 }
 
+bool keeps_apart(const Potential& potential) {
+  const std::optional<bool> said = potential.says_keeps_apart();
+  return said ? *said : limits_distance_from_below(potential);
+}
+
 std::vector<Potential> keep_outs(const Potential& potential) {
   if (keeps_apart(potential)) return {potential};
   std::vector<Potential> found;
-  if (const auto* region = potential.as<Region>()) {
-    for (const Region& limit : region->conjuncts()) {
-      if (Potential one(limit); keeps_apart(one)) found.push_back(std::move(one));
-    }
+  for (Potential& one : potential.conjuncts()) {
+    if (keeps_apart(one)) found.push_back(std::move(one));
   }
   return found;
 }
 
-bool watches(const Potential& potential) { return potential.mount() != nullptr && !keeps_apart(potential); }
+bool watches(const Potential& potential) {
+  const std::optional<bool> said = potential.says_watches();
+  return said ? *said : potential.mount() != nullptr && !keeps_apart(potential);
+}
 
 }  // namespace sightline

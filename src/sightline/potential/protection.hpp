@@ -1,5 +1,5 @@
-/// What of a potential keeps two bodies apart, and whether one watches the other by it: asked of the limit that the
-/// potential states, so that it holds for every kind and for limits as text.
+/// What of a potential keeps two bodies apart, and whether one watches the other by it: as the potential says of itself,
+/// else, as for limits as text, found by looking at the limit that it states.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,11 @@
 
 namespace sightline {
 
-/// Whether it limits the distance of two bodies from below: its limit is broken wherever both are at one place (or the
-/// target at the observer's sensor) and holds wherever they are 10 km apart, on 64 directions, headings and velocities.
+/// Whether its limit is broken wherever both bodies are at one place (or the target at the observer's sensor) and holds
+/// wherever they are 10 km apart, on 64 directions, headings and velocities.
+bool limits_distance_from_below(const Potential& potential);
+
+/// Whether it limits the distance of two bodies from below: as it says of itself, else limits_distance_from_below().
 bool keeps_apart(const Potential& potential);
 
 /// The limits in it that keep two bodies apart: the potential itself if keeps_apart(), else those of a region that all

@@ -1,14 +1,14 @@
-/// Weights that move.
+/// Weights that are blended over time.
 #pragma once
 
 namespace sightline {
 
-/// The part of a weight that is in force: from one part to another without a kink, held before and after,
+/// The factor of a weight: from one value to another with a continuous slope, constant before and after,
 ///
 ///   from + (to - from) s^2 (3 - 2 s),   s = (t - begin) / duration in [0, 1].
 ///
-/// A solver takes the part of the time it is asked at for its whole horizon: what begins at 0 changes nothing at
-/// first, and what ends at 0 can be left out without a trace.
+/// A solver uses the factor of the update's time for the whole horizon: a weight that begins at 0 changes nothing at
+/// first, and one that has reached 0 can be left out.
 struct Ramp {
   double begin = 0.0, duration = 0.0;  ///< [s], duration >= 0
   double from = 1.0, to = 1.0;         ///< >= 0

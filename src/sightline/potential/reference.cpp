@@ -49,10 +49,8 @@ Vec2<double> direction(const std::vector<double>& heading, std::size_t i) {
 
 }  // namespace
 
-void Circle::check() const {
-  require(radius >= 0, name, "radius", radius, ">= 0 m");
-  require(true, name, "rate", rate, "finite rad/s");
-  for (const double c : {centre.x, centre.y, centre.z}) require(true, name, "centre", c, "finite m");
+Pose<double> Constant::operator()(double) const {
+  return {p, heading ? Vec2<double>{cos(*heading), sin(*heading)} : Vec2<double>{}};
 }
 
 void Waypoints::check() const { check_list(name, times, p, heading); }

@@ -1,4 +1,4 @@
-/// What a robot is asked to do over time: a state, or a pose at rest, that moves over the horizon.
+/// Reference of a robot over time: a state, or a pose at rest.
 #pragma once
 
 #include <algorithm>
@@ -6,6 +6,7 @@
 #include <concepts>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string_view>
@@ -17,15 +18,34 @@
 
 namespace sightline {
 
+/// One place for ever.
+struct Constant {
+  static constexpr std::string_view name = "constant";
+  Vec3<double> p{};
+  std::optional<double> heading{};
+
+  static constexpr auto parameters() {
+    return std::tuple{needed(parameter("p", &Constant::p, "m", any_finite, "position")),
+                      parameter("heading", &Constant::heading, "rad", any_finite, "left out: free")};
+  }
+  Pose<double> operator()(double) const;
+};
+
 /// A circle at constant height: p = centre + radius (cos(rate t), sin(rate t), 0), (70); the heading is free.
 struct Circle {
   static constexpr std::string_view name = "circle";
-  Vec3<double> centre{};  ///< [m]
-  double radius = 0.5;    ///< [m], >= 0
-  double rate = 0.3;      ///< [rad/s]
+  Vec3<double> centre{};
+  double radius = 0.5;
+  double rate = 0.3;
 
+  static constexpr auto parameters() {
+    return std::tuple{
+        needed(parameter("centre", &Circle::centre, "m", any_finite, "middle of the circle")),
+        parameter("radius", &Circle::radius, "m", from_zero, "radius"),
+        parameter("rate", &Circle::rate, "rad/s", any_finite, "how fast it goes round, anticlockwise")};
+  }
   /// @throws std::invalid_argument naming the field, its value and its range
-  void check() const;
+  void check() const { check_parameters(*this); }
 
   template <Real S>
   Pose<S> operator()(S t) const {
@@ -34,14 +54,27 @@ struct Circle {
   }
 };
 
-/// Straight lines between poses at given times; held before the first and after the last.
+namespace detail {
+
+template <class R>
+constexpr auto timed_parameters() {
+  return std::tuple{
+      ListParameter<R, double>{"times", &R::times, "s", "when; the first pose also holds before", true},
+      ListParameter<R, Vec3<double>>{"p", &R::p, "m", "where, for each time"},
+      ListParameter<R, double>{"heading", &R::heading, "rad", "for each time; left out: free", false, false}};
+}
+
+}  // namespace detail
+
+/// Straight lines between poses at given times, the heading the shorter way round; held before the first and after the
+/// last.
 struct Waypoints {
   static constexpr std::string_view name = "waypoints";
-  std::vector<double> times;    ///< [s], rising
-  std::vector<Vec3<double>> p;  ///< [m], one for each time
-  std::vector<double> heading =
-      {};  ///< [rad], one for each time, or none: free; between two, the shorter way round
+  std::vector<double> times;
+  std::vector<Vec3<double>> p;
+  std::vector<double> heading = {};
 
+  static constexpr auto parameters() { return detail::timed_parameters<Waypoints>(); }
   /// @throws std::invalid_argument unless the times rise, all lists are as long and their numbers finite
   void check() const;
   Pose<double> operator()(double t) const;
@@ -50,10 +83,11 @@ struct Waypoints {
 /// Poses that change at given times and hold until the next.
 struct Steps {
   static constexpr std::string_view name = "steps";
-  std::vector<double> times;         ///< [s], rising; the first pose also holds before
-  std::vector<Vec3<double>> p;       ///< [m], one for each time
-  std::vector<double> heading = {};  ///< [rad], one for each time, or none: free
+  std::vector<double> times;
+  std::vector<Vec3<double>> p;
+  std::vector<double> heading = {};
 
+  static constexpr auto parameters() { return detail::timed_parameters<Steps>(); }
   /// @throws std::invalid_argument unless the times rise, all lists are as long and their numbers finite
   void check() const;
   Pose<double> operator()(double t) const;
@@ -67,7 +101,7 @@ class Reference {
   Reference() : Reference([](double) { return Pose<double>{}; }) { constant_ = true; }
 
   /// t -> Pose<double>.
-  /// @throws std::invalid_argument from the trajectory's own check()
+  /// @throws std::invalid_argument for a parameter out of its range, and from the trajectory's own check()
   template <std::invocable<double> F>
   requires std::same_as<std::invoke_result_t<F, double>, Pose<double>> Reference(F pose)
       : write_([pose](const Times& times, const Model& model, const Target& x) {
@@ -91,6 +125,7 @@ class Reference {
           }
         }) {
     if constexpr (requires { pose.check(); }) pose.check();
+    if constexpr (Described<F>) check_parameters(pose);
   }
 
   /// t -> std::array<double, nx>, or another range of always the same length: the whole state.

@@ -104,6 +104,7 @@ class Region {
   double violation(const Sight<double>& observer, const Sight<double>& target, double t) const noexcept;
 
   const std::string& name() const { return name_; }
+  static constexpr std::string_view limit_unit = "in the unit of its formula";
   double kappa_A() const { return kappa_A_; }
   const SensorMount& mount() const { return mount_; }
   double width() const { return width_; }

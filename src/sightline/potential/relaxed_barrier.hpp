@@ -32,10 +32,13 @@ class Limit {
   template <class C>
   requires LimitOver<C, double> && LimitOver<C, Symbol> Limit(const C& limit)
       : block_(std::make_shared<const Block<C>>(limit)) {
+    if constexpr (Described<C>) check_parameters(limit);
     if constexpr (requires { limit.check(); }) limit.check();
   }
 
   std::string_view name() const { return block_->name; }
+  /// Its parameters in words; none of a limit that does not describe them.
+  std::vector<ParameterText> parameters() const { return block_->parameters(); }
   /// States and inputs that a robot must have at least.
   int states() const { return block_->states; }
   int inputs() const { return block_->inputs; }
@@ -55,6 +58,7 @@ class Limit {
     int states = 0, inputs = 0;
 
     virtual ~Interface() = default;
+    virtual std::vector<ParameterText> parameters() const = 0;
     virtual double value(const Sight<double>& robot, std::span<const double> x,
                          std::span<const double> u) const noexcept = 0;
     virtual Symbol trace(const Sight<Symbol>& robot, std::span<const Symbol> x,
@@ -70,6 +74,7 @@ class Limit {
       if constexpr (requires { limit.states(); }) this->states = limit.states();
       if constexpr (requires { limit.inputs(); }) this->inputs = limit.inputs();
     }
+    std::vector<ParameterText> parameters() const override { return parameter_texts(limit); }
     template <class S>
     S at([[maybe_unused]] const Sight<S>& robot, [[maybe_unused]] std::span<const S> x,
          [[maybe_unused]] std::span<const S> u) const {
@@ -99,15 +104,18 @@ class Limit {
 ///   B(c) = mu/2 (((-c - 2 delta) / delta)^2 - 1) - mu ln delta   beyond
 struct RelaxedBarrier {
   Limit limit;
-  double mu = 0.05;  ///< weight, > 0; the smaller, the nearer one comes to the limit
-  double delta =
-      0.02;  ///< where the parabola takes over, in the unit of c, > 0; 2 mu / delta must exceed the force
+  double mu = 0.05;
+  double delta = 0.02;
 
-  /// @throws std::invalid_argument naming the field, its value and its range
-  void check() const {
-    require(mu > 0, limit.name(), "mu", mu, "> 0");
-    require(delta > 0, limit.name(), "delta", delta, "> 0, in the unit of the limit");
+  static constexpr auto parameters() {
+    constexpr Bounds of_limit = {above_zero.low, above_zero.high, "> 0, in the unit of the limit"};
+    return std::tuple{parameter("mu", &RelaxedBarrier::mu, "", above_zero,
+                                "weight; the smaller, the nearer one comes to the limit"),
+                      parameter("delta", &RelaxedBarrier::delta, "", of_limit,
+                                "where the parabola takes over; 2 mu / delta must exceed the force")};
   }
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const { check_parameters(*this, limit.name()); }
 
   /// B(c).
   template <class S>

@@ -25,21 +25,29 @@ enum class ConeForm {
 ///
 /// with (x, y, z) the target in the sensor frame S, x along the optical axis, (48).
 struct SensorCone {
-  double alpha = 0.5;     ///< beam angle [rad], in (0, pi/2)
-  double kappa_G = 0.01;  ///< slope outside the cone [1/m^2], >= 0; 0 leaves no gradient to return by, (33)
-  double kappa_A = 2.0;   ///< sharpness of the step [1/m^2], > 0
+  double alpha = 0.5;
+  double kappa_G = 0.01;
+  double kappa_A = 2.0;
   ConeForm form = ConeForm::sine;
   SensorMount mount{};  ///< of the camera on the observer, (45)
 
   static constexpr std::string_view name = "sensor_cone";
+  static constexpr bool watches = true, keeps_apart = false;
+  static constexpr std::string_view limit_unit = "rad";
+  static constexpr auto parameters() {
+    constexpr std::array<std::string_view, 2> forms = {"sine", "tangent"};
+    return std::tuple{
+        parameter("alpha", &SensorCone::alpha, "rad", acute_angle, "beam angle"),
+        parameter("kappa_G", &SensorCone::kappa_G, "1/m^2", from_zero,
+                  "slope outside the cone; 0 leaves no gradient to return by, (33)"),
+        parameter("kappa_A", &SensorCone::kappa_A, "1/m^2", above_zero, "sharpness of the step"),
+        parameter("form", &SensorCone::form, forms, "the border is at x sin alpha, (27), or x tan alpha")};
+  }
 
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const {
-    require(alpha > 0 && alpha < half_pi, name, "alpha", alpha, "in (0, pi/2) rad");
-    require(kappa_G >= 0, name, "kappa_G", kappa_G, ">= 0 1/m^2");
-    require(kappa_A > 0, name, "kappa_A", kappa_A, "> 0 1/m^2");
-    require(std::fabs(mount.pitch) < half_pi, name, "mount.pitch", mount.pitch, "in (-pi/2, pi/2) rad");
-    require(std::isfinite(mount.offset), name, "mount.offset", mount.offset, "a finite length, m");
+    check_parameters(*this);
+    check_mount(name, mount);
   }
 
   /// l over any step; UnitStep with kappa_G = 0 is (30).

@@ -1,4 +1,4 @@
-/// What draws two robots to a distance, or to one velocity, from however far off: the slope never vanishes.
+/// Potentials of distance and of relative velocity whose gradient does not vanish while the limit is broken.
 /// docs/equations.md, 13.
 #pragma once
 
@@ -25,18 +25,21 @@ S distance_with_slope(const Vec3<S>& a, const Vec3<S>& b) {
 ///
 ///   l = softplus(kappa (d_min - D)) / kappa,   softplus(c) = ln(1 + e^c)
 ///
-/// in metres: d_min - D well inside, 0 well outside. KeepOut pushes where its step is, and inside lets go.
+/// in metres: d_min - D well inside, 0 well outside. The gradient of KeepOut, in contrast, vanishes well inside.
 struct TooNear {
-  double d_min = 1.0;   ///< [m], > 0
-  double kappa = 10.0;  ///< sharpness of the bend at d_min [1/m], > 0
+  double d_min = 1.0;
+  double kappa = 10.0;
 
   static constexpr std::string_view name = "too_near";
-
-  /// @throws std::invalid_argument naming the field, its value and its range
-  void check() const {
-    require(d_min > 0, name, "d_min", d_min, "> 0 m");
-    require(kappa > 0, name, "kappa", kappa, "> 0 1/m");
+  static constexpr bool keeps_apart = true;
+  static constexpr std::string_view limit_unit = "m";
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("d_min", &TooNear::d_min, "m", above_zero, "least distance"),
+        parameter("kappa", &TooNear::kappa, "1/m", above_zero, "sharpness of the bend at d_min")};
   }
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const { check_parameters(*this); }
 
   template <class S>
   S operator()(const Sight<S>& a, const Sight<S>& b) const {
@@ -51,18 +54,21 @@ struct TooNear {
 ///
 ///   l = softplus(kappa (D - d_max)) / kappa
 ///
-/// in metres: D - d_max well outside, 0 well inside. Cohesion pulls where its step is, and outside lets go.
+/// in metres: D - d_max well outside, 0 well inside. The gradient of Cohesion, in contrast, vanishes well outside.
 struct TooFar {
-  double d_max = 2.0;   ///< [m], > 0
-  double kappa = 10.0;  ///< sharpness of the bend at d_max [1/m], > 0
+  double d_max = 2.0;
+  double kappa = 10.0;
 
   static constexpr std::string_view name = "too_far";
-
-  /// @throws std::invalid_argument naming the field, its value and its range
-  void check() const {
-    require(d_max > 0, name, "d_max", d_max, "> 0 m");
-    require(kappa > 0, name, "kappa", kappa, "> 0 1/m");
+  static constexpr bool keeps_apart = false;
+  static constexpr std::string_view limit_unit = "m";
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("d_max", &TooFar::d_max, "m", above_zero, "greatest distance"),
+        parameter("kappa", &TooFar::kappa, "1/m", above_zero, "sharpness of the bend at d_max")};
   }
+  /// @throws std::invalid_argument naming the field, its value and its range
+  void check() const { check_parameters(*this); }
 
   template <class S>
   S operator()(const Sight<S>& a, const Sight<S>& b) const {
@@ -73,16 +79,19 @@ struct TooFar {
   double violation(const Sight<double>& a, const Sight<double>& b) const { return norm(a.p - b.p) - d_max; }
 };
 
-/// Damps the motion of two robots against each other, not against the ground: whoever follows pays nothing.
+/// Damps the relative velocity of two robots, and not the velocity over ground: following costs nothing.
 ///
 ///   l = |v_a - v_b|^2 / v_0^2
 struct RelativeVelocity {
-  double v_0 = 1.0;  ///< velocity that costs 1 [m/s], > 0
+  double v_0 = 1.0;
 
   static constexpr std::string_view name = "relative_velocity";
-
+  static constexpr bool keeps_apart = false;
+  static constexpr auto parameters() {
+    return std::tuple{parameter("v_0", &RelativeVelocity::v_0, "m/s", above_zero, "velocity that costs 1")};
+  }
   /// @throws std::invalid_argument naming the field, its value and its range
-  void check() const { require(v_0 > 0, name, "v_0", v_0, "> 0 m/s"); }
+  void check() const { check_parameters(*this); }
 
   template <class S>
   S operator()(const Sight<S>& a, const Sight<S>& b) const {

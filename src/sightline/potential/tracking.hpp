@@ -1,4 +1,4 @@
-/// What a robot pays by itself, (62)-(67): its distance from a reference and its effort.
+/// Cost of one robot, (62)-(67): its deviation from a reference and its control effort.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-/// Inputs that jump to and fro at the period: what a plan does that finds another side of an edge each time.
+/// Inputs that oscillate at the control period, as where successive plans lie on different sides of a corner.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-/// Robots that leave where they were asked to be, steadily, until the end of a run.
+/// Robots that move steadily away from their task until the end of a run.
 #pragma once
 
 #include <array>
@@ -13,10 +13,10 @@ namespace sightline {
 
 /// Looks at a run once a second.
 ///
-/// Horizontally and vertically, each by itself, a robot is asked to be at its reference where its Q weighs its
-/// place. Where it does not, the robot goes where what it feels goes: its anchors are the bodies that it reaches
+/// Horizontally and vertically, judged apart, a robot's task is to be at its reference where its Q weighs its
+/// position. Else the robot follows the bodies of its couplings: its anchors are the bodies that it reaches
 /// along couplings, from who feels them to the other, and that are no free robots themselves. Without any it
-/// is asked to stay where it is.
+/// has to stay where it is.
 ///
 /// It drifts where in each second of the last half of its time, 5 to 10 s, its distance grew from its
 /// reference, or else from all its anchors, from where these were as from where they are: so one that follows,
@@ -44,7 +44,7 @@ class Drift {
     Vec3<double> v;       ///< mean velocity of that time, in G [m/s]
     bool from_reference;  ///< it has one that it leaves
   };
-  /// The fastest first. None: the run ended before there was a time to judge.
+  /// The fastest first. None: the run was too short to judge.
   std::optional<std::vector<Found>> found() const;
 
  private:

@@ -1,4 +1,4 @@
-/// The log of a run: what the loop puts into the ring goes to disk, on a thread of its own.
+/// The log of a run: a thread that writes the ring's samples to disk.
 #pragma once
 
 #include <filesystem>
@@ -35,7 +35,7 @@ namespace sightline {
 /// In JSON, null is a number that was not finite; ROS messages with such numbers are left out.
 ///
 /// Each 0.1 s of simulated time a chunk closes and is handed to the kernel with the rows of timing.csv, so a
-/// killed run leaves all that was before. Where the disk fails, or a sample cannot be written or judged, the ring is
+/// killed run leaves all chunks before. Where the disk fails, or a sample cannot be written or judged, the ring is
 /// still drained: the loop goes on, and error() tells what is lost.
 class Log {
  public:

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/base/same_time.hpp"
-#include "sightline/scenario/safety_parts.hpp"
+#include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
 namespace {

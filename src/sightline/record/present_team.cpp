@@ -6,9 +6,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/same_time.hpp"
-#include "sightline/potential/bearing.hpp"
 #include "sightline/potential/protection.hpp"
-#include "sightline/potential/sensor_cone.hpp"
 
 namespace sightline {
 namespace {
@@ -27,10 +25,8 @@ std::vector<Observation> observations(std::span<const Coupling> couplings) {
       continue;
     if (std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); }))
       continue;
-    const auto* cone = potential.as<SensorCone>();
-    const auto* bearing = potential.as<Bearing>();
-    const double alpha = cone != nullptr ? cone->alpha : bearing != nullptr ? bearing->alpha : none;
-    found.push_back({a, b, potential, *potential.mount(), alpha, none, none});
+    const SensorMount mount = potential.mount() != nullptr ? *potential.mount() : SensorMount{};
+    found.push_back({a, b, potential, mount, potential.alpha().value_or(none), none, none});
   }
   // A distance has no direction. fmax and fmin pass over what is not a number.
   for (const Coupling& c : couplings) {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "sightline/scenario/safety_parts.hpp"
+#include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
 namespace {

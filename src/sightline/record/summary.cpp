@@ -11,14 +11,7 @@
 
 #include "sightline/base/quantile.hpp"
 #include "sightline/base/same_time.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/pass_right.hpp"
 #include "sightline/potential/protection.hpp"
-#include "sightline/potential/region.hpp"
-#include "sightline/potential/sensor_cone.hpp"
-#include "sightline/potential/slope.hpp"
 #include "sightline/record/event_words.hpp"
 
 namespace sightline {
@@ -49,18 +42,6 @@ bool same_limit(const Potential& a, const Potential& b) {
 
 double share(std::int64_t part, std::int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : none;
-}
-
-template <class... Potentials>
-bool is_any_of(const Potential& potential) {
-  return (... || (potential.as<Potentials>() != nullptr));
-}
-
-// Of what a limit is exceeded by.
-std::string_view unit_of(const Potential& limit) {
-  if (is_any_of<SensorCone, Bearing>(limit)) return "rad";
-  if (is_any_of<KeepOut, Cohesion, TooNear, TooFar, PassRight, AltitudeBand, Geofence>(limit)) return "m";
-  return limit.as<Region>() != nullptr ? "in the unit of its formula" : "in its own unit";
 }
 
 // An extreme starts at infinity and stays there where nothing was counted.
@@ -341,7 +322,7 @@ std::vector<std::string> Summary::out_of_view() const {
 
 std::vector<SummaryValues::Chatter> Summary::chatter() const {
   const Team& team = scenario_.team;
-  const auto is_region = [](const Weighted& term) { return term.potential.as<Region>() != nullptr; };
+  const auto is_region = [](const Weighted& term) { return term.potential.rounding().has_value(); };
   const auto feels_region = [&](BodyId robot) {
     const auto felt = [&](const Coupling& c) {
       return is_region(c.term) && std::count(c.felt_by.begin(), c.felt_by.end(), robot) > 0;
@@ -396,7 +377,7 @@ SummaryValues Summary::values() const {
   }
   for (const Limit& limit : limits_) {
     v.limits.push_back({limit.name, share(limit.broken, limit.counted), limit.longest, limit.worst,
-                        std::string(unit_of(limit.potential)), limit.time});
+                        std::string(limit.potential.limit_unit()), limit.time});
   }
   v.chatter = chatter();
   if (const auto found = drift_.found()) {

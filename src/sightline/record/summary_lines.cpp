@@ -159,11 +159,12 @@ std::vector<SummaryLine> lines_of(const Json& s) {
       tell_limit, and_more("limits"));
   const auto tell_chatter = [&](const Json& c) {
     add(fmt::format("chatter of {}", name(c.at("agent"))),
-        fmt::format(
-            "{} jumps to and fro each period, by {} in the mean, {} of the time, first at {}; {} calms it",
-            name(c.at("input")), words(c.at("jump"), ""), percent(c.at("share")), words(c.at("from"), "s"),
-            c.at("region").get<bool>() ? "a larger smooth of the limit as text (0.01), or a larger R,"
-                                       : "a larger R or a shorter period"));
+        fmt::format("{} oscillates at the control period, by {} in the mean, {} of the time, first at {}; {} "
+                    "damps it",
+                    name(c.at("input")), words(c.at("jump"), ""), percent(c.at("share")),
+                    words(c.at("from"), "s"),
+                    c.at("region").get<bool>() ? "a larger smooth of the limit as text (0.01), or a larger R,"
+                                               : "a larger R or a shorter period"));
   };
   tell_worst(
       s.value("chatter", Json::array()), [](const Json& c) { return number(c.at("share"), 0.0); },
@@ -172,7 +173,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
     const Json& v = d.at("velocity");
     add(fmt::format("drift of {}", name(d.at("agent"))),
         fmt::format(
-            "leaves at {} until the end, (x, y, z) = ({:.3f}, {:.3f}, {:.3f}) m/s: {}",
+            "moves away at {} until the end, (x, y, z) = ({:.3f}, {:.3f}, {:.3f}) m/s: {}",
             words(d.at("speed"), "m/s"), v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>(),
             d.at("from_reference").get<bool>() ? "its reference does not hold it"
                                                : "it has no reference, and nothing that it feels holds it"));

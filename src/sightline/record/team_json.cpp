@@ -7,7 +7,7 @@
 #include <set>
 
 #include "sightline/record/present_team.hpp"
-#include "sightline/scenario/safety_parts.hpp"
+#include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
 namespace {

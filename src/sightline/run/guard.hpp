@@ -1,10 +1,10 @@
-/// What stands between the measurement and the controllers, and between them and the robots: the supervisor and the
-/// barrier of one team. Both see one believed state.
+/// Checks between the measurement and the controllers, and between them and the robots: the supervisor and the
+/// barrier of one team. Both use one state estimate.
 ///
-///   measurement -> supervisor -> believed state -> solver -> supervisor -> barrier -> applied
+///   measurement -> supervisor -> state estimate -> solver -> supervisor -> barrier -> applied
 ///
-/// A robot that lands is not kept above the floor any more, and one that is grounded stays where it is. Of a body
-/// that was not seen for longer than hold_after the barrier assumes what it does at hold_after: beyond, it could
+/// A robot that lands is not kept above the floor, and one that is grounded stays where it is. For a body
+/// that was not measured for longer than hold_after the barrier uses the bounds at hold_after: beyond, it could
 /// be anywhere, and a robot that fled from everywhere would never land.
 #pragma once
 

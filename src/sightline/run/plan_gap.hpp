@@ -12,9 +12,9 @@ struct PlanGap {
   Status status{};       ///< of its first update
 };
 
-/// Follows the records of one controller. The time in which the plan before flew on counts from the first update
-/// without a plan to the next with one. A solver is to blame from its own first failure alone: an update that is late
-/// by an injected fault, and a team of which nothing is known yet, are not failures of its own.
+/// Follows the records of one controller. The time in which the last plan was used counts from the first update
+/// without a plan to the next with one. The solver's own failures count from its first one: an update that is late
+/// by an injected fault, and the time before all bodies were measured, are not among them.
 class PlanGaps {
  public:
   /// @param period  that the record stands for [s]

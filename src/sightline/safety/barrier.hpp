@@ -5,21 +5,21 @@
 ///
 ///   p_a(t) = p + E(t) v + F(t) a,   E = (1 - e^(-c t)) / c,   F = (c t - 1 + e^(-c t)) / c^2
 ///
-/// and a neighbour is by then somewhere in a ball of centre c(t) and radius rho(t). The reserve [m] is
+/// and at time t a neighbour is in a ball of centre c(t) and radius rho(t). The reserve (barrier value) [m] is
 ///
 ///   B = max over a of min over t >= 0 of |p_a(t) - c(t)| - rho(t) - d_hard
 ///
-/// so that the distance is d_hard + B at least, now and on the plan. The filter asks of the next sampled state,
+/// so that the distance is at least d_hard + B, now and on the plan. The filter requires of the next sampled state,
 /// found by the Runge-Kutta step the plant takes, that B+ >= (1 - rate dt) B against the worst the neighbour can
 /// do meanwhile. The plan's own command does that, so a robot with B >= 0 always has a command, and B stays
 /// >= 0.
 ///
-/// Of several strangers it asks the same of one plan that is for all of them, and may climb or sink:
+/// Against several uncooperative neighbours it requires the same of one plan against all, which may climb or sink:
 ///
 ///   B = max over plans of min over neighbours and t >= 0 of |p_a(t) - c(t)| - rho(t) - d_hard
 ///
-/// Where no plan has B >= 0 the robot may be surrounded, and takes the best way out of those that chase (way_out.hpp).
-/// Floor, ceiling and world are kept before all of it. The mathematics, and what is not guaranteed, are in
+/// Where no plan has B >= 0 the robot may be surrounded, and flies the best evasive trajectory (way_out.hpp).
+/// Floor, ceiling and world have priority. The mathematics, and the guarantee with its model and knowledge, are in
 /// docs/safety.md.
 ///
 /// Units are SI, vectors in G. Constant after construction: one Barrier may serve many loops and threads.

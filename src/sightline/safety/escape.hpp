@@ -1,4 +1,4 @@
-/// The plan to flee, and what it leaves: see barrier.hpp.
+/// The evasive plan and the distance that it leaves: see barrier.hpp.
 ///
 /// Seen from the centre of where the neighbour may be, the robot that flees with the acceleration a is at
 ///
@@ -13,8 +13,8 @@
 ///   max over a of min over t of f_a  <=  min over t of max over a of f_a
 ///
 /// and the a of the t that is least on the right is the optimum wherever both sides meet, which is checked;
-/// where they do not (two ways out are equally good), all corners are tried, or the disc's a is improved from there
-/// and from straight away, step by step.
+/// where they do not (two plans are equally good), all corners are tried, or the disc's a is improved by ascent from it
+/// and from the direction straight away.
 #pragma once
 
 #include <array>

@@ -1,17 +1,17 @@
-/// What a robot does when its data grow old: a ladder of rungs, the worst reason decides.
+/// Fallback levels of a robot: what it does when its data grow old. The worst reason decides.
 ///
-///   rung       its data are at most    what is applied
+///   level      age of its data         what is applied
 ///   valid      fresh                   the plan
-///   predicted  slow_after              the plan, from a state predicted to now
+///   predicted  slow_after              the plan, from a state predicted to the present
 ///   slowed     hold_after              the plan, scaled
-///   hold       land_after              zero velocity, on the predicted state
+///   hold       land_after              zero velocity, by the predicted state
 ///   land       older                   down at a steady speed without horizontal velocity; the end is the ground
-///   grounded   -                       nothing any more
+///   grounded   -                       no command
 ///
-/// Edges. Each of valid, predicted, slowed and hold goes to each other one of them, whichever the ages ask for:
-/// down as data grow old, up as they return. Each of the four goes to land. From land there is one edge, to
-/// grounded, when the robot is on the ground; from grounded there is none. A robot that was blind for so long
-/// that it lands, lands.
+/// Transitions. Between valid, predicted, slowed and hold there is a transition in each direction, chosen by the ages:
+/// down as data grow old, up as they return. From each of the four there is one to land. From land there is one, to
+/// grounded, when the robot is on the ground; from grounded there is none. A robot that has begun to land goes
+/// on landing, also when its data return.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ enum class Rung : std::uint8_t { valid, predicted, slowed, hold, land, grounded 
 inline constexpr int rung_count = 6;
 std::string_view to_string(Rung rung);
 
-/// Up to which age of its data a robot stays on a rung [s].
+/// Greatest age of a robot's data on each level [s].
 struct LadderTimes {
   double fresh = 0.02;      ///< younger data count as present, > 0
   double slow_after = 0.2;  ///< >= fresh
@@ -31,18 +31,18 @@ struct LadderTimes {
   double land_after = 2.0;  ///< >= hold_after
 };
 
-/// How old what a robot flies by is [s]; infinity: there never was any.
+/// Ages of the data that a robot uses [s]; infinity: there never were any.
 struct Ages {
   double own = 0.0;       ///< the last good measurement of the robot itself
   double partners = 0.0;  ///< the oldest of those of the bodies that it feels a coupling with
   double plan = 0.0;      ///< the last good plan
 };
 
-/// The rung that data of one age allow.
+/// The level that data of one age allow.
 Rung rung_at(const LadderTimes& times, double age) noexcept;
 
-/// The rung after this one. What is too old of partners makes a robot hold, never land: it still knows where
-/// it is itself.
+/// The next level. Old data of partners make a robot hold and never land: its own position is still
+/// known.
 Rung next_rung(Rung now, const LadderTimes& times, const Ages& ages, bool on_ground) noexcept;
 
 }  // namespace sightline

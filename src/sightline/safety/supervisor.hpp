@@ -1,8 +1,8 @@
-/// What is done when data fail: for each body whether its measurements are believed (track.hpp), for each robot a
-/// rung of the ladder (ladder.hpp) and the command that belongs to it.
+/// Fault handling: for each body its state estimate (track.hpp), for each robot a
+/// fallback level (ladder.hpp) and its command.
 ///
-///   believe()  a measurement and its times in, one believed state of all bodies at now out
-///   command()  the solvers' inputs in, scaled or replaced as each robot's rung asks
+///   believe()  a measurement and its times in, the state estimate of all bodies at the present out
+///   command()  the solvers' inputs in, scaled or replaced by each robot's level
 ///   record()   the inputs that are applied, for the predictions to come
 ///
 /// once in each period, in this order; follow() before them where the team is another one. A robot's partners are
@@ -35,7 +35,7 @@ struct SupervisorOptions {
   void check() const;
 };
 
-/// What happened to a body in this period: a robot came to another rung, or measurements ceased to be believed.
+/// What happened to a body in this period: a robot changed its level, or a fault of its measurements began.
 struct Notice {
   BodyId body;
   std::variant<Rung, Doubt> what;
@@ -48,7 +48,7 @@ class Supervisor {
 
   /// @param measured  states of all bodies as the sensor gives them (nx)
   /// @param stamps    time of the measurement of each body [s]; the same as before: there is nothing new
-  /// @return the believed states of all bodies at t [s] (nx), always finite, valid until the next call
+  /// @return the estimated states of all bodies at t [s] (nx), always finite, valid until the next call
   std::span<const double> believe(double t, std::span<const double> measured,
                                   std::span<const double> stamps) noexcept;
   /// Changes the inputs of robots that are slowed, hold or land; all are finite and within limits afterwards.
@@ -67,9 +67,9 @@ class Supervisor {
   /// Since believe() was last called.
   std::span<const Notice> notices() const noexcept { return notices_; }
   Rung rung(BodyId robot) const noexcept { return robots_[robot_of_[at(robot)]].rung; }
-  /// Whether each body that is there was believed once.
+  /// Whether a measurement of each present body was accepted once.
   bool knows_all() const noexcept;
-  /// Of what is believed of the body at the last believe() [s]; infinity before anything was.
+  /// Age of the body's state estimate at the last believe() [s]; infinity before the first measurement.
   /// 0 of one that is absent.
   double age(BodyId body) const noexcept { return is_there(body) ? time_ - tracks_[at(body)].stamp() : 0.0; }
 

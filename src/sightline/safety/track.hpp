@@ -1,9 +1,9 @@
-/// What is believed of one body: which of its measurements are good, and where it is now.
+/// State estimate of one body: accepts or refuses its measurements, and predicts its state to the present.
 ///
 /// A measurement x of time s is refused where
 ///
-///   not_finite    a number of it is none
-///   heading       | |d| - 1 | > 0.05: it was not on the circle
+///   not_finite    one of its numbers is NaN or infinite
+///   heading       | |d| - 1 | > 0.05: it is not of unit length
 ///   world         |p_x|, |p_y| or |p_z| > world
 ///   speed         |v| > v_max
 ///   jump          |p - p'| > v_max (s - s') + 3 sqrt(6) sigma, or the heading turned by more than
@@ -13,11 +13,11 @@
 ///   time          s is more than 50 ms ahead of now, or older than `oldest`
 ///
 /// (sqrt(6) sigma is the root mean square of the difference of two positions.) After a refusal `accept_after`
-/// good ones in a row, each consistent with the one before, are asked for until one is believed again. A frozen
-/// body's measurements count from the first of the equal ones.
+/// good ones in a row, each consistent with the one before, are needed until one is accepted again. The age of
+/// frozen measurements counts from the first of the equal ones.
 ///
-/// Between measurements the state is predicted by the model under the inputs that were given: a measurement
-/// that is late is carried to the present. One of this very moment is believed bit for bit.
+/// Between measurements the state is predicted by the model under the inputs that were given, so a late
+/// measurement is predicted to the present. One of the present time is taken as it is, bit for bit.
 #pragma once
 
 #include <cstddef>
@@ -32,21 +32,21 @@
 
 namespace sightline {
 
-/// Why a measurement is not believed.
+/// Why a measurement is refused.
 enum class Doubt : std::uint8_t { none, not_finite, heading, world, speed, jump, frozen, time };
 inline constexpr int doubt_count = 8;
 std::string_view to_string(Doubt doubt);
 
-/// What can be true of a body.
+/// Bounds of plausible measurements of a body.
 struct TrackLimits {
   double world = 100.0;         ///< of a position, each axis [m], > 0
   double v_max = 5.0;           ///< no body is faster [m/s], > 0
   double turn_max = 4.0;        ///< no body turns faster [rad/s], > 0
   double position_sigma = 0.0;  ///< of a measurement, each axis [m], >= 0
   double heading_sigma = 0.0;   ///< [rad], >= 0
-  double frozen_after = 0.3;    ///< equal measurements are suspicious for so long [s], > 0
-  double oldest = 2.5;          ///< age of a measurement that can still be carried to the present [s], > 0
-  int accept_after = 3;         ///< good measurements in a row that end a doubt, >= 1
+  double frozen_after = 0.3;    ///< equal measurements are a fault after this time [s], > 0
+  double oldest = 2.5;          ///< greatest age of a measurement that is predicted to the present [s], > 0
+  int accept_after = 3;         ///< good measurements in a row that clear a fault, >= 1
 };
 
 class Track {
@@ -54,9 +54,9 @@ class Track {
   /// @param input_at  where the body's input stands in the history's rows
   Track(const Model& model, std::size_t input_at, const TrackLimits& limits);
 
-  /// Takes a measurement x (nx) of time `stamp` that is there at `now` [s]. One that is not younger than the
-  /// last is nothing new.
-  /// @return why it is not believed; none also for nothing new
+  /// Takes a measurement x (nx) of time `stamp` that arrives at `now` [s]. One that is not newer than the
+  /// last is ignored.
+  /// @return why it is refused; none also for one that is ignored
   Doubt take(std::span<const double> x, double stamp, double now, const InputHistory& history) noexcept;
   /// Forgets all that was: the body comes to be there at `now`, in the state x (nx); what was measured before is not
   /// of it.
@@ -64,11 +64,11 @@ class Track {
   /// Carries the state to `now`, which must not fall.
   void predict(double now, const InputHistory& history) noexcept;
 
-  /// Whether anything was ever believed; before, the state is that of rest in the origin.
+  /// Whether a measurement was ever accepted; before, the state is at rest in the origin.
   bool known() const noexcept { return time_ > never; }
-  /// Whether the last measurement was believed.
+  /// Whether the last measurement was accepted.
   bool trusted() const noexcept { return trusted_; }
-  /// The believed state (nx) at the time of the last predict().
+  /// The state estimate (nx) at the time of the last predict().
   std::span<const double> state() const noexcept { return x_; }
   /// Time of the measurement that the state comes from [s]; minus infinity before there was one.
   double stamp() const noexcept { return stamp_; }

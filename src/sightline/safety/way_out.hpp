@@ -1,10 +1,10 @@
-/// Ways out of a ring of bodies that close in, for a robot that has no plan which is safe whatever they do.
+/// Evasive trajectories out of an encirclement, for a robot that has no plan which is safe whatever the bodies do.
 ///
-/// A way out is a plan without feedback: wait, then full thrust in one direction of G and one vertical speed, up to the
-/// ceiling or down to the floor. It is flown ahead against bodies that do what a chaser does, each straight at
-/// the robot at its speed, and is worth the least distance that it leaves over the next 6 s, less the hard one. The best
-/// of a fixed set, of the one that was flown until now and of those beside it is taken. So against bodies that do
-/// chase what was promised is kept, and grows: the rest of a plan is a plan. Against others it promises nothing.
+/// A way out is open loop: wait, then full thrust in one direction of G and one vertical speed, up to the
+/// ceiling or down to the floor. It is simulated against bodies that pursue the robot, each straight at it
+/// at its own speed, and judged by the least distance over the next 6 s minus the hard distance. The best
+/// of a fixed set, of the present one and of variations of it is taken. Against bodies that do pursue in this
+/// way the distance is never less than predicted: the rest of a plan is a plan. Against others nothing is guaranteed.
 ///
 /// Allocates nothing, and is constant: what it remembers is held by the caller.
 #pragma once

@@ -1,13 +1,14 @@
 #include "sightline/scenario/closed_loop.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <stdexcept>
 #include <variant>
 
 #include "sightline/model/point_mass.hpp"
-#include "sightline/scenario/safety_parts.hpp"
-#include "sightline/world/model_world.hpp"
+#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
 namespace {
@@ -101,8 +102,13 @@ KernelUse Controls::kernels() const {
 }
 
 std::unique_ptr<World> make_world(const Scenario& scenario) {
-  return std::make_unique<ModelWorld>(scenario.team, scenario.x0, plant_options(scenario),
-                                      sensor_options(scenario));
+  const Parts& parts = scenario.parts ? *scenario.parts : parts_of_sightline();
+  const MakeWorld* const make = parts.worlds.find(scenario.world);
+  if (make == nullptr) {
+    throw std::invalid_argument(fmt::format("world.kind = {}, expected one of {}", scenario.world,
+                                            fmt::join(parts.worlds.names(), ", ")));
+  }
+  return (*make)(scenario);
 }
 
 ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock,

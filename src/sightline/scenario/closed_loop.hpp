@@ -1,4 +1,4 @@
-/// A scenario in the air: its world around the controllers, as `sightline run` and a campaign fly it.
+/// A scenario's closed loop: its world and its controllers, as `sightline run` and a campaign fly it.
 #pragma once
 
 #include <cstdint>

@@ -9,17 +9,17 @@
 #include <unordered_map>
 #include <utility>
 
-#include "sightline/scenario/campaign_parts.hpp"
 #include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/coupling_parts.hpp"
-#include "sightline/scenario/event_parts.hpp"
-#include "sightline/scenario/keep_apart_parts.hpp"
-#include "sightline/scenario/motion_parts.hpp"
-#include "sightline/scenario/safety_parts.hpp"
-#include "sightline/scenario/scenario_parts.hpp"
+#include "sightline/scenario/read_campaign.hpp"
+#include "sightline/scenario/read_coupling.hpp"
+#include "sightline/scenario/read_event.hpp"
+#include "sightline/scenario/read_motion.hpp"
+#include "sightline/scenario/read_part.hpp"
+#include "sightline/scenario/read_robot.hpp"
+#include "sightline/scenario/read_safety.hpp"
+#include "sightline/scenario/read_shape.hpp"
 #include "sightline/scenario/script_words.hpp"
 #include "sightline/scenario/set_value.hpp"
-#include "sightline/scenario/shape_parts.hpp"
 #include "sightline/scenario/templates.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
@@ -33,9 +33,10 @@ class Reader {
 
   void read() {
     root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart",
-                       "constrain", "event", "simulation", "safety", "log", "campaign"});
+                       "constrain", "event", "world", "simulation", "safety", "log", "campaign"});
     read_horizon();
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
+    read_world();
     read_simulation();
     read_log();
     read_agents();
@@ -68,6 +69,13 @@ class Reader {
              {"period", &horizon.dt, {1e-4, 1e3, "1e-4 to 1000 s"}}},
             {"stages"});
     if (at.has("stages")) horizon.N = static_cast<int>(at.integer("stages", 1, 1000));
+  }
+
+  void read_world() {
+    const TomlTable at = root_.table_or_empty("world");
+    at.expect_only({"kind"});
+    const auto known = root_.parts().worlds.names();
+    if (at.has("kind")) scenario_.world = at.word("kind", known);
   }
 
   void read_simulation() {
@@ -314,13 +322,16 @@ class Reader {
 
 }  // namespace
 
-Scenario parse_scenario(std::string text, const std::filesystem::path& file, const ScenarioChanges& changes) {
+Scenario parse_scenario(std::string text, const std::filesystem::path& file, const Parts& parts,
+                        const ScenarioChanges& changes) {
+  Scenario scenario;
+  scenario.parts = std::make_shared<const Parts>(parts);
   TomlDocument document = parse_toml(text, file.native());
+  document.parts = scenario.parts.get();
   document.from_disk = !changes.files;
   if (changes.files) document.files = *changes.files;
   for (const std::string& assignment : changes.set) set_value(document, assignment);
   expand(document);
-  Scenario scenario;
   Reader(document, scenario).read();
   // A campaign draws numbers of the file as it is written.
   if (document.root.contains("campaign"))
@@ -333,7 +344,9 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file, con
   return scenario;
 }
 
-Scenario read_scenario(const std::filesystem::path& file) { return parse_scenario(read_text(file), file); }
+Scenario read_scenario(const std::filesystem::path& file, const Parts& parts) {
+  return parse_scenario(read_text(file), file, parts);
+}
 
 PlantOptions plant_options(const Scenario& scenario) {
   PlantOptions options{.seed = scenario.simulation.seed,
@@ -377,6 +390,7 @@ std::string summary(const Scenario& scenario) {
   line("scenario    {}", scenario.name);
   line("horizon     {} s, {} stages, period {} s", horizon.T, horizon.N, horizon.dt);
   line("solver      {}", scenario.solver.name);
+  if (scenario.world != "model") line("world       {}", scenario.world);
   line("simulation  {} s, {:.0f} updates, seed {}", simulation.duration,
        std::round(simulation.duration / horizon.dt), simulation.seed);
   line("team        {} states, {} inputs", team.nx(), team.nu());

@@ -28,6 +28,9 @@
 
 namespace sightline {
 
+struct Parts;
+const Parts& parts_of_sightline();
+
 /// Which solver, and its options.
 struct SolverChoice {
   std::string name = "newton_riccati";
@@ -93,6 +96,7 @@ struct Scenario {
   std::string text;   ///< as it was read
   FileTexts files{};  ///< that it names, as they were read
   std::filesystem::path file;
+  std::shared_ptr<const Parts> parts{};  ///< by which it was read, and will be read again
   Horizon horizon{};
   SolverChoice solver{};
   Team team{};  ///< robots, then targets, then obstacles, each in the order of the file
@@ -103,14 +107,16 @@ struct Scenario {
   std::vector<double> x0;           ///< states of all bodies at the start (team.nx())
   std::vector<Presence> presence;   ///< of the bodies at the start; those that are missing are there
   Script script{};                  ///< what changes the team in flight; `team` has all there will ever be
+  std::string world = "model";      ///< what it flies in, one of the parts' worlds
   Simulation simulation{};
   std::optional<Safety> safety{};
   LogOptions log{};
   std::optional<CampaignPlan> campaign{};
 };
 
+/// @param parts  what it may call by name
 /// @throws ScenarioError
-Scenario read_scenario(const std::filesystem::path& file);
+Scenario read_scenario(const std::filesystem::path& file, const Parts& parts = parts_of_sightline());
 
 /// What stands in place of what a scenario's files say.
 struct ScenarioChanges {
@@ -121,7 +127,7 @@ struct ScenarioChanges {
 /// The same from a text that is already read; `file` stands in the refusals.
 /// @throws ScenarioError
 Scenario parse_scenario(std::string text, const std::filesystem::path& file,
-                        const ScenarioChanges& changes = {});
+                        const Parts& parts = parts_of_sightline(), const ScenarioChanges& changes = {});
 
 /// The simulated world of a scenario, and what its controllers see of it.
 PlantOptions plant_options(const Scenario& scenario);

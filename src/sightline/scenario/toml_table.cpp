@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/string_place.hpp"
 
 namespace sightline {
@@ -75,6 +76,10 @@ TomlTable::TomlTable(const TomlDocument& document) : document_(&document), table
 
 TomlTable::TomlTable(const TomlDocument& document, const toml::table& table, std::string path)
     : document_(&document), table_(&table), path_(std::move(path)), line_(line_of(table)) {}
+
+const Parts& TomlTable::parts() const {
+  return document_->parts != nullptr ? *document_->parts : parts_of_sightline();
+}
 
 const toml::node* TomlTable::find(std::string_view key) const { return table_->get(key); }
 

@@ -3,6 +3,8 @@
 
 #include <toml++/toml.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
@@ -43,13 +45,35 @@ struct Field {
   Range range = any_number();
 };
 
+/// A name in the file and what reads the part of that name.
+template <class Read>
+struct Named {
+  std::string_view name;
+  Read read;
+};
+
+template <class Read, std::size_t n>
+std::array<std::string_view, n> names(const std::array<Named<Read>, n>& list) {
+  std::array<std::string_view, n> all;
+  std::transform(list.begin(), list.end(), all.begin(), [](const auto& entry) { return entry.name; });
+  return all;
+}
+
+template <class Read, std::size_t n>
+Read find(const std::array<Named<Read>, n>& list, std::string_view name) {
+  return std::find_if(list.begin(), list.end(), [&](const auto& entry) { return entry.name == name; })->read;
+}
+
+struct Parts;
+
 /// A parsed file, owner of what its tables look at.
 struct TomlDocument {
   std::string file;
   toml::table root;
   std::string text{};
-  bool from_disk = true;      ///< files that it names are read from the disk; else they stand in `files`
-  mutable FileTexts files{};  ///< those that were asked for
+  bool from_disk = true;         ///< files that it names are read from the disk; else they stand in `files`
+  mutable FileTexts files{};     ///< those that were asked for
+  const Parts* parts = nullptr;  ///< which it may call by name, outlive it; none: those of sightline
 };
 
 /// @throws ScenarioError where the text is refused by check_text() or is not TOML
@@ -133,6 +157,8 @@ class TomlTable {
 
   /// The text of a file that this one names, relative to it. @throws ScenarioError as read_text()
   std::string file_text(const std::string& name) const;
+  /// What it may call by name.
+  const Parts& parts() const;
   /// The file, as its refusals name it.
   const std::string& file() const { return document_->file; }
   /// The line on which it begins, from 1.

@@ -1,7 +1,7 @@
-/// What a real flight adds to the model: wind, gusts, the robots' wakes, late and lagging commands. All
+/// Disturbances of a flight: wind, gusts, the robots' wakes, delayed and lagging commands. All
 /// seeded.
 ///
-/// Each source of chance draws from a stream of its own, named by seed, kind and body, so that switching one
+/// Each source has a random stream of its own, from seed, kind and body, so that switching one
 /// disturbance on leaves the others' numbers as they were. Same seed and binary: same numbers.
 #pragma once
 

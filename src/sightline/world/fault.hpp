@@ -1,4 +1,4 @@
-/// What goes wrong on the way from the world to the controllers, and with them: injected by a scenario.
+/// Faults of measurements and controllers that a scenario injects.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 namespace sightline {
 
 enum class FaultKind : std::uint8_t {
-  dropout,  ///< no measurement comes; what was seen last stays, with its time
+  dropout,  ///< no measurement arrives; the last one stays, with its time
   delay,    ///< it comes later than it would
   freeze,   ///< the same values come again, with a fresh time
-  nan,      ///< one of its numbers is none
-  jump,     ///< the position is off
+  nan,      ///< one of its numbers is NaN
+  jump,     ///< the position is wrong by an offset
 };
 std::string_view to_string(FaultKind kind);
 
@@ -34,7 +34,7 @@ struct Fault {
   bool strikes(BodyId at, double t) const noexcept;
 };
 
-/// Updates that begin in from <= t < until take `delay` to end: until then the plan before is followed, and the
+/// Updates that begin in from <= t < until take `delay` to end: until then the last plan is used, and the
 /// next update begins only then.
 struct LatePlan {
   double from = 0.0;

@@ -1,4 +1,4 @@
-/// How targets and obstacles, which nobody here controls, move in the simulated world.
+/// How targets and obstacles, which are not controlled, move in the simulated world.
 ///
 /// Each motion gives the velocity that is held over the next step. A body without one keeps the velocity it
 /// has.
@@ -64,8 +64,8 @@ struct CrossMotion {
   void check() const;
 };
 
-/// An obstacle carried by hand, as in section 7.3: rests out of the way until a time, then is at `from` all
-/// at once and goes straight at the robot, up to a standoff; where the robot evades, it follows.
+/// An obstacle carried by hand, as in section 7.3: rests out of the way until a time, then jumps to `from`
+/// and approaches the robot, up to a standoff; where the robot evades, it follows.
 struct HandMotion {
   AgentId agent{};
   double at = 15.0;       ///< [s], >= 0
@@ -77,7 +77,7 @@ struct HandMotion {
   void check() const;
 };
 
-/// Turns at will, every so many seconds: with the chance `aim` straight at the robot, else any way; half of
+/// Turns at intervals: with probability `aim` straight at the robot, else in a random direction; half of
 /// the times at full speed, else at any speed below.
 struct AdversaryMotion {
   enum class Within { plane, space };

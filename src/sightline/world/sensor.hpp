@@ -1,4 +1,4 @@
-/// What the controllers see of the world: the true state, late, with noise and with injected faults.
+/// The measurement of the world: the true state with delay, noise and injected faults.
 #pragma once
 
 #include <array>

@@ -1,8 +1,8 @@
-/// What is done with a step that cannot be trusted: it is shortened, or lengthened, until a cost falls.
+/// Globalisation of a step that cannot be trusted: a line search on the cost, which may also lengthen the step.
 ///
-/// Where all agents share one cost they are searched along together. In a cascade each agent has a cost of
-/// its own, given those it feels: agents are searched along one by one, in the order of the influence graph.
-/// In a cyclic team, or in a deep cascade, all at once, each by its own cost.
+/// Where all agents share one cost there is one search for all. In a cascade each agent has a cost of
+/// its own, given the plans of those it feels: one search for each agent, in the order of the influence graph.
+/// In a cyclic team, or in a deep cascade, all searches run at once, each on its agent's own cost.
 #pragma once
 
 #include <vector>

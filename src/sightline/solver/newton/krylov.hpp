@@ -2,10 +2,10 @@
 /// and C couples them.
 ///
 ///   felt by both sides      conjugate gradients in the null space of the dynamics, preconditioned by P
-///   felt one-sided, no cycle   y <- y - P^-1 C dy: exact after as many sweeps as the influence graph is deep
+///   felt one-sided, no cycle   y <- y - P^-1 C dy: exact after as many iterations as the influence graph is deep
 ///   anything else            GMRES on (1 + P^-1 C) y = P^-1 b
 ///
-/// All three in what is seen (s); inputs are carried along. docs/equations.md, 11.
+/// All three iterate in the poses (s); the inputs follow. docs/equations.md, 11.
 #pragma once
 
 #include "sightline/solver/continuation/gmres.hpp"
@@ -14,7 +14,7 @@
 
 namespace sightline {
 
-/// Who influences whom.
+/// Kinds of influence graphs.
 enum class Influence {
   none,     ///< no two agents are coupled
   mutual,   ///< every coupling is felt by both: the optimum of one function

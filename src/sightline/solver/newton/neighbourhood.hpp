@@ -1,7 +1,7 @@
 /// The pairs of a swarm that come near each other, and their potential along the horizon.
 ///
 /// A pair counts where the present plan brings it nearer than the radius at any stage, not only where it is so now:
-/// with the potential next to nothing at the radius, a pair that comes or goes then makes no step. Numbers of an
+/// the potential is negligible at the radius, so a pair that appears or disappears causes no jump. Numbers of an
 /// agent stand in rows along the horizon, so lanes are stages and nothing is gathered pair by pair.
 #pragma once
 
@@ -26,7 +26,7 @@ class Neighbourhood {
   /// @param swarm, layout  outlive it
   Neighbourhood(const SwarmPotential& swarm, const Layout& layout, KernelChoice choice);
 
-  /// The pairs that are near along s; of more than there is room for, the nearest.
+  /// The pairs that are near along s; if there are more than fit, the nearest.
   void find(const double* s) noexcept;
   /// Those pairs, in the order of (a, b), a < b.
   std::span<const Pair> pairs() const { return pairs_; }

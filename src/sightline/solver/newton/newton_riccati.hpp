@@ -1,4 +1,4 @@
-/// The default solver: one exact Newton step an update on the coupled optimality conditions, a Riccati
+/// The default solver: one exact Newton step per update on the coupled optimality conditions, a Riccati
 /// factorisation for each robot, Krylov iterations for the couplings.
 ///
 /// Single shooting: the trajectory is rolled out from the measured state, so the dynamics hold exactly and
@@ -17,12 +17,12 @@ enum class KernelChoice;
 struct NewtonRiccatiOptions {
   int max_newton_steps = 1;  ///< an update, >= 1; the first after a start may take `start_steps`
   double tolerance = 1e-6;   ///< status is `converged` up to this residual [1/s], > 0
-  int max_krylov = 4;        ///< Krylov iterations or sweeps a step, >= 0
+  int max_krylov = 4;        ///< Krylov iterations, or iterations of a cascade, per step, >= 0
   double krylov_stop =
       1e-3;  ///< they stop once the correction is this small in the norm of the Hessian, >= 0
   double step_cap =
-      0.5;  ///< beyond this step of an input in its scale, or this residual, costs are watched until steps fit, > 0
-  double deadline = 0.0;   ///< an update ends about this time [s] after it began, and a first step; 0: none
+      0.5;  ///< a larger step of an input in its scale, or a larger residual, is globalised by a line search, > 0
+  double deadline = 0.0;   ///< an update takes about this time [s] at most, and at least one step; 0: none
   int start_steps = 10;    ///< Newton steps of the first update at most, >= 1
   KernelChoice kernels{};  ///< compiled where they are there; kernels/kernel_table.hpp
 };

@@ -1,0 +1,19 @@
+// The command line with a robot, a potential and a reference of one's own: `own_command_line run own_parts.toml`.
+#include <cstdio>
+#include <sightline/command_line.hpp>
+#include <stdexcept>
+
+#include "own_parts.hpp"
+
+int main(int argc, char** argv) {
+  sightline::Parts parts;
+  try {
+    parts.robots.add<Blimp>();
+    parts.potentials.add<Halo>();
+    parts.references.add<FigureEight>();
+  } catch (const std::invalid_argument& error) {  // a name that is taken, a default that is out of range
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+  return sightline::command_line(argc, argv, parts);
+}

@@ -1,0 +1,123 @@
+#include "sightline/scenario/parts.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "sightline/base/refuse.hpp"
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/point_mass.hpp"
+#include "sightline/model/robots.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/potential/bearing.hpp"
+#include "sightline/potential/bounds.hpp"
+#include "sightline/potential/distance.hpp"
+#include "sightline/potential/limits.hpp"
+#include "sightline/potential/pass_right.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potential/slope.hpp"
+#include "sightline/scenario/scenario.hpp"
+#include "sightline/world/model_world.hpp"
+
+namespace sightline {
+
+Parts::Parts() {
+  robots.add<Multirotor>();
+  robots.add<AngleMultirotor>();
+  robots.add<OmniRover>();
+  robots.add<Unicycle>();
+  robots.add<PointMass>();
+  robots.add<VelocityMultirotor>();
+
+  potentials.add<SensorCone>();
+  potentials.add<KeepOut>();
+  potentials.add<Cohesion>();
+  potentials.add<Bearing>();
+  potentials.add<TooNear>();
+  potentials.add<PassRight>();
+  potentials.add<TooFar>();
+  potentials.add<RelativeVelocity>();
+  potentials.add<AltitudeBand>();
+  potentials.add<Geofence>();
+
+  references.add<Constant>();
+  references.add<Circle>();
+  references.add<Waypoints>();
+  references.add<Steps>();
+
+  limits.add<SpeedLimit>();
+  limits.add<InputDisc>();
+
+  worlds.add("model", [](const Scenario& scenario) -> std::unique_ptr<World> {
+    return std::make_unique<ModelWorld>(scenario.team, scenario.x0, plant_options(scenario),
+                                        sensor_options(scenario));
+  });
+}
+
+WorldList& WorldList::add(std::string_view name, MakeWorld make) {
+  check_part_name("world", name, {}, names());
+  if (!make) refuse("the world \"{}\" has no function, expected one that makes it of a scenario", name);
+  worlds_.emplace_back(name, std::move(make));
+  return *this;
+}
+
+std::vector<std::string_view> WorldList::names() const {
+  std::vector<std::string_view> all;
+  for (const auto& [name, make] : worlds_) all.push_back(name);
+  return all;
+}
+
+const MakeWorld* WorldList::find(std::string_view name) const {
+  for (const auto& [known, make] : worlds_) {
+    if (known == name) return &make;
+  }
+  return nullptr;
+}
+
+const Parts& parts_of_sightline() {
+  static const Parts parts;
+  return parts;
+}
+
+void check_part_name(std::string_view kind, std::string_view name, const std::vector<std::string>& taken,
+                     const std::vector<std::string_view>& names) {
+  const auto lower = [](char c) { return c >= 'a' && c <= 'z'; };
+  const bool is_word = !name.empty() && lower(name.front()) &&
+                       std::all_of(name.begin(), name.end(),
+                                   [&](char c) { return lower(c) || (c >= '0' && c <= '9') || c == '_'; });
+  if (!is_word) {
+    refuse("a {} is called \"{}\", expected a word: a lower-case letter, then these, digits and _", kind,
+           name);
+  }
+  if (std::count(taken.begin(), taken.end(), name) + std::count(names.begin(), names.end(), name) > 0)
+    refuse("a {} is called \"{}\", expected a name of its own, another has this one", kind, name);
+}
+
+template <class Made>
+std::string parameters_table(const PartList<Made>& list) {
+  std::string text =
+      fmt::format("| `{}` | parameter | default | range | meaning |\n|---|---|---|---|---|\n", list.kind());
+  const auto with_unit = [](std::string_view value, std::string_view unit) {
+    return unit.empty() ? std::string(value) : fmt::format("{} {}", value, unit);
+  };
+  for (const auto& part : list.all()) {
+    if (!part->presets.empty()) {
+      text += fmt::format("| `{}` | `preset` | {} | one of {} | the start for all others |\n", part->name,
+                          part->presets.front(), fmt::join(part->presets, ", "));
+    }
+    for (const ParameterText& p : part->parameters) {
+      const std::string missing = p.must_be_given ? "must be given" : "none";
+      text += fmt::format("| `{}` | `{}` | {} | {} | {} |\n", part->name, p.key,
+                          p.fallback.empty() ? missing : with_unit(p.fallback, p.unit), p.range, p.meaning);
+    }
+  }
+  return text;
+}
+
+template std::string parameters_table(const PartList<Model>&);
+template std::string parameters_table(const PartList<Potential>&);
+template std::string parameters_table(const PartList<Reference>&);
+template std::string parameters_table(const PartList<Limit>&);
+
+}  // namespace sightline

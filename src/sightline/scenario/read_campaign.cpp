@@ -1,0 +1,186 @@
+#include "sightline/scenario/read_campaign.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "sightline/scenario/read_part.hpp"
+#include "sightline/scenario/scenario_numbers.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr std::size_t shown_size = 60;  // of a key in a message [bytes]
+
+constexpr std::array<std::string_view, 6> distribution_keys = {"uniform", "normal",  "choice",
+                                                               "shares",  "exactly", "share"};
+constexpr std::array<std::string_view, 3> distribution_kinds = {"uniform", "normal", "choice"};
+
+std::vector<double> read_shares(const TomlTable& at, std::size_t choices) {
+  if (!at.has("shares")) return std::vector<double>(choices, 1.0 / static_cast<double>(choices));
+  std::vector<double> shares = at.numbers("shares", choices, {0.0, 1.0, "0 to 1"});
+  if (std::abs(std::accumulate(shares.begin(), shares.end(), 0.0) - 1.0) > 1e-9)
+    at.refuse("shares", "shares that sum to 1");
+  return shares;
+}
+
+/// Keys of a distribution, all numbers it gives within the range.
+Distribution read_distribution(const TomlTable& at, const Range& range) {
+  Distribution d;
+  const auto given = std::count_if(distribution_kinds.begin(), distribution_kinds.end(),
+                                   [&](std::string_view kind) { return at.has(kind); });
+  if (given != 1) at.refuse("exactly one of uniform, normal and choice");
+  if (at.has("uniform")) {
+    d.values = at.numbers("uniform", 2, range);
+    if (d.values[0] > d.values[1]) at.refuse("uniform", "[low, high] with low <= high");
+  } else if (at.has("normal")) {
+    d.kind = Distribution::Kind::normal;
+    d.values = at.numbers("normal", 2);
+    if (d.values[1] < 0) at.refuse("normal", "[mean, standard deviation] with a deviation >= 0");
+  } else {
+    d.kind = Distribution::Kind::choice;
+    d.values = at.numbers("choice", TomlTable::any_length, range);
+    d.shares = read_shares(at, d.values.size());
+  }
+  if (at.has("shares") && d.kind != Distribution::Kind::choice)
+    at.refuse("shares", "no such key without choice");
+  if (at.has("exactly") != at.has("share")) {
+    at.refuse(at.has("exactly") ? "share" : "exactly", "both exactly and share, or neither");
+  }
+  if (at.has("exactly")) {
+    d.exactly = at.number("exactly", range);
+    d.share = at.number("share", {0.0, 1.0, "0 to 1"});
+  }
+  return d;
+}
+
+/// Reads what is drawn, and looks up in the document what it is drawn for.
+class PlanReader {
+ public:
+  PlanReader(const TomlDocument& document, const Team& team) : numbers_(numbers_of(document)), team_(team) {
+    for (const auto& [key, number] : numbers_) {
+      if (!key.starts_with("campaign.")) keys_.push_back(key);
+    }
+  }
+
+  StartDraw read_start(const TomlTable& at) {
+    at.expect_only({"agent", "around", "range", "bearing", "height", "heading", "v"});
+    StartDraw start{
+        .agent = read_name(at, "agent", team_, Among::robots, "a robot"),
+        .around = read_name(at, "around", team_, Among::bodies, "a robot, a target or an obstacle"),
+        .range = distribution(at, "range", not_negative("0 to 1e9 m")),
+        .bearing = distribution(at, "bearing", any_number("finite [rad]")),
+        .height = distribution(at, "height", any_number("finite [m]"))};
+    if (start.agent == start.around) at.refuse("around", "another body than agent");
+    if (at.has("heading")) start.heading = distribution(at, "heading", any_number("finite [rad]"));
+    if (at.has("v")) start.velocity = distribution(at, "v", any_number("finite [m/s]"));
+
+    const std::string own = fmt::format("agent.{}.start.", start.agent);
+    expect_written(at, "agent", own + "heading");
+    for (int i = 0; i < 3; ++i) {
+      claim(at, "agent", fmt::format("{}p[{}]", own, i));
+      expect_written(at, "around", position_key(start.around, i));
+    }
+    if (start.heading) claim(at, "heading", own + "heading");
+    if (start.velocity) {
+      for (const char* v : {"v[0]", "v[1]"}) claim(at, "v", own + v);
+    }
+    return start;
+  }
+
+  NumberDraw read_draw(const TomlTable& at) {
+    std::vector<std::string_view> known(distribution_keys.begin(), distribution_keys.end());
+    known.push_back("key");
+    at.expect_only(known);
+    NumberDraw draw{at.text("key", "the key of a number in this file, as agent.uav0.start.p[0]"),
+                    read_distribution(at, any_number())};
+    if (std::find(keys_.begin(), keys_.end(), draw.key) == keys_.end()) {
+      const std::vector<std::string_view> all(keys_.begin(), keys_.end());
+      at.refuse("key", fmt::format("the key of a number that this file writes out, the nearest is \"{}\"",
+                                   nearest(shortened(draw.key, shown_size), all)));
+    }
+    if (draw.key == "simulation.seed" || draw.key == "simulation.duration")
+      at.refuse("key", "another number, each run has the campaign's own seed and duration");
+    claim(at, "key", draw.key);
+    return draw;
+  }
+
+ private:
+  std::string position_key(const std::string& name, int i) const {
+    if (team_.is_agent(team_.find(name))) return fmt::format("agent.{}.start.p[{}]", name, i);
+    const std::string target = fmt::format("target.{}.p[{}]", name, i);
+    return numbers_.contains(target) ? target : fmt::format("obstacle.{}.p[{}]", name, i);
+  }
+
+  static Distribution distribution(const TomlTable& at, std::string_view key, const Range& range) {
+    const TomlTable inner = at.table(key, "a distribution, as { uniform = [0.0, 1.0] }");
+    inner.expect_only(distribution_keys);
+    return read_distribution(inner, range);
+  }
+
+  void expect_written(const TomlTable& at, std::string_view key, const std::string& number) const {
+    if (numbers_.contains(number)) return;
+    at.refuse(key, fmt::format("{} to be a number that this file writes out", number));
+  }
+
+  /// Each number is drawn once.
+  void claim(const TomlTable& at, std::string_view key, const std::string& number) {
+    expect_written(at, key, number);
+    if (!drawn_.insert(number).second) at.refuse(key, fmt::format("{} to be drawn once", number));
+  }
+
+  ScenarioNumbers numbers_;
+  std::vector<std::string> keys_;
+  const Team& team_;
+  std::set<std::string> drawn_;
+};
+
+EvasionColumns read_columns(const TomlTable& at) {
+  EvasionColumns columns;
+  at.expect_only({"min_obstacle", "min_target", "max_target", "max_angle"});
+  columns.min_obstacle = at.numbers("min_obstacle", TomlTable::any_length);
+  const std::size_t runs = columns.min_obstacle.size();
+  columns.min_target = at.numbers("min_target", runs);
+  columns.max_target = at.numbers("max_target", runs);
+  columns.max_angle = at.numbers("max_angle", runs);
+  return columns;
+}
+
+}  // namespace
+
+EvasionPlan read_evasion(const TomlTable& at, const Team& team) {
+  EvasionPlan plan;
+  constexpr Range length = positive("> 0 m");
+  at.read({{"from", &plan.from, not_negative(">= 0 s")},
+           {"d_obstacle", &plan.d_obstacle, length},
+           {"d_min", &plan.d_min, length},
+           {"d_max", &plan.d_max, length},
+           {"alpha", &plan.alpha, positive("> 0 rad")}},
+          {"agent", "target", "obstacle", "published"});
+  plan.agent = read_name(at, "agent", team, Among::robots, "a robot");
+  plan.target = read_name(at, "target", team, Among::bodies, "another body");
+  plan.obstacle = read_name(at, "obstacle", team, Among::bodies, "another body");
+  if (at.has("published")) plan.published = read_columns(at.table("published"));
+  return plan;
+}
+
+CampaignPlan read_campaign(const TomlDocument& document, const Team& team) {
+  CampaignPlan plan;
+  const TomlTable at = TomlTable(document).table("campaign");
+  at.read({{"duration", &plan.duration, positive("> 0 s")},
+           {"view_within", &plan.view_within, not_negative(">= 0 s")},
+           {"d_hard", &plan.d_hard, not_negative(">= 0 m")},
+           {"braking", &plan.braking, positive("> 0 m/s^2")}},
+          {"start", "draw", "evasion"});
+  if (at.has("evasion")) plan.evasion = read_evasion(at.table("evasion"), team);
+  PlanReader reader(document, team);
+  for (const TomlTable& start : at.tables("start")) plan.starts.push_back(reader.read_start(start));
+  for (const TomlTable& draw : at.tables("draw")) plan.draws.push_back(reader.read_draw(draw));
+  return plan;
+}
+
+}  // namespace sightline

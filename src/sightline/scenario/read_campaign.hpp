@@ -1,0 +1,18 @@
+/// [campaign] of a scenario.
+#pragma once
+
+#include "sightline/ocp/team.hpp"
+#include "sightline/scenario/campaign_plan.hpp"
+#include "sightline/scenario/toml_table.hpp"
+
+namespace sightline {
+
+/// @param document  holds [campaign], and the numbers that it draws
+/// @throws ScenarioError
+CampaignPlan read_campaign(const TomlDocument& document, const Team& team);
+
+/// [campaign.evasion].
+/// @throws ScenarioError
+EvasionPlan read_evasion(const TomlTable& at, const Team& team);
+
+}  // namespace sightline

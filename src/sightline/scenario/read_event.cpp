@@ -1,0 +1,137 @@
+#include "sightline/scenario/read_event.hpp"
+
+#include <fmt/format.h>
+
+#include "sightline/ocp/roster.hpp"
+#include "sightline/scenario/read_action.hpp"
+#include "sightline/scenario/read_trigger.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// The couplings and constraints that there may ever be: the team's, and those that events add.
+void enter_terms(const std::vector<TomlTable>& events, EventScope& scope) {
+  const auto enter = [&](const std::string& name, BodyId observer, bool is_pair) {
+    if (!name.empty()) scope.terms.push_back({name, observer, is_pair});
+  };
+  scope.couplings = scope.team.couplings();
+  for (const Constraint& c : scope.team.constraints()) enter(c.name, c.agent, false);
+  for (const TomlTable& event : events) {
+    if (!event.has("add")) continue;
+    const TomlValue value = event.value("add", "an action");
+    for (const TomlValue& item : value.is_array() ? value.items() : std::vector{value}) {
+      if (!item.is_table()) continue;
+      const TomlTable at = item.table();
+      if (at.has("couple")) scope.couplings.push_back(read_added_coupling(at.table("couple"), scope));
+      if (at.has("constrain")) {
+        const Constraint c = read_added_constraint(at.table("constrain"), scope);
+        enter(c.name, c.agent, false);
+      }
+    }
+  }
+  for (const Coupling& c : scope.couplings) enter(c.name, c.between.first, true);
+}
+
+/// Its own name, or its place in the file.
+std::string read_event_name(const TomlTable& at, const Script& before, std::size_t place) {
+  if (!at.has("name")) return fmt::format("event[{}]", place);
+  std::string name = read_label(at, "name");
+  const auto same = [&](const TeamEvent& other) { return other.name == name; };
+  if (std::any_of(before.events.begin(), before.events.end(), same)) {
+    at.refuse("name", "a name of its own, another event has this one");
+  }
+  return name;
+}
+
+TeamEvent read_event(const TomlTable& at, const EventScope& scope, const Script& before, std::size_t place) {
+  TeamEvent event{.name = read_event_name(at, before, place),
+                  .trigger = read_trigger(at, scope,
+                                          {"name", "stage", "repeat", "enter", "ramp", "remove", "add",
+                                           "retune", "reference", "observe"})};
+  if (at.has("stage")) event.stage = read_label(at, "stage");
+  if (at.has("enter")) event.enter = read_label(at, "enter");
+  if (at.has("repeat")) event.repeat = at.boolean("repeat");
+  if (at.has("ramp")) event.ramp = at.number("ramp", not_negative(">= 0 s"));
+  for (const std::string& key : at.keys()) {
+    if (!is_action(key)) continue;
+    for (Action& action : read_actions(at, key, scope)) event.actions.push_back(std::move(action));
+  }
+  return event;
+}
+
+struct BodiesOf {
+  std::vector<BodyId> operator()(const DistanceOf& of) const { return {of.a, of.b}; }
+  std::vector<BodyId> operator()(const ViewAngleOf& of) const { return {of.observer, of.target}; }
+  std::vector<BodyId> operator()(const ExcessOf& of) const { return {of.a, of.b}; }
+  std::vector<BodyId> operator()(const AgeOf& of) const { return {of.body}; }
+  std::vector<BodyId> operator()(const NearerThan& of) const { return {of.a, of.b, of.target}; }
+};
+
+/// Nothing comes about on a body that is never there, and nobody can observe it. The tables are of the script's
+/// last events.
+void check_presence(const std::vector<TomlTable>& tables, const Script& script, const Scenario& scenario) {
+  std::vector<Presence> presence = scenario.presence;
+  for (const TeamEvent& event : script.events) {
+    for (const Action& action : event.actions) {
+      const auto* add = std::get_if<AddBody>(&action);
+      if (add != nullptr) presence[static_cast<std::size_t>(add->body.index)] = Presence::hold;
+    }
+  }
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const auto check = [&](std::string_view key, BodyId body) {
+      if (!tables[i].has(key) || presence[static_cast<std::size_t>(body.index)] != Presence::absent) return;
+      tables[i].refuse(key, fmt::format("bodies that are there, \"{}\" is not and no event adds it",
+                                        scenario.team.name(body)));
+    };
+    const TeamEvent& event = script.events[script.events.size() - tables.size() + i];
+    if (const auto* when = std::get_if<Condition>(&event.trigger)) {
+      for (const BodyId body : std::visit(BodiesOf{}, when->measure)) {
+        for (const std::string_view key : {"when", "lost", "seen"}) check(key, body);
+      }
+    }
+    for (const Action& action : event.actions) {
+      if (const auto* observe = std::get_if<Observe>(&action)) check("observe", observe->target);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<TimedSignal> read_signals(const TomlTable& simulation) {
+  std::vector<TimedSignal> signals;
+  for (const TomlTable& at : simulation.tables("signal")) {
+    at.expect_only({"at", "name"});
+    TimedSignal& signal = signals.emplace_back();
+    signal.name = read_label(at, "name");
+    signal.at = at.has("at") ? at.number("at", not_negative(">= 0 s")) : never;
+  }
+  std::stable_sort(signals.begin(), signals.end(),
+                   [](const TimedSignal& a, const TimedSignal& b) { return a.at < b.at; });
+  return signals;
+}
+
+Script read_events(const TomlTable& root, const Scenario& scenario, const Observers& observers) {
+  const auto& presence = scenario.presence;
+  if (std::find(presence.begin(), presence.end(), Presence::steered) == presence.end()) {
+    root.refuse("agent", "at least one robot that is present at the start");
+  }
+  EventScope scope{scenario.team, observers, scenario.simulation};
+  const std::vector<TomlTable> tables = root.tables("event");
+  enter_terms(tables, scope);
+  Script script = scenario.script;  // of shapes
+  const std::size_t of_shapes = script.events.size();
+  for (const TomlTable& at : tables) {
+    script.events.push_back(read_event(at, scope, script, script.events.size() - of_shapes));
+  }
+  check_presence(tables, script, scenario);
+  const std::vector<ScriptFault> faults = faults_of(script, Roster(scenario.team, presence));
+  if (faults.empty()) return script;
+  const auto [event, sentence] = faults.front();
+  if (event < of_shapes) root.refuse("shape", sentence);
+  tables[event - of_shapes].refuse_as_said(sentence);
+  return script;
+}
+
+}  // namespace sightline

@@ -1,0 +1,137 @@
+#include "sightline/scenario/read_part.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/scenario/read_region.hpp"
+
+namespace sightline {
+namespace {
+
+/// The mount of the observer's sensor, which it must have.
+SensorMount mount_of(const TomlTable& at, const Observer& observer) {
+  if (!observer.mount) {
+    at.refuse(fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", observer.name));
+  }
+  return *observer.mount;
+}
+
+Potential read_text(const TomlTable& at, const Observer& observer) {
+  Region region = read_region(at);
+  if (region.is_view()) (void)mount_of(at, observer);
+  if (observer.mount) region = region.seen_from(*observer.mount);
+  return at.checked([&] { return Potential(region); });
+}
+
+/// The names of the potentials that there are, those of text last.
+std::vector<std::string_view> potential_names(const Parts& parts) {
+  std::vector<std::string_view> names = parts.potentials.names();
+  names.insert(names.end(), {"region", "sensor"});
+  return names;
+}
+
+/// The potential of that name in the table, seen by the observer.
+Potential read_choice(const TomlTable& choice, std::string_view name, const Observer& observer) {
+  const TomlTable at = choice.table(name);
+  const PartList<Potential>& list = choice.parts().potentials;
+  if (list.find(name) == nullptr) return read_text(at, observer);
+  const Potential potential = read_named(list, name, at);
+  if (potential.mount() == nullptr) return potential;
+  const SensorMount mount = mount_of(at, observer);
+  return at.checked([&] { return potential.seen_from(mount); });
+}
+
+double read_weight(const TomlTable& at) {
+  return at.has("weight") ? at.number("weight", not_negative(">= 0")) : 1.0;
+}
+
+}  // namespace
+
+double TableSource::number(std::string_view key, const Bounds& bounds, std::string_view unit) const {
+  const std::string expected = bounds.expected(unit), a_number = fmt::format("a number, {}", expected);
+  if (!at_.value(key, a_number).is_number()) at_.refuse(key, a_number);
+  const double v = at_.number(key);  // finite, and nothing beyond what a scenario measures
+  if (!bounds.hold(v)) at_.refuse(key, expected);
+  return v;
+}
+
+int TableSource::integer(std::string_view key, const Bounds& bounds) const {
+  const auto bound = [](double v) {
+    return static_cast<std::int64_t>(std::clamp(v, -largest_number, largest_number));
+  };
+  return static_cast<int>(at_.integer(key, bound(bounds.low), bound(bounds.high)));
+}
+
+std::vector<double> TableSource::numbers(std::string_view key, std::size_t length, const Bounds& bounds,
+                                         std::string_view unit) const {
+  std::vector<double> all = at_.numbers(key, length);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!bounds.hold(all[i])) at_.refuse(key, i, bounds.expected(unit));
+  }
+  return all;
+}
+
+std::size_t TableSource::word(std::string_view key, std::span<const std::string_view> known) const {
+  const std::string_view word = at_.word(key, known);
+  return static_cast<std::size_t>(std::find(known.begin(), known.end(), word) - known.begin());
+}
+
+std::vector<std::string_view> body_names(const Team& team, Among among) {
+  std::vector<std::string_view> known;
+  for (int i = 0; i < team.bodies(); ++i) {
+    if (among == Among::bodies || team.is_agent(BodyId{i})) known.push_back(team.name(BodyId{i}));
+  }
+  return known;
+}
+
+std::string read_name(const TomlTable& at, std::string_view key, const Team& team, Among among,
+                      std::string_view expected) {
+  return std::string(at.word(key, body_names(team, among), expected));
+}
+
+std::string read_label(const TomlTable& at, std::string_view key) {
+  const std::string expected = fmt::format("a name of 1 to {} characters on one line", name_size_max);
+  std::string label = at.text(key, expected);
+  if (label.empty() || label.size() > name_size_max || one_line(label) != label) at.refuse(key, expected);
+  return label;
+}
+
+Weighted read_potential(const TomlTable& at, const Observer& observer) {
+  const TomlTable choice = at.table("potential");
+  const std::string_view name = choice.choice(potential_names(at.parts()));
+  return {read_weight(at), read_choice(choice, name, observer)};
+}
+
+Weighted read_weighted(const TomlTable& at, const Observer& observer) {
+  const std::string_view name = at.choice(potential_names(at.parts()), {"weight"});
+  return {read_weight(at), read_choice(at, name, observer)};
+}
+
+RelaxedBarrier read_limit(const TomlTable& at) {
+  const TomlTable choice = at.table("limit");
+  const PartList<Limit>& list = at.parts().limits;
+  const std::string_view name = choice.choice(list.names());
+  const TomlTable limit = choice.table(name);
+  RelaxedBarrier barrier{read_named(list, name, limit, parameter_keys<RelaxedBarrier>())};
+  read_parameters(TableSource(limit), barrier);
+  return limit.checked([&] {
+    barrier.check();
+    return barrier;
+  });
+}
+
+Reference read_reference(const TomlTable& agent, const Model& model) {
+  if (!agent.has("reference")) return {};
+  constexpr std::string_view state = "state";
+  const TomlTable choice = agent.table("reference");
+  const PartList<Reference>& list = agent.parts().references;
+  std::vector<std::string_view> known = list.names();
+  known.push_back(state);
+  const std::string_view name = choice.choice(known);
+  if (name == state) return choice.numbers(state, static_cast<std::size_t>(model.nx()));
+  return read_named(list, name, choice.table(name));
+}
+
+}  // namespace sightline

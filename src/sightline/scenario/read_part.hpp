@@ -1,0 +1,81 @@
+/// What a scenario chooses by name: potentials, references and limits, by what they say of their parameters (parts.hpp),
+/// and solvers.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario/toml_table.hpp"
+
+namespace sightline {
+
+/// A table as it is read by the descriptions of parts. A view: the table outlives it. Throws ScenarioError.
+class TableSource final : public ParameterSource {
+ public:
+  explicit TableSource(const TomlTable& at) : at_(at) {}
+
+  bool has(std::string_view key) const override { return at_.has(key); }
+  void expect_only(std::span<const std::string_view> keys) const override { at_.expect_only(keys); }
+  double number(std::string_view key, const Bounds& bounds, std::string_view unit) const override;
+  int integer(std::string_view key, const Bounds& bounds) const override;
+  std::vector<double> numbers(std::string_view key, std::size_t length, const Bounds& bounds,
+                              std::string_view unit) const override;
+  std::vector<double> rising(std::string_view key) const override { return at_.rising(key); }
+  std::vector<std::vector<double>> rows(std::string_view key, std::size_t count,
+                                        std::size_t length) const override {
+    return at_.rows(key, count, length);
+  }
+  std::size_t word(std::string_view key, std::span<const std::string_view> known) const override;
+  [[noreturn]] void refuse(std::string_view sentence) const override { at_.refuse_as_said(sentence); }
+
+ private:
+  const TomlTable& at_;
+};
+
+/// The part of that name, with the parameters in the table; `beside` are keys that may stand there too.
+template <class Made>
+Made read_named(const PartList<Made>& list, std::string_view name, const TomlTable& at,
+                std::span<const std::string_view> beside = {}) {
+  return list.find(name)->read(TableSource(at), beside);
+}
+
+/// The robot that looks: the first of a coupling, or the one that is constrained.
+struct Observer {
+  std::string name;
+  std::optional<SensorMount> mount;  ///< of its [agent.NAME.sensor]
+};
+
+/// Which bodies of a team are meant.
+enum class Among { robots, bodies };
+
+/// Their names, in the order of the team.
+std::vector<std::string_view> body_names(const Team& team, Among among);
+
+/// The name under `key` of one of them; `expected` says what they are.
+std::string read_name(const TomlTable& at, std::string_view key, const Team& team, Among among,
+                      std::string_view expected);
+
+/// A name under `key` that stands for no body: of an event, a stage, a coupling.
+std::string read_label(const TomlTable& at, std::string_view key);
+
+/// `potential = { NAME = {...} }` of [[couple]] or [[constrain]]; its `weight`.
+Weighted read_potential(const TomlTable& at, const Observer& observer);
+
+/// `{ NAME = {...}, weight = ... }`, an entry of a list of potentials.
+Weighted read_weighted(const TomlTable& at, const Observer& observer);
+
+/// `limit = { NAME = {...} }` of [[constrain]].
+RelaxedBarrier read_limit(const TomlTable& at);
+
+/// `reference = { NAME = ... }` of [agent.NAME].
+Reference read_reference(const TomlTable& agent, const Model& model);
+
+/// [solver].
+SolverChoice read_solver(const TomlTable& solver, const Horizon& horizon);
+
+}  // namespace sightline

@@ -1,0 +1,231 @@
+#include "sightline/scenario/read_safety.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "sightline/scenario/read_part.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr Range time_range = not_negative(">= 0 s");
+
+SupervisorOptions read_supervisor(const TomlTable& at) {
+  SupervisorOptions o;
+  LadderTimes& times = o.times;
+  TrackLimits& limits = o.limits;
+  at.read({{"fresh", &times.fresh, positive("> 0 s")},
+           {"slow_after", &times.slow_after, positive("> 0 s")},
+           {"hold_after", &times.hold_after, positive("> 0 s")},
+           {"land_after", &times.land_after, positive("> 0 s")},
+           {"slow_factor", &o.slow_factor, {0.0, 1.0, "0 to 1"}},
+           {"land_speed", &o.land_speed, positive("> 0 m/s")},
+           {"ground", &o.ground},
+           {"brake_time", &o.brake_time, {0.05, largest_number, ">= 0.05 s"}},
+           {"v_max", &limits.v_max, positive("> 0 m/s")},
+           {"turn_max", &limits.turn_max, positive("> 0 rad/s")},
+           {"frozen_after", &limits.frozen_after, positive("> 0 s")}},
+          {"accept_after"});
+  if (at.has("accept_after")) limits.accept_after = static_cast<int>(at.integer("accept_after", 1, 1000));
+  const auto rising = [&](std::string_view key, double value, std::string_view below, double than) {
+    if (value < than) at.refuse(key, fmt::format(">= {} = {} s", below, than));
+  };
+  rising("slow_after", times.slow_after, "fresh", times.fresh);
+  rising("hold_after", times.hold_after, "slow_after", times.slow_after);
+  rising("land_after", times.land_after, "hold_after", times.hold_after);
+  return o;
+}
+
+using ReadFault = void (*)(const TomlTable& at, const Team& team, Fault& fault);
+
+void read_probability(const TomlTable& at, Fault& fault) {
+  if (at.has("probability")) fault.probability = at.number("probability", {0.0, 1.0, "0 to 1"});
+}
+
+void read_dropout(const TomlTable& at, const Team&, Fault& fault) {
+  at.expect_only({"kind", "body", "from", "until", "probability"});
+  read_probability(at, fault);
+}
+
+void read_delay(const TomlTable& at, const Team&, Fault& fault) {
+  at.expect_only({"kind", "body", "from", "until", "delay"});
+  fault.delay = at.number("delay", {0.0, longest_fault_delay, "0 to 10 s"});
+}
+
+void read_freeze(const TomlTable& at, const Team&, Fault&) {
+  at.expect_only({"kind", "body", "from", "until"});
+}
+
+void read_nan(const TomlTable& at, const Team& team, Fault& fault) {
+  at.expect_only({"kind", "body", "from", "until", "probability", "state"});
+  read_probability(at, fault);
+  if (!at.has("state")) return;
+  if (fault.body.index < 0) at.refuse("state", "no such key without a body");
+  const auto states = team.model(fault.body).states();
+  const std::string_view name = at.word("state", states);
+  fault.number = static_cast<int>(std::find(states.begin(), states.end(), name) - states.begin());
+}
+
+void read_jump(const TomlTable& at, const Team&, Fault& fault) {
+  at.expect_only({"kind", "body", "from", "until", "probability", "offset"});
+  read_probability(at, fault);
+  fault.offset = at.vec3("offset");
+}
+
+constexpr std::string_view late_plan = "late_plan";
+
+/// Every kind but that of plans, in the order of FaultKind.
+constexpr std::array kinds = {Named<ReadFault>{"dropout", read_dropout},
+                              Named<ReadFault>{"delay", read_delay}, Named<ReadFault>{"freeze", read_freeze},
+                              Named<ReadFault>{"nan", read_nan}, Named<ReadFault>{"jump", read_jump}};
+
+template <class Timed>
+void read_window(const TomlTable& at, Timed& fault) {
+  if (at.has("from")) fault.from = at.number("from", time_range);
+  if (at.has("until")) fault.until = at.number("until", time_range);
+  if (fault.until <= fault.from) at.refuse("until", fmt::format("> from = {} s", fault.from));
+}
+
+LatePlan read_late_plan(const TomlTable& at) {
+  at.expect_only({"kind", "from", "until", "delay"});
+  LatePlan late;
+  read_window(at, late);
+  late.delay = at.number("delay", {0.0, longest_fault_delay, "0 to 10 s"});
+  return late;
+}
+
+std::string window(double from, double until) {
+  return until < largest_number ? fmt::format("from {} to {} s", from, until)
+                                : fmt::format("from {} s on", from);
+}
+
+}  // namespace
+
+std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& disturbances) {
+  if (!root.has("safety")) return std::nullopt;
+  const TomlTable at = root.table("safety");
+  Safety safety{.position_sigma = disturbances.noise.position, .heading_sigma = disturbances.noise.heading};
+  BarrierOptions& barrier = safety.barrier_options;
+  barrier.floor = 0.3;
+  barrier.ceiling = 10.0;
+  at.read({{"d_hard", &safety.d_hard, positive("> 0 m")},
+           {"floor", &barrier.floor},
+           {"ceiling", &barrier.ceiling},
+           {"world", &safety.world, positive("> 0 m")},
+           {"margin", &barrier.margin, not_negative(">= 0 m")},
+           {"position_sigma", &safety.position_sigma, not_negative(">= 0 m")},
+           {"heading_sigma", &safety.heading_sigma, not_negative(">= 0 rad")}},
+          {"barrier", "supervisor"});
+  if (barrier.ceiling <= barrier.floor) at.refuse("ceiling", fmt::format("> floor = {} m", barrier.floor));
+  barrier.world = safety.world;
+  constexpr std::array<std::string_view, 3> modes = {"off", "on", "report"};
+  if (at.has("barrier")) {
+    const auto mode = std::find(modes.begin(), modes.end(), at.word("barrier", modes)) - modes.begin();
+    safety.barrier = static_cast<BarrierMode>(mode);
+  }
+  const bool all = safety.barrier != BarrierMode::off;
+  if (all || at.has("floor")) safety.judged.floor = barrier.floor;
+  if (all || at.has("ceiling")) safety.judged.ceiling = barrier.ceiling;
+  if (all || at.has("world")) safety.judged.world = safety.world;
+  if (at.has("supervisor")) {
+    safety.supervisor = read_supervisor(at.table("supervisor"));
+    TrackLimits& limits = safety.supervisor->limits;
+    limits.world = safety.world;
+    limits.position_sigma = safety.position_sigma;
+    limits.heading_sigma = safety.heading_sigma;
+  }
+  return safety;
+}
+
+void read_faults(const TomlTable& simulation, const Team& team, Simulation& to) {
+  std::vector<std::string_view> bodies;
+  for (int i = 0; i < team.bodies(); ++i) bodies.push_back(team.name(BodyId{i}));
+  for (const TomlTable& at : simulation.tables("fault")) {
+    auto known = std::vector<std::string_view>{late_plan};
+    for (const auto& kind : kinds) known.push_back(kind.name);
+    const std::string_view name = at.word("kind", known);
+    if (name == late_plan) {
+      to.late_plans.push_back(read_late_plan(at));
+      continue;
+    }
+    Fault fault;
+    const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
+    fault.kind = static_cast<FaultKind>(kind - kinds.begin());
+    if (at.has("body")) fault.body = team.find(at.word("body", bodies));
+    read_window(at, fault);
+    kind->read(at, team, fault);
+    to.faults.push_back(fault);
+  }
+}
+
+std::optional<GuardOptions> guard_options(const Scenario& scenario) {
+  if (!scenario.safety) return std::nullopt;
+  const Safety& safety = *scenario.safety;
+  if (safety.barrier == BarrierMode::off && !safety.supervisor) return std::nullopt;
+  GuardOptions options{.supervisor = safety.supervisor,
+                       .barrier = safety.barrier,
+                       .barrier_options = safety.barrier_options,
+                       .position_sigma = safety.position_sigma,
+                       .period = scenario.horizon.dt};
+  if (options.supervisor) options.supervisor->period = scenario.horizon.dt;
+  options.bodies.resize(static_cast<std::size_t>(scenario.team.bodies()), {.d_hard = safety.d_hard});
+  for (const TeamEvent& event : scenario.script.events) {
+    for (const Action& action : event.actions) {
+      const auto* retune = std::get_if<RetuneAgent>(&action);
+      if (retune != nullptr && retune->limits) {
+        options.limits_to_come.push_back({retune->agent, *retune->limits});
+      }
+    }
+  }
+  for (const Stranger& stranger : scenario.strangers) {
+    options.bodies[static_cast<std::size_t>(stranger.body.index)] = {stranger.d_hard.value_or(safety.d_hard),
+                                                                     stranger.speed_max};
+  }
+  return options;
+}
+
+std::optional<double> hard_distance(const Scenario& scenario, BodyId a, BodyId b) {
+  const auto agents = static_cast<int>(scenario.team.agents().size());  // agents come first
+  if (a.index >= agents && b.index >= agents) return std::nullopt;
+  const int other = std::max(a.index, b.index);
+  if (other >= agents) {
+    const auto stranger = std::find_if(scenario.strangers.begin(), scenario.strangers.end(),
+                                       [&](const Stranger& s) { return s.body == BodyId{other}; });
+    if (stranger != scenario.strangers.end() && stranger->d_hard) return stranger->d_hard;
+  }
+  if (!scenario.safety) return std::nullopt;
+  return scenario.safety->d_hard;
+}
+
+double hold_after(const Scenario& scenario) {
+  const bool supervised = scenario.safety && scenario.safety->supervisor;
+  return supervised ? scenario.safety->supervisor->times.hold_after : LadderTimes{}.hold_after;
+}
+
+std::string in_words(const Safety& safety) {
+  constexpr std::array<std::string_view, 3> modes = {"off", "on", "only reports"};
+  std::string text = fmt::format("safety      barrier {}, d_hard {} m, height {} to {} m, world {} m\n",
+                                 modes[static_cast<std::size_t>(safety.barrier)], safety.d_hard,
+                                 safety.barrier_options.floor, safety.barrier_options.ceiling, safety.world);
+  if (!safety.supervisor) return text;
+  const LadderTimes& times = safety.supervisor->times;
+  return text + fmt::format("supervisor  slow after {} s, hold after {} s, land after {} s\n",
+                            times.slow_after, times.hold_after, times.land_after);
+}
+
+std::string in_words(const Simulation& simulation, const Team& team) {
+  std::string text;
+  for (const Fault& fault : simulation.faults) {
+    text += fmt::format("fault       {} of {}, {}\n", to_string(fault.kind),
+                        fault.body.index < 0 ? "all bodies" : team.name(fault.body),
+                        window(fault.from, fault.until));
+  }
+  for (const LatePlan& late : simulation.late_plans) {
+    text += fmt::format("fault       plans {} s late, {}\n", late.delay, window(late.from, late.until));
+  }
+  return text;
+}
+
+}  // namespace sightline

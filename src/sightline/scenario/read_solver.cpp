@@ -1,0 +1,101 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+
+#include "sightline/scenario/read_part.hpp"
+
+namespace sightline {
+namespace {
+
+ContinuationOptions read_continuation(const TomlTable& at, const Horizon& horizon) {
+  ContinuationOptions o;
+  at.read({{"zeta", &o.zeta, positive("> 0 1/s")},
+           {"alpha", &o.alpha, positive("> 0 1/s")},
+           {"difference_step", &o.difference_step, {1e-15, 0.1, "1e-15 to 0.1 s"}},
+           {"slack_weight", &o.slack_weight, positive("> 0")},
+           {"gmres_tolerance", &o.gmres_tolerance, not_negative(">= 0")},
+           {"tolerance", &o.tolerance, positive("> 0")}},
+          {"name", "k_max", "jacobian"});
+  if (!(o.zeta * horizon.dt < 2)) {
+    at.refuse("zeta", fmt::format("less than 2 / horizon.period = {} 1/s, beyond which it oscillates",
+                                  2 / horizon.dt));
+  }
+  if (at.has("k_max")) o.k_max = static_cast<int>(at.integer("k_max", 1, 1000));
+  constexpr std::array<std::string_view, 2> products = {"exact", "forward_difference"};
+  if (at.has("jacobian")) {
+    o.jacobian = at.word("jacobian", products) == "exact" ? JacobianProduct::exact
+                                                          : JacobianProduct::forward_difference;
+  }
+  return o;
+}
+
+SolverChoice read_cmscgmres(const TomlTable& at, const Horizon& horizon) {
+  return {"cmscgmres", read_continuation(at, horizon)};
+}
+SolverChoice read_cgmres(const TomlTable& at, const Horizon& horizon) {
+  return {"cgmres", read_continuation(at, horizon)};
+}
+
+SolverChoice read_newton_riccati(const TomlTable& at, const Horizon&) {
+  NewtonRiccatiOptions o;
+  at.read({{"tolerance", &o.tolerance, positive("> 0")},
+           {"krylov_stop", &o.krylov_stop, not_negative(">= 0")},
+           {"step_cap", &o.step_cap, positive("> 0")},
+           {"deadline", &o.deadline, not_negative(">= 0 s, 0 for none")}},
+          {"name", "max_newton_steps", "start_steps", "max_krylov"});
+  if (at.has("max_newton_steps"))
+    o.max_newton_steps = static_cast<int>(at.integer("max_newton_steps", 1, 1000));
+  if (at.has("start_steps")) o.start_steps = static_cast<int>(at.integer("start_steps", 1, 1000));
+  if (at.has("max_krylov")) o.max_krylov = static_cast<int>(at.integer("max_krylov", 0, 1000));
+  return {"newton_riccati", o};
+}
+
+using ReadSolver = SolverChoice (*)(const TomlTable& at, const Horizon& horizon);
+constexpr std::array solvers = {
+    Named<ReadSolver>{"newton_riccati", read_newton_riccati},
+    Named<ReadSolver>{"cmscgmres", read_cmscgmres},
+    Named<ReadSolver>{"cgmres", read_cgmres},
+};
+
+}  // namespace
+
+SolverChoice read_solver(const TomlTable& solver, const Horizon& horizon) {
+  const std::string_view name =
+      solver.has("name") ? solver.word("name", names(solvers)) : solvers.front().name;
+  return find(solvers, name)(solver, horizon);
+}
+
+std::vector<std::string_view> solver_names() {
+  const auto known = names(solvers);
+  return {known.begin(), known.end()};
+}
+
+SolverChoice solver_named(std::string_view name) {
+  const auto known = names(solvers);
+  if (std::find(known.begin(), known.end(), name) == known.end()) {
+    throw std::invalid_argument(
+        fmt::format("solver = {}, expected one of {}", one_line(name), fmt::join(known, ", ")));
+  }
+  static const TomlDocument defaults{};
+  return find(solvers, name)(TomlTable(defaults), Horizon{});
+}
+
+std::unique_ptr<Solver> make_solver(const SolverChoice& choice, const Team& team, const Horizon& horizon) {
+  struct Make {
+    std::string_view name;
+    const Team& team;
+    const Horizon& horizon;
+    std::unique_ptr<Solver> operator()(const ContinuationOptions& o) const {
+      if (name == "cgmres") return std::make_unique<Cgmres>(team, horizon, o);
+      return std::make_unique<Cmscgmres>(team, horizon, o);
+    }
+    std::unique_ptr<Solver> operator()(const NewtonRiccatiOptions& o) const {
+      return std::make_unique<NewtonRiccati>(team, horizon, o);
+    }
+  };
+  return std::visit(Make{choice.name, team, horizon}, choice.options);
+}
+
+}  // namespace sightline

@@ -1,0 +1,126 @@
+/// The command line of a program with parts of its own, examples/own_command_line.cpp: all commands, its words.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/command.hpp"
+
+namespace sightline {
+namespace {
+
+using test::fresh_folder;
+using test::read_file;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+const std::string scenario = "examples/own_parts.toml";
+
+test::CommandResult own(const std::string& arguments, const fs::path& folder) {
+  return test::shell("'" SIGHTLINE_EXAMPLES "/own_command_line' " + arguments, folder);
+}
+
+/// The scenario with another text in one place.
+std::string with(const fs::path& folder, const std::string& what, const std::string& instead) {
+  std::string text = read_file(fs::path(SIGHTLINE_SOURCE_DIR) / scenario);
+  const std::size_t place = text.find(what);
+  EXPECT_NE(place, std::string::npos) << what;
+  text.replace(place, what.size(), instead);
+  const fs::path file = folder / "own.toml";
+  std::ofstream(file) << text;
+  return file.string();
+}
+
+/// What `check` says to it.
+std::string refusal(const std::string& what, const std::string& instead) {
+  const fs::path folder = fresh_folder();
+  const auto result = own("check " + with(folder, what, instead), folder);
+  EXPECT_EQ(result.code, 2);
+  return result.err.substr(result.err.find("own.toml"));
+}
+
+TEST(OwnCommandLine, flies_a_scenario_with_a_robot_a_potential_and_a_reference_of_its_own) {
+  const fs::path folder = fresh_folder();
+  const auto run = own("run " + scenario + " -o " + (folder / "out").string(), folder);
+  EXPECT_EQ(run.code, 0) << run.err;
+  const auto summary = nlohmann::json::parse(read_file(folder / "out/summary.json"));
+  EXPECT_EQ(summary.at("updates"), 1500);
+  EXPECT_EQ(summary.at("not_finite"), 0);
+  EXPECT_EQ(summary.at("allocations_per_update"), 0);
+  EXPECT_EQ(summary.at("limits").at(0).at("name"), "halo uav-blimp");
+  EXPECT_LT(summary.at("limits").at(0).at("fraction").get<double>(), 0.05);  // beside it, from 5 s on
+  EXPECT_LT(summary.at("agents").at(0).at("rms_position_error").get<double>(), 0.5);
+
+  EXPECT_EQ(own("report " + (folder / "out").string(), folder).code, 0);
+  EXPECT_TRUE(fs::exists(folder / "out/report.html"));
+}
+
+TEST(OwnCommandLine, every_other_command_knows_the_words_too) {
+  const fs::path folder = fresh_folder();
+  const auto check = own("check " + scenario, folder);
+  EXPECT_EQ(check.code, 0) << check.err;
+  EXPECT_THAT(check.out, HasSubstr("agent       blimp: blimp, 7 states, 3 inputs"));
+  EXPECT_THAT(check.out, HasSubstr("couple      1 halo"));
+  EXPECT_EQ(own("check --print " + scenario, folder).code, 0);
+  const auto explain = own("explain " + scenario, folder);
+  EXPECT_EQ(explain.code, 0) << explain.err;
+  EXPECT_THAT(explain.out, HasSubstr("halo"));
+  const auto potential = own("potential " + scenario + " -o " + (folder / "potential").string(), folder);
+  EXPECT_EQ(potential.code, 0) << potential.err;
+  EXPECT_TRUE(fs::exists(folder / "potential/index.html"));
+  EXPECT_EQ(own("version", folder).code, 0);
+
+  const auto parts = own("parts --json", folder);
+  EXPECT_EQ(parts.code, 0) << parts.err;
+  const auto all = nlohmann::json::parse(parts.out);
+  const auto& thrust = all.at("robot").at("blimp").at(0);
+  EXPECT_EQ(thrust.at("key"), "thrust");
+  EXPECT_EQ(thrust.at("unit"), "m/s^2");
+  EXPECT_EQ(thrust.at("default"), "0.8");
+  EXPECT_EQ(thrust.at("range"), "> 0");
+  EXPECT_TRUE(all.at("potential").contains("halo") && all.at("potential").contains("sensor_cone"));
+  EXPECT_EQ(all.at("reference").at("figure_eight").at(0).at("must_be_given"), true);
+  EXPECT_THAT(own("parts", folder).out, HasSubstr("| `halo` | `d` | 2 m | > 0 | distance to keep |"));
+}
+
+TEST(OwnCommandLine, a_campaign_reads_the_words_again_in_each_of_its_runs) {
+  const fs::path folder = fresh_folder();
+  const auto campaign =
+      own("campaign " + scenario + " --runs 4 --seed 3 -o " + (folder / "campaign").string(), folder);
+  EXPECT_NE(campaign.code, 2) << campaign.err;
+  EXPECT_TRUE(fs::exists(folder / "campaign/campaign.sqlite"));
+  EXPECT_THAT(campaign.out, HasSubstr("4"));
+  const auto one =
+      own("campaign " + scenario + " --runs 4 --seed 3 --only 2 -o " + (folder / "run").string(), folder);
+  EXPECT_NE(one.code, 2) << one.err;
+  EXPECT_TRUE(fs::exists(folder / "run/run.mcap"));
+}
+
+TEST(OwnCommandLine, what_is_wrong_with_an_own_part_is_refused_at_its_line) {
+  EXPECT_EQ(
+      refusal("thrust = 1.0", "trhust = 1.0"),
+      "own.toml:4: agent.blimp.parameters.trhust = 1, expected a known key, the nearest is \"thrust\"\n");
+  EXPECT_EQ(refusal("thrust = 1.0", "thrust = 0.0"),
+            "own.toml:4: agent.blimp.parameters.thrust = 0, expected > 0 m/s^2\n");
+  EXPECT_EQ(refusal("d = 1.5", "d = \"1.5\""),
+            "own.toml:17: couple[0].potential.halo.d = \"1.5\", expected a number, > 0 m\n");
+  EXPECT_EQ(
+      refusal("halo = {", "hallo = {"),
+      "own.toml:17: couple[0].potential.hallo = {...}, expected a known key, the nearest is \"halo\"\n");
+  EXPECT_EQ(
+      refusal("centre = [0.0, 0.0, 2.0], ", ""),
+      "own.toml:8: agent.blimp.reference.figure_eight.centre is missing, expected an array of 3 numbers\n");
+  EXPECT_EQ(refusal("robot = \"blimp\"", "robot = \"blimb\"").substr(0, 49),
+            "own.toml:3: agent.blimp.robot = \"blimb\", expected");
+}
+
+TEST(OwnCommandLine, the_command_line_of_the_library_does_not_know_them) {
+  const fs::path folder = fresh_folder();
+  const auto check = test::sightline("check " + scenario, folder);
+  EXPECT_EQ(check.code, 2);
+  EXPECT_THAT(check.err, HasSubstr("agent.blimp.robot = \"blimp\", expected one of"));
+}
+
+}  // namespace
+}  // namespace sightline

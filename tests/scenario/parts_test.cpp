@@ -1,0 +1,220 @@
+#include "sightline/scenario/parts.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sightline/model/robots.hpp"
+#include "sightline/potential/protection.hpp"
+#include "sightline/potential/slope.hpp"
+#include "sightline/scenario/read_part.hpp"
+#include "tests/support/command.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::ElementsAre;
+
+/// A potential somebody else wrote, with a sensor of the observer.
+struct Gaze {
+  double alpha = 0.4, kappa = 1.0;
+  SensorMount mount{};
+
+  static constexpr std::string_view name = "gaze", limit_unit = "rad";
+  static constexpr auto parameters() {
+    return std::tuple{parameter("alpha", &Gaze::alpha, "rad", acute_angle, "angle of view"),
+                      parameter("kappa", &Gaze::kappa, "", above_zero, "cost")};
+  }
+  template <class S>
+  S operator()(const Sight<S>& a, const Sight<S>& b) const {
+    return kappa * (1.0 - dot(mount(a, b.p), mount(a, b.p)));
+  }
+  double violation(const Sight<double>& a, const Sight<double>& b) const {
+    return view_angle(mount, a, b.p) - alpha;
+  }
+};
+
+struct Named1 : Gaze {
+  static constexpr std::string_view name = "Gaze";
+};
+struct Spaced : Gaze {
+  static constexpr std::string_view name = "my gaze";
+};
+struct Taken : Gaze {
+  static constexpr std::string_view name = "too_near";
+};
+struct OfText : Gaze {
+  static constexpr std::string_view name = "region";
+};
+struct BadDefault {
+  double d = -1;
+  static constexpr std::string_view name = "bad_default";
+  static constexpr auto parameters() {
+    return std::tuple{parameter("d", &BadDefault::d, "m", above_zero, "never so")};
+  }
+  template <class S>
+  S operator()(const Sight<S>& a, const Sight<S>& b) const {
+    return d * dot(a.p, b.p);
+  }
+};
+/// A robot that describes nothing.
+struct Bare : Multirotor {
+  static constexpr std::string_view name = "bare";
+  static constexpr auto parameters() { return std::tuple{}; }
+};
+
+template <class Do>
+std::string refusal(Do&& act) {
+  try {
+    act();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+constexpr std::string_view robots = R"([agent.a]
+robot = "multirotor"
+start = { p = [0, 0, 1], heading = 0.0 }
+sensor = { pitch = 0.3, offset = 0.2 }
+[agent.b]
+robot = "bare"
+start = { p = [2, 0, 1], heading = 0.0 }
+)";
+
+Parts with_own() {
+  Parts parts;
+  parts.robots.add<Bare>();
+  parts.potentials.add<Gaze>();
+  return parts;
+}
+
+Scenario read(const std::string& more, const Parts& parts = with_own()) {
+  return parse_scenario(std::string(robots) + more, "a", parts);
+}
+
+TEST(Parts, a_part_of_somebody_else_is_a_word_wherever_ours_are) {
+  const Scenario scenario = read(R"([[couple]]
+potential = { gaze = { alpha = 0.25 } }
+between = ["a", "b"]
+felt_by = ["a"]
+[[shape]]
+chain = ["b", "a"]
+felt_by = "observer"
+potentials = [{ gaze = { kappa = 2.0 }, weight = 0.5 }]
+[[event]]
+at = 1.0
+add = { couple = { potential = { gaze = {} }, between = ["a", "b"], felt_by = ["a"], name = "later" } }
+)");
+  const auto& couplings = scenario.team.couplings();
+  ASSERT_EQ(couplings.size(), 2U);
+  const auto* gaze = couplings[0].term.potential.as<Gaze>();
+  ASSERT_NE(gaze, nullptr);
+  EXPECT_EQ(gaze->alpha, 0.25);
+  EXPECT_EQ(gaze->mount.pitch, 0.3);  // of [agent.a.sensor]
+  EXPECT_EQ(couplings[1].term.potential.as<Gaze>()->kappa, 2.0);
+  EXPECT_EQ(scenario.team.agents()[1].model.name(), "bare");
+}
+
+TEST(Parts, what_is_wrong_with_it_is_refused_as_with_ours) {
+  const auto couple = [](const std::string& potential) {
+    return refusal([&] {
+      read("[[couple]]\npotential = " + potential + "\nbetween = [\"a\", \"b\"]\nfelt_by = [\"a\"]\n");
+    });
+  };
+  EXPECT_EQ(couple("{ gaze = { alhpa = 0.3 } }"),
+            "a:9: couple[0].potential.gaze.alhpa = 0.3, expected a known key, the nearest is \"alpha\"");
+  EXPECT_EQ(couple("{ gaze = { alpha = 2.0 } }"),
+            "a:9: couple[0].potential.gaze.alpha = 2, expected in (0, pi/2) rad");
+  EXPECT_EQ(couple("{ gaze = { alpha = true } }"),
+            "a:9: couple[0].potential.gaze.alpha = true, expected a number, in (0, pi/2) rad");
+  EXPECT_EQ(couple("{ gaze = { kappa = 1e12 } }"),
+            "a:9: couple[0].potential.gaze.kappa = 1000000000000, expected finite, at most 1e9 either way");
+  EXPECT_EQ(couple("{ gazes = {} }"),
+            "a:9: couple[0].potential.gazes = {}, expected a known key, the nearest is \"gaze\"");
+  EXPECT_THAT(refusal([] { read("", Parts{}); }),
+              testing::HasSubstr("a:6: agent.b.robot = \"bare\", expected one of \"multirotor\""));
+}
+
+TEST(Parts, ours_know_nothing_of_what_another_program_adds) {
+  (void)with_own();
+  EXPECT_EQ(Parts{}.potentials.find("gaze"), nullptr);
+  EXPECT_EQ(parts_of_sightline().potentials.find("gaze"), nullptr);
+  EXPECT_NE(with_own().potentials.find("gaze"), nullptr);
+}
+
+TEST(Parts, a_name_is_a_word_and_of_one_part_alone) {
+  Parts parts;
+  parts.potentials.add<Gaze>();
+  EXPECT_EQ(refusal([&] { parts.potentials.add<Gaze>(); }),
+            "a potential is called \"gaze\", expected a name of its own, another has this one");
+  EXPECT_EQ(refusal([&] { parts.potentials.add<Taken>(); }),
+            "a potential is called \"too_near\", expected a name of its own, another has this one");
+  EXPECT_EQ(refusal([&] { parts.potentials.add<OfText>(); }),
+            "a potential is called \"region\", expected a name of its own, another has this one");
+  constexpr std::string_view word = "expected a word: a lower-case letter, then these, digits and _";
+  EXPECT_THAT(refusal([&] { parts.potentials.add<Spaced>(); }), testing::HasSubstr(word));
+  EXPECT_THAT(refusal([&] { parts.potentials.add<Named1>(); }), testing::HasSubstr(word));
+  EXPECT_EQ(refusal([&] { parts.potentials.add<BadDefault>(); }), "bad_default.d = -1, expected > 0 m");
+}
+
+TEST(Parts, every_one_of_ours_describes_its_parameters_with_unit_range_default_and_meaning) {
+  const Parts& parts = parts_of_sightline();
+  const auto described = [](const auto& list) {
+    for (const auto& part : list.all()) {
+      EXPECT_FALSE(part->parameters.empty()) << part->name;
+      for (const ParameterText& p : part->parameters) {
+        EXPECT_FALSE(p.key.empty() || p.meaning.empty() || p.range.empty()) << part->name << '.' << p.key;
+      }
+    }
+  };
+  described(parts.robots), described(parts.potentials), described(parts.references), described(parts.limits);
+  EXPECT_THAT(parts.robots.names(), ElementsAre("multirotor", "angle_multirotor", "omni_rover", "unicycle",
+                                                "point_mass", "velocity_multirotor"));
+  EXPECT_EQ(parts.potentials.names().size(), 10U);
+}
+
+TEST(Parts, every_default_of_ours_is_read_back_as_it_is) {
+  const auto defaults = [](const auto& list) {
+    for (const auto& part : list.all()) {
+      std::string text;
+      for (const ParameterText& p : part->parameters) {
+        const bool word = p.range.starts_with("one of");
+        if (!p.fallback.empty())
+          text += fmt::format("{} = {}{}{}\n", p.key, word ? "\"" : "", p.fallback, word ? "\"" : "");
+        if (p.must_be_given && p.range == "finite") text += fmt::format("{} = [1, 2, 3]\n", p.key);
+        if (p.must_be_given && p.range != "finite")
+          text += fmt::format("{} = [{}]\n", p.key, p.key == "p" ? "[1, 2, 3]" : "1");
+      }
+      const TomlDocument document = parse_toml(text + " ", "a");
+      EXPECT_NO_THROW(read_named(list, part->name, TomlTable(document))) << part->name << '\n' << text;
+    }
+  };
+  const Parts& parts = parts_of_sightline();
+  defaults(parts.robots), defaults(parts.potentials), defaults(parts.references), defaults(parts.limits);
+}
+
+TEST(Parts, what_a_potential_of_ours_says_of_keeping_apart_is_what_its_limit_does) {
+  for (const auto& part : parts_of_sightline().potentials.all()) {
+    const TomlDocument document = parse_toml(" \n", "a");
+    const Potential potential = part->read(TableSource(TomlTable(document)), {});
+    EXPECT_EQ(keeps_apart(potential), limits_distance_from_below(potential)) << part->name;
+    EXPECT_EQ(watches(potential), potential.mount() != nullptr) << part->name;
+    const bool limits = potential.violation({}, {}) != -std::numeric_limits<double>::infinity();
+    EXPECT_EQ(potential.limit_unit() != "in its own unit", limits) << part->name;
+  }
+}
+
+TEST(Parts, the_tables_of_the_documents_are_those_of_the_descriptions) {
+  const std::string document = test::read_file(SIGHTLINE_SOURCE_DIR "/docs/parts.md");
+  const Parts& parts = parts_of_sightline();
+  for (const std::string& table : {parameters_table(parts.robots), parameters_table(parts.potentials),
+                                   parameters_table(parts.references), parameters_table(parts.limits)}) {
+    EXPECT_NE(document.find(table), std::string::npos)
+        << "docs/parts.md differs from what `sightline parts` prints, expected\n"
+        << table;
+  }
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,82 @@
+#include "sightline/scenario/read_campaign.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sightline/scenario/scenario.hpp"
+
+namespace sightline {
+namespace {
+
+const std::string robots = R"([agent.uav0]
+robot = "multirotor"
+start = { p = [0.0, 0.0, 1.0], heading = 0.0, v = [0.0, 0.0] }
+[target.tag]
+p = [1.0, 0.0, 1.0]
+)";
+
+CampaignPlan plan(const std::string& text) { return *parse_scenario(robots + text, "a").campaign; }
+
+TEST(ReadCampaign, AScenarioWithoutTheSectionHasNoCampaign) {
+  EXPECT_FALSE(parse_scenario(robots, "a").campaign.has_value());
+}
+
+TEST(ReadCampaign, WhatIsLeftOutIsAsInTheStruct) {
+  const CampaignPlan read = plan("[campaign]\n"), built;
+  EXPECT_EQ(read.duration, built.duration);
+  EXPECT_EQ(read.view_within, built.view_within);
+  EXPECT_EQ(read.d_hard, built.d_hard);
+  EXPECT_EQ(read.braking, built.braking);
+  EXPECT_TRUE(read.starts.empty() && read.draws.empty());
+}
+
+TEST(ReadCampaign, EachKeyReachesThePlan) {
+  const CampaignPlan read = plan(R"([campaign]
+duration = 12.0
+view_within = 8.0
+d_hard = 0.75
+braking = 0.5
+[[campaign.start]]
+agent = "uav0"
+around = "tag"
+range = { uniform = [0.5, 2.0] }
+bearing = { normal = [0.1, 0.2], exactly = 3.0, share = 0.25 }
+height = { choice = [1.0, 2.0, 3.0] }
+heading = { uniform = [-1.0, 1.0] }
+v = { choice = [0.0, 0.5], shares = [0.25, 0.75] }
+[[campaign.draw]]
+key = "target.tag.p[2]"
+uniform = [0.0, 2.0]
+)");
+  EXPECT_EQ(read.duration, 12.0);
+  EXPECT_EQ(read.view_within, 8.0);
+  EXPECT_EQ(read.d_hard, 0.75);
+  EXPECT_EQ(read.braking, 0.5);
+  ASSERT_EQ(read.starts.size(), 1U);
+  const StartDraw& start = read.starts[0];
+  EXPECT_EQ(start.agent, "uav0");
+  EXPECT_EQ(start.around, "tag");
+  EXPECT_EQ(start.range.kind, Distribution::Kind::uniform);
+  EXPECT_THAT(start.range.values, testing::ElementsAre(0.5, 2.0));
+  EXPECT_EQ(start.bearing.kind, Distribution::Kind::normal);
+  EXPECT_THAT(start.bearing.values, testing::ElementsAre(0.1, 0.2));
+  EXPECT_EQ(start.bearing.exactly, 3.0);
+  EXPECT_EQ(start.bearing.share, 0.25);
+  EXPECT_EQ(start.height.kind, Distribution::Kind::choice);
+  EXPECT_THAT(start.height.shares, testing::Each(testing::DoubleEq(1.0 / 3.0)));
+  EXPECT_THAT(start.heading->values, testing::ElementsAre(-1.0, 1.0));
+  EXPECT_THAT(start.velocity->shares, testing::ElementsAre(0.25, 0.75));
+  ASSERT_EQ(read.draws.size(), 1U);
+  EXPECT_EQ(read.draws[0].key, "target.tag.p[2]");
+  EXPECT_THAT(read.draws[0].distribution.values, testing::ElementsAre(0.0, 2.0));
+}
+
+TEST(ReadCampaign, ANumberOfTheCampaignItselfIsNotDrawn) {
+  EXPECT_THROW(
+      plan("[campaign]\nduration = 12.0\n[[campaign.draw]]\nkey = \"campaign.duration\"\nuniform = [1.0, "
+           "2.0]\n"),
+      ScenarioError);
+}
+
+}  // namespace
+}  // namespace sightline

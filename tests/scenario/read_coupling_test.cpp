@@ -1,0 +1,74 @@
+#include "sightline/scenario/read_coupling.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "sightline/potential/distance.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+
+namespace sightline {
+namespace {
+
+/// Two robots, the first with a sensor, and a rock.
+struct Scene {
+  Team team;
+  AgentId uav0 = team.add(Multirotor{});
+  AgentId uav1 = team.add(Multirotor{});
+  BodyId rock = team.add(Obstacle{"rock"});
+  Observers observers = {{"uav0", SensorMount{.pitch = 0.25, .offset = 0.125}}, {"uav1", {}}};
+
+  Coupling read(const std::string& text) const {
+    const TomlDocument document = parse_toml(text, "a");
+    return read_coupling(TomlTable(document), team, observers);
+  }
+  std::string refusal(const std::string& text) const {
+    try {
+      (void)read(text);
+    } catch (const ScenarioError& error) {
+      return error.what();
+    }
+    return "not refused";
+  }
+};
+
+constexpr std::string_view near = "potential = { keep_out = { d_min = 0.75 } }\n";
+
+TEST(ReadCoupling, a_coupling_is_what_its_table_says) {
+  const Scene scene;
+  const Coupling read =
+      scene.read(fmt::format("{}between = [\"uav1\", \"uav0\"]\nfelt_by = [\"uav0\"]\nweight = 2.5\n", near));
+  EXPECT_EQ(read.between.first, scene.uav1);
+  EXPECT_EQ(read.between.second, scene.uav0);
+  EXPECT_EQ(read.felt_by, std::vector{scene.uav0});
+  EXPECT_EQ(read.term.weight, 2.5);
+  EXPECT_EQ(read.term.potential.as<KeepOut>()->d_min, 0.75);
+}
+
+TEST(ReadCoupling, without_felt_by_all_robots_of_it_feel_a_coupling) {
+  const Scene scene;
+  EXPECT_EQ(scene.read(fmt::format("{}between = [\"uav0\", \"uav1\"]", near)).felt_by,
+            (std::vector{scene.uav0, scene.uav1}));
+  EXPECT_EQ(scene.read(fmt::format("{}between = [\"rock\", \"uav1\"]", near)).felt_by,
+            std::vector{scene.uav1});
+}
+
+TEST(ReadCoupling, the_first_of_between_looks_with_its_own_sensor) {
+  const Scene scene;
+  const Coupling read = scene.read("potential = { sensor_cone = {} }\nbetween = [\"uav0\", \"rock\"]");
+  EXPECT_EQ(read.term.potential.mount()->pitch, 0.25);
+  EXPECT_EQ(scene.refusal("potential = { sensor_cone = {} }\nbetween = [\"rock\", \"uav0\"]"),
+            "a:1: potential.sensor_cone = {}, expected a robot with a sensor as observer, there is no "
+            "[agent.rock.sensor]");
+}
+
+TEST(ReadCoupling, a_name_that_is_none_is_refused_with_the_nearest) {
+  const Scene scene;
+  EXPECT_EQ(scene.refusal(fmt::format("{}between = [\"uav0\", \"rocks\"]", near)),
+            "a:2: between[1] = \"rocks\", expected a known name, the nearest is \"rock\"");
+  EXPECT_EQ(
+      scene.refusal(fmt::format("{}between = [\"uav0\", \"uav1\"]\nfelt_by = [\"uav0\", \"rock\"]", near)),
+      "a:3: felt_by[1] = \"rock\", expected a robot of between = [\"uav0\", \"uav1\"]");
+}
+
+}  // namespace
+}  // namespace sightline

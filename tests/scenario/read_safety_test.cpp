@@ -1,0 +1,180 @@
+#include "sightline/scenario/read_safety.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sightline {
+namespace {
+
+constexpr const char* bodies = R"(
+[agent.a]
+robot = "multirotor"
+start = { p = [0.0, 0.0, 1.0] }
+[agent.b]
+robot = "multirotor"
+start = { p = [3.0, 0.0, 1.0] }
+[target.t]
+p = [6.0, 0.0, 1.0]
+[obstacle.o]
+p = [9.0, 0.0, 1.0]
+v = [0.1, 0.0, 0.0]
+speed_max = 0.4
+d_hard = 1.2
+)";
+
+Scenario with(const std::string& text) { return parse_scenario(bodies + text, "a.toml"); }
+
+TEST(ReadSafety, WithoutASectionNothingGuardsTheLoop) {
+  const Scenario scenario = with("");
+  EXPECT_FALSE(scenario.safety);
+  EXPECT_FALSE(guard_options(scenario));
+  EXPECT_FALSE(guard_options(with("[safety]\nd_hard = 0.6\n"))) << "it only judges";
+}
+
+TEST(ReadSafety, EachKeyReachesItsOption) {
+  const Scenario scenario = with(R"(
+[safety]
+barrier = "on"
+d_hard = 0.7
+floor = 0.2
+ceiling = 8.0
+world = 50.0
+margin = 0.01
+position_sigma = 0.03
+heading_sigma = 0.04
+[safety.supervisor]
+fresh = 0.03
+slow_after = 0.21
+hold_after = 0.51
+land_after = 2.1
+slow_factor = 0.4
+land_speed = 0.2
+ground = 0.1
+brake_time = 0.5
+v_max = 6.0
+turn_max = 3.0
+frozen_after = 0.4
+accept_after = 5
+)");
+  const auto guard = guard_options(scenario);
+  ASSERT_TRUE(guard);
+  EXPECT_EQ(guard->barrier, BarrierMode::on);
+  EXPECT_EQ(guard->barrier_options.floor, 0.2);
+  EXPECT_EQ(guard->barrier_options.ceiling, 8.0);
+  EXPECT_EQ(guard->barrier_options.world, 50.0);
+  EXPECT_EQ(guard->barrier_options.margin, 0.01);
+  EXPECT_EQ(guard->position_sigma, 0.03);
+  const SupervisorOptions& o = *guard->supervisor;
+  EXPECT_EQ(o.times.fresh, 0.03);
+  EXPECT_EQ(o.times.slow_after, 0.21);
+  EXPECT_EQ(o.times.hold_after, 0.51);
+  EXPECT_EQ(o.times.land_after, 2.1);
+  EXPECT_EQ(o.slow_factor, 0.4);
+  EXPECT_EQ(o.land_speed, 0.2);
+  EXPECT_EQ(o.ground, 0.1);
+  EXPECT_EQ(o.brake_time, 0.5);
+  EXPECT_EQ(o.limits.v_max, 6.0);
+  EXPECT_EQ(o.limits.turn_max, 3.0);
+  EXPECT_EQ(o.limits.frozen_after, 0.4);
+  EXPECT_EQ(o.limits.accept_after, 5);
+  EXPECT_EQ(o.limits.world, 50.0);
+  EXPECT_EQ(o.limits.position_sigma, 0.03);
+  EXPECT_EQ(o.limits.heading_sigma, 0.04);
+  EXPECT_EQ(o.period, 0.01);
+}
+
+TEST(ReadSafety, HardDistancesAndTopSpeedsAreThoseOfTheBodiesWhereTheySayThem) {
+  const Scenario scenario = with("[safety]\nbarrier = \"report\"\nd_hard = 0.7\n");
+  const auto guard = guard_options(scenario);
+  ASSERT_TRUE(guard);
+  EXPECT_EQ(guard->barrier, BarrierMode::report);
+  EXPECT_FALSE(guard->supervisor);
+  EXPECT_EQ(guard->bodies.at(0).d_hard, 0.7);
+  EXPECT_EQ(guard->bodies.at(2).d_hard, 0.7);
+  EXPECT_EQ(guard->bodies.at(2).speed_max, 0.0) << "it rests";
+  EXPECT_EQ(guard->bodies.at(3).d_hard, 1.2);
+  EXPECT_EQ(guard->bodies.at(3).speed_max, 0.4);
+  EXPECT_EQ(hard_distance(scenario, BodyId{0}, BodyId{1}), 0.7);
+  EXPECT_EQ(hard_distance(scenario, BodyId{3}, BodyId{1}), 1.2);
+  EXPECT_EQ(hard_distance(scenario, BodyId{2}, BodyId{3}), std::nullopt) << "nobody steers either";
+  EXPECT_EQ(hard_distance(with(""), BodyId{0}, BodyId{1}), std::nullopt);
+  EXPECT_EQ(hard_distance(with(""), BodyId{0}, BodyId{3}), 1.2);
+}
+
+TEST(ReadSafety, NoiseThatIsSimulatedIsReckonedWithUnlessItIsSaid) {
+  const std::string noisy =
+      "[simulation.disturbance]\nnoise = { position = 0.02, heading = 0.03 }\n[safety]\n";
+  EXPECT_EQ(with(noisy).safety->position_sigma, 0.02);
+  EXPECT_EQ(with(noisy).safety->heading_sigma, 0.03);
+  EXPECT_EQ(with(noisy + "position_sigma = 0.0\n").safety->position_sigma, 0.0);
+}
+
+TEST(ReadSafety, FaultsReachTheSimulation) {
+  const Scenario scenario = with(R"(
+[[simulation.fault]]
+kind = "dropout"
+body = "b"
+from = 1.0
+until = 2.0
+probability = 0.3
+[[simulation.fault]]
+kind = "delay"
+delay = 0.25
+[[simulation.fault]]
+kind = "nan"
+body = "a"
+state = "v_s"
+[[simulation.fault]]
+kind = "jump"
+body = "t"
+offset = [1.0, 2.0, 3.0]
+[[simulation.fault]]
+kind = "freeze"
+[[simulation.fault]]
+kind = "late_plan"
+from = 3.0
+delay = 0.07
+)");
+  const auto& faults = scenario.simulation.faults;
+  ASSERT_EQ(faults.size(), 5U);
+  EXPECT_EQ(faults[0].kind, FaultKind::dropout);
+  EXPECT_EQ(faults[0].body, BodyId{1});
+  EXPECT_EQ(faults[0].from, 1.0);
+  EXPECT_EQ(faults[0].until, 2.0);
+  EXPECT_EQ(faults[0].probability, 0.3);
+  EXPECT_EQ(faults[1].kind, FaultKind::delay);
+  EXPECT_EQ(faults[1].body.index, -1) << "of all bodies";
+  EXPECT_EQ(faults[1].delay, 0.25);
+  EXPECT_EQ(faults[2].kind, FaultKind::nan);
+  EXPECT_EQ(faults[2].number, 6);
+  EXPECT_EQ(faults[3].kind, FaultKind::jump);
+  EXPECT_EQ(faults[3].offset.z, 3.0);
+  EXPECT_EQ(faults[4].kind, FaultKind::freeze);
+  ASSERT_EQ(scenario.simulation.late_plans.size(), 1U);
+  EXPECT_EQ(scenario.simulation.late_plans[0].from, 3.0);
+  EXPECT_EQ(scenario.simulation.late_plans[0].delay, 0.07);
+  EXPECT_EQ(sensor_options(scenario).faults.size(), 5U);
+}
+
+TEST(ReadSafety, WhatIsSwitchedOnIsPrinted) {
+  const std::string text = summary(with(R"(
+[safety]
+barrier = "on"
+[safety.supervisor]
+[[simulation.fault]]
+kind = "freeze"
+body = "a"
+from = 1.0
+[[simulation.fault]]
+kind = "late_plan"
+until = 2.0
+delay = 0.1
+)"));
+  EXPECT_THAT(text, testing::HasSubstr("barrier on, d_hard 0.6 m, height 0.3 to 10 m, world 100 m\n"));
+  EXPECT_THAT(text, testing::HasSubstr("slow after 0.2 s, hold after 0.5 s, land after 2 s\n"));
+  EXPECT_THAT(text, testing::HasSubstr("freeze of a, from 1 s on\n"));
+  EXPECT_THAT(text, testing::HasSubstr("plans 0.1 s late, from 0 to 2 s\n"));
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,183 @@
+#include "sightline/scenario/read_shape.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "sightline/potential/distance.hpp"
+#include "tests/support/closed_loop.hpp"
+#include "tests/support/random.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr int robots = 5;
+
+/// Robots on a line, each with a sensor of its own, and a rock.
+std::string scene() {
+  std::string text;
+  for (int i = 0; i < robots; ++i) {
+    text += fmt::format(
+        "[agent.r{0}]\nrobot = \"multirotor\"\nstart = {{ p = [{1}, 0.0, {2}], heading = 0.0 }}\n"
+        "Q = [1.0, 1.0, 1.0, 0.0, 0.0, 0.7, 0.7]\nsensor = {{ pitch = {3}, offset = 0.17 }}\n"
+        "reference = {{ constant = {{ p = [{4}, 0.5, 1.0] }} }}\n",
+        i, -1.6 * i, 1 + 0.2 * i, 0.1 * i, -1.3 * i);
+  }
+  return text + "[obstacle.rock]\np = [0.0, 2.0, 1.0]\n";
+}
+
+constexpr std::string_view cone = "sensor_cone = { alpha = 0.5, kappa_G = 0.01, kappa_A = 2.0 }";
+constexpr std::string_view near = "keep_out = { d_min = 1.0, kappa_H = 4.5, kappa_G = 0.001, kappa_A = 3.0 }";
+
+/// The couplings that a shape stands for, as one would write them.
+std::string by_hand(const std::vector<std::pair<std::string, std::string>>& pairs, bool observer_alone) {
+  std::string text;
+  for (const auto& [first, second] : pairs) {
+    for (const auto& [potential, weight] : {std::pair{cone, 0.4}, {near, 1.5}}) {
+      text += fmt::format("[[couple]]\npotential = {{ {} }}\nweight = {}\nbetween = [\"{}\", \"{}\"]\n",
+                          potential, weight, first, second);
+      if (observer_alone) text += fmt::format("felt_by = [\"{}\"]\n", first);
+    }
+  }
+  return text;
+}
+
+std::string shape(std::string_view members, std::string_view felt_by) {
+  return fmt::format(
+      "[[shape]]\n{}\npotentials = [ {{ {}, weight = 0.4 }}, {{ {}, weight = 1.5 }} ]\nfelt_by = \"{}\"\n",
+      members, cone, near, felt_by);
+}
+
+Scenario parsed(const std::string& text) { return parse_scenario(text, "a.toml"); }
+
+std::string refusal(const std::string& text) {
+  try {
+    parsed(scene() + text);
+  } catch (const ScenarioError& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+/// All inputs of a short flight.
+std::vector<double> flown(const Scenario& s) {
+  const auto solver = make_solver(s.solver, s.team, s.horizon);
+  std::vector<double> inputs;
+  fly(*solver, s.x0, 40, [&](double, const std::vector<double>&, const Solution& solution) {
+    inputs.insert(inputs.end(), solution.u.begin(), solution.u.end());
+  });
+  return inputs;
+}
+
+void expect_same(const std::string& a, const std::string& b) {
+  const Scenario one = parsed(scene() + a), other = parsed(scene() + b);
+  EXPECT_EQ(summary(one), summary(other));
+  const std::vector<double> inputs = flown(one);
+  EXPECT_GT(*std::max_element(inputs.begin(), inputs.end()), 0.0);
+  EXPECT_EQ(inputs, flown(other));
+}
+
+TEST(ReadShape, a_chain_flies_as_its_couplings_written_by_hand_bit_for_bit) {
+  const auto pairs = {std::pair<std::string, std::string>{"r1", "r0"}, {"r2", "r1"}, {"r3", "r2"}};
+  const std::string_view members = "chain = [\"r0\", \"r1\", \"r2\", \"r3\"]";
+  expect_same(shape(members, "observer"), by_hand(pairs, true));
+  expect_same(shape(members, "both"), by_hand(pairs, false));
+}
+
+TEST(ReadShape, a_ring_a_star_and_all_pairs_fly_as_their_couplings_written_by_hand) {
+  expect_same(shape("ring = [\"r0\", \"r4\", \"r2\"]", "observer"),
+              by_hand({{"r4", "r0"}, {"r2", "r4"}, {"r0", "r2"}}, true));
+  expect_same(shape("star = { centre = \"r2\", observers = [\"r0\", \"r1\", \"r4\"] }", "both"),
+              by_hand({{"r0", "r2"}, {"r1", "r2"}, {"r4", "r2"}}, false));
+  expect_same(shape("star = { centre = \"rock\", observers = [\"r0\", \"r1\"] }", "both"),
+              by_hand({{"r0", "rock"}, {"r1", "rock"}}, false));
+  expect_same(shape("all_pairs = [\"r0\", \"r1\", \"rock\"]", "observer"),
+              by_hand({{"r0", "r1"}, {"r0", "rock"}, {"r1", "rock"}}, true));
+}
+
+TEST(ReadShape, one_potential_with_a_weight_stands_as_in_a_coupling) {
+  const Scenario s = parsed(scene() + fmt::format("[[shape]]\nall_pairs = \"all\"\npotential = {{ {} }}\n"
+                                                  "weight = 3.0\n",
+                                                  near));
+  ASSERT_EQ(s.team.couplings().size(), static_cast<std::size_t>(robots * (robots - 1) / 2));
+  for (const Coupling& coupling : s.team.couplings()) {
+    EXPECT_EQ(coupling.term.weight, 3.0);
+    EXPECT_EQ(coupling.felt_by.size(), 2U);
+    EXPECT_NE(coupling.term.potential.as<KeepOut>(), nullptr);
+  }
+}
+
+TEST(ReadShape, each_observer_looks_with_its_own_sensor) {
+  const Scenario s = parsed(scene() + shape("ring = [\"r0\", \"r1\", \"r2\", \"r3\", \"r4\"]", "observer"));
+  int seen = 0;
+  for (const Coupling& coupling : s.team.couplings()) {
+    const SensorMount* mount = coupling.term.potential.mount();
+    if (mount == nullptr) continue;
+    ++seen;
+    EXPECT_DOUBLE_EQ(mount->pitch, 0.1 * coupling.between.first.index);
+  }
+  EXPECT_EQ(seen, robots);
+}
+
+TEST(ReadShape, any_shape_of_random_robots_has_a_coupling_for_each_pair_and_potential) {
+  Random random(7);
+  for (int n = 0; n < 200; ++n) {
+    std::vector<std::string> names;
+    for (int i = 0; i < robots; ++i) names.push_back(fmt::format("\"r{}\"", i));
+    std::shuffle(names.begin(), names.end(), random);
+    names.resize(2 + random() % (robots - 1));
+    const auto count = names.size();
+    for (const auto& [key, pairs] :
+         {std::pair{"chain", count - 1}, {"ring", count}, {"all_pairs", count * (count - 1) / 2}}) {
+      const std::string members = fmt::format("{} = [{}]", key, fmt::join(names, ", "));
+      EXPECT_EQ(parsed(scene() + shape(members, "both")).team.couplings().size(), 2 * pairs) << members;
+    }
+  }
+}
+
+TEST(ReadShape, a_shape_of_too_many_couplings_is_refused_before_it_is_made) {
+  std::string text;
+  for (int i = 0; i < 500; ++i) {
+    text += fmt::format("[agent.r{}]\nrobot = \"multirotor\"\nstart = {{ p = [{}, 0, 1] }}\n", i, i);
+  }
+  text += fmt::format("[[shape]]\nall_pairs = \"all\"\npotential = {{ {} }}\n", near);
+  try {
+    parsed(text);
+    ADD_FAILURE() << "it was read";
+  } catch (const ScenarioError& error) {
+    EXPECT_STREQ(error.what(),
+                 "a.toml:1502: shape[0].all_pairs = \"all\", expected at most 100000 couplings");
+  }
+}
+
+TEST(ReadShape, a_potential_of_a_list_is_refused_where_it_stands) {
+  EXPECT_EQ(refusal("[[shape]]\nchain = [\"r0\", \"r1\"]\npotentials = [\n  { keep_out = {} },\n"
+                    "  { keep_out = { d_min = -1.0 } },\n]\n"),
+            "a.toml:37: shape[0].potentials[1].keep_out.d_min = -1, expected > 0 m");
+}
+
+TEST(ReadShape, the_nearest_observes_by_events_of_its_own) {
+  const std::string nearest = fmt::format(
+      "[[shape]]\nname = \"rover\"\nnearest = {{ target = \"r0\", observers = [\"r1\", \"r2\", \"r3\"], "
+      "margin = "
+      "0.2, dwell = 0.5, ramp = 0.8 }}\npotentials = [ {{ {}, weight = 0.4 }}, {{ {}, weight = 1.5 }} ]\n",
+      cone, near);
+  const Scenario s = parsed(scene() + nearest);
+  EXPECT_EQ(s.team.couplings().size(), 2U);
+  ASSERT_EQ(s.script.events.size(), 6U);
+  for (const TeamEvent& event : s.script.events) {
+    EXPECT_EQ(event.ramp, 0.8);
+    const auto& when = std::get<Condition>(event.trigger);
+    EXPECT_EQ(when.threshold, 0.2);
+    EXPECT_EQ(when.dwell, 0.5);
+  }
+  EXPECT_TRUE(changes_in_flight(s));
+  EXPECT_EQ(
+      refusal(nearest + nearest).find("a.toml:38: shape[1].name = \"rover\", expected a name of its own"), 0U)
+      << refusal(nearest + nearest);
+  EXPECT_EQ(refusal("[[shape]]\nnearest = { target = \"r0\", observers = [\"r1\", \"r0\"] }\n"
+                    "potential = { keep_out = {} }\n"),
+            "a.toml:34: shape[0].nearest.observers[1] = \"r0\", expected a robot other than the target");
+}
+
+}  // namespace
+}  // namespace sightline
