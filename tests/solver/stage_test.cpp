@@ -220,6 +220,8 @@ double any_number(Random& random) {
   return random() % 4 == 0 ? -number : number;
 }
 
+double a_positive(Random& random) { return std::abs(any_number(random)); }
+
 /// The programs of a model at random parameters and stage lengths are one, but for their constants.
 template <class Draw>
 void expect_one_structure(Draw&& draw) {
@@ -247,12 +249,12 @@ TEST(Stage, NoParameterAndNoStageLengthChangesTheStructureOfAModel) {
     return OmniRover{any_number(r), any_number(r), any_number(r), any_number(r), any_number(r)};
   });
   expect_one_structure([](Random& r) { return Unicycle{any_number(r), any_number(r), any_number(r)}; });
-  expect_one_structure([](Random& r) { return PointMass{std::abs(any_number(r))}; });
+  expect_one_structure([](Random& r) { return PointMass{a_positive(r)}; });
   expect_one_structure([](Random& r) {
-    return VelocityMultirotor{any_number(r), any_number(r), any_number(r), any_number(r)};
+    return VelocityMultirotor{a_positive(r), a_positive(r), a_positive(r), a_positive(r)};
   });
   expect_one_structure([](Random& r) {
-    return LaggedMultirotor<Lags::climb>{any_number(r), any_number(r), any_number(r)};
+    return LaggedMultirotor<Lags::climb>{a_positive(r), a_positive(r), a_positive(r)};
   });
 }
 
