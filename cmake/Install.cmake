@@ -2,21 +2,20 @@
 include(CMakePackageConfigHelpers)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/sightline)
 
-# Of the headers, those that these include, and no others; the last stands there once it is written.
+# Of the headers, those that these include, and no others; what the generator prints includes the table of kernels.
 set(headers sightline.hpp base/version.hpp model/text_robot.hpp run/loop.hpp safety/supervisor.hpp
-  solver/distributed/partition.hpp solver/kernels/generator.hpp)
+  solver/distributed/partition.hpp solver/kernels/generator.hpp
+  solver/kernels/kernel_table.hpp)
 set(components core)
 install(TARGETS sightline_core EXPORT sightline_core)
 if(TARGET sightline)
   list(APPEND headers analysis/explain.hpp analysis/preflight.hpp campaign/campaign.hpp record/log.hpp
-    record/recording.hpp record/summary.hpp report/report.hpp scenario/closed_loop.hpp scenario/scenario.hpp)
+    record/recording.hpp record/replay.hpp record/summary.hpp report/report.hpp scenario/closed_loop.hpp scenario/scenario.hpp)
   list(APPEND components sightline)
   install(TARGETS sightline EXPORT sightline_sightline)
 endif()
 if(TARGET sightline_command_line)
-  if(EXISTS ${PROJECT_SOURCE_DIR}/src/sightline/command_line.hpp)
-    list(APPEND headers command_line.hpp)
-  endif()
+  list(APPEND headers command_line.hpp)
   list(APPEND components cli)
   install(TARGETS sightline_command_line EXPORT sightline_cli)
   install(TARGETS sightline_cli)
