@@ -10,7 +10,8 @@ build=build/release
 . scripts/accept/sections.sh
 whole || begin_commit=HEAD BEFORE=$build/bin/sightline
 
-# The log of every shipped scenario, seed 1, is the same before and after, message by message.
+# The log of every shipped scenario, seed 1, is the same before and after, message by message. "Record a formula in one
+# way" changed last bits: what came before it is compared up to its parent, what came after from it.
 logs() {
   local before=${BEFORE:-} after=$build/bin/sightline name told bad=0 flown=0
   [[ -x $before ]] || { echo "BEFORE = \"$before\", expected the binary of the commit before"; return 1; }
