@@ -40,7 +40,7 @@ struct Path {
 
 struct Lamp {
   double power = 10;
-  static constexpr std::string_view name = "lamp";
+  [[maybe_unused]] static constexpr std::string_view name = "lamp";
   static constexpr auto parameters() {
     return std::tuple{parameter("power", &Lamp::power, "W", from_zero, "of its light")};
   }
