@@ -27,8 +27,12 @@ fi
 
 missing=()
 for package in "${packages[@]}"; do
-  state=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) || state=absent
-  [[ $state == installed ]] || missing+=("$package")
+  # Of a name without an architecture, this machine's.
+  case $package in
+    *:*) architectures=${package#*:} ;;
+    *) architectures="all|$(dpkg --print-architecture)" ;;
+  esac
+  dpkg-query -W -f '${db:Status-Status} ${Architecture}\n' "$package" 2>/dev/null | grep -qE "^installed ($architectures)$" || missing+=("$package")
 done
 if ((${#missing[@]} == 0)); then
   echo "deps.sh: all ${#packages[@]} packages are there" >&2
