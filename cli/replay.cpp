@@ -16,6 +16,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Whether what is set is of the solver.
+bool sets_solver(const std::vector<std::string>& assignments) {
+  return std::any_of(assignments.begin(), assignments.end(), [](std::string_view assignment) {
+    const std::string_view key = assignment.substr(0, assignment.find_first_of(".= "));
+    return key == "solver";
+  });
+}
+
 /// The scenario of the log, as it was flown, or with what the command changes.
 Scenario scenario_of(const FlownAs& flown, const std::filesystem::path& log, const ReplayCommand& command,
                      const Parts& parts) {
@@ -24,7 +32,7 @@ Scenario scenario_of(const FlownAs& flown, const std::filesystem::path& log, con
   const bool in_parts = !flown.partition.empty();
   if (command.solver) {
     if (*command.solver != scenario.solver.name) scenario.solver = solver_named(*command.solver);
-  } else if (!in_parts && flown.solver != scenario.solver.name && command.set.empty()) {
+  } else if (!in_parts && flown.solver != scenario.solver.name && !sets_solver(command.set)) {
     scenario.solver = solver_named(flown.solver);
   }
   lift_deadline(scenario.solver);
@@ -127,7 +135,7 @@ int replay(const ReplayCommand& command, const Parts& parts) {
 
     Steering steering(scenario, flown, command.solver.has_value());
     const Controllers controllers = steering.controllers();
-    CommandComparison compared(flight, sized_sample(scenario.team, controllers, flight.detections_max()));
+    CommandComparison compared(flight, sized_sample(flight, controllers));
     ClosedLoop loop(scenario, flight, controllers, flight, compared, nullptr, steering.team_switcher());
     (void)loop.fly();
 

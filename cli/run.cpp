@@ -69,9 +69,10 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
                   const Controllers& controllers, TeamSwitcher* team_switcher = nullptr,
                   const McapWords& flown = {}) {
   // All memory is taken here, before the first period.
-  const Sample prototype = sized_sample(scenario.team, controllers);
+  const auto world = make_world(scenario);
+  const Sample prototype = sized_sample(*world, controllers);
   Ring<Sample> ring(ring_capacity(prototype), prototype);
-  ClosedLoop loop(scenario, controllers, clock, ring, allocations, team_switcher);
+  ClosedLoop loop(scenario, *world, controllers, clock, ring, allocations, team_switcher);
 
   Progress progress(scenario.simulation.duration);
   Log log(

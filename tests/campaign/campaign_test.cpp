@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sightline/scenario/parts.hpp"
+#include "sightline/world/model_world.hpp"
+#include "tests/support/command.hpp"
 #include "tests/support/small_campaign.hpp"
 
 namespace sightline {
@@ -40,6 +43,41 @@ TEST(Campaign, RowsAreTheSameWhateverTheNumberOfThreads) {
   const Rows one = flown(scenario, 1);
   for (const int threads : {2, 3, 7}) EXPECT_EQ(flown(scenario, threads), one) << threads;
   EXPECT_NE(flown(scenario, 1, 24, 2), one);
+}
+
+/// The model's world, in which the first robot says where it sees the second.
+class Seeing final : public World {
+ public:
+  explicit Seeing(const Scenario& scenario)
+      : model_(scenario.team, scenario.x0, plant_options(scenario), sensor_options(scenario)) {}
+
+  const Team& team() const noexcept override { return model_.team(); }
+  std::span<const double> start() const noexcept override { return model_.start(); }
+  std::size_t detections_max() const noexcept override { return seen_.size(); }
+  void set_presence(std::span<const Presence> presence) noexcept override { model_.set_presence(presence); }
+  Measured measure(double t) noexcept override {
+    Measured measured = model_.measure(t);
+    seen_[0].stamp = t;
+    measured.detections = seen_;
+    return measured;
+  }
+  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+             std::int64_t periods) noexcept override {
+    return model_.apply(t, believed, u, period, periods);
+  }
+
+ private:
+  ModelWorld model_;
+  std::array<Detection, 1> seen_{Detection{.observer = BodyId{0}, .target = BodyId{1}}};
+};
+
+TEST(Campaign, FliesInARegisteredWorldThatGivesDetections) {
+  Parts parts;
+  parts.worlds.add("seeing", [](const Scenario& scenario) { return std::make_unique<Seeing>(scenario); });
+  const std::string text = test::read_file(SIGHTLINE_SOURCE_DIR "/scenarios/cooperative_localization.toml");
+  Scenario scenario = parse_scenario(text + "\n[world]\nkind = \"seeing\"\n", "seeing.toml", parts);
+  scenario.campaign->duration = 1.0;
+  EXPECT_EQ(flown(scenario, 2), flown(small_campaign(), 2));
 }
 
 TEST(Campaign, RunsAreHandedOverInTheirOrder) {

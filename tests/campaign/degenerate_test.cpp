@@ -171,7 +171,8 @@ TEST(Degenerate, EachStartEndsAsItShould) {
     solver->restart();
     SimulatedClock clock;
     Watch watch(scenario, plan, sized_sample(scenario.team, controllers));
-    const RunResult result = watch.result(ClosedLoop(scenario, controllers, clock, watch).fly());
+    const RunResult result =
+        watch.result(ClosedLoop(scenario, *make_world(scenario), controllers, clock, watch).fly());
     // Whoever holds beyond the bounds of the world never comes within.
     EXPECT_EQ(result.outcome == Outcome::failed, start.end == End::held) << start.name;
     EXPECT_EQ(result.violations, 0) << start.name;

@@ -345,7 +345,8 @@ TEST_P(EventTable, EveryKindOfEventKeepsEveryLaw) {
     SimulatedClock clock;
     const Controllers controllers = controls.controllers();
     Judge judge(scenario, controllers, row, controls.team_switcher());
-    ClosedLoop loop(scenario, controllers, clock, judge, cli::allocations, controls.team_switcher());
+    const auto world = make_world(scenario);
+    ClosedLoop loop(scenario, *world, controllers, clock, judge, cli::allocations, controls.team_switcher());
     const LoopOutcome outcome = loop.fly();
     EXPECT_TRUE(outcome.finite);
     EXPECT_EQ(outcome.refused, 0);

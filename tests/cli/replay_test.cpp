@@ -100,6 +100,9 @@ TEST(Replay, OfAFlightUnderAnotherSolverThanTheScenariosThatOneFliesAgain) {
   const fs::path folder = fresh_folder();
   fly("paper_7_1", "3.0", folder, " --solver cgmres --seed 4");
   EXPECT_THAT(sightline(replay(folder), folder).out, HasSubstr(" 0 differ"));
+  EXPECT_THAT(sightline(replay(folder, " --set simulation.seed=7"), folder).out, HasSubstr(" 0 differ"));
+  const auto own = sightline(replay(folder, " --json --set solver.max_krylov=3"), folder);
+  EXPECT_EQ(json::parse(own.out).at("solver"), "newton_riccati") << own.err;
 }
 
 TEST(Replay, AKilledFlightIsReplayedToItsEnd) {

@@ -94,7 +94,7 @@ Flight fly(Scenario flown, double duration) {
   const Controllers controllers = {*solver};
   SimulatedClock clock;
   Watch watch(flown, sized_sample(flown.team, controllers));
-  watch.flight.outcome = ClosedLoop(flown, controllers, clock, watch).fly();
+  watch.flight.outcome = ClosedLoop(flown, *make_world(flown), controllers, clock, watch).fly();
   EXPECT_TRUE(watch.flight.outcome.finite);
   EXPECT_LE(watch.flight.largest_input, 1.0);
   return watch.flight;

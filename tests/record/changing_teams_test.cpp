@@ -45,7 +45,9 @@ class Flight final : public Sink<Sample> {
         sample_(sized_sample(scenario.team, controls_.controllers())),
         summary(scenario, 1) {
     SimulatedClock clock;
-    ClosedLoop loop(scenario, controls_.controllers(), clock, *this, nullptr, controls_.team_switcher());
+    const auto world = make_world(scenario);
+    ClosedLoop loop(scenario, *world, controls_.controllers(), clock, *this, nullptr,
+                    controls_.team_switcher());
     const LoopOutcome outcome = loop.fly();
     EXPECT_TRUE(outcome.finite);
     EXPECT_EQ(outcome.refused, 0);

@@ -31,7 +31,8 @@ Flight fly(const Scenario& scenario, bool with_kkt = false) {
     };
   }
   const LoopOutcome outcome =
-      ClosedLoop(scenario, controllers, clock, sink, nullptr, controls.team_switcher()).fly();
+      ClosedLoop(scenario, *make_world(scenario), controllers, clock, sink, nullptr, controls.team_switcher())
+          .fly();
   return {std::move(sink.flown), outcome};
 }
 

@@ -51,7 +51,8 @@ std::vector<Sample> fly(const Scenario& scenario, const fs::path& folder, Clock&
   const Controls controls(scenario);
   const Controllers controllers = controls.controllers();
   Ring<Sample> ring(320, sized_sample(scenario.team, controllers));
-  ClosedLoop loop(scenario, controllers, clock, ring, nullptr);
+  const auto world = make_world(scenario);
+  ClosedLoop loop(scenario, *world, controllers, clock, ring, nullptr);
   (void)loop.fly();
   Ring<Sample> copies(320, sized_sample(scenario.team, controllers));
   Log log(scenario, folder, controllers, copies);

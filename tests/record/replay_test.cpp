@@ -24,7 +24,8 @@ struct Flown {
     const Controls controls(scenario);
     Ring<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
                       sized_sample(scenario.team, controls.controllers()));
-    ClosedLoop loop(scenario, controls.controllers(), clock, ring, nullptr, controls.team_switcher());
+    const auto world = make_world(scenario);
+    ClosedLoop loop(scenario, *world, controls.controllers(), clock, ring, nullptr, controls.team_switcher());
     (void)loop.fly();
     Log log(scenario, folder.path(), controls.controllers(), ring);
     log.start();

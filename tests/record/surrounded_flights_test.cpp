@@ -56,7 +56,10 @@ Flown fly(const Scenario& scenario) {
   SimulatedClock clock;
   const Controllers controllers = controls.controllers();
   KeepSamples sink(sized_sample(scenario.team, controllers));
-  EXPECT_TRUE(ClosedLoop(scenario, controllers, clock, sink, nullptr, controls.team_switcher()).fly().finite);
+  EXPECT_TRUE(
+      ClosedLoop(scenario, *make_world(scenario), controllers, clock, sink, nullptr, controls.team_switcher())
+          .fly()
+          .finite);
   Flown flown;
   for (const FlownPeriod& period : sink.flown) {
     const auto at = [&](int body) {

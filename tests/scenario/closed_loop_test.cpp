@@ -56,7 +56,7 @@ std::string flown(const Scenario& scenario, Solver& solver) {
   const Controllers controllers = {solver};
   SimulatedClock clock;
   Kept sink(sized_sample(scenario.team, controllers));
-  const LoopOutcome outcome = ClosedLoop(scenario, controllers, clock, sink).fly();
+  const LoopOutcome outcome = ClosedLoop(scenario, *make_world(scenario), controllers, clock, sink).fly();
   EXPECT_TRUE(outcome.finite);
   EXPECT_EQ(outcome.updates, std::llround(scenario.simulation.duration / scenario.horizon.dt));
   EXPECT_EQ(sink.closed, 1);
@@ -69,7 +69,8 @@ TEST(ClosedLoop, ASinkWithoutARingSeesTheSamplesOfTheRing) {
   const Controllers controllers = {*solver};
   SimulatedClock clock;
   Ring<Sample> ring(4, sized_sample(flight.team, controllers));
-  ClosedLoop loop(flight, controllers, clock, ring);
+  const auto world = make_world(flight);
+  ClosedLoop loop(flight, *world, controllers, clock, ring);
   std::string bytes;
   std::thread log([&] {
     for (; const Sample* sample = ring.wait(); ring.pop()) append(bytes, *sample);
@@ -135,7 +136,7 @@ TEST(ClosedLoop, AStartThatIsNoStateIsRefused) {
   const Controllers controllers = {*solver};
   SimulatedClock clock;
   Kept sink(sized_sample(flight.team, controllers));
-  EXPECT_THROW(ClosedLoop(flight, controllers, clock, sink), std::invalid_argument);
+  EXPECT_THROW(ClosedLoop(flight, *make_world(flight), controllers, clock, sink), std::invalid_argument);
 }
 
 TEST(ClosedLoop, FliesInTheWorldThatTheScenarioNames) {

@@ -22,7 +22,8 @@ inline EvasionTrace evade(const Scenario& scenario, const EvasionPlan& plan = se
   const Controllers controllers = {*solver};
   SimulatedClock clock;
   EvasionTrace trace(scenario, plan, sized_sample(scenario.team, controllers));
-  ClosedLoop loop(scenario, controllers, clock, trace);
+  const auto world = make_world(scenario);
+  ClosedLoop loop(scenario, *world, controllers, clock, trace);
   (void)loop.fly();
   return trace;
 }

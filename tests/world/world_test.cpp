@@ -69,7 +69,7 @@ TEST(World, WhereNobodyKnowsTheTruthWhatWasMeasuredStandsForItAndTheCommandsAreT
   SimulatedClock clock;
   ModelWorld model(pair(), x0);
   Outside outside(1000);
-  Kept of_model(sized_sample(pair(), {known})), of_outside(sized_sample(pair(), {unknown}, 1));
+  Kept of_model(sized_sample(pair(), {known})), of_outside(sized_sample(outside, {unknown}));
   (void)Loop(model, {known}, clock, of_model, {.duration = 2.0}).run();
   (void)Loop(outside, {unknown}, clock, of_outside, {.duration = 2.0}).run();
   ASSERT_EQ(of_outside.all.size(), of_model.all.size());
@@ -84,7 +84,7 @@ TEST(World, DetectionsComeToTheSampleWithTheirStamps) {
   NewtonRiccati solver(pair(), {});
   SimulatedClock clock;
   Outside outside(1000);
-  Kept kept(sized_sample(pair(), {solver}, 1));
+  Kept kept(sized_sample(outside, {solver}));
   (void)Loop(outside, {solver}, clock, kept, {.duration = 0.5}).run();
   for (const Sample& sample : kept.all) {
     ASSERT_EQ(sample.detection_count, 1U);
@@ -100,7 +100,7 @@ TEST(World, EndsTheLoopWhereItCannotGoOn) {
   NewtonRiccati solver(pair(), {});
   SimulatedClock clock;
   Outside outside(30);
-  Kept kept(sized_sample(pair(), {solver}, 1));
+  Kept kept(sized_sample(outside, {solver}));
   const LoopOutcome outcome = Loop(outside, {solver}, clock, kept, {.duration = 2.0}).run();
   EXPECT_EQ(outcome.updates, 30);
   EXPECT_FALSE(outcome.finite);
@@ -114,7 +114,7 @@ TEST(World, IsToldEveryPeriodOnceThoughSomeAreMissed) {
   } clock;
   NewtonRiccati solver(pair(), {});
   Outside outside(1000);
-  Kept kept(sized_sample(pair(), {solver}, 1));
+  Kept kept(sized_sample(outside, {solver}));
   const LoopOutcome outcome = Loop(outside, {solver}, clock, kept, {.duration = 1.0}).run();
   EXPECT_EQ(outcome.missed, 30);
   EXPECT_EQ(outcome.updates, 70);

@@ -85,8 +85,9 @@ RunResult Pilot::fly(const RunDraw& run) {
   Solver& solver = solver_of(run, scenario);
   const Controllers controllers = {solver};
   SimulatedClock clock;
-  Judge judge(scenario, plan_, sized_sample(scenario.team, controllers));
-  ClosedLoop loop(scenario, controllers, clock, judge);
+  const auto world = make_world(scenario);
+  Judge judge(scenario, plan_, sized_sample(*world, controllers));
+  ClosedLoop loop(scenario, *world, controllers, clock, judge);
   return judge.result(loop.fly());
 }
 

@@ -47,19 +47,24 @@ std::vector<Presence> everybody(const Team& team) {
 
 }  // namespace
 
-Sample sized_sample(const Team& world, const Controllers& controllers, std::size_t detections) {
-  const std::size_t nx = size(world.nx()), nu = size(world.nu());
+Sample sized_sample(const World& world, const Controllers& controllers) {
+  Sample sample = sized_sample(world.team(), controllers);
+  sample.detections.resize(world.detections_max());
+  return sample;
+}
+
+Sample sized_sample(const Team& team, const Controllers& controllers) {
+  const std::size_t nx = size(team.nx()), nu = size(team.nu());
   const Horizon horizon = controllers.empty() ? Horizon{} : longest_horizon(controllers);
   Sample sample;
   sample.x.resize(nx);
   sample.measured.resize(nx);
-  sample.stamps.resize(size(world.bodies()));
-  sample.detections.resize(detections);
+  sample.stamps.resize(size(team.bodies()));
   sample.u.resize(nu);
   sample.raw_u.resize(nu);
   sample.solvers.resize(controllers.size());
-  sample.barriers.resize(world.agents().size());
-  sample.presence = everybody(world);
+  sample.barriers.resize(team.agents().size());
+  sample.presence = everybody(team);
   sample.rungs.resize(sample.presence.size());
   sample.path.resize(size(horizon.N + 1) * nx);
   sample.path_step = horizon.h();
@@ -80,7 +85,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
       planned_at_(size(world.team().bodies())),
       plan_ages_(planned_at_.size()),
       ages_(planned_at_.size()),
-      spare_(sized_sample(world.team(), controllers, world.detections_max())) {
+      spare_(sized_sample(world, controllers)) {
   for (const LatePlan& late : options_.late_plans) late.check();
   std::stable_sort(options_.signals.begin(), options_.signals.end(),
                    [](const TimedSignal& a, const TimedSignal& b) { return a.at < b.at; });
@@ -332,13 +337,11 @@ void Loop::follow_guard(double t, std::span<const double> x) noexcept {
     const bool was_there = presence_before_[size(i)] != Presence::absent;
     const bool is_there = presence_[size(i)] != Presence::absent;
     if (!is_there && team.is_agent(BodyId{i})) rest(BodyId{i}, t);
-    if (!was_there && is_there) planned_at_[size(i)] = t;
+    if (was_there || !is_there) continue;
+    planned_at_[size(i)] = t;
+    welcome(BodyId{i}, t, x);
   }
   if (options_.guard != nullptr) options_.guard->follow(options_.team_switcher->present().membership, t, x);
-  for (int i = 0; i < team.bodies(); ++i) {
-    const bool was_there = presence_before_[size(i)] != Presence::absent;
-    if (!was_there && presence_[size(i)] != Presence::absent) welcome(BodyId{i}, t, x);
-  }
 }
 
 /// Tells where a body comes to be there nearer to another than it may.

@@ -54,8 +54,9 @@ struct LoopOutcome {
 };
 
 /// A sample with all its vectors sized for a loop: the prototype of its sink's items.
-/// @param detections  most in one period, World::detections_max()
-Sample sized_sample(const Team& world, const Controllers& controllers, std::size_t detections = 0);
+Sample sized_sample(const World& world, const Controllers& controllers);
+/// In a world of that team without detections.
+Sample sized_sample(const Team& team, const Controllers& controllers);
 
 /// Runs controllers in a world.
 ///

@@ -111,11 +111,6 @@ std::unique_ptr<World> make_world(const Scenario& scenario) {
   return (*make)(scenario);
 }
 
-ClosedLoop::ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock,
-                       Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
-                       TeamSwitcher* team_switcher)
-    : ClosedLoop(scenario, make_world(scenario), controllers, clock, sink, allocations, team_switcher) {}
-
 ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
                        Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
                        TeamSwitcher* team_switcher)
@@ -130,12 +125,5 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers
              .team_switcher = team_switcher,
              .signals = scenario.simulation.signals,
              .d_hard = hard_distances(scenario)}) {}
-
-ClosedLoop::ClosedLoop(const Scenario& scenario, std::unique_ptr<World> own, const Controllers& controllers,
-                       Clock& clock, Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
-                       TeamSwitcher* team_switcher)
-    : ClosedLoop(scenario, *own, controllers, clock, sink, allocations, team_switcher) {
-  own_ = std::move(own);
-}
 
 }  // namespace sightline

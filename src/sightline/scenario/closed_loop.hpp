@@ -45,17 +45,16 @@ class Controls {
   std::unique_ptr<TeamSwitcher> team_switcher_;
 };
 
-/// World, guard and loop of one flight, as the scenario says. All memory is taken when it is made.
+/// Guard and loop of one flight in a world, as the scenario says. All memory is taken when it is made.
 class ClosedLoop {
  public:
-  /// @param controllers  a solver of the scenario's team; they, the clock and the sink outlive this
-  /// @param sink         its items are copies of sized_sample()
-  /// @param team_switcher   of the Controls, if the scenario has one
-  /// @param allocations  of the calling thread so far, where they are counted
+  /// @param world          of the scenario's team: make_world(), or another; it, the controllers, the clock and the
+  ///                       sink outlive this
+  /// @param controllers    a solver of the scenario's team
+  /// @param sink           its items are copies of sized_sample()
+  /// @param allocations    of the calling thread so far, where they are counted
+  /// @param team_switcher  of the Controls, if the scenario has one
   /// @throws std::invalid_argument for a start, a disturbance or a sink that cannot be, named
-  ClosedLoop(const Scenario& scenario, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
-             std::int64_t (*allocations)() noexcept = nullptr, TeamSwitcher* team_switcher = nullptr);
-  /// In another world than the scenario's, of its team, which outlives this.
   ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
              Sink<Sample>& sink, std::int64_t (*allocations)() noexcept = nullptr,
              TeamSwitcher* team_switcher = nullptr);
@@ -66,11 +65,6 @@ class ClosedLoop {
   LoopOutcome fly() noexcept { return loop_.run(); }
 
  private:
-  ClosedLoop(const Scenario& scenario, std::unique_ptr<World> own, const Controllers& controllers,
-             Clock& clock, Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
-             TeamSwitcher* team_switcher);
-
-  std::unique_ptr<World> own_;
   std::optional<Guard> guard_;
   Loop loop_;
 };

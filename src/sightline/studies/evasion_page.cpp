@@ -23,8 +23,9 @@ EvasionRuns evasion_runs(const Scenario& scenario, const CampaignPlan& plan, std
     const auto solver = make_solver(run.solver, run.team, run.horizon);
     const Controllers controllers = {*solver};
     SimulatedClock clock;
-    EvasionTrace trace(run, *plan.evasion, sized_sample(run.team, controllers));
-    ClosedLoop loop(run, controllers, clock, trace);
+    const auto world = make_world(run);
+    EvasionTrace trace(run, *plan.evasion, sized_sample(*world, controllers));
+    ClosedLoop loop(run, *world, controllers, clock, trace);
     static_cast<void>(loop.fly());
     flown.runs.push_back(std::move(trace));
   }
