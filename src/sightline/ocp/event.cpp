@@ -1,9 +1,9 @@
 #include "sightline/ocp/event.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 
@@ -12,31 +12,9 @@
 namespace sightline {
 namespace {
 
-bool at_least_zero(double value) { return value >= 0 && std::isfinite(value); }
-
-/// What an action is about: two at one time about the same contradict each other.
-struct Subject {
-  const Team& all;
-
-  std::string operator()(const RemoveBody& a) const { return body(a.body); }
-  std::string operator()(const AddBody& a) const { return body(a.body); }
-  std::string operator()(const AddCoupling& a) const { return term(a.coupling.name); }
-  std::string operator()(const AddConstraint& a) const { return term(a.constraint.name); }
-  std::string operator()(const RemoveTerm& a) const { return term(a.name); }
-  std::string operator()(const RetuneTerm& a) const { return term(a.name); }
-  std::string operator()(const RetuneAgent& a) const {
-    return fmt::format("the tuning of {}", body(a.agent));
-  }
-  std::string operator()(const SetReference& a) const {
-    return fmt::format("the reference of {}", body(a.agent));
-  }
-  std::string operator()(const Observe& a) const { return fmt::format("whom {} observes", body(a.observer)); }
-
-  std::string body(BodyId id) const { return fmt::format("\"{}\"", all.name(id)); }
-  static std::string term(const std::string& name) {
-    return name.empty() ? std::string() : fmt::format("the coupling or constraint \"{}\"", name);
-  }
-};
+std::string subject_of(const Action& action, const Team& all) {
+  return std::visit([&](const auto& it) { return it.subject(all); }, action);
+}
 
 class Examination {
  public:
@@ -61,34 +39,13 @@ class Examination {
     if (event.actions.empty() && event.enter.empty()) {
       fault(i, "the event changes nothing, expected an action or a stage to enter");
     }
-    if (const auto* at = std::get_if<AtTime>(&event.trigger); at != nullptr && !at_least_zero(at->t)) {
-      fault(i, "at = {}, expected >= 0 s", at->t);
-    }
-    if (const auto* after = std::get_if<AfterTime>(&event.trigger);
-        after != nullptr && !at_least_zero(after->delay)) {
-      fault(i, "after = {}, expected >= 0 s", after->delay);
-    }
-    const auto* when = std::get_if<Condition>(&event.trigger);
-    if (event.repeat && when == nullptr && !std::holds_alternative<Signal>(event.trigger)) {
-      fault(i, "repeat = true of an event with a time, expected a condition or a signal");
-    }
-    if (when == nullptr) return;
-    if (!at_least_zero(when->hysteresis)) fault(i, "hysteresis = {}, expected >= 0", when->hysteresis);
-    if (!at_least_zero(when->dwell)) fault(i, "dwell = {}, expected >= 0 s", when->dwell);
-    if (!std::isfinite(when->threshold)) fault(i, "a threshold of {}, expected a number", when->threshold);
-    const bool positive = !std::holds_alternative<ExcessOf>(when->measure) &&
-                          !std::holds_alternative<NearerThan>(when->measure);
-    if (positive && when->side == Condition::Side::below && when->threshold <= 0) {
-      fault(i, "below = {}, expected > 0: a distance, an angle or an age never is below", when->threshold);
-    }
-    if (std::holds_alternative<ViewAngleOf>(when->measure) && when->side == Condition::Side::above &&
-        when->threshold >= 3.1415926535897932) {
-      fault(i, "above = {}, expected less than pi: an angle never is above", when->threshold);
-    }
-    if (event.repeat && when->hysteresis == 0 && when->dwell == 0) {
-      fault(i,
-            "a condition that repeats could come about each period, expected hysteresis > 0 or dwell > 0 s");
-    }
+    const auto check = [&](const auto& trigger) {
+      if (event.repeat && !trigger.may_repeat) {
+        fault(i, "repeat = true of an event with a time, expected a condition or a signal");
+      }
+      for (std::string& sentence : trigger.faults(event.repeat)) faults_.push_back({i, std::move(sentence)});
+    };
+    std::visit(check, event.trigger);
   }
 
   void check_stages() {
@@ -106,11 +63,8 @@ class Examination {
     }
   }
 
-  /// Whether the event can come about the moment its stage begins.
   static bool takes_no_time(const TeamEvent& event) {
-    if (const auto* after = std::get_if<AfterTime>(&event.trigger)) return after->delay <= 0;
-    if (const auto* when = std::get_if<Condition>(&event.trigger)) return when->dwell <= 0;
-    return false;  // a time comes once, a signal from outside
+    return std::visit([](const auto& trigger) { return trigger.takes_no_time(); }, event.trigger);
   }
 
   /// Stages that follow each other in no time must not come back to the first.
@@ -153,14 +107,13 @@ class Examination {
     };
     std::vector<Fixed> fixed;
     std::set<std::string> unforeseen;
-    const Subject subject{roster_.all()};
     for (std::size_t i = 0; i < events_.size(); ++i) {
       const bool at_once =
           events_[i].stage.empty() || std::count(begins_.begin(), begins_.end(), events_[i].stage) > 0;
       if (const auto* at = std::get_if<AtTime>(&events_[i].trigger); at != nullptr && at_once) {
         fixed.push_back({at->t, i});
       } else {
-        for (const Action& action : events_[i].actions) unforeseen.insert(std::visit(subject, action));
+        for (const Action& action : events_[i].actions) unforeseen.insert(subject_of(action, roster_.all()));
       }
     }
     std::stable_sort(fixed.begin(), fixed.end(), [](const Fixed& a, const Fixed& b) { return a.t < b.t; });
@@ -177,7 +130,7 @@ class Examination {
         }
       }
       for (const Action& action : event.actions) {
-        const std::string what = std::visit(subject, action);
+        const std::string what = subject_of(action, roster_.all());
         if (!what.empty()) {
           const auto before = last.find(what);
           if (before != last.end() && before->second.t == it.t) {
@@ -194,7 +147,7 @@ class Examination {
     for (std::size_t i = 0; i < events_.size(); ++i) {
       std::set<std::string> once;
       for (const Action& action : events_[i].actions) {
-        const std::string what = std::visit(subject, action);
+        const std::string what = subject_of(action, roster_.all());
         if (!what.empty() && !once.insert(what).second &&
             !std::holds_alternative<AtTime>(events_[i].trigger)) {
           fault(i, "{} is changed twice at one time, expected one change", what);
@@ -217,12 +170,33 @@ std::string_view region_of(std::string_view stage) {
 }
 
 double ramp_of(const TeamEvent& event) {
-  constexpr double of_an_observer = 1.0;
   if (event.ramp) return *event.ramp;
-  const bool observes = std::any_of(event.actions.begin(), event.actions.end(), [](const Action& action) {
-    return std::holds_alternative<Observe>(action);
-  });
-  return observes ? of_an_observer : 0.0;
+  double longest = 0.0;
+  const auto count = [&](const auto& action) {
+    if constexpr (requires { action.usual_ramp; }) longest = std::max(longest, action.usual_ramp);
+  };
+  for (const Action& action : event.actions) std::visit(count, action);
+  return longest;
+}
+
+std::string in_words(const Trigger& trigger, const Team& all) {
+  return std::visit([&](const auto& it) { return it.words(all); }, trigger);
+}
+
+std::string in_words(const Action& action, const Team& all) {
+  return std::visit([&](const auto& it) { return it.words(all); }, action);
+}
+
+std::string in_words(const TeamEvent& event, const Team& all) {
+  std::string text = fmt::format("{}, {}", event.name, in_words(event.trigger, all));
+  if (!event.stage.empty()) text += fmt::format(", in stage {}", event.stage);
+  if (event.repeat) text += ", as often as that comes about";
+  std::vector<std::string> changes;
+  for (const Action& action : event.actions) changes.push_back(in_words(action, all));
+  if (!event.enter.empty()) changes.push_back(fmt::format("enter stage {}", event.enter));
+  text += fmt::format(": {}", fmt::join(changes, "; "));
+  if (const double ramp = ramp_of(event); ramp > 0) text += fmt::format(", over {} s", ramp);
+  return text;
 }
 
 std::vector<ScriptFault> faults_of(const Script& script, const Roster& roster) {

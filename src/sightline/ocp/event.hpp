@@ -12,116 +12,47 @@
 #include <variant>
 #include <vector>
 
-#include "sightline/ocp/team.hpp"
+#include "sightline/ocp/event/add_body.hpp"
+#include "sightline/ocp/event/add_term.hpp"
+#include "sightline/ocp/event/after_time.hpp"
+#include "sightline/ocp/event/at_time.hpp"
+#include "sightline/ocp/event/condition.hpp"
+#include "sightline/ocp/event/observe.hpp"
+#include "sightline/ocp/event/remove_body.hpp"
+#include "sightline/ocp/event/remove_term.hpp"
+#include "sightline/ocp/event/retune_agent.hpp"
+#include "sightline/ocp/event/retune_term.hpp"
+#include "sightline/ocp/event/set_reference.hpp"
+#include "sightline/ocp/event/signal.hpp"
 
 namespace sightline {
 
-// When.
+/// When: a struct of ocp/event/, each in a file of its own that says all of it. Its constants and functions:
+///
+///   keys           what a scenario calls it; exactly one key of an event is of a trigger
+///   may_repeat     whether it can come about more than once
+///   faults         numbers out of range, a sentence each
+///   takes_no_time  whether it can come about the moment its stage begins
+///   happens        asked once in each period; neither allocates nor throws
+///   words          as a person reads it
+///   read           from the event's table
+///   bodies         that it is about, if any; they must be there
+using Trigger = std::variant<AtTime, AfterTime, Condition, Signal>;
 
-/// At this time of the run.
-struct AtTime {
-  double t = 0.0;  ///< [s], >= 0
-};
-/// At this time after its stage began; for an event of all stages, after the run began.
-struct AfterTime {
-  double delay = 0.0;  ///< [s], >= 0
-};
-/// A message from outside, by its name; one that arrives while no event waits for it is lost.
-struct Signal {
-  std::string name;
-};
-/// One as a simulation sends it.
-struct TimedSignal {
-  double at = 0.0;  ///< [s], >= 0
-  std::string name;
-};
-
-/// What a condition looks at.
-struct DistanceOf {
-  BodyId a, b;  ///< of their positions [m]
-};
-struct ViewAngleOf {
-  BodyId observer, target;
-  SensorMount mount{};  ///< angle between the sensor's axis and the target, (71) [rad]
-};
-/// How far a limit is broken, in its unit: > 0 outside.
-struct ExcessOf {
-  Potential potential;  ///< one that states a limit
-  BodyId a, b;          ///< the same body twice for a potential of one
-};
-/// How old what is known of a body is [s].
-struct AgeOf {
-  BodyId body;
-};
-/// How much nearer than the robot a, in its stead, the robot b is to a target [m]; infinite where a is not steered.
-struct NearerThan {
-  BodyId a, b, target;
-};
-using Measure = std::variant<DistanceOf, ViewAngleOf, ExcessOf, AgeOf, NearerThan>;
-
-/// True once the measure has been beyond the threshold for `dwell`; false again once it has come back by more than
-/// `hysteresis`.
-struct Condition {
-  enum class Side { above, below };
-  Measure measure;
-  Side side = Side::above;
-  double threshold = 0.0;
-  double hysteresis = 0.0;  ///< in the measure's unit, >= 0
-  double dwell = 0.0;       ///< [s], >= 0
-};
-
-using Trigger = std::variant<AtTime, AfterTime, Signal, Condition>;
-
-// What.
-
-/// What an uncontrolled robot does.
-enum class Afterwards {
-  vanish,  ///< it is removed
-  hold,    ///< it brakes and stays; the others still feel their couplings with it
-  land,    ///< it brakes and sinks to the ground
-};
-struct RemoveBody {
-  BodyId body;
-  Afterwards afterwards = Afterwards::vanish;  ///< of a robot; others vanish
-};
-/// At its start; with its couplings to bodies that are present.
-struct AddBody {
-  BodyId body;
-};
-struct AddCoupling {
-  Coupling coupling;
-};
-struct AddConstraint {
-  Constraint constraint;
-};
-/// A coupling or constraint, by its name.
-struct RemoveTerm {
-  std::string name;
-};
-/// What is left out does not change.
-struct RetuneTerm {
-  std::string name;
-  std::optional<double> weight{};
-  std::optional<Potential> potential{};
-};
-struct RetuneAgent {
-  AgentId agent;
-  std::optional<std::vector<double>> Q{}, R{}, Q_f{}, u_ref{};
-  std::optional<InputLimits> limits{};
-};
-struct SetReference {
-  AgentId agent;
-  Reference reference;
-};
-/// The robot observes another body from now on: its couplings with a sensor, and those that hold it to what it
-/// observed, go over. Whatever keeps the two apart (protection.hpp) stays, and the new target gets the same if it has
-/// none; of a region that does both, the limits that keep them apart stay behind.
-struct Observe {
-  AgentId observer;
-  BodyId target;
-};
-using Action = std::variant<RemoveBody, AddBody, AddCoupling, AddConstraint, RemoveTerm, RetuneTerm,
-                            RetuneAgent, SetReference, Observe>;
+/// What: likewise.
+///
+///   key            what a scenario calls it; several may share one, told apart by
+///   kinds          of which one stands in its table, with the keys `beside`
+///   named          made of a body alone, if it can be: remove = "uav2"
+///   expected       in place of what is no table
+///   read           from its table
+///   apply          makes the change; gives why it cannot be, a sentence: then nothing was changed
+///   subject        what it changes: two changes of one subject at one time contradict each other
+///   words          as a person reads it
+///   needs          bodies that must be there, if any
+///   usual_ramp     over which its weights change where the event says nothing, if not at once [s]
+using Action = std::variant<RemoveBody, RemoveTerm, AddBody, AddCoupling, AddConstraint, RetuneAgent,
+                            RetuneTerm, Observe, SetReference>;
 
 inline constexpr std::string_view first_stage = "start";
 
@@ -135,9 +66,15 @@ struct TeamEvent {
   std::optional<double> ramp{};  ///< of the weights that change [s], >= 0; none: ramp_of()
 };
 
-/// The time over which an event's weights change [s]: its own; else 1 s where an observer changes its target,
-/// else 0.
+/// The time over which an event's weights change [s]: its own; else the longest that is usual for its actions, 1 s
+/// where an observer changes its target.
 double ramp_of(const TeamEvent& event);
+
+/// As a person reads it: "at 20 s", "remove uav2".
+std::string in_words(const Trigger& trigger, const Team& all);
+std::string in_words(const Action& action, const Team& all);
+/// Its name, when it happens, and what it changes.
+std::string in_words(const TeamEvent& event, const Team& all);
 
 /// "x" of a stage "x:a"; empty for one without.
 std::string_view region_of(std::string_view stage);

@@ -1,21 +1,12 @@
 /// The active team: which bodies are present and which couplings are in force, as events change them.
 #pragma once
 
-#include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "sightline/ocp/event.hpp"
 
 namespace sightline {
-
-enum class Presence : std::uint8_t {
-  absent,   ///< nowhere
-  steered,  ///< a robot of the team
-  hold,     ///< present, but not controlled: a robot that brakes and stays, a target or an obstacle
-  land,     ///< a robot that brakes and sinks
-};
 
 /// Of each body of a roster, what is in force for it: what those need to know that judge and guard commands.
 struct Membership {
@@ -45,36 +36,21 @@ class Roster {
 
   Membership membership() const;
 
-  const Team& all() const { return all_; }
+  const Team& all() const { return now_.all; }
   /// A robot as it is tuned now.
-  const Agent& agent(AgentId robot) const { return agents_[place(robot)]; }
-  const std::vector<Presence>& presence() const { return presence_; }
-  Presence presence(BodyId body) const { return presence_[at(body)]; }
+  const Agent& agent(AgentId robot) const { return now_.agents[now_.place(robot)]; }
+  const std::vector<Presence>& presence() const { return now_.presence; }
+  Presence presence(BodyId body) const { return now_.presence[at(body)]; }
   /// Those in force or fading, of bodies that are there or not.
-  const std::vector<Coupling>& couplings() const { return couplings_; }
-  const std::vector<Constraint>& constraints() const { return constraints_; }
+  const std::vector<Coupling>& couplings() const { return now_.couplings; }
+  const std::vector<Constraint>& constraints() const { return now_.constraints; }
   /// Whether a coupling or constraint of that name is in force or fading in.
-  bool has_term(std::string_view name) const;
+  bool has_term(std::string_view name) const { return now_.has_term(name); }
 
  private:
-  struct Change;
-  /// A robot whose reference is blended from the last one to the present one.
-  struct Turn {
-    AgentId agent;
-    Reference from;
-    Ramp ramp;
-  };
-
-  std::size_t place(AgentId id) const;  // in agents_
   std::vector<Coupling> swarm_couplings() const;
-  Reference reference(AgentId id, double t) const;
 
-  Team all_;                         // bodies alone
-  std::vector<Agent> agents_;        // as tuned now
-  std::vector<Coupling> couplings_;  // ids of all_
-  std::vector<Constraint> constraints_;
-  std::vector<Turn> turns_;
-  std::vector<Presence> presence_;
+  TeamState now_;
 };
 
 }  // namespace sightline

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sightline/ocp/event.hpp"
-#include "sightline/ocp/roster.hpp"
 
 namespace sightline {
 
@@ -18,17 +17,9 @@ class Watch {
   /// @param all  the bodies of the script
   Watch(const Script& script, const Team& all);
 
-  /// What is known at a time.
-  struct View {
-    double t = 0.0;                      ///< [s]
-    std::span<const double> x;           ///< states of all bodies (nx)
-    std::span<const double> u;           ///< inputs of all robots (nu)
-    std::span<const double> ages;        ///< of each body [s]; empty: all is new
-    std::span<const Presence> presence;  ///< of each body; conditions on one that is absent do not hold
-  };
   /// The events that happen now, in their order; a stage that one of them enters begins now. Allocates nothing.
   /// @return indices in the script, valid until the next call
-  std::span<const std::size_t> look(const View& view) noexcept;
+  std::span<const std::size_t> look(const Known& known) noexcept;
 
   /// From any thread: the message is there; the events that wait for it happen at the next look.
   /// @return whether an event of the script has this signal
@@ -41,9 +32,7 @@ class Watch {
   struct State {
     std::size_t stage = 0, enter = 0;  // in stages_, 0: none
     bool over = false;
-    bool holds = false;  // the condition, with its hysteresis
-    bool told = false;   // since it came to hold
-    double since = 0.0;  // when it came to hold [s]
+    ConditionState condition{};
   };
 
   /// The present stage of those that exclude each other.
@@ -55,8 +44,6 @@ class Watch {
 
   std::size_t stage_of(const std::string& name);
   Region& region_of_stage(std::size_t stage) noexcept { return regions_[stage_regions_[stage]]; }
-  bool happens(std::size_t event, const View& view) noexcept;
-  bool comes_about(const Condition& when, State& state, const View& view) noexcept;
 
   Script script_;
   Team all_;

@@ -21,6 +21,13 @@ struct Ramp {
     const double s = (t - begin) / duration;
     return from + (to - from) * (s * s * (3.0 - 2.0 * s));
   }
+
+  /// Whether the weight is there in the end.
+  bool lasts() const noexcept { return to > 0; }
+  /// Whether the weight moves no more.
+  bool has_settled(double t) const noexcept { return from == to || t >= begin + duration; }
+  /// Whether the weight has faded away.
+  bool is_over(double t) const noexcept { return !lasts() && t >= begin + duration; }
 };
 
 }  // namespace sightline

@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 
 #include "sightline/ocp/roster.hpp"
-#include "sightline/scenario/read_action.hpp"
-#include "sightline/scenario/read_trigger.hpp"
+#include "sightline/scenario/event_text.hpp"
 
 namespace sightline {
 namespace {
@@ -61,14 +60,6 @@ TeamEvent read_event(const TomlTable& at, const EventScope& scope, const Script&
   return event;
 }
 
-struct BodiesOf {
-  std::vector<BodyId> operator()(const DistanceOf& of) const { return {of.a, of.b}; }
-  std::vector<BodyId> operator()(const ViewAngleOf& of) const { return {of.observer, of.target}; }
-  std::vector<BodyId> operator()(const ExcessOf& of) const { return {of.a, of.b}; }
-  std::vector<BodyId> operator()(const AgeOf& of) const { return {of.body}; }
-  std::vector<BodyId> operator()(const NearerThan& of) const { return {of.a, of.b, of.target}; }
-};
-
 /// Nothing comes about on a body that is never there, and nobody can observe it. The tables are of the script's
 /// last events.
 void check_presence(const std::vector<TomlTable>& tables, const Script& script, const Scenario& scenario) {
@@ -86,14 +77,20 @@ void check_presence(const std::vector<TomlTable>& tables, const Script& script, 
                                         scenario.team.name(body)));
     };
     const TeamEvent& event = script.events[script.events.size() - tables.size() + i];
-    if (const auto* when = std::get_if<Condition>(&event.trigger)) {
-      for (const BodyId body : std::visit(BodiesOf{}, when->measure)) {
-        for (const std::string_view key : {"when", "lost", "seen"}) check(key, body);
+    const auto check_trigger = [&](const auto& trigger) {
+      if constexpr (requires { trigger.bodies(); }) {
+        for (const BodyId body : trigger.bodies()) {
+          for (const std::string_view key : trigger.keys) check(key, body);
+        }
       }
-    }
-    for (const Action& action : event.actions) {
-      if (const auto* observe = std::get_if<Observe>(&action)) check("observe", observe->target);
-    }
+    };
+    std::visit(check_trigger, event.trigger);
+    const auto check_action = [&](const auto& action) {
+      if constexpr (requires { action.needs(); }) {
+        for (const BodyId body : action.needs()) check(action.key, body);
+      }
+    };
+    for (const Action& action : event.actions) std::visit(check_action, action);
   }
 }
 

@@ -18,7 +18,6 @@
 #include "sightline/scenario/read_robot.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/scenario/read_shape.hpp"
-#include "sightline/scenario/script_words.hpp"
 #include "sightline/scenario/set_value.hpp"
 #include "sightline/scenario/templates.hpp"
 #include "sightline/scenario/toml_table.hpp"

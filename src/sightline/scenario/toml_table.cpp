@@ -125,9 +125,9 @@ void TomlTable::read(std::initializer_list<Field> fields,
 }
 
 std::string_view TomlTable::choice(std::span<const std::string_view> known,
-                                   std::initializer_list<std::string_view> others) const {
+                                   std::span<const std::string_view> others) const {
   std::vector<std::string_view> all(known.begin(), known.end());
-  all.insert(all.end(), others);
+  all.insert(all.end(), others.begin(), others.end());
   expect_only(all);
   const auto has_key = [&](std::string_view key) { return has(key); };
   if (std::count_if(known.begin(), known.end(), has_key) != 1) {

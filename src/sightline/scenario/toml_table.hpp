@@ -16,27 +16,11 @@
 #include <vector>
 
 #include "sightline/base/nearest.hpp"
+#include "sightline/base/range.hpp"
 #include "sightline/math/fixed.hpp"
 #include "sightline/scenario/scenario_text.hpp"
 
 namespace sightline {
-
-/// Which numbers a key takes, and the words for it: "> 0 s".
-struct Range {
-  double low, high;           // both are allowed
-  std::string_view expected;  // ends with the unit
-};
-
-/// Nothing a scenario measures is larger; beyond it squares and sixth powers are no longer safe.
-inline constexpr double largest_number = 1e9;
-
-constexpr Range any_number(std::string_view expected = "finite, at most 1e9 either way") {
-  return {-largest_number, largest_number, expected};
-}
-constexpr Range not_negative(std::string_view expected) { return {0.0, largest_number, expected}; }
-constexpr Range positive(std::string_view expected) {
-  return {std::numeric_limits<double>::min(), largest_number, expected};
-}
 
 /// A key and the number it sets; without the key the number stays what it is.
 struct Field {
@@ -100,7 +84,11 @@ class TomlTable {
   void read(std::initializer_list<Field> fields, std::initializer_list<std::string_view> others = {}) const;
   /// The only key of a table that chooses one of several; `others` may stand beside it.
   std::string_view choice(std::span<const std::string_view> known,
-                          std::initializer_list<std::string_view> others = {}) const;
+                          std::span<const std::string_view> others = {}) const;
+  std::string_view choice(std::span<const std::string_view> known,
+                          std::initializer_list<std::string_view> others) const {
+    return choice(known, std::span(others));
+  }
 
   double number(std::string_view key, const Range& range = any_number()) const;
   std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high) const;

@@ -1,0 +1,191 @@
+/// `when = { distance = ["uav0", "uav1"], below = 1.0 }`, `lost = { observer = ..., target = ... }`, `seen = ...`
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "sightline/base/same_time.hpp"
+#include "sightline/ocp/event/kinds.hpp"
+#include "sightline/ocp/event/measure.hpp"
+
+namespace sightline {
+
+/// True once the measure has been beyond the threshold for `dwell`; false again once it has come back by more than
+/// `hysteresis`.
+struct Condition {
+  enum class Side { above, below };
+  static constexpr std::array<std::string_view, 3> keys = {"when", "lost", "seen"};
+  static constexpr bool may_repeat = true;
+
+  Measure measure;
+  Side side = Side::above;
+  double threshold = 0.0;
+  double hysteresis = 0.0;  ///< in the measure's unit, >= 0
+  double dwell = 0.0;       ///< [s], >= 0
+
+  std::vector<std::string> faults(bool repeats) const;
+  bool takes_no_time() const { return dwell <= 0; }
+  bool happens(const Moment& moment) const noexcept;
+  std::string words(const Team& all) const;
+  std::vector<BodyId> bodies() const {
+    return std::visit([](const auto& of) { return of.bodies(); }, measure);
+  }
+
+  template <class Text>
+  static Condition read(const Text& event, std::string_view key);
+
+ private:
+  template <class Text>
+  static Condition read_when(const Text& when);
+  template <class Text>
+  static Condition read_view(const Text& view, Side side);
+  template <class Text>
+  void read_threshold(const Text& at, const Range& range);
+  template <class Text>
+  void read_settling(const Text& at, const MeasureScale& scale);
+};
+
+inline std::vector<std::string> Condition::faults(bool repeats) const {
+  std::vector<std::string> all;
+  if (!at_least_zero(hysteresis)) all.push_back(fmt::format("hysteresis = {}, expected >= 0", hysteresis));
+  if (!at_least_zero(dwell)) all.push_back(fmt::format("dwell = {}, expected >= 0 s", dwell));
+  if (!std::isfinite(threshold))
+    all.push_back(fmt::format("a threshold of {}, expected a number", threshold));
+  const std::optional<double> largest =
+      std::visit([](const auto& of) { return std::decay_t<decltype(of)>::scale({}).largest; }, measure);
+  if (largest && side == Side::below && threshold <= 0) {
+    all.push_back(
+        fmt::format("below = {}, expected > 0: a distance, an angle or an age never is below", threshold));
+  }
+  if (std::holds_alternative<ViewAngleOf>(measure) && side == Side::above && threshold >= *largest) {
+    all.push_back(fmt::format("above = {}, expected less than pi: an angle never is above", threshold));
+  }
+  if (repeats && hysteresis == 0 && dwell == 0) {
+    all.emplace_back(
+        "a condition that repeats could come about each period, expected hysteresis > 0 or dwell > 0 s");
+  }
+  return all;
+}
+
+inline bool Condition::happens(const Moment& moment) const noexcept {
+  const double value = std::visit([&](const auto& of) { return of.value(moment); }, measure);
+  const double beyond = side == Side::above ? value - threshold : threshold - value;
+  auto& [holds, told, since] = moment.condition;
+  const bool held = holds;
+  holds = held ? beyond >= -hysteresis : beyond > 0;  // false for what is not a number
+  if (!holds) told = false;
+  if (holds && !held) since = moment.known.t;
+  if (!holds || told || moment.known.t - since < dwell - same_time) return false;
+  told = true;
+  return true;
+}
+
+inline std::string Condition::words(const Team& all) const {
+  const bool is_above = side == Side::above;
+  const auto* limit = std::get_if<ExcessOf>(&measure);
+  std::string text;
+  if (limit != nullptr && threshold == 0) {
+    text = fmt::format("when {}", limit->limit_words(all, is_above));
+  } else {
+    text = fmt::format("when {} is {} {}", std::visit([&](const auto& of) { return of.words(all); }, measure),
+                       is_above ? "above" : "below", threshold);
+  }
+  if (hysteresis > 0) text += fmt::format(", hysteresis {}", hysteresis);
+  if (dwell > 0) text += fmt::format(", for {} s", dwell);
+  return text;
+}
+
+template <class Text>
+Condition Condition::read(const Text& event, std::string_view key) {
+  if (key == "when")
+    return read_when(event.table(key, "a table with distance, angle, age, region or formula"));
+  return read_view(event.table(key, "a table with observer and target"),
+                   key == "lost" ? Side::above : Side::below);
+}
+
+template <class Text>
+Condition Condition::read_when(const Text& when) {
+  std::vector<std::string_view> measures, beside = {"above", "below"};
+  for_each_kind<Measure>([&]<class M>(Kind<M>) {
+    if constexpr (requires { M::keys; }) {
+      measures.insert(measures.end(), M::keys.begin(), M::keys.end());
+      for (const std::string_view other : M::scale(M::keys[0]).beside) beside.push_back(other);
+    }
+  });
+  beside.insert(beside.end(), {"hysteresis", "dwell"});
+  const std::string_view key = when.choice(measures, beside);
+
+  std::optional<Condition> condition;
+  for_each_kind<Measure>([&]<class M>(Kind<M>) {
+    if constexpr (requires { M::keys; }) {
+      if (std::find(M::keys.begin(), M::keys.end(), key) == M::keys.end()) return;
+      const MeasureScale scale = M::scale(key);
+      std::vector<std::string_view> known = {key, "hysteresis", "dwell"};
+      known.insert(known.end(), scale.beside.begin(), scale.beside.end());
+      if (scale.threshold) known.insert(known.end(), {"above", "below"});
+      when.expect_only(known);
+      Condition& read = condition.emplace(Condition{.measure = M::read(when, key), .side = Side::below});
+      if (scale.threshold) read.read_threshold(when, *scale.threshold);
+      read.read_settling(when, scale);
+    }
+  });
+  return std::move(*condition);
+}
+
+/// By the limit of the coupling that looks at the target, or by an angle of its own.
+template <class Text>
+Condition Condition::read_view(const Text& view, Side side) {
+  view.expect_only({"observer", "target", "alpha", "hysteresis", "dwell"});
+  const BodyId observer = view.robot("observer"), target = view.body("target", "the name of a body");
+  if (observer == target) view.refuse("target", "another body than observer");
+  const SensorMount mount = view.sensor_of(observer, "observer");
+  if (view.has("alpha")) {
+    Condition condition{.measure = ViewAngleOf{observer, target, mount}, .side = side};
+    condition.threshold = view.number("alpha", ViewAngleOf::range);
+    condition.read_settling(view, ViewAngleOf::scale("angle"));
+    return condition;
+  }
+  const Potential* const limit = view.limit_of_view(observer, target);
+  if (limit == nullptr) {
+    view.refuse("alpha", fmt::format("an angle of view [rad], no coupling of \"{}\" looks at \"{}\"",
+                                     view.name(observer), view.name(target)));
+  }
+  Condition condition{.measure = ExcessOf{*limit, observer, target}, .side = side};
+  condition.read_settling(view, {});
+  return condition;
+}
+
+/// `above` or `below`.
+template <class Text>
+void Condition::read_threshold(const Text& at, const Range& range) {
+  if (at.has("above") == at.has("below")) at.refuse("exactly one of above, below");
+  if (at.has("above")) side = Side::above;
+  threshold = at.number(at.has("above") ? "above" : "below", range);
+}
+
+/// `hysteresis` and `dwell`: within them the condition can begin and end to hold.
+template <class Text>
+void Condition::read_settling(const Text& at, const MeasureScale& scale) {
+  if (at.has("hysteresis")) hysteresis = at.number("hysteresis", not_negative(">= 0"));
+  if (scale.largest && at.has("hysteresis")) {
+    const double room = side == Side::above ? threshold : *scale.largest - threshold;
+    if (hysteresis >= room) {
+      at.refuse("hysteresis",
+                fmt::format("less than {} {}, or the condition never becomes false", room, scale.unit));
+    }
+  }
+  if (at.has("dwell")) dwell = at.number("dwell", not_negative(">= 0 s"));
+  if (dwell >= at.duration()) {
+    at.refuse("dwell", fmt::format("less than simulation.duration = {} s, or the event never comes about",
+                                   at.duration()));
+  }
+}
+
+}  // namespace sightline

@@ -1,0 +1,31 @@
+/// The kinds of a list, std::variant<...>, one after the other: what reads a scenario asks each what it is called.
+#pragma once
+
+#include <utility>
+#include <variant>
+
+namespace sightline {
+
+/// Stands for a kind where there is none of it yet.
+template <class K>
+struct Kind {};
+
+namespace detail {
+template <class List>
+struct Kinds;
+template <class... K>
+struct Kinds<std::variant<K...>> {
+  template <class Each>
+  static void visit(Each&& each) {
+    (each(Kind<K>{}), ...);
+  }
+};
+}  // namespace detail
+
+/// Calls each(Kind<K>{}) for every kind K of the list.
+template <class List, class Each>
+void for_each_kind(Each&& each) {
+  detail::Kinds<List>::visit(std::forward<Each>(each));
+}
+
+}  // namespace sightline

@@ -1,0 +1,167 @@
+/// What a condition looks at, each a struct in the list `Measure`. Its functions and constants:
+///
+///   keys       what a scenario calls it, within `when`; without them only code does
+///   value      of it now; not a number where a body is absent
+///   scale      of a key: its threshold, and what may stand beside it
+///   read       from the table of that key
+///   bodies     that it is about
+///   words      as a person reads it
+#pragma once
+
+#include <fmt/format.h>
+
+#include <array>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "sightline/base/range.hpp"
+#include "sightline/ocp/event/moment.hpp"
+
+namespace sightline {
+
+/// What a condition compares a measure with.
+struct MeasureScale {
+  std::optional<Range> threshold{};  ///< none: the measure is a limit, which holds below 0
+  std::string_view unit{};
+  /// It lies between 0 and this; none: it has no ends.
+  std::optional<double> largest{};
+  std::vector<std::string_view> beside{};  ///< keys that may stand beside it
+};
+
+inline constexpr double no_measure = std::numeric_limits<double>::quiet_NaN();
+
+/// Of their positions [m].
+struct DistanceOf {
+  static constexpr std::array<std::string_view, 1> keys = {"distance"};
+
+  BodyId a, b;
+
+  double value(const Moment& now) const noexcept {
+    return now.is_there(a) && now.is_there(b) ? norm(now.sight(a).p - now.sight(b).p) : no_measure;
+  }
+  static MeasureScale scale(std::string_view /*key*/) {
+    return {.threshold = positive("> 0 m"), .unit = "m", .largest = largest_number};
+  }
+  std::vector<BodyId> bodies() const { return {a, b}; }
+  std::string words(const Team& all) const {
+    return fmt::format("the distance of {} and {}", all.name(a), all.name(b));
+  }
+  template <class Text>
+  static DistanceOf read(const Text& when, std::string_view key) {
+    const Between ends = when.two_bodies(key);
+    return {ends.first, ends.second};
+  }
+};
+
+/// The angle between the sensor's axis and the target, (71) [rad].
+struct ViewAngleOf {
+  static constexpr std::array<std::string_view, 1> keys = {"angle"};
+  static constexpr Range range = {std::numeric_limits<double>::min(), std::numbers::pi*(1 - 1e-15),
+                                  "in (0, pi) rad"};
+
+  BodyId observer, target;
+  SensorMount mount{};
+
+  double value(const Moment& now) const noexcept {
+    if (!now.is_there(observer) || !now.is_there(target)) return no_measure;
+    return view_angle(mount, now.sight(observer), now.sight(target).p);
+  }
+  static MeasureScale scale(std::string_view /*key*/) {
+    return {.threshold = range, .unit = "rad", .largest = std::numbers::pi};
+  }
+  std::vector<BodyId> bodies() const { return {observer, target}; }
+  std::string words(const Team& all) const {
+    return fmt::format("the view angle of {} to {}", all.name(observer), all.name(target));
+  }
+  template <class Text>
+  static ViewAngleOf read(const Text& when, std::string_view key) {
+    const Between ends = when.two_bodies(key);
+    return {ends.first, ends.second, when.sensor_of(ends.first, key)};
+  }
+};
+
+/// How old what is known of a body is [s].
+struct AgeOf {
+  static constexpr std::array<std::string_view, 1> keys = {"age"};
+
+  BodyId body;
+
+  double value(const Moment& now) const noexcept { return now.is_there(body) ? now.age(body) : no_measure; }
+  static MeasureScale scale(std::string_view /*key*/) {
+    return {.threshold = positive("> 0 s"), .unit = "s", .largest = largest_number};
+  }
+  std::vector<BodyId> bodies() const { return {body}; }
+  std::string words(const Team& all) const {
+    return fmt::format("the age of what is known of {}", all.name(body));
+  }
+  template <class Text>
+  static AgeOf read(const Text& when, std::string_view key) {
+    return {when.body(key, "the name of a body")};
+  }
+};
+
+/// How far a limit is broken, in its unit: > 0 outside.
+struct ExcessOf {
+  static constexpr std::array<std::string_view, 2> keys = {"region", "formula"};
+
+  Potential potential;  ///< one that states a limit
+  BodyId a, b;          ///< the same body twice for a potential of one
+
+  double value(const Moment& now) const noexcept {
+    if (!now.is_there(a) || !now.is_there(b)) return no_measure;
+    return potential.violation(now.sight(a), now.sight(b), now.known.t);
+  }
+  static MeasureScale scale(std::string_view key) {
+    MeasureScale scale{.beside = {"between", "agent", "parameters"}};
+    if (key == "formula") scale.threshold = any_number();
+    return scale;
+  }
+  std::vector<BodyId> bodies() const { return {a, b}; }
+  std::string words(const Team& all) const {
+    return fmt::format("the excess of {} {}", potential.name(), whose(all, "of", "between"));
+  }
+  /// "is broken between uav0 and uav1".
+  std::string limit_words(const Team& all, bool is_broken) const {
+    return fmt::format("{} {} {}", potential.name(), is_broken ? "is broken" : "holds",
+                       whose(all, "for", "between"));
+  }
+  template <class Text>
+  static ExcessOf read(const Text& when, std::string_view key) {
+    if (when.has("agent") == when.has("between")) when.refuse("exactly one of between, agent");
+    const std::string_view ends_key = when.has("agent") ? "agent" : "between";
+    const Between ends = when.has("agent") ? when.one_robot(ends_key) : when.two_bodies(ends_key);
+    return {when.limits(key, ends.first, ends_key), ends.first, ends.second};
+  }
+
+ private:
+  std::string whose(const Team& all, std::string_view one, std::string_view two) const {
+    if (a == b) return fmt::format("{} {}", one, all.name(a));
+    return fmt::format("{} {} and {}", two, all.name(a), all.name(b));
+  }
+};
+
+/// How much nearer than the robot a, in its stead, the robot b is to a target [m]; infinite where a is not steered. A
+/// robot that brakes or sinks takes over nothing, and is relieved. No scenario calls it: shapes do (shape.hpp).
+struct NearerThan {
+  BodyId a, b, target;
+
+  double value(const Moment& now) const noexcept {
+    if (!now.is_steered(b) || !now.is_there(target)) return no_measure;
+    if (!now.is_steered(a)) return std::numeric_limits<double>::infinity();
+    const Vec3<double> p = now.sight(target).p;
+    return norm(now.sight(a).p - p) - norm(now.sight(b).p - p);
+  }
+  static MeasureScale scale(std::string_view /*key*/) { return {}; }
+  std::vector<BodyId> bodies() const { return {a, b, target}; }
+  std::string words(const Team& all) const {
+    return fmt::format("what {} is nearer to {} than {}", all.name(b), all.name(target), all.name(a));
+  }
+};
+
+using Measure = std::variant<DistanceOf, ViewAngleOf, AgeOf, ExcessOf, NearerThan>;
+
+}  // namespace sightline

@@ -1,0 +1,188 @@
+#include "sightline/scenario/event_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "sightline/potential/protection.hpp"
+#include "sightline/scenario/read_region.hpp"
+
+namespace sightline {
+namespace {
+
+/// Whether a kind has this word.
+template <class Words>
+bool contains(const Words& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+Action read_action(const TomlValue& value, std::string_view key, const EventScope& scope) {
+  std::optional<Action> action;
+  std::string_view expected;
+  std::vector<std::string_view> kinds, beside;
+  for_each_kind<Action>([&]<class A>(Kind<A>) {
+    if (A::key != key) return;
+    expected = A::expected;
+    if constexpr (requires { A::kinds; }) kinds.insert(kinds.end(), A::kinds.begin(), A::kinds.end());
+    if constexpr (requires { A::beside; }) beside.insert(beside.end(), A::beside.begin(), A::beside.end());
+    if constexpr (requires { A::named(BodyId{}); }) {
+      if (value.is_text()) action = A::named(read_body(value, scope.team));
+    }
+  });
+  if (action) return std::move(*action);
+  if (!value.is_table()) value.refuse(expected);
+  const EventText text(value.table(), scope);
+  const std::string_view kind = kinds.empty() ? std::string_view() : text.choice(kinds, beside);
+  for_each_kind<Action>([&]<class A>(Kind<A>) {
+    if (A::key != key) return;
+    if constexpr (requires { A::kinds; }) {
+      if (!contains(A::kinds, kind)) return;
+    }
+    action = A::read(text, kind);
+  });
+  return std::move(*action);
+}
+
+}  // namespace
+
+AgentId EventText::robot(std::string_view key) const {
+  return AgentId{scope_->team.find(read_name(*this, key, scope_->team, Among::robots, "a robot"))};
+}
+
+BodyId EventText::body(std::string_view key, std::string_view expected) const {
+  return read_body(value(key, expected), scope_->team);
+}
+
+BodyId EventText::body_of_kind(std::string_view kind) const {
+  if (kind == "agent") return robot(kind);
+  const Team& team = scope_->team;
+  std::vector<std::string_view> known = body_names(team, Among::bodies);
+  std::erase_if(known, [&](std::string_view name) { return team.is_agent(team.find(name)); });
+  return team.find(value(kind, "a name").word(known, "a target or obstacle"));
+}
+
+Between EventText::two_bodies(std::string_view key) const {
+  const std::vector<BodyId> ends = bodies_named(*this, key, 2, scope_->team);
+  if (ends[0] == ends[1]) refuse(key, "two different bodies");
+  return {ends[0], ends[1]};
+}
+
+Between EventText::one_robot(std::string_view key) const {
+  const BodyId one = robot(key);
+  return {one, one};
+}
+
+const NamedTerm& EventText::term(std::string_view kind) const {
+  const bool is_pair = kind == "couple";
+  std::vector<std::string_view> known;
+  for (const NamedTerm& term : scope_->terms) {
+    if (term.is_pair == is_pair) known.push_back(term.name);
+  }
+  const std::string_view name =
+      value(kind, "a name").word(known, is_pair ? "the name of a [[couple]]" : "the name of a [[constrain]]");
+  return *std::find_if(scope_->terms.begin(), scope_->terms.end(),
+                       [&](const NamedTerm& term) { return term.is_pair == is_pair && term.name == name; });
+}
+
+Coupling EventText::coupling(std::string_view key) const {
+  return read_added_coupling(TomlTable::table(key), *scope_);
+}
+
+Constraint EventText::constraint(std::string_view key) const {
+  return read_added_constraint(TomlTable::table(key), *scope_);
+}
+
+Potential EventText::potential(BodyId observer) const {
+  return read_potential(*this, observer_of(scope_->team, scope_->observers, observer)).potential;
+}
+
+Reference EventText::reference(AgentId agent) const {
+  return read_reference(*this, scope_->team.model(agent));
+}
+
+Potential EventText::limits(std::string_view key, BodyId first, std::string_view named_by) const {
+  Region region = key == "formula" ? read_formula(*this, key) : read_inside(*this, key);
+  if (region.is_view()) region = region.seen_from(sensor_of(first, named_by));
+  return checked([&] { return Potential(region); });
+}
+
+bool EventText::has_sensor(BodyId body) const {
+  return observer_of(scope_->team, scope_->observers, body).mount.has_value();
+}
+
+const SensorMount& EventText::sensor_of(BodyId body, std::string_view key) const {
+  const auto i = static_cast<std::size_t>(body.index);
+  if (i >= scope_->observers.size() || !scope_->observers[i].mount) {
+    refuse(key, fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", name(body)));
+  }
+  return *scope_->observers[i].mount;
+}
+
+const Potential* EventText::limit_of_view(BodyId observer, BodyId target) const {
+  for (const Coupling& c : scope_->couplings) {
+    const Potential& potential = c.term.potential;
+    if (c.between.first == observer && c.between.second == target && watches(potential) &&
+        potential.violation({}, {}) != -std::numeric_limits<double>::infinity()) {
+      return &potential;
+    }
+  }
+  return nullptr;
+}
+
+std::vector<std::string_view> EventText::signals() const {
+  std::vector<std::string_view> names;
+  for (const TimedSignal& signal : scope_->simulation.signals) names.push_back(signal.name);
+  return names;
+}
+
+Coupling read_added_coupling(const TomlTable& couple, const EventScope& scope) {
+  Coupling coupling = read_coupling(couple, scope.team, scope.observers);
+  Team trial = scope.team;
+  couple.checked([&] { trial.couple(coupling.term, coupling.between, coupling.felt_by); });
+  return coupling;
+}
+
+Constraint read_added_constraint(const TomlTable& constrain, const EventScope& scope) {
+  constrain.expect_only({"name", "agent", "potential", "weight"});
+  const AgentId agent = EventText(constrain, scope).robot("agent");
+  Constraint constraint{.term = read_potential(constrain, observer_of(scope.team, scope.observers, agent)),
+                        .agent = agent,
+                        .name = read_term_name(constrain)};
+  Team trial = scope.team;
+  constrain.checked([&] { trial.constrain(constraint.term, agent); });
+  return constraint;
+}
+
+BodyId read_body(const TomlValue& value, const Team& team) {
+  return team.find(value.word(body_names(team, Among::bodies), "a robot, target or obstacle"));
+}
+
+Trigger read_trigger(const TomlTable& event, const EventScope& scope,
+                     std::initializer_list<std::string_view> others) {
+  std::vector<std::string_view> keys;
+  for_each_kind<Trigger>([&]<class T>(Kind<T>) { keys.insert(keys.end(), T::keys.begin(), T::keys.end()); });
+  const std::string_view key = event.choice(keys, others);
+  std::optional<Trigger> trigger;
+  for_each_kind<Trigger>([&]<class T>(Kind<T>) {
+    if (contains(T::keys, key)) trigger = T::read(EventText(event, scope), key);
+  });
+  return std::move(*trigger);
+}
+
+bool is_action(std::string_view key) {
+  bool known = false;
+  for_each_kind<Action>([&]<class A>(Kind<A>) { known = known || A::key == key; });
+  return known;
+}
+
+std::vector<Action> read_actions(const TomlTable& event, std::string_view key, const EventScope& scope) {
+  const TomlValue value = event.value(key, "an action");
+  if (!value.is_array()) return {read_action(value, key, scope)};
+  std::vector<Action> list;
+  for (const TomlValue& item : value.items()) list.push_back(read_action(item, key, scope));
+  if (list.empty()) value.refuse("one or more");
+  return list;
+}
+
+}  // namespace sightline

@@ -1,0 +1,32 @@
+#include "sightline/ocp/event/after_time.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/watched_line.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST(AfterTime, CountsFromWhereItsStageBegan) {
+  TeamEvent later = when(AfterTime{0.2});
+  later.stage = "later";
+  WatchedLine line({{.name = "", .trigger = AtTime{0.3}, .enter = "later"}, later, when(AfterTime{0.1})});
+  EXPECT_THAT(line.look(), IsEmpty());
+  EXPECT_THAT(line.look(), ElementsAre(2U)) << "of all stages: from the beginning of the run";
+  EXPECT_THAT(line.look(), IsEmpty());
+  EXPECT_THAT(line.look(), ElementsAre(0U));
+  EXPECT_THAT(line.look(), IsEmpty());
+  EXPECT_THAT(line.look(), ElementsAre(1U)) << "0.5 s";
+}
+
+TEST(AfterTime, IsSaid) {
+  const Team team = event_team(2);
+  EXPECT_EQ(AfterTime{2.5}.words(team), "after 2.5 s");
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,27 @@
+#include "sightline/ocp/event/at_time.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/watched_line.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST(AtTime, AnEventOfATimeHappensOnceAtTheFirstPeriodThatIsNotEarlier) {
+  WatchedLine line({when(AtTime{0.25}), when(AtTime{0.3})});
+  for (int k = 0; k < 3; ++k) EXPECT_THAT(line.look(), IsEmpty());
+  EXPECT_THAT(line.look(), ElementsAre(0U, 1U)) << "0.3 s";
+  for (int k = 0; k < 10; ++k) EXPECT_THAT(line.look(), IsEmpty());
+}
+
+TEST(AtTime, IsSaid) {
+  const Team team = event_team(2);
+  EXPECT_EQ(AtTime{20}.words(team), "at 20 s");
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,66 @@
+#include "sightline/ocp/event/measure.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/watched_line.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST(Measure, WhatIsAbsentIsAtNoDistance) {
+  WatchedLine line({when(nearer(1.0))});
+  line.presence[1] = Presence::absent;
+  EXPECT_THAT(line.look(0.5), IsEmpty());
+  line.presence[1] = Presence::hold;
+  EXPECT_THAT(line.look(0.5), ElementsAre(0U));
+}
+
+TEST(Measure, AnAngleALimitAndAnAgeAreMeasured) {
+  const SensorMount mount{.pitch = 0.0, .offset = 0.0};
+  WatchedLine line(
+      {when(Condition{ViewAngleOf{BodyId{1}, BodyId{0}, mount}, Condition::Side::above, 1.0}),
+       when(Condition{ExcessOf{KeepOut{.d_min = 1.0}, BodyId{0}, BodyId{1}}, Condition::Side::above, 0.2}),
+       when(Condition{AgeOf{BodyId{1}}, Condition::Side::above, 0.5})});
+  EXPECT_THAT(line.look(1.0), IsEmpty());
+  line.x[10] = 0.0, line.x[11] = 1.0;  // turns away
+  EXPECT_THAT(line.look(1.0), ElementsAre(0U));
+  EXPECT_THAT(line.look(0.7), ElementsAre(1U));
+  line.ages[1] = 0.6;
+  EXPECT_THAT(line.look(1.0), ElementsAre(2U));
+}
+
+TEST(Measure, ANearerRobotIsNearerThanOneThatIsNotSteered) {
+  const Condition nearer{NearerThan{BodyId{1}, BodyId{2}, BodyId{0}}, Condition::Side::above, 0.3};
+  const Team team = event_team(3);
+  std::vector<double> x = event_start(team), u(12);
+  std::vector<Presence> presence(3, Presence::steered);
+  const auto happens = [&] {
+    Watch watch({{when(nearer)}}, team);
+    return !watch.look({0.0, x, u, {}, presence}).empty();
+  };
+  EXPECT_FALSE(happens());  // robot 2 stands behind robot 1
+  for (const Presence gone : {Presence::absent, Presence::hold, Presence::land}) {
+    presence[1] = gone;
+    presence[2] = Presence::steered;
+    EXPECT_TRUE(happens());
+    presence[2] = gone;
+    EXPECT_FALSE(happens());
+  }
+}
+
+TEST(Measure, IsSaid) {
+  const Team team = event_team(3);
+  const BodyId uav0{0}, uav1{1}, uav2{2};
+  EXPECT_EQ((DistanceOf{uav0, uav1}.words(team)), "the distance of uav0 and uav1");
+  EXPECT_EQ((ViewAngleOf{uav0, uav1, {}}.words(team)), "the view angle of uav0 to uav1");
+  EXPECT_EQ(AgeOf{uav1}.words(team), "the age of what is known of uav1");
+  EXPECT_EQ((ExcessOf{KeepOut{}, uav0, uav1}.words(team)), "the excess of keep_out between uav0 and uav1");
+  EXPECT_EQ((NearerThan{uav0, uav1, uav2}.words(team)), "what uav1 is nearer to uav2 than uav0");
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,35 @@
+#include "sightline/ocp/event/retune_agent.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sightline/ocp/roster.hpp"
+#include "tests/support/event_team.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::IsEmpty;
+
+TEST(RetuneAgent, ChangesWhatItNamesAndLeavesTheRest) {
+  Roster roster(event_team(2));
+  const AgentId uav1{BodyId{1}};
+  const Agent before = roster.agent(uav1);
+  const std::vector<double> Q(7, 0.25), R(4, 2.0);
+  EXPECT_THAT(roster.apply(RetuneAgent{.agent = uav1, .Q = Q, .R = R}, 1.0, 0.0), IsEmpty());
+  EXPECT_EQ(roster.agent(uav1).Q, Q);
+  EXPECT_EQ(roster.agent(uav1).R, R);
+  EXPECT_EQ(roster.agent(uav1).Q_f, before.Q_f);
+  EXPECT_EQ(roster.agent(uav1).u_ref, before.u_ref);
+  EXPECT_EQ(roster.agent(AgentId{BodyId{0}}).Q, event_team(2).agent(AgentId{BodyId{0}}).Q);
+}
+
+TEST(RetuneAgent, IsSaid) {
+  const Team team = event_team(2);
+  const RetuneAgent retune{
+      .agent = AgentId{BodyId{0}}, .Q = std::vector<double>(7), .u_ref = std::vector<double>(4)};
+  EXPECT_EQ(retune.words(team), "retune Q, u_ref of uav0");
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,43 @@
+#include "sightline/ocp/event/signal.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/watched_line.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST(Signal, ASignalIsWaitedForFromAnyThread) {
+  WatchedLine line({when(Signal{"go"})});
+  EXPECT_FALSE(line.watch.signal("stop"));
+  EXPECT_THAT(line.look(), IsEmpty());
+  EXPECT_TRUE(line.watch.signal("go"));
+  EXPECT_THAT(line.look(), ElementsAre(0U));
+  EXPECT_TRUE(line.watch.signal("go"));
+  EXPECT_THAT(line.look(), IsEmpty());
+}
+
+TEST(Signal, ASignalOfAnotherStageIsLost) {
+  TeamEvent go{.name = "", .trigger = AtTime{0.2}, .enter = "later"};
+  TeamEvent told = when(Signal{"now"});
+  told.stage = "later";
+  WatchedLine line({go, told});
+  EXPECT_TRUE(line.watch.signal("now"));
+  for (int k = 0; k < 2; ++k) EXPECT_THAT(line.look(), IsEmpty());
+  EXPECT_THAT(line.look(), ElementsAre(0U));
+  EXPECT_THAT(line.look(), IsEmpty());
+  EXPECT_TRUE(line.watch.signal("now"));
+  EXPECT_THAT(line.look(), ElementsAre(1U));
+}
+
+TEST(Signal, IsSaid) {
+  const Team team = event_team(2);
+  EXPECT_EQ(Signal{"go"}.words(team), "on the signal go");
+}
+
+}  // namespace
+}  // namespace sightline

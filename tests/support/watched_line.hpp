@@ -1,0 +1,40 @@
+/// Two robots on a line, and a watch that looks at them.
+#pragma once
+
+#include <vector>
+
+#include "sightline/ocp/watch.hpp"
+#include "tests/support/event_team.hpp"
+
+namespace sightline {
+
+/// Two robots on a line; time goes on by 0.1 s at each look.
+struct WatchedLine {
+  explicit WatchedLine(std::vector<TeamEvent> events) : watch({std::move(events)}, team) {}
+
+  Team team = event_team(2);
+  Watch watch;
+  std::vector<double> x = event_start(team), u = std::vector<double>(8);
+  std::vector<Presence> presence = {Presence::steered, Presence::steered};
+  std::vector<double> ages = {0, 0};
+  double t = 0.0;
+
+  std::vector<std::size_t> look() {
+    const auto happening = watch.look({t, x, u, ages, presence});
+    t += 0.1;
+    return {happening.begin(), happening.end()};
+  }
+  std::vector<std::size_t> look(double distance) {
+    x[7] = x[0] - distance, x[8] = x[1], x[9] = x[2];
+    return look();
+  }
+};
+
+inline TeamEvent when(Trigger trigger) {
+  return {.name = "", .trigger = std::move(trigger), .actions = {RemoveTerm{"sees1"}}};
+}
+inline Condition nearer(double below, double hysteresis = 0.0, double dwell = 0.0) {
+  return {DistanceOf{BodyId{0}, BodyId{1}}, Condition::Side::below, below, hysteresis, dwell};
+}
+
+}  // namespace sightline
