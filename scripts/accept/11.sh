@@ -44,6 +44,25 @@ logs() {
   ((bad == 0 && flown > 0))
 }
 
+# Every shipped scenario, flown with seed 1 and then replayed: no command differs, and in how many seconds.
+replay() {
+  local name begin seconds bad=0 flown=0
+  local -a scenarios=(scenarios/*.toml)
+  whole || scenarios=(scenarios/handover.toml)
+  for scenario in "${scenarios[@]}"; do
+    name=$(basename "$scenario" .toml)
+    "$build/bin/sightline" run "$scenario" --seed 1 -o "$out/$name" >"$out/$name.txt" 2>&1
+    (($? <= 1)) || { echo "$scenario did not fly"; tail -n 3 "$out/$name.txt"; bad=$((bad + 1)); continue; }
+    begin=$EPOCHREALTIME
+    if "$build/bin/sightline" replay "$out/$name" >"$out/$name.txt" 2>&1; then flown=$((flown + 1)); else bad=$((bad + 1)); fi
+    seconds=$(awk -v a="$begin" -v b="$EPOCHREALTIME" 'BEGIN { printf "%.2f", b - a }')
+    printf '%6s s  %s\n' "$seconds" "$(tail -n 1 "$out/$name.txt")"
+    rm -rf "${out:?}/$name" "$out/$name.txt"
+  done
+  echo "$flown replayed, $bad not"
+  ((bad == 0 && flown > 0))
+}
+
 # What others get: components without what they do not need, old processors, shared libraries, an older compiler.
 package() {
   local work name told
@@ -103,5 +122,5 @@ bits() {
   ((bad == 0 && flown > 0))
 }
 
-all=(logs package bits)
+all=(logs replay package bits)
 run_sections "$@"

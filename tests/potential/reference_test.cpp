@@ -15,6 +15,18 @@ using std::numbers::pi;
 
 double angle(const Pose<double>& pose) { return std::atan2(pose.d.y, pose.d.x); }
 
+TEST(Constant, IsOnePlaceAtAllTimesWithItsHeadingOrNone) {
+  Random random(2);
+  for (int k = 0; k < 200; ++k) {
+    const Constant here{random_point(random, 3)}, facing{here.p, uniform(random, -pi, pi)};
+    const double t = uniform(random, -100, 100);
+    EXPECT_EQ(norm(here(t).p - here.p), 0.0);
+    EXPECT_EQ(here(t).d.x, 0.0);
+    EXPECT_EQ(here(t).d.y, 0.0);
+    EXPECT_LE(std::fabs(angle(facing(t)) - *facing.heading), 1e-15);
+  }
+}
+
 TEST(Circle, KeepsItsDistanceAndItsRateAndAsksForNoHeading) {
   Random random(1);
   for (int k = 0; k < 1000; ++k) {
