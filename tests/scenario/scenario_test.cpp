@@ -52,24 +52,6 @@ std::string robots(int count) {
   return text;
 }
 
-TEST(Scenario, each_broken_file_is_refused_with_the_line_it_says) {
-  const auto files = files_in(tree / "tests/scenarios/broken");
-  ASSERT_GE(files.size(), 30U);
-  for (const auto& file : files) {
-    const std::string text = content(file);
-    const std::string_view mark = "# refused: ";
-    ASSERT_EQ(text.substr(0, mark.size()), mark) << file;
-    const std::string expected = text.substr(mark.size(), text.find('\n') - mark.size());
-    EXPECT_NE(expected.find("expected"), std::string::npos) << file;
-    try {
-      read_scenario(file);
-      ADD_FAILURE() << file << " was read";
-    } catch (const ScenarioError& error) {
-      EXPECT_EQ(error.what(), file.string() + ":" + expected);
-    }
-  }
-}
-
 TEST(Scenario, a_file_of_comments_alone_has_no_robot) {
   EXPECT_EQ(refusal("# nothing\n\n"), "a.toml:1: agent is missing, expected at least one [agent.NAME]");
 }
