@@ -12,6 +12,7 @@
 #include "sightline/scenario/scenario.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/formula_text.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -29,12 +30,7 @@ Scenario scenario_with(std::string_view potential, const fs::path& file = "a.tom
 }
 
 std::string refusal(std::string_view potential, const fs::path& file = "a.toml") {
-  try {
-    scenario_with(potential, file);
-  } catch (const ScenarioError& error) {
-    return error.what();
-  }
-  return "not refused";
+  return refusal_of<ScenarioError>([&] { scenario_with(potential, file); });
 }
 
 const Region& region_of(const Scenario& s) { return *s.team.couplings().at(0).term.potential.as<Region>(); }
