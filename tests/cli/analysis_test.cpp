@@ -82,7 +82,9 @@ TEST(ExplainCommand, NamesLimitsThatContradictEachOtherAndRefusesABrokenScenario
   const auto done = sightline("explain " + (folder / "apart.toml").string(), folder);
   EXPECT_EQ(done.code, 0) << done.err;
   EXPECT_THAT(done.out, HasSubstr("contradiction: couple[1] keep_out and couple[2] cohesion"));
-  const auto refused = sightline("explain tests/scenarios/broken/d_min_negative.toml", folder);
+  std::ofstream(folder / "broken.toml")
+      << std::regex_replace(text, std::regex("d_min = 1.0"), "d_min = -1.0");
+  const auto refused = sightline("explain " + (folder / "broken.toml").string(), folder);
   EXPECT_EQ(refused.code, 2);
   EXPECT_EQ(lines(refused.err), 1) << refused.err;
 }

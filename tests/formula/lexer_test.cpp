@@ -4,6 +4,8 @@
 
 #include <functional>
 
+#include "tests/support/refusal.hpp"
+
 namespace sightline {
 namespace {
 
@@ -14,12 +16,7 @@ std::string tokens(std::string_view text) {
 }
 
 std::string refusal(std::string_view text) {
-  try {
-    tokens(text);
-  } catch (const FormulaError& error) {
-    return error.what();
-  }
-  return "not refused";
+  return refusal_of<FormulaError>([&] { tokens(text); });
 }
 
 TEST(Lexer, TokensAreTakenWholeAndBlanksAreNone) {

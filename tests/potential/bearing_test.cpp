@@ -74,26 +74,6 @@ TEST(Bearing, StraightBehindTheTurnIsToTheLeftAndWithoutTiltThereIsNone) {
   }
 }
 
-TEST(Bearing, OnlyTheTargetsPlaceCountsAndNoVelocity) {
-  Random random(5);
-  for (int k = 0; k < 1000; ++k) {
-    const Bearing bearing = random_bearing(random);
-    Sight<double> a = random_sight(random, 3), b = random_sight(random, 3);
-    const double l = bearing(a, b);
-    a.v = random_point(random, 3), b.v = random_point(random, 3), b.d = random_pose(random, 1).d;
-    EXPECT_EQ(bearing(a, b), l);
-  }
-}
-
-TEST(Bearing, TheViolationIsTheViewAngleBeyondAlpha) {
-  Random random(6);
-  for (int k = 0; k < 1000; ++k) {
-    const Bearing bearing = random_bearing(random);
-    const Sight<double> a = random_sight(random, 3), b = random_sight(random, 3);
-    EXPECT_EQ(bearing.violation(a, b), view_angle(bearing.mount, a, b.p) - bearing.alpha);
-  }
-}
-
 TEST(Bearing, ParametersOutOfRangeAreRefusedByName) {
   const auto refusal = [](Bearing bearing) { return refusal_of([&] { bearing.check(); }); };
   for (const double alpha : {0.0, -0.1, 1.6})

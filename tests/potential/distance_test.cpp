@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/random.hpp"
+#include "tests/support/apart.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {
@@ -11,10 +11,7 @@ namespace {
 /// l of two robots D apart, in a random direction.
 template <class P>
 double at(const P& potential, double D, Random& random) {
-  const Sight<double> a = random_sight(random, 3);
-  Sight<double> b = random_sight(random, 3);
-  const Vec3<double> r = b.p - a.p;
-  b.p = a.p + (D / norm(r)) * r;
+  const auto [a, b] = random_sights_apart(D, random);
   return potential(a, b);
 }
 

@@ -87,6 +87,27 @@ class StepLaws : public PotentialLaws<P> {};
 using Steps = testing::Types<SensorCone, KeepOut, Cohesion, AltitudeBand, Geofence>;
 TYPED_TEST_SUITE(StepLaws, Steps);
 
+/// The laws of those that ask for a target in view, whose limit is an angle alpha.
+template <class P>
+class ViewLaws : public PotentialLaws<P> {
+ protected:
+  P any() {
+    Random& random = this->random_;
+    P p = this->potential_;
+    p.alpha = uniform(random, 0.1, 1.4);
+    p.mount = {uniform(random, -1.2, 1.2), uniform(random, -0.3, 0.3)};
+    if constexpr (std::is_same_v<P, Bearing>) {
+      p.width = uniform(random, 0.02, 0.2), p.tilt = uniform(random, 0.05, 0.2);
+    } else {
+      p.kappa_G = uniform(random, 0.001, 0.1), p.kappa_A = uniform(random, 0.5, 20);
+      p.form = random() % 2 == 0 ? ConeForm::sine : ConeForm::tangent;
+    }
+    return p;
+  }
+};
+using Views = testing::Types<SensorCone, Bearing>;
+TYPED_TEST_SUITE(ViewLaws, Views);
+
 /// l, its gradient and its Hessian over all that a potential sees, as the solver has them.
 struct Recorded {
   explicit Recorded(const Potential& potential) {
@@ -193,6 +214,25 @@ TYPED_TEST(StepLaws, TheSigmoidTendsToTheUnitStepAsKappaAGrows) {
     ASSERT_LE(relative_error(over(this->potential_, SigmoidStep{1e12}, a, b), limit), 1e-12);  // (37)
   }
   for (std::size_t i = 1; i < mean.size(); ++i) EXPECT_LT(mean[i], 0.5 * mean[i - 1]);
+}
+
+TYPED_TEST(ViewLaws, OnlyTheTargetsPlaceCountsAndNoVelocity) {
+  for (int k = 0; k < 1000; ++k) {
+    const TypeParam view = this->any();
+    Sight<double> a = random_sight(this->random_, 3), b = random_sight(this->random_, 3);
+    const double l = view(a, b);
+    a.v = random_point(this->random_, 3), b.v = random_point(this->random_, 3);
+    b.d = random_pose(this->random_, 1).d;
+    EXPECT_EQ(view(a, b), l);
+  }
+}
+
+TYPED_TEST(ViewLaws, TheViolationIsTheViewAngleBeyondAlpha) {
+  for (int k = 0; k < 1000; ++k) {
+    const TypeParam view = this->any();
+    const Sight<double> a = random_sight(this->random_, 3), b = random_sight(this->random_, 3);
+    EXPECT_EQ(view.violation(a, b), view_angle(view.mount, a, b.p) - view.alpha);
+  }
 }
 
 TYPED_TEST(PotentialLaws, BehindTheInterfaceItIsItself) {

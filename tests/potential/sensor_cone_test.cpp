@@ -82,26 +82,6 @@ TEST_P(ConeForms, FarOutOfViewTheSlopeStillLeadsBackAndWithoutItNothingDoes) {
   }
 }
 
-TEST(SensorCone, OnlyTheTargetsPlaceCountsAndNoVelocity) {
-  Random random(2);
-  for (int k = 0; k < 1000; ++k) {
-    const SensorCone cone = random_cone(random, ConeForm::sine);
-    Sight<double> a = random_sight(random, 3), b = random_sight(random, 3);
-    const double l = cone(a, b);
-    a.v = random_point(random, 3), b.v = random_point(random, 3), b.d = random_pose(random, 1).d;
-    EXPECT_EQ(cone(a, b), l);
-  }
-}
-
-TEST(SensorCone, TheViolationIsTheViewAngleBeyondAlpha) {
-  Random random(3);
-  for (int k = 0; k < 1000; ++k) {
-    const SensorCone cone = random_cone(random, ConeForm::sine);
-    const Sight<double> a = random_sight(random, 3), b = random_sight(random, 3);
-    EXPECT_EQ(cone.violation(a, b), view_angle(cone.mount, a, b.p) - cone.alpha);
-  }
-}
-
 TEST(SensorCone, ParametersOutOfRangeAreRefusedByName) {
   const auto refusal = [](SensorCone cone) { return refusal_of([&] { cone.check(); }); };
   for (const double alpha : {0.0, -0.1, 1.6}) {

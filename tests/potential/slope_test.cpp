@@ -3,20 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "sightline/math/tangent.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/apart.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
-
-/// Two robots D apart in a random direction.
-std::pair<Sight<double>, Sight<double>> apart(double D, Random& random) {
-  const Sight<double> a = random_sight(random, 3);
-  Sight<double> b = random_sight(random, 3);
-  const Vec3<double> r = b.p - a.p;
-  b.p = a.p + (D / norm(r)) * r;
-  return {a, b};
-}
 
 /// dl/dD, b moving away from a along `direction`.
 template <class P>
@@ -32,7 +23,7 @@ double slope(const P& potential, const Sight<double>& a, const Sight<double>& b,
 
 template <class P>
 double slope(const P& potential, double D, Random& random) {
-  const auto [a, b] = apart(D, random);
+  const auto [a, b] = random_sights_apart(D, random);
   const Vec3<double> r = b.p - a.p;
   return slope(potential, a, b, (1 / norm(r)) * r);
 }
@@ -68,7 +59,7 @@ TEST(Slope, IsOnlyTheExcessInMetresAndRoundedNoMoreThanItSays) {
   Random random(4);
   for (int k = 0; k < 5000; ++k) {
     const double limit = uniform(random, 0.3, 2), D = uniform(random, 0.05, 5), kappa = 50;
-    const auto [a, b] = apart(D, random);
+    const auto [a, b] = random_sights_apart(D, random);
     const double bend = std::log(2.0) / kappa + 0.02;
     EXPECT_NEAR((TooNear{limit, kappa}(a, b)), std::fmax(limit - D, 0), bend);
     EXPECT_NEAR((TooFar{limit, kappa}(a, b)), std::fmax(D - limit, 0), bend);

@@ -7,7 +7,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -17,22 +16,19 @@
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/mcap.hpp"
+#include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
+using test::read_file;
 using Json = nlohmann::json;
 
 fs::path place(std::string_view name) {
   static const test::Folder folder("log_test");
   return folder.path() / name;
-}
-
-std::string load(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 // One robot sees another; both, and a wall, are in the log.
@@ -184,8 +180,8 @@ TEST(Log, EqualRunsGiveEqualBytesWhateverTheirTimes) {
     sample.solvers[0].solve_us += 1.0;
     sample.solvers[0].allocations = 9;
   });
-  EXPECT_EQ(load(place("one") / "run.mcap"), load(place("two") / "run.mcap"));
-  EXPECT_NE(load(place("one") / "timing.csv"), load(place("two") / "timing.csv"));
+  EXPECT_EQ(read_file(place("one") / "run.mcap"), read_file(place("two") / "run.mcap"));
+  EXPECT_NE(read_file(place("one") / "timing.csv"), read_file(place("two") / "timing.csv"));
 }
 
 TEST(Log, WhatIsSaidToBeWrittenIsInTheFilesByThen) {
@@ -203,7 +199,7 @@ TEST(Log, WhatIsSaidToBeWrittenIsInTheFilesByThen) {
     const auto topics = json_of(copy);
     const Json& state = topics.at("/wall/state").back();
     EXPECT_GE(state.at("time").get<double>(), time - scenario.horizon.dt - 1e-9);
-    const std::string timing = load(folder / "timing.csv");
+    const std::string timing = read_file(folder / "timing.csv");
     const auto rows = static_cast<std::size_t>(std::count(timing.begin(), timing.end(), '\n')) - 1;
     EXPECT_EQ(rows, topics.at("/wall/state").size());
   });
@@ -272,13 +268,13 @@ TEST(Log, AnEarlierLogStandsUntilTheNextOneOpens) {
   const fs::path folder = place("earlier"), part = folder / "run.mcap.part";
   write(some_scenario(), folder, 50);
   std::ofstream(folder / "summary.json") << "of it";
-  const std::string earlier = load(folder / "run.mcap");
+  const std::string earlier = read_file(folder / "run.mcap");
   fs::create_directories(part / "full");
   const Flown refused = write(some_scenario(), folder, 5);
   EXPECT_NE(refused.error, "");
   EXPECT_EQ(refused.values.updates, 5);
-  EXPECT_EQ(load(folder / "run.mcap"), earlier);
-  EXPECT_EQ(load(folder / "summary.json"), "of it");
+  EXPECT_EQ(read_file(folder / "run.mcap"), earlier);
+  EXPECT_EQ(read_file(folder / "summary.json"), "of it");
   fs::remove_all(part);
   double first = -1.0;
   EXPECT_EQ(write(some_scenario(), folder, 5,
@@ -334,8 +330,8 @@ TEST(Log, TheFormatsOwnLibraryReadsEveryMessage) {
   const fs::path said = place("npm") / "said";
   const std::string command = fmt::format("node '{}' '{}' > '{}' 2>&1", (npm / "read_mcap.mjs").string(),
                                           (place("npm") / "run.mcap").string(), said.string());
-  EXPECT_EQ(std::system(command.c_str()), 0) << load(said);
-  EXPECT_NE(load(said).find("/watcher/pose 250"), std::string::npos) << load(said);
+  EXPECT_EQ(std::system(command.c_str()), 0) << read_file(said);
+  EXPECT_NE(read_file(said).find("/watcher/pose 250"), std::string::npos) << read_file(said);
 }
 
 }  // namespace

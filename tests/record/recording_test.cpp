@@ -5,13 +5,13 @@
 
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <numbers>
 
 #include "sightline/base/version.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/record/log.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/paper_team.hpp"
 
@@ -19,16 +19,12 @@ namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
+using test::read_file;
 
 fs::path place(std::string_view name) {
   static const test::Folder folder("recording_test");
   fs::create_directories(folder.path() / name);
   return folder.path() / name;
-}
-
-std::string load(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 void save(const fs::path& path, std::string_view bytes) {
@@ -167,7 +163,7 @@ TEST(Recording, HeadingsGoOnWithoutJumpsOverMoreThanATurn) {
 }
 
 TEST(Recording, ALogCutOffAnywhereIsReadToItsLastWholeChunk) {
-  const std::string log = load(flight().folder / "run.mcap");
+  const std::string log = read_file(flight().folder / "run.mcap");
   const fs::path folder = place("cut");
   fs::copy_file(flight().folder / "timing.csv", folder / "timing.csv");
   std::size_t most = 0;
@@ -184,7 +180,7 @@ TEST(Recording, ALogCutOffAnywhereIsReadToItsLastWholeChunk) {
 }
 
 TEST(Recording, ARowOfTimesThatWasCutOffIsLeftOut) {
-  const std::string times = load(flight().folder / "timing.csv");
+  const std::string times = read_file(flight().folder / "timing.csv");
   const fs::path folder = place("times");
   fs::copy_file(flight().folder / "run.mcap", folder / "run.mcap");
   for (std::size_t size = times.size() - 1; size > times.size() - 60; --size) {
@@ -206,7 +202,7 @@ std::string refusal(const fs::path& folder) {
 }
 
 TEST(Recording, WhatCannotBeReadIsNamed) {
-  const std::string log = load(flight().folder / "run.mcap");
+  const std::string log = read_file(flight().folder / "run.mcap");
   EXPECT_NE(refusal(place("empty")).find("empty/run.mcap"), std::string::npos);
   save(place("no_times") / "run.mcap", log);
   EXPECT_NE(refusal(place("no_times")).find("no_times/timing.csv"), std::string::npos);

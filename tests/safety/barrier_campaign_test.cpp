@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "sightline/safety/barrier.hpp"
 #include "tests/support/adversary.hpp"
+#include "tests/support/campaign.hpp"
 
 namespace sightline {
 namespace {
@@ -17,10 +17,7 @@ using test::Pursuit;
 
 constexpr double dt = 0.01;
 
-int runs(int whole) {
-  const char* campaign = std::getenv("SIGHTLINE_CAMPAIGN");
-  return campaign != nullptr && std::string(campaign) == "whole" ? whole : whole / 40;
-}
+int runs(int whole) { return whole_campaign() ? whole : whole / 40; }
 
 Barrier barrier() {
   return Barrier(Multirotor{}, test::lowest, test::highest, dt, {.floor = 0.3, .world = 100.0});
@@ -77,18 +74,16 @@ void expect_all_kept(const Summary& on) {
   EXPECT_TRUE(on.finite);
 }
 
-TEST(BarrierCampaign, NoAdversaryInThePlaneComesBelowTheHardDistance) {
-  Summary on = campaign({}, runs(20000), 1);
-  on.print("plane, barrier on");
-  campaign({.filtered = false}, runs(20000), 1).print("plane, barrier off");
-  expect_all_kept(on);
-}
-
-TEST(BarrierCampaign, NoAdversaryInSpaceComesBelowTheHardDistance) {
-  Summary on = campaign({.spatial = true}, runs(20000), 1);
-  on.print("space, barrier on");
-  campaign({.spatial = true, .filtered = false}, runs(20000), 1).print("space, barrier off");
-  expect_all_kept(on);
+TEST(BarrierCampaign, NoAdversaryInThePlaneOrInSpaceComesBelowTheHardDistance) {
+  for (const bool spatial : {false, true}) {
+    const std::string where = spatial ? "space" : "plane";
+    SCOPED_TRACE(where);
+    Summary on = campaign({.spatial = spatial}, runs(20000), 1);
+    on.print((where + ", barrier on").c_str());
+    campaign({.spatial = spatial, .filtered = false}, runs(20000), 1)
+        .print((where + ", barrier off").c_str());
+    expect_all_kept(on);
+  }
 }
 
 TEST(BarrierCampaign, NorFromAnyVelocityAtWhichItCanStillFlee) {

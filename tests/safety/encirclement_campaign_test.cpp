@@ -1,17 +1,14 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <string>
 
+#include "tests/support/campaign.hpp"
 #include "tests/support/encirclement.hpp"
 
 namespace sightline {
 namespace {
 
-int runs(int whole) {
-  const char* campaign = std::getenv("SIGHTLINE_CAMPAIGN");
-  return campaign != nullptr && std::string(campaign) == "whole" ? whole : whole / 20;
-}
+int runs(int whole) { return whole_campaign() ? whole : whole / 20; }
 
 Barrier barrier() {
   return Barrier(Multirotor{}, test::lowest, test::highest, 0.01,

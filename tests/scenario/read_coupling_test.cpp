@@ -5,29 +5,19 @@
 
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/sensor_cone.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/scene.hpp"
 
 namespace sightline {
 namespace {
 
-/// Two robots, the first with a sensor, and a rock.
-struct Scene {
-  Team team;
-  AgentId uav0 = team.add(Multirotor{});
-  AgentId uav1 = team.add(Multirotor{});
-  BodyId rock = team.add(Obstacle{"rock"});
-  Observers observers = {{"uav0", SensorMount{.pitch = 0.25, .offset = 0.125}}, {"uav1", {}}};
-
+struct Scene : test::Scene {
   Coupling read(const std::string& text) const {
     const TomlDocument document = parse_toml(text, "a");
     return read_coupling(TomlTable(document), team, observers);
   }
   std::string refusal(const std::string& text) const {
-    try {
-      (void)read(text);
-    } catch (const ScenarioError& error) {
-      return error.what();
-    }
-    return "not refused";
+    return refusal_of<ScenarioError>([&] { (void)read(text); });
   }
 };
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/scenario/read_campaign.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -19,12 +20,7 @@ EvasionPlan plan(const std::string& text) {
 }
 
 std::string refusal(const std::string& text) {
-  try {
-    plan(text);
-  } catch (const ScenarioError& error) {
-    return error.what();
-  }
-  return "not refused";
+  return refusal_of<ScenarioError>([&] { plan(text); });
 }
 
 const std::string names = "agent = \"uav0\"\ntarget = \"lamp\"\nobstacle = \"hand\"\n";

@@ -5,6 +5,7 @@
 #include "sightline/potential/pass_right.hpp"
 #include "sightline/scenario/read_coupling.hpp"
 #include "sightline/scenario/scenario.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -20,12 +21,7 @@ Scenario with(std::string_view keys) {
 }
 
 std::string refusal(std::string_view keys) {
-  try {
-    with(keys);
-  } catch (const ScenarioError& error) {
-    return error.what();
-  }
-  return "not refused";
+  return refusal_of<ScenarioError>([&] { with(keys); });
 }
 
 TEST(ReadKeepApart, EachKeyReachesTheSwarm) {

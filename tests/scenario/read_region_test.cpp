@@ -7,12 +7,12 @@
 #include <cmath>
 #include <ctime>
 #include <fstream>
-#include <iterator>
 
 #include "sightline/potential/finite.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/formula_text.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -30,35 +30,10 @@ Scenario scenario_with(std::string_view potential, const fs::path& file = "a.tom
 }
 
 std::string refusal(std::string_view potential, const fs::path& file = "a.toml") {
-  try {
-    scenario_with(potential, file);
-  } catch (const ScenarioError& error) {
-    return error.what();
-  }
-  return "not refused";
+  return refusal_of<ScenarioError>([&] { scenario_with(potential, file); });
 }
 
 const Region& region_of(const Scenario& s) { return *s.team.couplings().at(0).term.potential.as<Region>(); }
-
-TEST(ReadRegion, EachBrokenFormulaIsRefusedAtTheTokenItSays) {
-  int files = 0;
-  for (const auto& entry : fs::directory_iterator(tree / "tests/scenarios/broken_formulas")) {
-    std::ifstream in(entry.path(), std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    const std::string_view mark = "# refused: ";
-    ASSERT_TRUE(text.starts_with(mark)) << entry.path();
-    const std::string expected = text.substr(mark.size(), text.find('\n') - mark.size());
-    EXPECT_NE(expected.find("expected"), std::string::npos) << entry.path();
-    try {
-      read_scenario(entry.path());
-      ADD_FAILURE() << entry.path() << " was read";
-    } catch (const ScenarioError& error) {
-      EXPECT_EQ(error.what(), entry.path().string() + ":" + expected);
-    }
-    ++files;
-  }
-  EXPECT_GE(files, 60);
-}
 
 TEST(ReadRegion, DeepAndLongFormulasAreRefusedAtOnce) {
   const auto inside = [](const std::string& text) {

@@ -6,6 +6,7 @@
 #include "sightline/potential/distance.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -50,12 +51,7 @@ std::string shape(std::string_view members, std::string_view felt_by) {
 Scenario parsed(const std::string& text) { return parse_scenario(text, "a.toml"); }
 
 std::string refusal(const std::string& text) {
-  try {
-    parsed(scene() + text);
-  } catch (const ScenarioError& error) {
-    return error.what();
-  }
-  return "not refused";
+  return refusal_of<ScenarioError>([&] { parsed(scene() + text); });
 }
 
 /// All inputs of a short flight.

@@ -7,6 +7,7 @@
 
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/even_parts.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 
 namespace sightline {
@@ -14,19 +15,12 @@ namespace {
 
 constexpr Horizon horizon{};
 
-Partition pieces(int robots, int parts) {
-  Partition partition(static_cast<std::size_t>(parts));
-  for (int i = 0; i < robots; ++i)
-    partition[static_cast<std::size_t>(i * parts / robots)].push_back(AgentId{{i}});
-  return partition;
-}
-
 /// The chain after a second of flight, and a partitioned solver that knows nothing yet.
 std::vector<FromOptimum> exchanges_of(paper::Variant variant, int parts, ExchangeOrder order, int count) {
   const Team team = chain(8, variant);
   NewtonRiccati whole(team, horizon);
   const std::vector<double> x = fly(whole, chain_start(8), 100);
-  PartitionedSolver solver(team, pieces(8, parts), newton_riccati_of(horizon), {.order = order});
+  PartitionedSolver solver(team, even_parts(team, parts), newton_riccati_of(horizon), {.order = order});
   std::vector<double> u(static_cast<std::size_t>(team.nu()));
   for (int k = 0; k < horizon.N; ++k) {
     whole.plan(0, u);  // a plan that is not the optimum

@@ -8,6 +8,7 @@
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
+#include "tests/support/even_parts.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/random_team.hpp"
 #include "tests/support/refusal.hpp"
@@ -18,15 +19,6 @@ namespace {
 constexpr Horizon horizon{};
 const MakeSolver make_newton = newton_riccati_of(horizon);
 constexpr ExchangeOrder orders[] = {ExchangeOrder::jacobi, ExchangeOrder::gauss_seidel};
-
-/// Neighbours of the chain together, as many parts as are asked for.
-Partition even_parts(const Team& team, int parts) {
-  Partition partition(static_cast<std::size_t>(parts));
-  const int robots = static_cast<int>(team.agents().size());
-  for (int i = 0; i < robots; ++i)
-    partition[static_cast<std::size_t>(i * parts / robots)].push_back(AgentId{{i}});
-  return partition;
-}
 
 TEST(Partition, IsReadByTheNamesOfRobots) {
   const Team team = chain(4, paper::Variant::masked);

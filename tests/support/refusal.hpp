@@ -12,12 +12,12 @@ namespace sightline {
 inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// The sentence of the std::invalid_argument that `call` throws; empty where it throws none.
-template <class Call>
+/// The sentence of the `Error` that `call` throws; empty where it throws none.
+template <class Error = std::invalid_argument, class Call>
 std::string refusal_of(Call&& call) {
   try {
     call();
-  } catch (const std::invalid_argument& refusal) {
+  } catch (const Error& refusal) {
     return refusal.what();
   }
   return "";

@@ -6,18 +6,13 @@
 #include <stdexcept>
 
 #include "sightline/world/sensor.hpp"
+#include "tests/support/two_robots.hpp"
 
 namespace sightline {
 namespace {
 
+using test::two_robots;
 using Numbers = std::vector<double>;
-
-Team pair_of_robots() {
-  Team team;
-  team.add(Multirotor{}, {.name = "a"});
-  team.add(Multirotor{}, {.name = "b"});
-  return team;
-}
 
 // The true state of both robots in period k.
 Numbers state(int k) {
@@ -32,7 +27,7 @@ struct Seen {
 // What a sensor with these faults gives over some periods.
 std::vector<Seen> seen(const std::vector<Fault>& faults, int periods, const Noise& noise = {},
                        double delay = 0.0) {
-  Sensor sensor(pair_of_robots(), {.seed = 5, .noise = noise, .delay = delay, .faults = faults});
+  Sensor sensor(two_robots(), {.seed = 5, .noise = noise, .delay = delay, .faults = faults});
   std::vector<Seen> all;
   for (int k = 0; k < periods; ++k) {
     const auto x = sensor.measure(0.01 * k, state(k));
@@ -154,7 +149,7 @@ TEST(Fault, WhatCannotBeIsRefusedByName) {
   EXPECT_EQ(refusal(Fault{.delay = 11}), "fault.delay = 11, expected 0 to 10 s");
   EXPECT_EQ(refusal(LatePlan{.delay = -1}), "fault.delay = -1, expected 0 to 10 s");
   EXPECT_EQ(refusal(Fault{}), "accepted");
-  EXPECT_THROW(Sensor(pair_of_robots(), {.faults = {{.kind = FaultKind::nan, .number = 7}}}),
+  EXPECT_THROW(Sensor(two_robots(), {.faults = {{.kind = FaultKind::nan, .number = 7}}}),
                std::invalid_argument);
 }
 

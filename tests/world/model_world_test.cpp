@@ -5,18 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/two_robots.hpp"
+
 namespace sightline {
 namespace {
 
+using test::two_robots;
 using Numbers = std::vector<double>;
 
-Team pair() {
-  Team team;
-  team.add(Multirotor{}, {.name = "a"});
-  team.add(Multirotor{}, {.name = "b"});
-  return team;
-}
-const Numbers x0 = {-0.6, -0.3, 0.6, 1, 0, 0.1, 0, 2, 1, 0.5, 0, 1, 0, -0.2};
+const Numbers& x0 = test::two_robots_start;
 const Numbers u = {0.3, -0.2, 0.1, 0.4, -0.1, 0.2, 0.3, -0.4};
 
 Numbers copy(std::span<const double> x) { return {x.begin(), x.end()}; }
@@ -24,9 +21,9 @@ Numbers copy(std::span<const double> x) { return {x.begin(), x.end()}; }
 TEST(ModelWorld, IsItsPlantSeenByItsSensorBitForBit) {
   const PlantOptions in_wind{.seed = 3, .disturbances = {.wind = {0.3, 0, 0}, .gust_sigma = 0.2}};
   const SensorOptions late{.seed = 3, .noise = {.position = 0.01}, .delay = 0.03};
-  ModelWorld world(pair(), x0, in_wind, late);
-  Plant plant(pair(), x0, in_wind);
-  Sensor sensor(pair(), late);
+  ModelWorld world(two_robots(), x0, in_wind, late);
+  Plant plant(two_robots(), x0, in_wind);
+  Sensor sensor(two_robots(), late);
   for (int k = 0; k < 200; ++k) {
     const double t = 0.01 * k;
     const Measured seen = world.measure(t);
@@ -40,14 +37,14 @@ TEST(ModelWorld, IsItsPlantSeenByItsSensorBitForBit) {
 }
 
 TEST(ModelWorld, PeriodsThatWereMissedPassUnderTheInputsThatWentOn) {
-  ModelWorld at_once(pair(), x0), one_by_one(pair(), x0);
+  ModelWorld at_once(two_robots(), x0), one_by_one(two_robots(), x0);
   ASSERT_TRUE(at_once.apply(0.0, {}, u, 0.01, 25));
   for (int k = 0; k < 25; ++k) ASSERT_TRUE(one_by_one.apply(0.01 * k, {}, u, 0.01, 1));
   EXPECT_EQ(copy(at_once.measure(0.25).truth), copy(one_by_one.measure(0.25).truth));
 }
 
 TEST(ModelWorld, WhoJoinsBeginsAtTheStartAndIsSeenThereAtOnceThoughMeasurementsAreLate) {
-  ModelWorld world(pair(), x0, {}, {.delay = 0.2});
+  ModelWorld world(two_robots(), x0, {}, {.delay = 0.2});
   world.set_presence(std::array{Presence::steered, Presence::absent});
   for (int k = 0; k < 100; ++k) {
     (void)world.measure(0.01 * k);
@@ -62,7 +59,7 @@ TEST(ModelWorld, WhoJoinsBeginsAtTheStartAndIsSeenThereAtOnceThoughMeasurementsA
 }
 
 TEST(ModelWorld, AStateThatIsNoLongerFiniteEndsTheWorld) {
-  ModelWorld world(pair(), x0);
+  ModelWorld world(two_robots(), x0);
   Numbers spoilt = u;
   spoilt[2] = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(world.apply(0.0, {}, spoilt, 0.01, 1));

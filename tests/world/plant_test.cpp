@@ -7,18 +7,14 @@
 #include <random>
 #include <stdexcept>
 
+#include "tests/support/two_robots.hpp"
+
 namespace sightline {
 namespace {
 
+using test::two_robots;
 using Numbers = std::vector<double>;
 constexpr double dt = 0.01;
-
-Team two_robots() {
-  Team team;
-  team.add(Multirotor{});
-  team.add(Multirotor{});
-  return team;
-}
 
 // A team of both robot models and an obstacle, so that offsets matter.
 Team mixed() {
@@ -245,8 +241,8 @@ TEST(Plant, RefusesAStartOrADisturbanceThatCannotBe) {
   no_heading[10] = 0.0;
   not_finite[0] = std::nan("");
   EXPECT_EQ(refusal({1, 2, 3}, {}), "the plant's start has 3 numbers, expected 14");
-  EXPECT_THAT(refusal(no_heading, {}), testing::HasSubstr("\"uav1\" is not a state"));
-  EXPECT_THAT(refusal(not_finite, {}), testing::HasSubstr("\"uav0\" is not a state"));
+  EXPECT_THAT(refusal(no_heading, {}), testing::HasSubstr("\"b\" is not a state"));
+  EXPECT_THAT(refusal(not_finite, {}), testing::HasSubstr("\"a\" is not a state"));
   EXPECT_THAT(refusal(apart, {.disturbances = {.yaw_lag = -1}}),
               testing::HasSubstr("yaw_lag = -1, expected"));
   EXPECT_EQ(refusal(apart, {}), "accepted");
