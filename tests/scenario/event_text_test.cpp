@@ -7,17 +7,14 @@
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/scene.hpp"
 
 namespace sightline {
 namespace {
 
-/// Two robots, the first with a sensor on the second, and a rock; names of a coupling and of a constraint.
-struct Scene {
-  Team team;
-  AgentId uav0 = team.add(Multirotor{});
-  AgentId uav1 = team.add(Multirotor{}, {.u_min = {-1, -1, -1, -1}, .u_max = {2, 2, 2, 2}});
-  BodyId rock = team.add(Obstacle{"rock"});
-  Observers observers = {{"uav0", SensorMount{.pitch = 0.25, .offset = 0.125}}, {"uav1", {}}};
+/// With the names of a coupling and of a constraint.
+struct Scene : test::Scene {
   std::vector<NamedTerm> terms = {{"apart", uav0, true}, {"band", uav1, false}};
   Simulation simulation{.duration = 30.0, .signals = {{12.0, "go"}, {13.0, "stop"}}};
 
@@ -41,12 +38,7 @@ struct Scene {
   }
   Condition condition(const std::string& text) const { return std::get<Condition>(read(text)); }
   std::string refusal(const std::string& text) const {
-    try {
-      (void)read(text);
-    } catch (const ScenarioError& error) {
-      return error.what();
-    }
-    return "not refused";
+    return refusal_of<ScenarioError>([&] { (void)read(text); });
   }
   /// Whether the condition holds at these states, as a flight would find.
   bool holds(const Condition& when, const std::vector<double>& x) const {
@@ -168,8 +160,7 @@ TEST(EventText, a_view_needs_the_observer_s_sensor) {
       scene.refusal("when = { region = \"range < 2 m\", between = [\"uav1\", \"uav0\"] }"),
       "a:1: when.between = [\"uav1\", \"uav0\"], expected a robot with a sensor as observer, there is no "
       "[agent.uav1.sensor]");
-  EXPECT_EQ(scene.refusal("when = { region = \"distance < 2 m\", between = [\"uav1\", \"uav0\"] }"),
-            "not refused");
+  EXPECT_EQ(scene.refusal("when = { region = \"distance < 2 m\", between = [\"uav1\", \"uav0\"] }"), "");
 }
 
 TEST(EventText, a_body_is_removed_by_its_name_or_by_its_kind_and_name) {

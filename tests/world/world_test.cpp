@@ -7,24 +7,18 @@
 #include "sightline/run/loop.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/model_world.hpp"
+#include "tests/support/two_robots.hpp"
 
 namespace sightline {
 namespace {
 
-using Numbers = std::vector<double>;
-
-Team pair() {
-  Team team;
-  team.add(Multirotor{}, {.name = "a"});
-  team.add(Multirotor{}, {.name = "b"});
-  return team;
-}
-const Numbers x0 = {-0.6, -0.3, 0.6, 1, 0, 0.1, 0, 2, 1, 0.5, 0, 1, 0, -0.2};
+using test::two_robots;
+using test::two_robots_start;
 
 /// Robots of which nobody knows the truth: what is measured, and what a sees of b. It writes down what it is asked.
 class Outside final : public World {
  public:
-  explicit Outside(int periods) : inside_(pair(), x0), left_(periods) {}
+  explicit Outside(int periods) : inside_(two_robots(), two_robots_start), left_(periods) {}
 
   const Team& team() const noexcept override { return inside_.team(); }
   std::span<const double> start() const noexcept override { return inside_.start(); }
@@ -40,7 +34,7 @@ class Outside final : public World {
   }
   bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
              std::int64_t periods) noexcept override {
-    believed_all &= believed.size() == x0.size();
+    believed_all &= believed.size() == two_robots_start.size();
     (void)inside_.apply(t, believed, u, period, periods);
     told += periods;
     return --left_ > 0;
@@ -65,11 +59,11 @@ struct Kept final : Sink<Sample> {
 };
 
 TEST(World, WhereNobodyKnowsTheTruthWhatWasMeasuredStandsForItAndTheCommandsAreTheSame) {
-  NewtonRiccati known(pair(), {}), unknown(pair(), {});
+  NewtonRiccati known(two_robots(), {}), unknown(two_robots(), {});
   SimulatedClock clock;
-  ModelWorld model(pair(), x0);
+  ModelWorld model(two_robots(), two_robots_start);
   Outside outside(1000);
-  Kept of_model(sized_sample(pair(), {known})), of_outside(sized_sample(outside, {unknown}));
+  Kept of_model(sized_sample(two_robots(), {known})), of_outside(sized_sample(outside, {unknown}));
   (void)Loop(model, {known}, clock, of_model, {.duration = 2.0}).run();
   (void)Loop(outside, {unknown}, clock, of_outside, {.duration = 2.0}).run();
   ASSERT_EQ(of_outside.all.size(), of_model.all.size());
@@ -81,7 +75,7 @@ TEST(World, WhereNobodyKnowsTheTruthWhatWasMeasuredStandsForItAndTheCommandsAreT
 }
 
 TEST(World, DetectionsComeToTheSampleWithTheirStamps) {
-  NewtonRiccati solver(pair(), {});
+  NewtonRiccati solver(two_robots(), {});
   SimulatedClock clock;
   Outside outside(1000);
   Kept kept(sized_sample(outside, {solver}));
@@ -92,12 +86,12 @@ TEST(World, DetectionsComeToTheSampleWithTheirStamps) {
     EXPECT_EQ(sample.detections[0].p.x, sample.measured[7] - sample.measured[0]);
     EXPECT_EQ(at(sample.detections[0].target), 1U);
   }
-  Kept without(sized_sample(pair(), {solver}));
+  Kept without(sized_sample(two_robots(), {solver}));
   EXPECT_THROW(Loop(outside, {solver}, clock, without, {}), std::invalid_argument) << "no room for them";
 }
 
 TEST(World, EndsTheLoopWhereItCannotGoOn) {
-  NewtonRiccati solver(pair(), {});
+  NewtonRiccati solver(two_robots(), {});
   SimulatedClock clock;
   Outside outside(30);
   Kept kept(sized_sample(outside, {solver}));
@@ -112,7 +106,7 @@ TEST(World, IsToldEveryPeriodOnceThoughSomeAreMissed) {
     std::int64_t wait(std::int64_t k) noexcept override { return k % 10 == 5 ? k + 3 : k; }
     bool waits_for_log() const noexcept override { return true; }
   } clock;
-  NewtonRiccati solver(pair(), {});
+  NewtonRiccati solver(two_robots(), {});
   Outside outside(1000);
   Kept kept(sized_sample(outside, {solver}));
   const LoopOutcome outcome = Loop(outside, {solver}, clock, kept, {.duration = 1.0}).run();
