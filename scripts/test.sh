@@ -49,6 +49,9 @@ fi
 need cmake --preset release
 need cmake --build --preset release
 
-count -LE long -j "$(nproc)"
-count -L long --no-tests=ignore
+# Whole campaigns take all processors, one after the other.
+jobs=$(nproc)
+count -LE long -j "$jobs"
+[[ $SIGHTLINE_CAMPAIGN == short ]] || jobs=1
+count -L long --no-tests=ignore -j "$jobs"
 finish

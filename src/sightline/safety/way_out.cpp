@@ -60,10 +60,10 @@ void WaysOut::judge(const Arena& arena, std::span<const Chaser> chasers,
     const auto k = static_cast<int>(i);
     a_x.v[k] = a.x, a_y.v[k] = a.y, climb.v[k] = plans[i].climb, wait.v[k] = plans[i].wait;
   }
-  struct Body {
+  struct Place {
     Pack x, y, z;
   };
-  std::array<Body, most_chasers> body;
+  std::array<Place, most_chasers> body;
   const std::size_t count = std::min(chasers.size(), most_chasers);
   for (std::size_t j = 0; j < count; ++j) {
     const Vec3<double>& p = chasers[j].p;
@@ -85,7 +85,7 @@ void WaysOut::judge(const Arena& arena, std::span<const Chaser> chasers,
     Pack now(1e6);
     for (std::size_t j = 0; j < count; ++j) {
       const Chaser& chaser = chasers[j];
-      Body& q = body[j];
+      Place& q = body[j];
       const Pack r_x = from_x - q.x, r_y = from_y - q.y, r_z = from_z - q.z;
       // It aims at where the robot is in the middle of the step.
       const Pack m_x = 0.5 * (from_x + x) - q.x, m_y = 0.5 * (from_y + y) - q.y,
