@@ -1,0 +1,115 @@
+#include "sightline/world/flight_controller.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/model/robots.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
+
+namespace sightline {
+namespace {
+
+struct Commanded {
+  std::string_view robot;
+  Commands commands;
+};
+constexpr std::array<Commanded, 3> commanded = {{{Multirotor::name, Commands::tilt},
+                                                 {AngleMultirotor::name, Commands::tilt},
+                                                 {VelocityMultirotor::name, Commands::velocity}}};
+
+constexpr double steepest = 1.2;             // tilt that is asked for, where inputs are beyond 1 [rad]
+constexpr double climb_most = 4.0;           // vertical acceleration [m/s^2]
+constexpr double climb_integral_most = 2.0;  // [m/s^2]
+constexpr double least_lift = 0.5;           // cosine of the tilt that the collective makes up for
+constexpr double damping_rate = 30.0;        // of the filter of the acceleration [1/s]
+
+}  // namespace
+
+std::optional<Commands> commands_of(const Model& robot) {
+  for (const Commanded& one : commanded) {
+    if (one.robot == robot.name()) return one.commands;
+  }
+  return std::nullopt;
+}
+
+std::string robots_with_vehicles() {
+  std::vector<std::string_view> names;
+  for (const Commanded& one : commanded) names.push_back(one.robot);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+FlightController::FlightController(const Vehicle& vehicle, Commands commands)
+    : vehicle_(vehicle), commands_(commands), mixer_(vehicle) {}
+
+void FlightController::begin() noexcept {
+  climb_integral_ = 0.0;
+  velocity_integral_ = acceleration_ = v_before_ = {};
+  first_ = true;
+}
+
+/// Level acceleration by the velocity's error, integral and rate; in G.
+Vec3<double> FlightController::velocity_acceleration(const RigidBody& body, const Vec2<double>& d,
+                                                     const std::array<double, 4>& u) noexcept {
+  const Vec2<double> wanted = rotate<double>(d, {u[0], u[1]});
+  const Vec2<double> error = {wanted.x - body.v.x, wanted.y - body.v.y};
+  if (first_) v_before_ = {body.v.x, body.v.y};
+  first_ = false;
+  constexpr double share = damping_rate * period;
+  acceleration_.x += share * ((body.v.x - v_before_.x) / period - acceleration_.x);
+  acceleration_.y += share * ((body.v.y - v_before_.y) / period - acceleration_.y);
+  v_before_ = {body.v.x, body.v.y};
+  const Vehicle& c = vehicle_;
+  Vec3<double> a = {c.velocity_gain * error.x + velocity_integral_.x - c.velocity_damping * acceleration_.x,
+                    c.velocity_gain * error.y + velocity_integral_.y - c.velocity_damping * acceleration_.y,
+                    0.0};
+  const double most = gravity * std::tan(c.tilt_limit), size = norm(a.x, a.y);
+  if (size > most) return (most / size) * a;  // and the integral waits
+  velocity_integral_.x += c.velocity_integral * period * error.x;
+  velocity_integral_.y += c.velocity_integral * period * error.y;
+  return a;
+}
+
+Thrusts FlightController::update(const RigidBody& body, const Rotation& R,
+                                 const std::array<double, 4>& u) noexcept {
+  const Vehicle& c = vehicle_;
+  const double level = norm(R.x.x, R.x.y);
+  const Vec2<double> d = level > 0 ? Vec2<double>{R.x.x / level, R.x.y / level} : Vec2<double>{1, 0};
+  const bool tilts = commands_ == Commands::tilt;
+
+  // Climb first: its acceleration is part of what velocity commands ask the thrust for.
+  const double climb_error = (tilts ? c.climb_max * u[2] : u[2]) - body.v.z;
+  climb_integral_ = std::clamp(climb_integral_ + c.climb_integral * period * climb_error,
+                               -climb_integral_most, climb_integral_most);
+  const double climb = std::clamp(c.climb_gain * climb_error + climb_integral_, -climb_most, climb_most);
+
+  Vec3<double> push;
+  if (tilts) {
+    const auto level_push = [&](double part) {
+      return gravity * std::tan(std::clamp(c.tilt_max * part, -steepest, steepest));
+    };
+    const Vec2<double> a = rotate<double>(d, {level_push(u[0]), -level_push(u[1])});
+    push = {a.x, a.y, gravity};
+  } else {
+    push = velocity_acceleration(body, d, u);
+    push.z = gravity + climb;
+  }
+  const double yaw_rate = tilts ? c.yaw_max * u[3] : u[3];
+
+  // The shortest turn that brings the thrust there.
+  const Vec3<double> to = R.to_B((1 / norm(push)) * push);
+  const double sine = norm(to.x, to.y);
+  const double turn = c.attitude_gain * (sine > 1e-9 ? atan2(sine, to.z) / sine : 1.0);
+  const Vec3<double> rate = {-turn * to.y + yaw_rate * R.x.z, turn * to.x + yaw_rate * R.y.z,
+                             yaw_rate * R.z.z};
+  const Vec3<double> error = rate - body.w, I = body.inertia;
+  const Vec3<double> spin = {I.x * body.w.x, I.y * body.w.y, I.z * body.w.z};
+  const Vec3<double> torque =
+      Vec3<double>{I.x * c.rate_gain * error.x, I.y * c.rate_gain * error.y, I.z * c.yaw_gain * error.z} +
+      cross(body.w, spin);
+  return mixer_(c.mass * (gravity + climb) / std::max(least_lift, R.z.z), torque);
+}
+
+}  // namespace sightline

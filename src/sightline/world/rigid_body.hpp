@@ -1,0 +1,85 @@
+/// One rigid body: position and attitude in G, and how forces and torques move them.
+#pragma once
+
+#include "sightline/math/fixed.hpp"
+
+namespace sightline {
+
+inline constexpr double gravity = 9.81;  // [m/s^2]
+
+inline Vec3<double> cross(const Vec3<double>& a, const Vec3<double>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Attitude: turns the axes of the body B into G. |q| = 1.
+struct Quaternion {
+  double w = 1.0, x = 0.0, y = 0.0, z = 0.0;
+};
+
+/// The same as a matrix, by its columns: the axes of B in G.
+struct Rotation {
+  Vec3<double> x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+
+  Vec3<double> to_G(const Vec3<double>& a_B) const { return a_B.x * x + a_B.y * y + a_B.z * z; }
+  Vec3<double> to_B(const Vec3<double>& a_G) const { return {dot(x, a_G), dot(y, a_G), dot(z, a_G)}; }
+};
+
+inline Rotation rotation(const Quaternion& q) {
+  const double xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
+  const double xy = q.x * q.y, xz = q.x * q.z, yz = q.y * q.z, wx = q.w * q.x, wy = q.w * q.y, wz = q.w * q.z;
+  return {{1 - 2 * (yy + zz), 2 * (xy + wz), 2 * (xz - wy)},
+          {2 * (xy - wz), 1 - 2 * (xx + zz), 2 * (yz + wx)},
+          {2 * (xz + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}};
+}
+
+/// Newton's and Euler's equations,
+///
+///   m v' = F_G,   I w' + w x I w = M_B,   p' = v,   q' = q (0, w) / 2,
+///
+/// by the semi-implicit Euler step: first the velocities at the old state, then position and attitude by the new velocities,
+/// the attitude by its exact turn. It is the order of MuJoCo's integrator "Euler", so that both fly alike. Of first order: energy
+/// and angular momentum of a body that turns freely drift in proportion to the step.
+struct RigidBody {
+  double mass = 1.0;                 ///< [kg], > 0
+  Vec3<double> inertia = {1, 1, 1};  ///< about the axes of B, which are principal [kg m^2], > 0
+  Vec3<double> p{}, v{};             ///< of the centre of mass, in G [m], [m/s]
+  Quaternion q{};                    ///< B to G
+  Vec3<double> w{};                  ///< angular velocity, in B [rad/s]
+
+  /// Advances by h [s].
+  /// @param force   on the centre of mass, its weight included, in G [N]
+  /// @param torque  about it, in B [N m]
+  void step(const Vec3<double>& force, const Vec3<double>& torque, double h) noexcept {
+    v = v + (h / mass) * force;
+    const Vec3<double> spin = {inertia.x * w.x, inertia.y * w.y, inertia.z * w.z};
+    const Vec3<double> moment = torque - cross(w, spin);
+    w = w + h * Vec3<double>{moment.x / inertia.x, moment.y / inertia.y, moment.z / inertia.z};
+    p = p + h * v;
+    turn(h);
+  }
+
+  Vec3<double> momentum() const { return mass * v; }  ///< in G [kg m/s]
+  Vec3<double> angular_momentum() const {             ///< about the centre of mass, in G [N m s]
+    return rotation(q).to_G({inertia.x * w.x, inertia.y * w.y, inertia.z * w.z});
+  }
+  /// Of motion and rotation [J].
+  double energy() const {
+    return 0.5 *
+           (mass * dot(v, v) + inertia.x * square(w.x) + inertia.y * square(w.y) + inertia.z * square(w.z));
+  }
+
+ private:
+  void turn(double h) noexcept {
+    const double rate = norm(w);
+    const SinCos<double> half = sincos(0.5 * h * rate);
+    const double s = rate > 0 ? half.sin / rate : 0.5 * h;
+    const Quaternion d = {half.cos, s * w.x, s * w.y, s * w.z};
+    const Quaternion n = {
+        q.w * d.w - q.x * d.x - q.y * d.y - q.z * d.z, q.w * d.x + q.x * d.w + q.y * d.z - q.z * d.y,
+        q.w * d.y - q.x * d.z + q.y * d.w + q.z * d.x, q.w * d.z + q.x * d.y - q.y * d.x + q.z * d.w};
+    const double size = 1 / sqrt(n.w * n.w + n.x * n.x + n.y * n.y + n.z * n.z);
+    q = {size * n.w, size * n.x, size * n.y, size * n.z};
+  }
+};
+
+}  // namespace sightline

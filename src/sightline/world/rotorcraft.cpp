@@ -1,0 +1,103 @@
+#include "sightline/world/rotorcraft.hpp"
+
+#include <algorithm>
+
+namespace sightline {
+namespace {
+
+constexpr std::int64_t ticks_per_control = 2;
+static_assert(FlightController::period == ticks_per_control * rotorcraft_step);
+
+constexpr double touch_depth = 1e-6;  // below it rounding is no touch [m]
+
+const Vehicle& checked(const Vehicle& vehicle) {
+  vehicle.check();
+  return vehicle;
+}
+
+}  // namespace
+
+Rotorcraft::Rotorcraft(const Vehicle& vehicle, Commands commands)
+    : vehicle_(checked(vehicle)),
+      controller_(vehicle, commands),
+      body_{.mass = vehicle.mass, .inertia = vehicle.inertia},
+      rotors_(vehicle.rotors()),
+      rise_(1 - exp(-rotorcraft_step / vehicle.tau_up)),
+      fall_(1 - exp(-rotorcraft_step / vehicle.tau_down)) {
+  begin({}, {1, 0}, {}, 0.0);
+}
+
+void Rotorcraft::begin(const Vec3<double>& p, const Vec2<double>& d, const Vec3<double>& v,
+                       double yaw_rate) noexcept {
+  const double half = 0.5 * atan2(d.y, d.x);
+  body_.p = p, body_.v = v, body_.w = {0, 0, yaw_rate};
+  body_.q = {cos(half), 0, 0, sin(half)};
+  speed_.fill(0.0);
+  std::fill_n(speed_.begin(), rotors_, vehicle_.hover_speed());
+  controller_.begin();
+  ticks_ = 0;
+  crash_speed_ = 0.0;
+}
+
+void Rotorcraft::step(const std::array<double, 4>& u, const Vec3<double>& air) noexcept {
+  const Rotation R = attitude();
+  if (ticks_++ % ticks_per_control == 0) wanted_ = controller_.update(body_, R, u);
+  spin_up(wanted_);
+
+  double lift = 0.0, speeds = 0.0;
+  Vec3<double> torque{};
+  for (std::size_t i = 0; i < rotors_; ++i) {
+    const double f = vehicle_.k_f * square(speed_[i]);
+    lift += f;
+    speeds += speed_[i];
+    torque = torque +
+             f * Vec3<double>{vehicle_.rotor_y[i], -vehicle_.rotor_x[i], -vehicle_.spin[i] * vehicle_.k_m};
+  }
+  const Vec3<double> wind = R.to_B(body_.v - air), &drag = vehicle_.drag;
+  const double in_plane = vehicle_.rotor_drag * speeds;
+  const Vec3<double> force = {-(drag.x + in_plane) * wind.x, -(drag.y + in_plane) * wind.y,
+                              lift - drag.z * wind.z};
+  body_.step(R.to_G(force) + Vec3<double>{0, 0, -vehicle_.weight()}, torque, rotorcraft_step);
+  meet_ground();
+}
+
+void Rotorcraft::spin_up(const Thrusts& wanted) noexcept {
+  for (std::size_t i = 0; i < rotors_; ++i) {
+    const double goal = sqrt(wanted[i] / vehicle_.k_f);
+    speed_[i] += (goal > speed_[i] ? rise_ : fall_) * (goal - speed_[i]);
+  }
+}
+
+void Rotorcraft::meet_ground() noexcept {
+  if (!(body_.p.z < -touch_depth)) return;
+  const double speed = norm(body_.v);
+  if (speed > landing_speed_max) crash_speed_ = std::max(crash_speed_, speed);
+  const double half = 0.5 * atan2(heading().y, heading().x);
+  body_.p.z = 0.0;
+  body_.v = body_.w = {};
+  body_.q = {cos(half), 0, 0, sin(half)};
+}
+
+Vec2<double> Rotorcraft::heading() const {
+  const Rotation R = attitude();
+  const double level = norm(R.x.x, R.x.y);
+  if (!(level > 0)) return {1, 0};
+  return {R.x.x / level, R.x.y / level};
+}
+
+// R' = R [w], whose first column is w_z y - w_y z.
+double Rotorcraft::heading_rate() const {
+  const Rotation R = attitude();
+  const double level = square(R.x.x) + square(R.x.y);
+  if (!(level > 0)) return 0.0;
+  const Vec3<double> rate = body_.w.z * R.y - body_.w.y * R.z;
+  return (R.x.x * rate.y - R.x.y * rate.x) / level;
+}
+
+double Rotorcraft::thrust() const {
+  double lift = 0.0;
+  for (const double s : speed_) lift += vehicle_.k_f * square(s);
+  return lift;
+}
+
+}  // namespace sightline

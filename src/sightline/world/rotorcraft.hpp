@@ -1,0 +1,64 @@
+/// One vehicle in flight: rigid body, rotors, air, ground and flight controller.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sightline/world/flight_controller.hpp"
+#include "sightline/world/mixer.hpp"
+#include "sightline/world/rigid_body.hpp"
+#include "sightline/world/vehicle.hpp"
+
+namespace sightline {
+
+inline constexpr double rotorcraft_step = 0.001;  // [s]
+/// Faster than this, a touch of the ground is an accident [m/s].
+inline constexpr double landing_speed_max = 0.5;
+
+/// A vehicle by steps of 1 ms; its flight controller acts at every second one. The rotors' speeds follow with first-order lags, in
+/// their exact step for commands that are held,
+///
+///   s += (1 - e^{-h / tau}) (sqrt(f / k_f) - s),   tau = tau_up where s rises, else tau_down
+///
+/// The ground is the plane z = 0 of G, where the vehicle stands with p_z = 0. Touched slowly it carries the vehicle, upright and at
+/// rest, until the thrust lifts it.
+class Rotorcraft {
+ public:
+  /// @throws std::invalid_argument from Vehicle::check()
+  Rotorcraft(const Vehicle& vehicle, Commands commands);
+
+  /// Upright, with the rotors at the speed of hover.
+  /// @param d  heading
+  /// @param v  velocity in G
+  void begin(const Vec3<double>& p, const Vec2<double>& d, const Vec3<double>& v, double yaw_rate) noexcept;
+  /// Advances by rotorcraft_step.
+  /// @param u    the robot's inputs, as Commands says
+  /// @param air  velocity of the air in G [m/s]
+  void step(const std::array<double, 4>& u, const Vec3<double>& air) noexcept;
+
+  const Vehicle& vehicle() const { return vehicle_; }
+  const RigidBody& body() const { return body_; }
+  Rotation attitude() const { return rotation(body_.q); }
+  /// Heading of the body's x axis, (1, 0) where it points straight up or down.
+  Vec2<double> heading() const;
+  double heading_rate() const;  ///< of that direction [rad/s]
+  double thrust() const;        ///< of all rotors [N]
+  /// The speed at which it touched the ground, where it was above landing_speed_max, else 0 [m/s].
+  double crash_speed() const { return crash_speed_; }
+
+ private:
+  void spin_up(const Thrusts& wanted) noexcept;
+  void meet_ground() noexcept;
+
+  Vehicle vehicle_;
+  FlightController controller_;
+  RigidBody body_;
+  std::size_t rotors_;
+  double rise_, fall_;  // share of the way in a step
+  Thrusts wanted_{};
+  std::array<double, rotors_max> speed_{};  // [rad/s]
+  std::int64_t ticks_ = 0;
+  double crash_speed_ = 0.0;
+};
+
+}  // namespace sightline

@@ -1,0 +1,133 @@
+#include "sightline/world/flight_controller.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/point_mass.hpp"
+#include "sightline/model/robots.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
+
+namespace sightline {
+namespace {
+
+RigidBody body_of(const Vehicle& v) { return {.mass = v.mass, .inertia = v.inertia, .p = {0, 0, 1}}; }
+Quaternion turned(const Vec3<double>& axis, double angle) {
+  const double s = std::sin(0.5 * angle);
+  return {std::cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
+}
+
+struct Wrench {
+  double thrust = 0.0;
+  Vec3<double> torque{};
+};
+Wrench asked(const Vehicle& v, FlightController& controller, const RigidBody& body,
+             const std::array<double, 4>& u) {
+  const Thrusts f = controller.update(body, rotation(body.q), u);
+  Wrench w;
+  for (std::size_t i = 0; i < v.rotors(); ++i) {
+    w.thrust += f[i];
+    w.torque = w.torque + f[i] * Vec3<double>{v.rotor_y[i], -v.rotor_x[i], -v.spin[i] * v.k_m};
+  }
+  return w;
+}
+
+TEST(FlightController, KnowsWhatTheInputsOfEachMultirotorCommandAndOfNoOtherRobot) {
+  EXPECT_EQ(commands_of(Multirotor{}), Commands::tilt);
+  EXPECT_EQ(commands_of(AngleMultirotor{}), Commands::tilt);
+  EXPECT_EQ(commands_of(VelocityMultirotor{}), Commands::velocity);
+  EXPECT_EQ(commands_of(LaggedMultirotor<Lags::plane>{}), Commands::velocity);
+  EXPECT_EQ(commands_of(OmniRover{}), std::nullopt);
+  EXPECT_EQ(commands_of(Unicycle{}), std::nullopt);
+  EXPECT_EQ(commands_of(PointMass{}), std::nullopt);
+}
+
+TEST(FlightController, AtRestAndWithoutCommandItAsksForTheWeightAndNoTorque) {
+  for (const auto& preset : Vehicle::presets()) {
+    for (const Commands commands : {Commands::tilt, Commands::velocity}) {
+      FlightController controller(preset.part, commands);
+      const Wrench w = asked(preset.part, controller, body_of(preset.part), {});
+      EXPECT_NEAR(w.thrust, preset.part.weight(), 1e-12);
+      EXPECT_LT(norm(w.torque), 1e-12);
+    }
+  }
+}
+
+// u_f > 0 pitches forward (about y), u_s > 0 rolls to the right (about x), in V, whatever the heading.
+TEST(FlightController, TiltCommandsTiltForwardAndToTheRightInTheHeadingFrame) {
+  const Vehicle v = Vehicle::x500();
+  for (double psi = -3.0; psi < 3.1; psi += 0.5) {
+    RigidBody body = body_of(v);
+    body.q = turned({0, 0, 1}, psi);
+    FlightController controller(v, Commands::tilt);
+    const Wrench forward = asked(v, controller, body, {0.1, 0, 0, 0});
+    EXPECT_GT(forward.torque.y, 0.0);
+    EXPECT_NEAR(forward.torque.x, 0.0, 1e-12);
+    controller.begin();
+    const Wrench right = asked(v, controller, body, {0, 0.1, 0, 0});
+    EXPECT_GT(right.torque.x, 0.0);
+    EXPECT_NEAR(right.torque.y, 0.0, 1e-12);
+    controller.begin();
+    const Wrench turn = asked(v, controller, body, {0, 0, 0, 0.1});
+    EXPECT_GT(turn.torque.z, 0.0);
+    controller.begin();
+    EXPECT_GT(asked(v, controller, body, {0, 0, 0.1, 0}).thrust, v.weight());
+  }
+}
+
+TEST(FlightController, AsksForNoTiltTorqueAtTheTiltThatIsCommanded) {
+  const Vehicle v = Vehicle::x500();
+  RigidBody body = body_of(v);
+  body.q = turned({0, 1, 0}, 0.5 * v.tilt_max);
+  FlightController controller(v, Commands::tilt);
+  const Wrench w = asked(v, controller, body, {0.5, 0, 0, 0});
+  EXPECT_LT(norm(w.torque), 1e-12);
+  // The collective makes up for the tilt.
+  EXPECT_NEAR(w.thrust * std::cos(0.5 * v.tilt_max), v.weight(), 1e-12);
+}
+
+TEST(FlightController, VelocityCommandsLeanTowardsTheVelocityThatIsMissing) {
+  const Vehicle v = Vehicle::x500();
+  RigidBody body = body_of(v);
+  body.q = turned({0, 0, 1}, std::numbers::pi / 2);  // heads along y of G
+  FlightController controller(v, Commands::velocity);
+  EXPECT_GT(asked(v, controller, body, {0.5, 0, 0, 0}).torque.y, 0.0);
+  controller.begin();
+  EXPECT_LT(asked(v, controller, body, {0, 0.5, 0, 0}).torque.x, 0.0);  // to the left
+  controller.begin();
+  body.v = {0, 0.5, 0};
+  EXPECT_LT(norm(asked(v, controller, body, {0.5, 0, 0, 0}).torque), 1e-12);
+}
+
+TEST(FlightController, NeverAsksForMoreTiltThanTheLimitUnderVelocityCommands) {
+  const Vehicle v = Vehicle::x500();
+  RigidBody body = body_of(v);
+  body.q = turned({0, 1, 0}, v.tilt_limit);
+  FlightController controller(v, Commands::velocity);
+  // Held there by an error of 50 m/s, with no torque asked for beyond.
+  for (int k = 0; k < 1000; ++k) {
+    const Wrench w = asked(v, controller, body, {50, 0, 0, 0});
+    EXPECT_NEAR(w.torque.y, 0.0, 1e-9);
+  }
+}
+
+TEST(FlightController, IsFiniteForAnyFiniteBodyAndCommand) {
+  const Vehicle v = Vehicle::crazyflie();
+  for (const Commands commands : {Commands::tilt, Commands::velocity}) {
+    FlightController controller(v, commands);
+    for (const double angle : {0.0, 1.0, std::numbers::pi / 2, std::numbers::pi}) {
+      RigidBody body = body_of(v);
+      body.q = turned({0, 1, 0}, angle);
+      body.w = {30, -20, 10};
+      for (const double u : {-1e6, 0.0, 1e6}) {
+        const Thrusts f = controller.update(body, rotation(body.q), {u, -u, u, u});
+        for (const double one : f) EXPECT_TRUE(std::isfinite(one) && one >= 0);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sightline
