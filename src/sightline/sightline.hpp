@@ -21,4 +21,5 @@
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/model_world.hpp"
 #include "sightline/world/plant.hpp"
+#include "sightline/world/rotor_world.hpp"
 #include "sightline/world/sensor.hpp"

@@ -208,6 +208,63 @@ TEST(Plant, WhatIsAbsentRestsWhereItIsAndDisturbsNobody) {
   EXPECT_NE(alone.x()[0], near[0]);
 }
 
+/// Moves one robot a metre along x each time, and writes down what it is told.
+class Strides final : public RobotDynamics {
+ public:
+  explicit Strides(BodyId robot) : robot_(robot) {}
+  bool moves(BodyId robot) const noexcept override { return robot == robot_; }
+  void begin(BodyId, double t, const double*) noexcept override { begun.push_back(t); }
+  void move(BodyId robot, double t, const double* u, const Vec3<double>& acceleration,
+            double* x) noexcept override {
+    EXPECT_EQ(robot, robot_);
+    x[0] += 1.0;
+    until.push_back(t);
+    told.push_back(u[0]);
+    pushed.push_back(acceleration.x);
+  }
+  Numbers begun, until, told, pushed;
+
+ private:
+  BodyId robot_;
+};
+
+TEST(Plant, OtherDynamicsMoveTheirRobotWithTheCommandsDelaysAndDisturbancesOfThePlant) {
+  Strides strides(BodyId{1});
+  Plant plant(
+      two_robots(), apart,
+      {.disturbances = {.wind = {0.5, 0, 0}, .input_delay = 0.014, .input_gain = 2.0}, .dynamics = &strides});
+  Plant models(two_robots(), apart,
+               {.disturbances = {.wind = {0.5, 0, 0}, .input_delay = 0.014, .input_gain = 2.0}});
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_TRUE(plant.step(Numbers(8, 0.1 * (k + 1)), dt));
+    models.step(Numbers(8, 0.1 * (k + 1)), dt);
+  }
+  // The first command comes into force at 14 ms, the second at 24 ms.
+  EXPECT_EQ(strides.begun, Numbers{0.0});
+  EXPECT_THAT(strides.until,
+              testing::Pointwise(testing::DoubleNear(1e-12), Numbers{0.01, 0.014, 0.02, 0.024, 0.03}));
+  EXPECT_EQ(strides.told, (Numbers{0, 0, 0.2, 0.2, 0.4}));
+  EXPECT_EQ(strides.pushed, Numbers(5, 0.5));
+  EXPECT_EQ(plant.x()[7], apart[7] + 5.0);
+  for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(plant.x()[i], models.x()[i]);
+  for (std::size_t i = 8; i < 14; ++i) EXPECT_EQ(plant.x()[i], apart[i]);
+}
+
+TEST(Plant, OtherDynamicsBeginAnewWhenTheirRobotJoinsAndAreNotAskedWhileItIsAway) {
+  Strides strides(BodyId{1});
+  Plant plant(two_robots(), apart, {.dynamics = &strides});
+  const auto presence = [&](Presence second) {
+    plant.set_presence(std::vector<Presence>{Presence::steered, second});
+    ASSERT_TRUE(plant.step(Numbers(8, 0.5), dt));
+  };
+  presence(Presence::steered), presence(Presence::absent), presence(Presence::absent);
+  EXPECT_EQ(strides.until.size(), 1u);
+  EXPECT_EQ(plant.x()[7], apart[7] + 1.0);
+  presence(Presence::steered);
+  EXPECT_THAT(strides.begun, testing::Pointwise(testing::DoubleNear(1e-12), Numbers{0.0, 0.03}));
+  EXPECT_EQ(plant.x()[7], apart[7] + 1.0) << "from the start again";
+}
+
 TEST(Plant, AStateThatIsNoLongerFiniteIsTold) {
   Plant plant(two_robots(), apart);
   Numbers u(8, 0.0);

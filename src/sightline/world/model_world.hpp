@@ -23,6 +23,8 @@ class ModelWorld final : public World {
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
              std::int64_t periods) noexcept override;
+  /// True states of all bodies (nx).
+  std::span<const double> x() const noexcept { return plant_.x(); }
 
  private:
   Plant plant_;

@@ -35,6 +35,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
       u_(static_cast<std::size_t>(team_.nu())),
       delay_(disturbances_.input_delay, options.period, resting_input(team_)),
       motions_(team_, options.motions, options.seed),
+      dynamics_(options.dynamics),
       steered_for_(options.period) {
   if (z_.size() != nx_) {
     throw std::invalid_argument(fmt::format("the plant's start has {} numbers, expected {}", z_.size(), nx_));
@@ -42,14 +43,17 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
   int robots = 0;
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
-    const Part& part = parts_.emplace_back(
-        Part{team_.model(body), static_cast<std::size_t>(team_.state_offset(body)),
-             static_cast<std::size_t>(team_.input_offset(body)), team_.is_agent(body) ? robots++ : -1, true});
+    const bool is_robot = team_.is_agent(body);
+    const Part& part =
+        parts_.emplace_back(Part{team_.model(body), static_cast<std::size_t>(team_.state_offset(body)),
+                                 static_cast<std::size_t>(team_.input_offset(body)), is_robot ? robots++ : -1,
+                                 true, is_robot && dynamics_ != nullptr && dynamics_->moves(body)});
     if (!part.model.normalise(&z_[part.x])) {
       throw std::invalid_argument(fmt::format(
           "the start of \"{}\" is not a state, expected finite numbers and a heading other than (0, 0)",
           team_.name(body)));
     }
+    if (part.moved) dynamics_->begin(body, time_, &z_[part.x]);
     if (disturbances_.yaw_lag == 0) continue;
     const auto names = part.model.inputs();
     for (std::size_t k = 0; k < names.size(); ++k) {
@@ -86,7 +90,7 @@ bool Plant::step(std::span<const double> u, double dt) noexcept {
     const double until_next = delay_.next_arrival() - (time_ + done);
     double s = std::min(dt - done, longest);
     if (until_next < s - same_time) s = until_next;
-    integrate(held, s);
+    integrate(held, time_ + done, s);
     done += s;
   }
 
@@ -106,6 +110,7 @@ void Plant::set_presence(std::span<const Presence> presence) noexcept {
     if (was_there || !part.there) continue;
     const int n = part.robot >= 0 ? part.model.nx() : 3;
     std::copy_n(&start_[part.x], n, &z_[part.x]);
+    if (part.moved) dynamics_->begin(BodyId{static_cast<int>(i)}, time_, &z_[part.x]);
   }
 }
 
@@ -122,15 +127,24 @@ void Plant::set_accelerations() noexcept {
   if (wakes_) wakes_->push(p_, acceleration_);
 }
 
-void Plant::integrate(std::span<const double> u, double s) noexcept {
+void Plant::integrate(std::span<const double> u, double from, double s) noexcept {
   for (std::size_t i = 0; i < u_.size(); ++i) u_[i] = disturbances_.input_gain * u[i];
+  // A yaw rate that lags is held over the step.
+  for (const YawLag& lag : lags_) u_[lag.input] = z_[lag.state];
+  for (std::size_t i = 0; dynamics_ != nullptr && i < parts_.size(); ++i) {
+    const Part& part = parts_[i];
+    if (!part.moved || !part.there) continue;
+    const Vec3<double> none{};
+    dynamics_->move(BodyId{static_cast<int>(i)}, from + s, u_.data() + part.u,
+                    pushed_ ? acceleration_[static_cast<std::size_t>(part.robot)] : none, &z_[part.x]);
+  }
   const auto f = [&](std::span<const double> z, std::span<double> rate) {
     for (const YawLag& lag : lags_) {
       rate[lag.state] = (disturbances_.input_gain * u[lag.input] - z[lag.state]) / disturbances_.yaw_lag;
       u_[lag.input] = z[lag.state];
     }
     for (const Part& part : parts_) {
-      if (!part.there) {
+      if (!part.there || part.moved) {
         std::fill_n(&rate[part.x], part.model.nx(), 0.0);
         continue;
       }

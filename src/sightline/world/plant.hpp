@@ -13,11 +13,27 @@
 
 namespace sightline {
 
+/// Moves robots of a plant in place of their models: rigid bodies with rotors, another simulation. Nothing here
+/// allocates, locks or throws.
+class RobotDynamics {
+ public:
+  virtual ~RobotDynamics() = default;
+  /// Whether it moves that robot; the same at any time.
+  virtual bool moves(BodyId robot) const noexcept = 0;
+  /// From t [s] on the robot is in the state x of its model: at first, and whenever it joins again.
+  virtual void begin(BodyId robot, double t, const double* x) noexcept = 0;
+  /// Moves the robot on to t [s] under its inputs u, held, and the acceleration of G [m/s^2] that wind, gusts and wakes
+  /// give its model; writes the state x of its model.
+  virtual void move(BodyId robot, double t, const double* u, const Vec3<double>& acceleration,
+                    double* x) noexcept = 0;
+};
+
 struct PlantOptions {
   std::uint64_t seed = 1;
   Disturbances disturbances{};
   double period = 0.01;  ///< shortest step that will be asked for [s]; sizes the queue of delayed commands
   std::vector<BodyMotion> motions{};  ///< of targets and obstacles; the others keep their velocity
+  RobotDynamics* dynamics = nullptr;  ///< of the robots that it moves; outlives the plant
 };
 
 /// x' = f(x, u) of each body by the classical Runge-Kutta step with u held (zero-order hold). After each step
@@ -27,6 +43,9 @@ struct PlantOptions {
 /// Wind, gusts and wakes are accelerations of the robots, held over a step; a delayed command that comes into
 /// force within a step divides it there. Targets and obstacles with a motion hold its velocity over a step, and
 /// show at once the velocity of the next one.
+///
+/// Robots that PlantOptions::dynamics moves have commands, delays, disturbances and presence of the plant, and the motion of
+/// those dynamics.
 class Plant {
  public:
   /// @param x0  states of all bodies, in the order of the team (nx)
@@ -52,13 +71,14 @@ class Plant {
     std::size_t x, u;  // offsets
     int robot;         // index among the robots, or -1
     bool there = true;
+    bool moved = false;  // by other dynamics than its model's
   };
   struct YawLag {
     std::size_t input, state;
   };
 
   void set_accelerations() noexcept;
-  void integrate(std::span<const double> u, double s) noexcept;
+  void integrate(std::span<const double> u, double from, double s) noexcept;
 
   Team team_;
   Disturbances disturbances_;
@@ -72,6 +92,7 @@ class Plant {
   std::optional<Gusts> gusts_;
   std::optional<Wakes> wakes_;
   Motions motions_;
+  RobotDynamics* dynamics_;
   double steered_for_;                          // step that the bodies' velocities are for [s]
   std::vector<Vec3<double>> p_, acceleration_;  // of the robots
   bool pushed_;

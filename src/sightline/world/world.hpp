@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "sightline/math/fixed.hpp"
 #include "sightline/ocp/roster.hpp"
@@ -50,6 +51,8 @@ class World {
   /// @return false where the world cannot go on, which ends the loop
   virtual bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
                      std::int64_t periods) noexcept = 0;
+  /// After apply() gave false: why, a sentence; empty where a state is no longer finite. Allocates: for after the flight.
+  virtual std::string ended() const { return {}; }
 };
 
 }  // namespace sightline

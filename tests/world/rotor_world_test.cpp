@@ -1,0 +1,252 @@
+#include "sightline/world/rotor_world.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
+#include "tests/support/hexacopter.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace sightline {
+namespace {
+
+using Numbers = std::vector<double>;
+using testing::HasSubstr;
+
+/// Two vehicles, a rover, a target.
+Team mixed() {
+  Team team;
+  team.add(Multirotor{}, {.name = "uav"});
+  team.add(OmniRover{}, {.name = "rover"});
+  team.add(VelocityMultirotor{}, {.name = "scout"});
+  team.add(Obstacle{.name = "target"});
+  return team;
+}
+const Numbers x0 = {0, 0, 2, 0.6, 0.8, 0.3, 0.1, /**/ 3, 0,   0,      1, 0, 0.2, 0, /**/
+                    6, 0, 3, 1,   0,   0,   0,   0.2,    0.1, /**/ 9, 0, 1, 0.1, 0, 0};
+const std::vector<RobotVehicle> fleet = {{BodyId{0}, Vehicle::x500(), "x500"},
+                                         {BodyId{2}, Vehicle::crazyflie(), "crazyflie"}};
+const Numbers u = {0.3, -0.2, 0.1, 0.4, /**/ 0.5, 0.1, -0.2, /**/ 0.4, 0.3, 0.2, 0.3};
+
+Numbers copy(std::span<const double> x) { return {x.begin(), x.end()}; }
+Numbers part(std::span<const double> x, std::size_t from, std::size_t n) { return copy(x.subspan(from, n)); }
+
+Numbers fly(RotorWorld& world, int periods, const Numbers& inputs = u) {
+  Numbers seen;
+  for (int k = 0; k < periods; ++k) {
+    const Measured now = world.measure(0.01 * k);
+    seen.insert(seen.end(), now.measured.begin(), now.measured.end());
+    seen.insert(seen.end(), now.truth.begin(), now.truth.end());
+    EXPECT_TRUE(world.apply(0.01 * k, now.measured, inputs, 0.01, 1)) << world.ended();
+  }
+  return seen;
+}
+
+TEST(RotorWorld, WhoIsNoVehicleMovesAsInTheModelWorldBitForBit) {
+  RotorWorld rotors(mixed(), x0, fleet);
+  ModelWorld models(mixed(), x0);
+  for (int k = 0; k < 100; ++k) {
+    const Measured seen = rotors.measure(0.01 * k), expected = models.measure(0.01 * k);
+    EXPECT_EQ(part(seen.truth, 7, 7), part(expected.truth, 7, 7));
+    EXPECT_EQ(part(seen.measured, 23, 6), part(expected.measured, 23, 6));
+    if (k > 10) {
+      EXPECT_NE(part(seen.truth, 0, 7), part(expected.truth, 0, 7));
+    }
+    ASSERT_TRUE(rotors.apply(0.01 * k, {}, u, 0.01, 1));
+    ASSERT_TRUE(models.apply(0.01 * k, {}, u, 0.01, 1));
+  }
+}
+
+TEST(RotorWorld, MeasuresTheStateOfThePlanningModelAsTheBodyShowsIt) {
+  RotorWorld world(mixed(), x0, fleet);
+  EXPECT_EQ(copy(world.measure(0.0).truth), copy(world.start()));
+  fly(world, 80);
+  const Numbers x = copy(world.measure(0.8).truth);
+  for (const auto& [robot, from] : {std::pair{BodyId{0}, 0}, std::pair{BodyId{2}, 14}}) {
+    const Rotorcraft* const craft = world.rotorcraft(robot);
+    ASSERT_NE(craft, nullptr);
+    const double* const state = &x[static_cast<std::size_t>(from)];
+    const RigidBody& body = craft->body();
+    EXPECT_EQ((Numbers{state[0], state[1], state[2]}), (Numbers{body.p.x, body.p.y, body.p.z}));
+    const Vec2<double> v = rotate<double>({state[3], state[4]}, {state[5], state[6]});
+    EXPECT_NEAR(v.x, body.v.x, 1e-12);
+    EXPECT_NEAR(v.y, body.v.y, 1e-12);
+    EXPECT_NEAR(norm(state[3], state[4]), 1.0, 1e-15);
+    EXPECT_LT(craft->attitude().z.z, 0.9999) << "it tilts";
+  }
+  EXPECT_EQ(x[14 + 7], world.rotorcraft(BodyId{2})->body().v.z);
+  EXPECT_EQ(x[14 + 8], world.rotorcraft(BodyId{2})->heading_rate());
+  EXPECT_EQ(world.rotorcraft(BodyId{1}), nullptr);
+}
+
+TEST(RotorWorld, AnAngleMultirotorShowsItsAngle) {
+  Team team;
+  team.add(AngleMultirotor{}, {.name = "uav"});
+  RotorWorld world(std::move(team), {0, 0, 2, 3.0, 0.2, -0.1}, {{BodyId{0}, hexacopter(), "x500"}});
+  const Numbers command = {0, 0, 0, 0.5};
+  double turned = 0.0, before = 3.0;
+  for (int k = 0; k < 300; ++k) {
+    ASSERT_TRUE(world.apply(0.01 * k, {}, command, 0.01, 1));
+    const double psi = world.measure(0.01 * (k + 1)).truth[3];
+    EXPECT_LE(std::abs(psi), 3.1415927);
+    turned += wrap_angle(psi - before);
+    before = psi;
+  }
+  EXPECT_NEAR(turned, 0.8 * 3, 0.25);
+}
+
+TEST(RotorWorld, TheSameSeedGivesTheSameBytesAndAnotherOthers) {
+  const auto flown = [](std::uint64_t seed) {
+    RotorWorld world(
+        mixed(), x0, fleet,
+        {.seed = seed, .disturbances = {.wind = {0.3, 0, 0}, .gust_sigma = 0.2, .input_delay = 0.03}},
+        {.seed = seed, .noise = {.position = 0.01}, .delay = 0.02});
+    return fly(world, 200);
+  };
+  const Numbers first = flown(3);
+  EXPECT_EQ(first, flown(3));
+  EXPECT_NE(first, flown(4));
+}
+
+TEST(RotorWorld, PeriodsThatWereMissedPassUnderTheInputsThatWentOn) {
+  RotorWorld at_once(mixed(), x0, fleet), one_by_one(mixed(), x0, fleet);
+  ASSERT_TRUE(at_once.apply(0.0, {}, u, 0.01, 25));
+  for (int k = 0; k < 25; ++k) ASSERT_TRUE(one_by_one.apply(0.01 * k, {}, u, 0.01, 1));
+  EXPECT_EQ(copy(at_once.measure(0.25).truth), copy(one_by_one.measure(0.25).truth));
+}
+
+TEST(RotorWorld, ADelayedCommandIsTheCommandSoMuchLater) {
+  const Numbers rest(u.size());
+  Numbers start = x0;
+  start[5] = start[6] = start[21] = start[22] = start[12] = 0;
+  RotorWorld late(mixed(), start, fleet, {.disturbances = {.input_delay = 0.05}}),
+      prompt(mixed(), start, fleet);
+  for (int k = 0; k < 5; ++k) ASSERT_TRUE(late.apply(0.01 * k, {}, u, 0.01, 1));
+  for (int k = 0; k < 60; ++k) {
+    const double* const a = &late.measure(0.05 + 0.01 * k).truth[0];
+    const double* const b = &prompt.measure(0.01 * k).truth[0];
+    for (int i = 0; i < 7; ++i) EXPECT_NEAR(a[i], b[i], 1e-9);
+    ASSERT_TRUE(late.apply(0.05 + 0.01 * k, {}, u, 0.01, 1));
+    ASSERT_TRUE(prompt.apply(0.01 * k, {}, u, 0.01, 1));
+  }
+}
+
+TEST(RotorWorld, WindDriftsAVehicleThatHoldsItsTilt) {
+  const auto drifted = [](const Vehicle& vehicle) {
+    Team team;
+    team.add(Multirotor{}, {.name = "uav"});
+    RotorWorld world(std::move(team), {0, 0, 2, 1, 0, 0, 0}, {{BodyId{0}, vehicle, ""}},
+                     {.disturbances = {.wind = {1.0, 0, 0}}});
+    fly(world, 50, {0, 0, 0, 0});
+    return world.measure(0.5).truth[5];
+  };
+  // v = air (1 - e^{-d t / m}) where the tilt stays 0: the drag falls with the speed.
+  for (const auto& preset : Vehicle::presets()) {
+    const double rate = preset.part.hover_drag().x / preset.part.mass;
+    const double air = preset.part.air({1, 0, 0}).x;
+    EXPECT_NEAR(drifted(preset.part), air * (1 - std::exp(-0.5 * rate)), 0.02) << preset.name;
+  }
+}
+
+TEST(RotorWorld, WhoIsAbsentRestsAndWhoJoinsBeginsAtTheStart) {
+  RotorWorld world(mixed(), x0, fleet);
+  using enum Presence;
+  world.set_presence(std::array{steered, steered, absent, hold});
+  for (int k = 0; k < 100; ++k) {
+    EXPECT_EQ(part(world.measure(0.01 * k).truth, 14, 9), part(world.start(), 14, 9));
+    ASSERT_TRUE(world.apply(0.01 * k, {}, u, 0.01, 1));
+  }
+  world.set_presence(std::array{steered, steered, steered, hold});
+  EXPECT_EQ(part(world.measure(1.0).truth, 14, 9), part(world.start(), 14, 9));
+  // It flies as from the beginning.
+  RotorWorld fresh(mixed(), x0, fleet);
+  for (int k = 0; k < 50; ++k) {
+    ASSERT_TRUE(world.apply(1.0 + 0.01 * k, {}, u, 0.01, 1));
+    ASSERT_TRUE(fresh.apply(0.01 * k, {}, u, 0.01, 1));
+  }
+  EXPECT_EQ(part(world.measure(1.5).truth, 14, 9), part(fresh.measure(0.5).truth, 14, 9));
+}
+
+TEST(RotorWorld, AFastTouchOfTheGroundEndsItWithASentence) {
+  Team team;
+  team.add(VelocityMultirotor{}, {.name = "uav"});
+  RotorWorld world(std::move(team), {0, 0, 2, 1, 0, 0, 0, 0, 0}, {{BodyId{0}, Vehicle::x500(), ""}});
+  const Numbers down = {0, 0, -1, 0};
+  double t = 0.0;
+  while (world.apply(t, {}, down, 0.01, 1)) {
+    ASSERT_EQ(world.ended(), "");
+    ASSERT_LT(t += 0.01, 5.0);
+  }
+  EXPECT_THAT(world.ended(), HasSubstr("uav touched the ground at 2."));
+  EXPECT_THAT(world.ended(), HasSubstr(" m/s, expected at most 0.5 m/s"));
+}
+
+TEST(RotorWorld, ATouchOfTwoBodiesEndsItWhenTheyHaveBeenApart) {
+  const auto ended = [](double gap, bool vehicle) {
+    Team team;
+    team.add(VelocityMultirotor{}, {.name = "uav"});
+    if (vehicle) {
+      team.add(Multirotor{}, {.name = "other"});
+    } else {
+      team.add(Obstacle{.name = "other"});
+    }
+    Numbers x = {0, 0, 2, 1, 0, 0, 0, 0, 0, gap, 0, 2};
+    const Numbers rest = vehicle ? Numbers{1, 0, 0, 0} : Numbers{0, 0, 0};
+    x.insert(x.end(), rest.begin(), rest.end());
+    std::vector<RobotVehicle> vehicles = {{BodyId{0}, Vehicle::x500(), ""}};
+    if (vehicle) vehicles.push_back({BodyId{1}, Vehicle::x500(), ""});
+    RotorWorld world(std::move(team), x, vehicles);
+    Numbers forward = {1, 0, 0, 0};
+    if (vehicle) forward.resize(8);
+    for (int k = 0; k < 300; ++k) {
+      if (!world.apply(0.01 * k, {}, forward, 0.01, 1)) return world.ended();
+    }
+    return std::string("flew on");
+  };
+  EXPECT_THAT(ended(1.5, true), HasSubstr("uav and other touched at"));
+  EXPECT_THAT(ended(1.0, false), HasSubstr("uav and other touched at"));
+  EXPECT_EQ(ended(20.0, true), "flew on");
+  EXPECT_EQ(ended(-20.0, false), "flew on");
+  EXPECT_EQ(ended(-0.3, false), "flew on") << "it overlaps at the start, and leaves";
+}
+
+TEST(RotorWorld, AStateThatIsNoLongerFiniteEndsItWithoutASentence) {
+  RotorWorld world(mixed(), x0, fleet);
+  Numbers spoilt = u;
+  spoilt[4] = std::numeric_limits<double>::infinity();  // of the rover
+  EXPECT_FALSE(world.apply(0.0, {}, spoilt, 0.01, 1));
+  EXPECT_EQ(world.ended(), "");
+}
+
+TEST(RotorWorld, RefusesWhatItCannotFly) {
+  const auto refused = [](const std::vector<RobotVehicle>& vehicles, const PlantOptions& plant,
+                          double z = 2.0) {
+    Numbers x = x0;
+    x[2] = z;
+    return refusal_of([&] { RotorWorld(mixed(), x, vehicles, plant); });
+  };
+  const RobotVehicle x500 = fleet[0];
+  EXPECT_EQ(refused(fleet, {}), "");
+  EXPECT_EQ(refused(fleet, {.period = 0.002}), "");
+  EXPECT_THAT(refused(fleet, {.period = 0.0125}),
+              HasSubstr("the period is 0.0125 s, expected a whole number of steps"));
+  EXPECT_THAT(refused({{BodyId{1}, x500.vehicle, ""}}, {}),
+              HasSubstr("rover is of the kind omni_rover, expected one that a vehicle can be: multirotor,"));
+  EXPECT_THAT(refused({{BodyId{3}, x500.vehicle, ""}}, {}), HasSubstr("expected a robot of the team"));
+  EXPECT_THAT(refused({x500, x500}, {}), HasSubstr("uav is two vehicles"));
+  EXPECT_THAT(refused(fleet, {}, -0.5), HasSubstr("uav starts at a height of -0.5 m"));
+  RobotVehicle smooth = x500, heavy = x500;
+  smooth.vehicle.rotor_drag = 0;
+  heavy.vehicle.mass = 5;
+  EXPECT_EQ(refused({smooth}, {}), "");
+  EXPECT_THAT(refused({smooth}, {.disturbances = {.wind = {0, 1, 0}}}), HasSubstr("vehicle.drag of uav"));
+  EXPECT_THAT(refused({smooth}, {.disturbances = {.gust_sigma = 0.1}}), HasSubstr("expected one that wind"));
+  EXPECT_THAT(refused({heavy}, {}), HasSubstr("vehicle.mass = 5 kg"));
+}
+
+}  // namespace
+}  // namespace sightline
