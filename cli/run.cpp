@@ -43,12 +43,14 @@ void print_table(const std::vector<SummaryLine>& lines) {
 }
 
 /// What makes a run a failure, a sentence each.
-std::vector<std::string> faults_of(const LoopOutcome& outcome, const Log& log) {
+std::vector<std::string> faults_of(const LoopOutcome& outcome, const World& world, const Log& log) {
   std::vector<std::string> faults = log.summary().out_of_view();
   for (std::string& sentence : log.summary().plans().failures()) faults.push_back(std::move(sentence));
   for (std::string& sentence : log.summary().safety().broken()) faults.push_back(std::move(sentence));
-  if (!outcome.finite || log.summary().not_finite() > 0)
+  std::string ended = outcome.finite ? "" : world.ended();
+  if ((!outcome.finite && ended.empty()) || log.summary().not_finite() > 0)
     faults.emplace_back("a state or an input was not finite");
+  if (!ended.empty()) faults.push_back(std::move(ended));
   if (const std::int64_t beyond = log.summary().applied_violations(); beyond > 0)
     faults.push_back(fmt::format("{} applied inputs were beyond the limits in force", beyond));
   if (outcome.dropped > 0)
@@ -82,7 +84,7 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
   log.finish();
   progress.end();
 
-  Flight flight = {log.summary().json(), faults_of(outcome, log), log.error().empty()};
+  Flight flight = {log.summary().json(), faults_of(outcome, *world, log), log.error().empty()};
   // Beside an earlier log stands its own summary.
   std::string lost = log.begun() ? write_summary(folder, flight.summary) : "";
   if (!lost.empty()) {

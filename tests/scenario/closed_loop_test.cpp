@@ -171,7 +171,7 @@ TEST(ClosedLoop, AWorldIsRegisteredOnceByAWord) {
   EXPECT_THROW(parts.worlds.add("model", make), std::invalid_argument);
   EXPECT_THROW(parts.worlds.add("My World", make), std::invalid_argument);
   EXPECT_THROW(parts.worlds.add("nothing", {}), std::invalid_argument);
-  EXPECT_EQ(parts.worlds.names().size(), 1U);
+  EXPECT_EQ(parts.worlds.names().size(), 2U);
 }
 
 }  // namespace

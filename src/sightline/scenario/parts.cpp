@@ -19,6 +19,7 @@
 #include "sightline/potential/slope.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/world/model_world.hpp"
+#include "sightline/world/rotor_world.hpp"
 
 namespace sightline {
 
@@ -53,24 +54,37 @@ Parts::Parts() {
     return std::make_unique<ModelWorld>(scenario.team, scenario.x0, plant_options(scenario),
                                         sensor_options(scenario));
   });
+  const auto rotors = [](const Scenario& scenario) -> std::unique_ptr<World> {
+    return std::make_unique<RotorWorld>(scenario.team, scenario.x0, scenario.vehicles,
+                                        plant_options(scenario), sensor_options(scenario));
+  };
+  worlds.add("rotors", rotors, MovedBy::vehicles);
 }
 
-WorldList& WorldList::add(std::string_view name, MakeWorld make) {
+WorldList& WorldList::add(std::string_view name, MakeWorld make, MovedBy robots) {
   check_part_name("world", name, {}, names());
   if (!make) refuse("the world \"{}\" has no function, expected one that makes it of a scenario", name);
-  worlds_.emplace_back(name, std::move(make));
+  worlds_.push_back({std::string(name), std::move(make), robots});
   return *this;
 }
 
 std::vector<std::string_view> WorldList::names() const {
   std::vector<std::string_view> all;
-  for (const auto& [name, make] : worlds_) all.push_back(name);
+  for (const Entry& world : worlds_) all.push_back(world.name);
+  return all;
+}
+
+std::vector<std::string_view> WorldList::with_vehicles() const {
+  std::vector<std::string_view> all;
+  for (const Entry& world : worlds_) {
+    if (world.robots == MovedBy::vehicles) all.push_back(world.name);
+  }
   return all;
 }
 
 const MakeWorld* WorldList::find(std::string_view name) const {
-  for (const auto& [known, make] : worlds_) {
-    if (known == name) return &make;
+  for (const Entry& world : worlds_) {
+    if (world.name == name) return &world.make;
   }
   return nullptr;
 }

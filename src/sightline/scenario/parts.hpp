@@ -127,18 +127,28 @@ class World;
 /// @throws std::invalid_argument for a scenario that it cannot be the world of
 using MakeWorld = std::function<std::unique_ptr<World>(const Scenario&)>;
 
+/// What moves the robots of a world: their models, or vehicles, which `[agent.NAME.vehicle]` says.
+enum class MovedBy { models, vehicles };
+
 /// Worlds by the names that `[world] kind` gives them.
 class WorldList {
  public:
   /// @throws std::invalid_argument for a name that is no word, or that another world has, and for no function
-  WorldList& add(std::string_view name, MakeWorld make);
+  WorldList& add(std::string_view name, MakeWorld make, MovedBy robots = MovedBy::models);
   /// In the order in which they were added; the first is what a scenario flies in that names none.
   std::vector<std::string_view> names() const;
   /// The function of that name, or none.
   const MakeWorld* find(std::string_view name) const;
+  /// Those whose robots are vehicles.
+  std::vector<std::string_view> with_vehicles() const;
 
  private:
-  std::vector<std::pair<std::string, MakeWorld>> worlds_;
+  struct Entry {
+    std::string name;
+    MakeWorld make;
+    MovedBy robots;
+  };
+  std::vector<Entry> worlds_;
 };
 
 /// Every kind of part. A value: to be filled, then to be given to whoever reads a scenario.

@@ -18,6 +18,7 @@
 #include "sightline/scenario/read_robot.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/scenario/read_shape.hpp"
+#include "sightline/scenario/read_vehicle.hpp"
 #include "sightline/scenario/set_value.hpp"
 #include "sightline/scenario/templates.hpp"
 #include "sightline/scenario/toml_table.hpp"
@@ -58,6 +59,7 @@ class Reader {
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
     scenario_.script = read_events(root_, scenario_, observers_);
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
+    if (!scenario_.vehicles.empty()) root_.table("world").checked([&] { return make_world(scenario_); });
   }
 
  private:
@@ -141,7 +143,7 @@ class Reader {
     if (agents.size() > agents_max) root_.refuse("agent", fmt::format("at most {} robots", agents_max));
     for (const auto& [name, at] : agents) {
       at.expect_only({"robot", "parameters", "start", "Q", "R", "Q_f", "u_ref", "u_min", "u_max", "limits",
-                      "reference", "sensor", "present"});
+                      "reference", "sensor", "present", "vehicle"});
       const Model model = read_robot(at);
       const auto nx = static_cast<std::size_t>(model.nx()), nu = static_cast<std::size_t>(model.nu());
       const auto list = [&at = at](std::string_view key, std::size_t n, double missing, const Range& range) {
@@ -171,7 +173,14 @@ class Reader {
         observer.mount = mount;
       }
       observers_.push_back(observer);
+      std::optional<RobotVehicle> vehicle = read_vehicle(at, model, scenario_.world);
+      if (vehicle && model.sight(start.data(), agent.u_ref.data()).p.z < 0)
+        at.table("start").refuse("p", 2, "at least 0 m, the height of the ground");
       enter(name, at, [&] { return scenario_.team.add(std::move(agent)); });
+      if (vehicle) {
+        vehicle->robot = bodies_.at(name);
+        scenario_.vehicles.push_back(std::move(*vehicle));
+      }
       scenario_.presence.push_back(is_present(at) ? Presence::steered : Presence::absent);
     }
   }
@@ -398,6 +407,14 @@ std::string summary(const Scenario& scenario) {
         scenario.presence[static_cast<std::size_t>(team.find(agent.name).index)] != Presence::absent;
     line("agent       {}: {}, {} states, {} inputs{}", agent.name, agent.model.name(), agent.model.nx(),
          agent.model.nu(), present ? "" : ", not there at first");
+  }
+  for (const RobotVehicle& vehicle : scenario.vehicles) {
+    line("vehicle     {}: {}", team.name(vehicle.robot), in_words(vehicle));
+    const Vec3<double>& wind = simulation.disturbances.wind;
+    if (wind.x == 0 && wind.y == 0 && wind.z == 0) continue;
+    const Vec3<double> air = vehicle.vehicle.air(wind);
+    line("vehicle     {}: feels the wind as air at [{:.2f}, {:.2f}, {:.2f}] m/s", team.name(vehicle.robot),
+         air.x, air.y, air.z);
   }
   for (const Stranger& stranger : scenario.strangers) {
     const auto& targets = scenario.targets;

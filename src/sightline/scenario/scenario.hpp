@@ -25,6 +25,7 @@
 #include "sightline/world/fault.hpp"
 #include "sightline/world/plant.hpp"
 #include "sightline/world/sensor.hpp"
+#include "sightline/world/vehicle.hpp"
 
 namespace sightline {
 
@@ -108,6 +109,7 @@ struct Scenario {
   std::vector<Presence> presence;   ///< of the bodies at the start; those that are missing are there
   Script script{};                  ///< what changes the team in flight; `team` has all there will ever be
   std::string world = "model";      ///< what it flies in, one of the parts' worlds
+  std::vector<RobotVehicle> vehicles{};  ///< of the robots that are one, in worlds that have them
   Simulation simulation{};
   std::optional<Safety> safety{};
   LogOptions log{};

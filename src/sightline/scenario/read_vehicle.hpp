@@ -1,0 +1,19 @@
+/// [agent.NAME.vehicle]: what the robot is in a world of vehicles.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "sightline/scenario/toml_table.hpp"
+#include "sightline/world/vehicle.hpp"
+
+namespace sightline {
+
+/// The vehicle that a robot is; an x500 where nothing is said of it. None in a world without vehicles, and of a robot that cannot be
+/// one; a table that would not be looked at is refused.
+/// @param agent  [agent.NAME]
+/// @param world  what the scenario flies in
+/// @throws ScenarioError
+std::optional<RobotVehicle> read_vehicle(const TomlTable& agent, const Model& model, std::string_view world);
+
+}  // namespace sightline

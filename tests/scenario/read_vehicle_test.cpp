@@ -1,0 +1,224 @@
+#include "sightline/scenario/read_vehicle.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/scenario.hpp"
+#include "sightline/world/rotor_world.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string two = R"toml([world]
+kind = "rotors"
+
+[agent.uav]
+robot = "multirotor"
+start = { p = [0.0, 0.0, 1.0], heading = 0.0 }
+
+[agent.rover]
+robot = "omni_rover"
+start = { p = [3.0, 0.0, 0.0], heading = 0.0 }
+)toml";
+
+Scenario read(const std::string& text) { return parse_scenario(text, "a.toml"); }
+std::string refusal(const std::string& text) {
+  try {
+    read(text);
+  } catch (const ScenarioError& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+std::string uav(const std::string& lines) { return two + "\n[agent.uav.vehicle]\n" + lines; }
+
+TEST(ReadVehicle, AMultirotorIsAnX500WhereNothingIsSaidAndARoverNone) {
+  const Scenario scenario = read(two);
+  ASSERT_EQ(scenario.vehicles.size(), 1u);
+  EXPECT_EQ(scenario.vehicles[0].robot, scenario.team.find("uav"));
+  EXPECT_EQ(scenario.vehicles[0].preset, "x500");
+  EXPECT_EQ(scenario.vehicles[0].vehicle.mass, Vehicle::x500().mass);
+  EXPECT_THAT(summary(scenario), HasSubstr("world       rotors\n"));
+  EXPECT_THAT(summary(scenario),
+              HasSubstr("vehicle     uav: x500, 2.06 kg, 4 rotors, thrust to weight 1.69\n"));
+  EXPECT_THAT(summary(scenario), Not(HasSubstr("wind")));
+}
+
+TEST(ReadVehicle, APresetIsTheStartForTheNumbersThatAreGiven) {
+  const Vehicle v =
+      read(uav("preset = \"crazyflie\"\nmass = 0.035\ntilt_max = 0.3\ndrag = [0.01, 0.02, 0.03]\n"))
+          .vehicles[0]
+          .vehicle;
+  EXPECT_EQ(v.mass, 0.035);
+  EXPECT_EQ(v.tilt_max, 0.3);
+  EXPECT_EQ(v.drag.y, 0.02);
+  EXPECT_EQ(v.k_f, Vehicle::crazyflie().k_f);
+  EXPECT_EQ(v.attitude_gain, Vehicle::crazyflie().attitude_gain);
+}
+
+TEST(ReadVehicle, SixRotorsAreWrittenOut) {
+  const Vehicle v = read(uav("rotor_x = [0.0, 0.0, 0.26, -0.26, 0.26, -0.26]\n"
+                             "rotor_y = [-0.3, 0.3, 0.15, -0.15, -0.15, 0.15]\n"
+                             "spin = [-1, 1, -1, 1, 1, -1]\n"))
+                        .vehicles[0]
+                        .vehicle;
+  EXPECT_EQ(v.rotors(), 6u);
+}
+
+TEST(ReadVehicle, TheWindIsToldAsAirForEachVehicle) {
+  const std::string told = summary(read(two + "\n[simulation.disturbance]\nwind = [1.0, 0.0, 0.0]\n"));
+  EXPECT_THAT(told, HasSubstr("vehicle     uav: feels the wind as air at [8.31, 0.00, 0.00] m/s\n"));
+}
+
+TEST(ReadVehicle, AWorldOfOnesOwnIsGivenTheVehiclesWhereItSaysThatItHasThem) {
+  Parts parts;
+  const MakeWorld make = *parts.worlds.find("rotors");
+  parts.worlds.add("arena", make, MovedBy::vehicles).add("basin", *parts.worlds.find("model"));
+  EXPECT_EQ(parts.worlds.with_vehicles(), (std::vector<std::string_view>{"rotors", "arena"}));
+  const auto vehicles_in = [&](const std::string& world) {
+    std::string text = two;
+    text.replace(text.find("rotors"), 6, world);
+    return parse_scenario(text, "a.toml", parts).vehicles.size();
+  };
+  EXPECT_EQ(vehicles_in("arena"), 1u);
+  EXPECT_EQ(vehicles_in("basin"), 0u);
+}
+
+TEST(ReadVehicle, RefusesWithFileLineAndKeyWhatCannotFly) {
+  EXPECT_EQ(refusal(uav("mass = 4.0\n")),
+            "a.toml:13: agent.uav.vehicle.mass = 4 kg with 4 rotors that lift 34.19 N: thrust to weight "
+            "0.871, expected at least "
+            "1.1");
+  EXPECT_THAT(refusal(uav("preset = \"x50\"\n")),
+              HasSubstr("a.toml:13: agent.uav.vehicle.preset = \"x50\", expected one of \"x500\", "));
+  EXPECT_THAT(refusal(uav("mas = 4.0\n")), HasSubstr("the nearest is \"mass\""));
+  EXPECT_THAT(refusal(uav("tau_up = 0.001\n")),
+              HasSubstr("a.toml:13: agent.uav.vehicle.tau_up = 0.001, expected 0.004 to 1 s"));
+  EXPECT_THAT(refusal(uav("spin = [1, 1, -1]\n")), HasSubstr("agent.uav.vehicle"));
+  EXPECT_THAT(refusal(uav("rotor_x = [0.1, -0.1, 0.0]\nrotor_y = [0.1, 0.1, -0.2]\nspin = [1, -1, 1]\n")),
+              HasSubstr("has 3 rotors, expected 4 to 8"));
+}
+
+TEST(ReadVehicle, RefusesATableThatNobodyWouldLookAt) {
+  EXPECT_THAT(refusal(two + "\n[agent.rover.vehicle]\npreset = \"x500\"\n"),
+              testing::AllOf(HasSubstr("a.toml:12: agent.rover.vehicle = "),
+                             HasSubstr("the robot omni_rover is no vehicle")));
+  std::string on_models = uav("preset = \"x500\"\n");
+  on_models.replace(on_models.find("rotors"), 6, "model");
+  EXPECT_THAT(
+      refusal(on_models),
+      testing::AllOf(
+          HasSubstr("agent.uav.vehicle = "),
+          HasSubstr("expected no such table in the world \"model\", only with world.kind = \"rotors\"")));
+}
+
+TEST(ReadVehicle, RefusesAWorldThatCannotBe) {
+  EXPECT_THAT(refusal(two + "\n[horizon]\nperiod = 0.0125\n"),
+              HasSubstr("the period is 0.0125 s, expected a whole number of steps"));
+  EXPECT_THAT(refusal(uav("rotor_drag = 0\n") + "\n[simulation.disturbance]\nwind = [1.0, 0.0, 0.0]\n"),
+              HasSubstr("expected one that wind, gusts and wakes can push"));
+  std::string below = two;
+  below.replace(below.find("1.0]"), 4, "-1.0]");
+  EXPECT_EQ(refusal(below),
+            "a.toml:6: agent.uav.start.p[2] = -1, expected at least 0 m, the height of the ground");
+}
+
+TEST(ReadVehicle, TheDocumentHasTheParametersAsTheCodeSaysThem) {
+  std::ostringstream text;
+  text << std::ifstream(SIGHTLINE_SOURCE_DIR "/docs/vehicles.md").rdbuf();
+  for (const ParameterText& p : parameter_texts(Vehicle{})) {
+    const std::string unit = p.unit.empty() ? "" : fmt::format(" {}", p.unit);
+    EXPECT_THAT(text.str(), HasSubstr(fmt::format("| `{}` | {}{} | {} | {} |\n", p.key, p.fallback, unit,
+                                                  p.range, p.meaning)));
+  }
+}
+
+/// What a flight of cooperative_localization shows from 10 s on.
+class Watch final : public Sink<Sample> {
+ public:
+  explicit Watch(const Scenario& scenario, Sample sample) : scenario_(scenario), sample_(std::move(sample)) {}
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override {
+    all.insert(all.end(), sample_.x.begin(), sample_.x.end());
+    all.insert(all.end(), sample_.u.begin(), sample_.u.end());
+    if (sample_.time < 10.0) return;
+    const Team& team = scenario_.team;
+    const auto sight = [&](int i) {
+      return team.model(BodyId{i}).sight(&sample_.x[static_cast<std::size_t>(team.state_offset(BodyId{i}))],
+                                         &sample_.u[static_cast<std::size_t>(team.input_offset(BodyId{i}))]);
+    };
+    const Sight<double> a = sight(0), b = sight(1);
+    angle = std::max(angle, view_angle({0.5, 0.17}, a, b.p));
+    nearest = std::min(nearest, norm(a.p - b.p));
+    farthest = std::max(farthest, norm(a.p - b.p));
+  }
+  void close() noexcept override {}
+
+  std::vector<double> all;
+  double angle = 0.0, nearest = std::numeric_limits<double>::infinity(), farthest = 0.0;
+
+ private:
+  const Scenario& scenario_;
+  Sample sample_;
+};
+
+struct Flight {
+  bool finite;
+  std::string ended;
+  Watch watch;
+};
+
+Flight fly(const Scenario& scenario) {
+  const Controls controls(scenario);
+  const auto world = make_world(scenario);
+  SimulatedClock clock;
+  Watch watch(scenario, sized_sample(*world, controls.controllers()));
+  const LoopOutcome outcome = ClosedLoop(scenario, *world, controls.controllers(), clock, watch).fly();
+  return {outcome.finite, world->ended(), std::move(watch)};
+}
+
+Scenario cooperative(const std::string& preset, double duration) {
+  const Scenario model = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/cooperative_localization.toml");
+  Scenario scenario =
+      parse_scenario(model.text, "a.toml", parts_of_sightline(),
+                     {.set = {"world.kind=\"rotors\"", "agent.uav0.vehicle.preset=\"" + preset + "\"",
+                              "agent.uav1.vehicle.preset=\"" + preset + "\""}});
+  scenario.simulation.duration = duration;
+  return scenario;
+}
+
+TEST(ReadVehicle, CooperativeLocalizationKeepsItsViewOnEveryVehicle) {
+  for (const char* preset : {"x500", "crazyflie", "ar_drone"}) {
+    const Scenario scenario = cooperative(preset, 30.0);
+    const Flight flight = fly(scenario);
+    EXPECT_TRUE(flight.finite) << flight.ended;
+    EXPECT_LT(flight.watch.angle, 0.1) << preset;
+    EXPECT_GT(flight.watch.nearest, 1.0) << preset;
+    EXPECT_LT(flight.watch.farthest, 2.0) << preset;
+  }
+}
+
+TEST(ReadVehicle, TheSameScenarioFliesTheSameBytes) {
+  Scenario scenario = cooperative("x500", 3.0);
+  scenario.simulation.disturbances.gust_sigma = 0.3;
+  scenario.simulation.disturbances.noise = {0.01, 0.01, 0.01};
+  const Flight first = fly(scenario);
+  EXPECT_EQ(first.watch.all, fly(scenario).watch.all);
+  scenario.simulation.seed = 2;
+  EXPECT_NE(first.watch.all, fly(scenario).watch.all);
+}
+
+}  // namespace
+}  // namespace sightline
