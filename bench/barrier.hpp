@@ -9,7 +9,7 @@
 
 namespace sightline {
 
-/// barrier_1, barrier_4, barrier_16: strangers of up to 1 m/s on one side of a robot that is sent into them, each so near
+/// barrier_1, barrier_4, barrier_16: uncooperative neighbours of up to 1 m/s on one side of a robot that is sent into them, each so near
 /// that at most 5 cm are left before it must flee; floor and world bounds too.
 std::vector<std::string> barrier_case_names();
 bool is_barrier_case(std::string_view name);

@@ -22,7 +22,7 @@ class Flown {
     if (walls) scenario_.safety.emplace().judged = *walls;
     const AgentId seer = scenario_.team.add(Multirotor{}, {.R = {1, 2, 3, 4}, .name = "seer"});
     const BodyId tag = scenario_.team.add(Obstacle{"tag"});
-    scenario_.strangers.push_back({.body = tag, .d_hard = d_hard});
+    scenario_.uncooperative.push_back({.body = tag, .d_hard = d_hard});
     scenario_.team.couple(1.0 * Bearing{.alpha = 0.5}, Between{seer, tag});
     Sample sample;
     sample.x = {0, 0, 1, 1, 0, 0, 0, 2, 0, 1, 0, 0, 0};

@@ -17,14 +17,14 @@ namespace {
 constexpr double settle = 10.0;  // [s]
 
 // The observer of scenarios/cooperative_localization.toml and a target that circles at 0.3 m/s: another robot, or a
-// stranger whose motion nobody tells.
-Scenario scenario(bool stranger, const std::string& more) {
+// uncooperative bodies whose motion nobody tells.
+Scenario scenario(bool uncooperative, const std::string& more) {
   const std::string robot = "robot = \"multirotor\"\n";
   std::string text = "[agent.a]\n" + robot +
                      "start = { p = [-0.6, -0.3, 0.6] }\nR = [0.1, 0.1, 0.1, 0.1]\nsensor = { pitch = 0.5, "
                      "offset = 0.17 }\n";
   text +=
-      stranger
+      uncooperative
           ? "[target.t]\nmotion = { circle = { centre = [0.0, 0.0, 1.0], radius = 1.0, rate = 0.3 } "
             "}\nspeed_max = 0.3\n"
           : "[agent.t]\n" + robot +
@@ -112,7 +112,7 @@ std::set<EventKind> kinds(const Flight& flight) {
 
 class StaleData : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Targets, StaleData, testing::Bool(),
-                         [](const auto& target) { return target.param ? "Stranger" : "Robot"; });
+                         [](const auto& target) { return target.param ? "UncooperativeBody" : "Robot"; });
 
 TEST_P(StaleData, UpToAFifthOfASecondFlyAsIfTheyWereFresh) {
   const double duration = whole_campaign() ? 60.0 : 20.0;

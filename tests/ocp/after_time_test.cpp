@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/watched_line.hpp"
+#include "tests/support/monitored_line.hpp"
 
 namespace sightline {
 namespace {
@@ -14,7 +14,7 @@ using testing::IsEmpty;
 TEST(AfterTime, CountsFromWhereItsStageBegan) {
   TeamEvent later = when(AfterTime{0.2});
   later.stage = "later";
-  WatchedLine line({{.name = "", .trigger = AtTime{0.3}, .enter = "later"}, later, when(AfterTime{0.1})});
+  MonitoredLine line({{.name = "", .trigger = AtTime{0.3}, .enter = "later"}, later, when(AfterTime{0.1})});
   EXPECT_THAT(line.look(), IsEmpty());
   EXPECT_THAT(line.look(), ElementsAre(2U)) << "of all stages: from the beginning of the run";
   EXPECT_THAT(line.look(), IsEmpty());

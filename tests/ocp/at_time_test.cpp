@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/watched_line.hpp"
+#include "tests/support/monitored_line.hpp"
 
 namespace sightline {
 namespace {
@@ -12,7 +12,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 TEST(AtTime, AnEventOfATimeHappensOnceAtTheFirstPeriodThatIsNotEarlier) {
-  WatchedLine line({when(AtTime{0.25}), when(AtTime{0.3})});
+  MonitoredLine line({when(AtTime{0.25}), when(AtTime{0.3})});
   for (int k = 0; k < 3; ++k) EXPECT_THAT(line.look(), IsEmpty());
   EXPECT_THAT(line.look(), ElementsAre(0U, 1U)) << "0.3 s";
   for (int k = 0; k < 10; ++k) EXPECT_THAT(line.look(), IsEmpty());

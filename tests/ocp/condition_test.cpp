@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/potential/sensor_cone.hpp"
-#include "tests/support/watched_line.hpp"
+#include "tests/support/monitored_line.hpp"
 
 namespace sightline {
 namespace {
@@ -13,7 +13,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 TEST(Condition, AConditionHasToHoldForItsDwell) {
-  WatchedLine line({when(nearer(1.0, 0.0, 0.25))});
+  MonitoredLine line({when(nearer(1.0, 0.0, 0.25))});
   EXPECT_THAT(line.look(2.0), IsEmpty());
   EXPECT_THAT(line.look(0.9), IsEmpty());
   EXPECT_THAT(line.look(0.9), IsEmpty());
@@ -24,7 +24,7 @@ TEST(Condition, AConditionHasToHoldForItsDwell) {
 }
 
 TEST(Condition, ItGoesOnToHoldWithinItsHysteresis) {
-  WatchedLine line({when(nearer(1.0, 0.5, 0.25))});
+  MonitoredLine line({when(nearer(1.0, 0.5, 0.25))});
   EXPECT_THAT(line.look(0.9), IsEmpty());
   EXPECT_THAT(line.look(1.4), IsEmpty());
   EXPECT_THAT(line.look(1.4), IsEmpty());
@@ -34,7 +34,7 @@ TEST(Condition, ItGoesOnToHoldWithinItsHysteresis) {
 TEST(Condition, OneThatRepeatsHasToEndBefore) {
   TeamEvent event = when(nearer(1.0, 0.5));
   event.repeat = true;
-  WatchedLine line({event});
+  MonitoredLine line({event});
   EXPECT_THAT(line.look(0.9), ElementsAre(0U));
   EXPECT_THAT(line.look(0.9), IsEmpty());
   EXPECT_THAT(line.look(1.4), IsEmpty());

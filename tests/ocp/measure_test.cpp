@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/watched_line.hpp"
+#include "tests/support/monitored_line.hpp"
 
 namespace sightline {
 namespace {
@@ -12,7 +12,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 TEST(Measure, WhatIsAbsentIsAtNoDistance) {
-  WatchedLine line({when(nearer(1.0))});
+  MonitoredLine line({when(nearer(1.0))});
   line.presence[1] = Presence::absent;
   EXPECT_THAT(line.look(0.5), IsEmpty());
   line.presence[1] = Presence::hold;
@@ -21,7 +21,7 @@ TEST(Measure, WhatIsAbsentIsAtNoDistance) {
 
 TEST(Measure, AnAngleALimitAndAnAgeAreMeasured) {
   const SensorMount mount{.pitch = 0.0, .offset = 0.0};
-  WatchedLine line(
+  MonitoredLine line(
       {when(Condition{ViewAngleOf{BodyId{1}, BodyId{0}, mount}, Condition::Side::above, 1.0}),
        when(Condition{ExcessOf{KeepOut{.d_min = 1.0}, BodyId{0}, BodyId{1}}, Condition::Side::above, 0.2}),
        when(Condition{AgeOf{BodyId{1}}, Condition::Side::above, 0.5})});
@@ -39,8 +39,8 @@ TEST(Measure, ANearerRobotIsNearerThanOneThatIsNotSteered) {
   std::vector<double> x = event_start(team), u(12);
   std::vector<Presence> presence(3, Presence::steered);
   const auto happens = [&] {
-    Watch watch({{when(nearer)}}, team);
-    return !watch.look({0.0, x, u, {}, presence}).empty();
+    EventMonitor monitor({{when(nearer)}}, team);
+    return !monitor.look({0.0, x, u, {}, presence}).empty();
   };
   EXPECT_FALSE(happens());  // robot 2 stands behind robot 1
   for (const Presence gone : {Presence::absent, Presence::hold, Presence::land}) {

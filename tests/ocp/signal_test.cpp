@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/watched_line.hpp"
+#include "tests/support/monitored_line.hpp"
 
 namespace sightline {
 namespace {
@@ -12,12 +12,12 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 TEST(Signal, ASignalIsWaitedForFromAnyThread) {
-  WatchedLine line({when(Signal{"go"})});
-  EXPECT_FALSE(line.watch.signal("stop"));
+  MonitoredLine line({when(Signal{"go"})});
+  EXPECT_FALSE(line.monitor.signal("stop"));
   EXPECT_THAT(line.look(), IsEmpty());
-  EXPECT_TRUE(line.watch.signal("go"));
+  EXPECT_TRUE(line.monitor.signal("go"));
   EXPECT_THAT(line.look(), ElementsAre(0U));
-  EXPECT_TRUE(line.watch.signal("go"));
+  EXPECT_TRUE(line.monitor.signal("go"));
   EXPECT_THAT(line.look(), IsEmpty());
 }
 
@@ -25,12 +25,12 @@ TEST(Signal, ASignalOfAnotherStageIsLost) {
   TeamEvent go{.name = "", .trigger = AtTime{0.2}, .enter = "later"};
   TeamEvent told = when(Signal{"now"});
   told.stage = "later";
-  WatchedLine line({go, told});
-  EXPECT_TRUE(line.watch.signal("now"));
+  MonitoredLine line({go, told});
+  EXPECT_TRUE(line.monitor.signal("now"));
   for (int k = 0; k < 2; ++k) EXPECT_THAT(line.look(), IsEmpty());
   EXPECT_THAT(line.look(), ElementsAre(0U));
   EXPECT_THAT(line.look(), IsEmpty());
-  EXPECT_TRUE(line.watch.signal("now"));
+  EXPECT_TRUE(line.monitor.signal("now"));
   EXPECT_THAT(line.look(), ElementsAre(1U));
 }
 

@@ -110,19 +110,21 @@ TEST(SafetySummary, TellsTheWorstOfEachWall) {
 }
 
 TEST(SafetySummary, ARobotThatLandsIsGroundedOrAbsentHasNoFloor) {
-  const std::vector<Rung> lands = {Rung::land, Rung::valid, Rung::valid},
-                          grounded = {Rung::grounded, Rung::valid, Rung::valid};
+  const std::vector<FallbackLevel> lands = {FallbackLevel::land, FallbackLevel::valid, FallbackLevel::valid},
+                                   grounded = {FallbackLevel::grounded, FallbackLevel::valid,
+                                               FallbackLevel::valid};
   const std::vector<Presence> sinks = {Presence::land, Presence::steered, Presence::hold},
                               gone = {Presence::absent, Presence::steered, Presence::hold};
-  for (const auto& [presence, rungs] : {std::pair<std::vector<Presence>, std::vector<Rung>>{there, lands},
-                                        {there, grounded},
-                                        {sinks, {}},
-                                        {gone, {}}}) {
+  for (const auto& [presence, levels] :
+       {std::pair<std::vector<Presence>, std::vector<FallbackLevel>>{there, lands},
+        {there, grounded},
+        {sinks, {}},
+        {gone, {}}}) {
     SafetySummary summary(scenario("[safety]\nfloor = 0.3\n"));
     summary.add(0.0, heights(1.0, 1.0), there, {});
-    summary.add(0.1, heights(0.05, 1.0), presence, {}, rungs);
+    summary.add(0.1, heights(0.05, 1.0), presence, {}, levels);
     EXPECT_TRUE(summary.broken().empty());
-    summary.add(0.2, heights(0.05, 0.2), presence, {}, rungs);
+    summary.add(0.2, heights(0.05, 0.2), presence, {}, levels);
     EXPECT_EQ(summary.broken().size(), 1U) << "the other one has its floor";
   }
 }

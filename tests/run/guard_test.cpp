@@ -110,7 +110,7 @@ TEST(Guard, TheFloorIsKeptUntilARobotLandsAndAGroundedOneIsLeftAlone) {
   for (int k = 0; k < 300; ++k) down.step();
   EXPECT_GE(down.lowest, 0.5 - 1e-9);
   for (int k = 0; k < 900; ++k) down.step(false);
-  EXPECT_EQ(down.guard.supervisor()->rung(BodyId{0}), Rung::grounded);
+  EXPECT_EQ(down.guard.supervisor()->level(BodyId{0}), FallbackLevel::grounded);
   EXPECT_NEAR(down.plant.x()[2], 0.0, 0.03);
   for (int k = 0; k < 300; ++k) down.step();
   EXPECT_NEAR(down.plant.x()[2], 0.0, 0.03);

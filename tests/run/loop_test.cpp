@@ -460,13 +460,13 @@ TEST(Loop, APlantThatIsNoLongerFiniteEndsTheRunAndStaysOutOfTheLog) {
 TEST(Loop, EachRobotIsSteeredByExactlyOneControllerAndKnownToThePlant) {
   const Team pair = robots({"a", "b"}, {"wall"});
   const Numbers x0 = joined(joined(start_a, start_b), wall);
-  Puller a(robots({"a"})), b(robots({"b"})), both(robots({"a", "b"})), stranger(robots({"a", "b", "c"}));
+  Puller a(robots({"a"})), b(robots({"b"})), both(robots({"a", "b"})), uncooperative(robots({"a", "b", "c"}));
   Puller takes_wall(robots({"a", "b", "wall"})), slow(robots({"a", "b"}), {.T = 1, .N = 5, .dt = 0.02});
   EXPECT_EQ(refusal(pair, x0, {a, b}, {.duration = 0.02}), "accepted");
   EXPECT_EQ(refusal(pair, x0, {}), "the loop has no controller, expected at least one");
   EXPECT_EQ(refusal(pair, x0, {a}), "\"b\" is steered by no controller, expected one whose team has it");
   EXPECT_EQ(refusal(pair, x0, {a, both}), "\"a\" is steered by controllers 0 and 1, expected one");
-  EXPECT_EQ(refusal(pair, x0, {stranger}),
+  EXPECT_EQ(refusal(pair, x0, {uncooperative}),
             "controller 0: \"c\" is not in the plant, expected one of its bodies");
   EXPECT_EQ(refusal(pair, x0, {takes_wall}),
             "controller 0: \"wall\" is an obstacle of the plant, expected a robot");

@@ -20,14 +20,14 @@ TEST(Sample, EveryKindOfEventHasANameOfItsOwn) {
   }
 }
 
-TEST(Sample, KindsOfEventsFollowTheRungsAndTheDoubtsInTheirOrder) {
-  for (int i = 0; i < rung_count; ++i) {
+TEST(Sample, KindsOfEventsFollowTheLevelsAndTheFaultsInTheirOrder) {
+  for (int i = 0; i < fallback_level_count; ++i) {
     EXPECT_EQ(to_string(static_cast<EventKind>(static_cast<int>(EventKind::valid) + i)),
-              to_string(static_cast<Rung>(i)));
+              to_string(static_cast<FallbackLevel>(i)));
   }
-  for (int i = 1; i < doubt_count; ++i) {
+  for (int i = 1; i < measurement_fault_count; ++i) {
     EXPECT_EQ(to_string(static_cast<EventKind>(static_cast<int>(EventKind::measurement_not_finite) + i - 1)),
-              "measurement_" + std::string(to_string(static_cast<Doubt>(i))));
+              "measurement_" + std::string(to_string(static_cast<MeasurementFault>(i))));
   }
 }
 

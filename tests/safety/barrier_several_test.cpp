@@ -40,7 +40,7 @@ TEST(BarrierAgainstSeveral, KeepsDistanceAndFloorInARingThatCloses) {
   }
 }
 
-TEST(BarrierAgainstSeveral, KeepsItFromStrangersThatTurnAtWillWhileAPlanIsSafeFromAll) {
+TEST(BarrierAgainstSeveral, KeepsItFromUncooperativeOnesThatTurnAtWillWhileAPlanIsSafeFromAll) {
   const Barrier filter = barrier();
   int flown = 0;
   for (std::uint64_t seed = 0; seed < 24; ++seed) {

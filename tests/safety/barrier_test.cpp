@@ -33,8 +33,8 @@ State random_state(Random& random, double speed) {
 
 Vec3<double> position(const State& x) { return {x[0], x[1], x[2]}; }
 
-/// A stranger whose reserve is `reserve`, in any direction.
-Neighbour stranger_at(const Barrier& filter, const State& x, double reserve, Random& random) {
+/// An uncooperative neighbour whose reserve is `reserve`, in any direction.
+Neighbour uncooperative_at(const Barrier& filter, const State& x, double reserve, Random& random) {
   Neighbour n{.d_hard = uniform(random, 0.4, 1.2), .speed_max = uniform(random, 0.0, 1.5)};
   const Vec3<double> direction = test::any_direction(random, true);
   double near = 0.1, far = 30.0;
@@ -48,7 +48,7 @@ Neighbour stranger_at(const Barrier& filter, const State& x, double reserve, Ran
 }
 
 /// Whether the robot, flown by its own model with one pair of full thrusts, height and heading held, stays out of
-/// reach of the stranger for as long as it takes to be the faster one.
+/// reach of the uncooperative neighbour for as long as it takes to be the faster one.
 bool can_flee(const State& from, const Neighbour& n) {
   for (const double u_f : {-1.0, 1.0}) {
     for (const double u_s : {-1.0, 1.0}) {
@@ -71,20 +71,20 @@ TEST(Barrier, ReserveIsAPromiseThatTheRobotItselfCanKeep) {
   int beyond = 0;
   for (int k = 0; k < 2000; ++k) {
     const State x = random_state(random, 2.0);
-    EXPECT_TRUE(can_flee(x, stranger_at(filter, x, 0.0, random)));
+    EXPECT_TRUE(can_flee(x, uncooperative_at(filter, x, 0.0, random)));
     // And no much smaller one than there is.
-    beyond += can_flee(x, stranger_at(filter, x, -0.1, random));
+    beyond += can_flee(x, uncooperative_at(filter, x, -0.1, random));
   }
   EXPECT_LE(beyond, 40);
 }
 
-// The argument of the barrier, tick by tick: whatever is commanded and wherever the stranger goes.
+// The argument of the barrier, tick by tick: whatever is commanded and wherever the uncooperative neighbour goes.
 TEST(Barrier, UsesUpItsReserveNoFasterThanItsRate) {
   const Barrier filter = barrier();
   Random random(2);
   for (int k = 0; k < 20000; ++k) {
     State x = random_state(random, 2.0);
-    Neighbour n = stranger_at(filter, x, k % 2 == 0 ? 0.0 : uniform(random, 0.0, 0.1), random);
+    Neighbour n = uncooperative_at(filter, x, k % 2 == 0 ? 0.0 : uniform(random, 0.0, 0.1), random);
     const double before = filter.reserve(x, n);
     Command u = k % 3 == 0 ? test::towards(x, n.p) : uniform_array<4>(random, -1, 1);
     const BarrierResult result = filter.filter(x, std::span(&n, 1), lowest, highest, u);
@@ -103,7 +103,7 @@ TEST(Barrier, LeavesACommandAloneBitForBitThatIsSafe) {
   Random random(3);
   for (int k = 0; k < 2000; ++k) {
     const State x = random_state(random, 1.0);
-    const Neighbour n = stranger_at(filter, x, uniform(random, 4.0, 8.0), random);
+    const Neighbour n = uncooperative_at(filter, x, uniform(random, 4.0, 8.0), random);
     const Command wanted = uniform_array<4>(random, -1, 1);
     Command u = wanted;
     const BarrierResult result = filter.filter(x, std::span(&n, 1), lowest, highest, u);
@@ -134,7 +134,7 @@ TEST(Barrier, AddsThreeSigmaAndWhatOldDataMayHide) {
   Random random(4);
   for (int k = 0; k < 500; ++k) {
     const State x = random_state(random, 1.0);
-    Neighbour n = stranger_at(filter, x, 1.0, random);
+    Neighbour n = uncooperative_at(filter, x, 1.0, random);
     const double fresh = filter.reserve(x, n);
     n.sigma = 0.05;
     EXPECT_NEAR(filter.reserve(x, n), fresh - 0.15, 1e-9);
@@ -150,7 +150,7 @@ TEST(Barrier, AddsThreeSigmaAndWhatOldDataMayHide) {
   EXPECT_LT(barrier({.velocity_sigma = 0.05}).reserve(x, peer), filter.reserve(x, peer) - 0.05);
 }
 
-TEST(Barrier, LetsAStrangerNearerWhoseVelocityIsKnown) {
+TEST(Barrier, LetsAnUncooperativeOneNearerWhoseVelocityIsKnown) {
   const Barrier filter = barrier();
   const State x = {0, 0, 1, 1, 0, 0, 0};
   Neighbour n{.p = {3, 0, 1}};
@@ -270,7 +270,7 @@ TEST(Barrier, HeedsThePressingOnesOfAHundred) {
     for (int i = 0; i < 100; ++i) {
       crowd.push_back({.p = position(x) + uniform(random, 12, 20) * test::any_direction(random, true)});
     }
-    const Neighbour pressing = stranger_at(filter, x, 0.0, random);
+    const Neighbour pressing = uncooperative_at(filter, x, 0.0, random);
     const std::size_t at = random() % crowd.size();
     crowd[at] = pressing;
     Command alone = test::towards(x, pressing.p), u = alone;
@@ -338,7 +338,7 @@ TEST(Barrier, AllocatesNothing) {
   std::array<Neighbour, 16> others;
   for (int k = 0; k < 200; ++k) {
     const State x = random_state(random, 1.0);
-    for (Neighbour& n : others) n = stranger_at(filter, x, 0.0, random);
+    for (Neighbour& n : others) n = uncooperative_at(filter, x, 0.0, random);
     Command u = uniform_array<4>(random, -1, 1);
     const std::int64_t before = cli::allocations();
     filter.filter(x, others, lowest, highest, u);

@@ -51,7 +51,8 @@ TEST(EncirclementCampaign, TheDistanceIsKeptWhereThereIsAWayOutAndTheFloorAlways
   EXPECT_GE(3 * ways, 2 * count);
 }
 
-TEST(EncirclementCampaign, StrangersThatTurnAtWillNeverComeBelowTheHardDistanceWhileAPlanIsSafeFromAll) {
+TEST(EncirclementCampaign,
+     UncooperativeOnesThatTurnAtWillNeverComeBelowTheHardDistanceWhileAPlanIsSafeFromAll) {
   const Barrier filter = barrier();
   const int count = runs(2000);
   int flown = 0, conflicts = 0;

@@ -13,7 +13,7 @@ namespace sightline {
 namespace {
 
 using Numbers = std::vector<double>;
-using enum Rung;
+using enum FallbackLevel;
 
 constexpr double dt = 0.01;
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -69,8 +69,8 @@ struct World {
     x = start_of_two();
   }
   Numbers measured_of_b() const { return {measured.begin() + 7, measured.begin() + 14}; }
-  Rung a() const { return supervisor.rung(BodyId{0}); }
-  Rung b() const { return supervisor.rung(BodyId{1}); }
+  FallbackLevel a() const { return supervisor.level(BodyId{0}); }
+  FallbackLevel b() const { return supervisor.level(BodyId{1}); }
 
   Team team = team_of_two();
   Plant plant{team, start_of_two()};
@@ -93,14 +93,14 @@ TEST(Supervisor, WithGoodDataItIsNotThere) {
 }
 
 TEST(Supervisor, DataOfOneAgeKeepTheRobotOnTheRungOfThatAge) {
-  for (const auto& [late, rung] : {std::pair{0, valid},
-                                   {2, valid},
-                                   {3, predicted},
-                                   {20, predicted},
-                                   {21, slowed},
-                                   {50, slowed},
-                                   {51, hold},
-                                   {200, hold}}) {
+  for (const auto& [late, level] : {std::pair{0, valid},
+                                    {2, valid},
+                                    {3, predicted},
+                                    {20, predicted},
+                                    {21, slowed},
+                                    {50, slowed},
+                                    {51, hold},
+                                    {200, hold}}) {
     World world;
     std::vector<Numbers> past;
     for (int k = 0; k < 400; ++k) {
@@ -110,8 +110,8 @@ TEST(Supervisor, DataOfOneAgeKeepTheRobotOnTheRungOfThatAge) {
       std::fill(world.stamps.begin(), world.stamps.end(), dt * static_cast<double>(seen));
       world.look();
       if (k >= late) {
-        ASSERT_EQ(world.a(), rung) << late << " periods late";
-        ASSERT_EQ(world.b(), rung);
+        ASSERT_EQ(world.a(), level) << late << " periods late";
+        ASSERT_EQ(world.b(), level);
       }
     }
   }
@@ -176,16 +176,16 @@ TEST(Supervisor, AnOldPartnerMakesTheRobotHoldThatFeelsItAndNoOther) {
 }
 
 TEST(Supervisor, AnOldPlanTakesTheSameRungs) {
-  for (const auto& [age, rung] :
+  for (const auto& [age, level] :
        {std::pair{0.01, valid}, {0.1, predicted}, {0.3, slowed}, {0.9, hold}, {2.5, land}}) {
     World world;
     world.step();
     world.step({true, true, true}, age);
-    EXPECT_EQ(world.a(), rung) << age;
+    EXPECT_EQ(world.a(), level) << age;
   }
 }
 
-TEST(Supervisor, EachTransitionAndEachBeginningDoubtIsToldOnce) {
+TEST(Supervisor, EachTransitionAndEachBeginningFaultIsToldOnce) {
   World world;
   for (int k = 0; k < 5; ++k) world.step();
   for (int k = 0; k < 60; ++k) {
@@ -197,9 +197,10 @@ TEST(Supervisor, EachTransitionAndEachBeginningDoubtIsToldOnce) {
   for (int k = 0; k < 5; ++k) world.step();
   std::vector<std::pair<int, std::string_view>> told;
   for (const Notice& notice : world.notices) {
-    const auto* rung = std::get_if<Rung>(&notice.what);
-    told.emplace_back(notice.body.index,
-                      rung != nullptr ? to_string(*rung) : to_string(std::get<Doubt>(notice.what)));
+    const auto* level = std::get_if<FallbackLevel>(&notice.what);
+    told.emplace_back(notice.body.index, level != nullptr
+                                             ? to_string(*level)
+                                             : to_string(std::get<MeasurementFault>(notice.what)));
   }
   const std::vector<std::pair<int, std::string_view>> expected = {
       {1, "not_finite"}, {0, "predicted"}, {1, "predicted"}, {0, "slowed"}, {1, "slowed"},

@@ -23,13 +23,13 @@ struct Flight {
       : track(model, 0, limits), x(std::move(start)) {}
 
   // One period under u, after a look at the state.
-  Doubt step(const std::function<void(Numbers&)>& spoil = {}) {
+  MeasurementFault step(const std::function<void(Numbers&)>& spoil = {}) {
     Numbers seen = x;
     if (spoil) spoil(seen);
-    const Doubt doubt = track.take(seen, t, t, history);
+    const MeasurementFault fault = track.take(seen, t, t, history);
     track.predict(t, history);
     fly();
-    return doubt;
+    return fault;
   }
   // One period in which nothing comes.
   void blind() {
@@ -63,7 +63,7 @@ TEST(Track, AMeasurementOfThisVeryMomentIsBelievedBitForBit) {
   Flight flight;
   for (int k = 0; k < 300; ++k) {
     const Numbers x = flight.x;
-    ASSERT_EQ(flight.step(), Doubt::none);
+    ASSERT_EQ(flight.step(), MeasurementFault::none);
     ASSERT_EQ(list(flight.track.state()), x);
     ASSERT_TRUE(flight.track.trusted());
   }
@@ -91,7 +91,7 @@ TEST(Track, ALateMeasurementIsCarriedToThePresent) {
       past.push_back(flight.x);
       times.push_back(flight.t);
       const auto seen = static_cast<std::size_t>(std::max(0, k - late));
-      ASSERT_EQ(flight.track.take(past[seen], times[seen], flight.t, flight.history), Doubt::none);
+      ASSERT_EQ(flight.track.take(past[seen], times[seen], flight.t, flight.history), MeasurementFault::none);
       flight.track.predict(flight.t, flight.history);
       ASSERT_LT(flight.error(), 1e-9) << "late " << late << ", k = " << k;
       flight.fly();
@@ -103,8 +103,8 @@ TEST(Track, WhatIsOlderThanTheLastMeasurementIsNothingNew) {
   Flight flight;
   for (int k = 0; k < 10; ++k) flight.step();
   const Numbers before = list(flight.track.state());
-  EXPECT_EQ(flight.track.take(Numbers(7, 1e9), 0.05, flight.t, flight.history), Doubt::none);
-  EXPECT_EQ(flight.track.take(Numbers(7, 1e9), NAN, flight.t, flight.history), Doubt::none);
+  EXPECT_EQ(flight.track.take(Numbers(7, 1e9), 0.05, flight.t, flight.history), MeasurementFault::none);
+  EXPECT_EQ(flight.track.take(Numbers(7, 1e9), NAN, flight.t, flight.history), MeasurementFault::none);
   EXPECT_EQ(list(flight.track.state()), before);
   EXPECT_TRUE(flight.track.trusted());
 }
@@ -114,24 +114,24 @@ struct Spoiled {
   const char* what;
   std::size_t number;
   double value;
-  Doubt doubt;
+  MeasurementFault fault;
 };
 const Spoiled spoiled[] = {
-    {"not a number", 0, NAN, Doubt::not_finite},
-    {"not a number", 6, NAN, Doubt::not_finite},
-    {"infinite", 2, INFINITY, Doubt::not_finite},
-    {"infinite", 4, -INFINITY, Doubt::not_finite},
-    {"huge", 1, 1e300, Doubt::world},
-    {"huge", 4, 1e300, Doubt::heading},
-    {"huge", 5, -1e300, Doubt::speed},
-    {"below the world", 2, -101.0, Doubt::world},
-    {"no heading", 3, 0.0, Doubt::heading},
-    {"a long heading", 3, 2.0, Doubt::heading},
-    {"a short heading", 3, 1e-3, Doubt::heading},
-    {"a tiny heading", 3, 1e-310, Doubt::heading},
-    {"too fast", 5, 5.5, Doubt::speed},
-    {"elsewhere", 0, 1.2, Doubt::jump},
-    {"turned", 3, -1.0, Doubt::jump},
+    {"not a number", 0, NAN, MeasurementFault::not_finite},
+    {"not a number", 6, NAN, MeasurementFault::not_finite},
+    {"infinite", 2, INFINITY, MeasurementFault::not_finite},
+    {"infinite", 4, -INFINITY, MeasurementFault::not_finite},
+    {"huge", 1, 1e300, MeasurementFault::world},
+    {"huge", 4, 1e300, MeasurementFault::heading},
+    {"huge", 5, -1e300, MeasurementFault::speed},
+    {"below the world", 2, -101.0, MeasurementFault::world},
+    {"no heading", 3, 0.0, MeasurementFault::heading},
+    {"a long heading", 3, 2.0, MeasurementFault::heading},
+    {"a short heading", 3, 1e-3, MeasurementFault::heading},
+    {"a tiny heading", 3, 1e-310, MeasurementFault::heading},
+    {"too fast", 5, 5.5, MeasurementFault::speed},
+    {"elsewhere", 0, 1.2, MeasurementFault::jump},
+    {"turned", 3, -1.0, MeasurementFault::jump},
 };
 
 TEST(Track, WhatCannotBeIsRefusedWithItsReasonAndTheModelGoesOn) {
@@ -140,7 +140,7 @@ TEST(Track, WhatCannotBeIsRefusedWithItsReasonAndTheModelGoesOn) {
     flight.u = Numbers(4, 0.0);
     flight.step();
     flight.step();
-    ASSERT_EQ(flight.step([&](Numbers& x) { x[bad.number] = bad.value; }), bad.doubt)
+    ASSERT_EQ(flight.step([&](Numbers& x) { x[bad.number] = bad.value; }), bad.fault)
         << bad.what << " " << bad.number;
     EXPECT_FALSE(flight.track.trusted());
     flight.track.predict(flight.t, flight.history);
@@ -152,25 +152,25 @@ TEST(Track, WhatCannotBeIsRefusedWithItsReasonAndTheModelGoesOn) {
 TEST(Track, AMeasurementFromTheFutureIsRefused) {
   Flight flight;
   flight.step();
-  EXPECT_EQ(flight.track.take(flight.x, flight.t + 0.1, flight.t, flight.history), Doubt::time);
-  EXPECT_EQ(flight.track.take(flight.x, INFINITY, flight.t, flight.history), Doubt::time);
+  EXPECT_EQ(flight.track.take(flight.x, flight.t + 0.1, flight.t, flight.history), MeasurementFault::time);
+  EXPECT_EQ(flight.track.take(flight.x, INFINITY, flight.t, flight.history), MeasurementFault::time);
   for (int k = 0; k < 3; ++k) flight.step();
   EXPECT_TRUE(flight.track.trusted());
-  EXPECT_EQ(flight.track.take(flight.x, flight.t + 0.03, flight.t, flight.history), Doubt::none);
+  EXPECT_EQ(flight.track.take(flight.x, flight.t + 0.03, flight.t, flight.history), MeasurementFault::none);
   EXPECT_EQ(flight.track.stamp(), flight.t) << "as if it were of now";
 }
 
 TEST(Track, AMeasurementTooOldToBeCarriedToThePresentIsRefused) {
   for (const double old : {-1e300, -1e9, -2.6}) {
     Flight flight;
-    EXPECT_EQ(flight.track.take(flight.x, old, 0.0, flight.history), Doubt::time);
+    EXPECT_EQ(flight.track.take(flight.x, old, 0.0, flight.history), MeasurementFault::time);
     EXPECT_FALSE(flight.track.known());
   }
   Flight flight;
-  EXPECT_EQ(flight.track.take(flight.x, -2.4, 0.0, flight.history), Doubt::none);
+  EXPECT_EQ(flight.track.take(flight.x, -2.4, 0.0, flight.history), MeasurementFault::none);
 }
 
-TEST(Track, AfterADoubtSoManyConsistentMeasurementsInARowAreAskedFor) {
+TEST(Track, AfterAFaultSoManyConsistentMeasurementsInARowAreAskedFor) {
   for (const int accept_after : {1, 3, 8}) {
     Flight flight({.accept_after = accept_after});
     for (int k = 0; k < 5; ++k) flight.step();
@@ -188,9 +188,9 @@ TEST(Track, AJumpToAnotherPlaceIsBelievedOnceItIsConsistentWithItself) {
   Flight flight;
   for (int k = 0; k < 5; ++k) flight.step();
   const auto moved = [](Numbers& x) { x[0] += 3.0; };
-  EXPECT_EQ(flight.step(moved), Doubt::jump);
-  EXPECT_EQ(flight.step(moved), Doubt::jump);
-  EXPECT_EQ(flight.step(moved), Doubt::none);
+  EXPECT_EQ(flight.step(moved), MeasurementFault::jump);
+  EXPECT_EQ(flight.step(moved), MeasurementFault::jump);
+  EXPECT_EQ(flight.step(moved), MeasurementFault::none);
   EXPECT_GT(flight.error(), 2.9);
 }
 
@@ -213,10 +213,11 @@ TEST(Track, AFrozenMeasurementIsNoticedWithinHalfASecondAndCountsFromItsFirst) {
     for (int k = 0; k < 30; ++k) flight.step();
     const Numbers frozen = flight.x;
     const double since = flight.t;
-    Doubt doubt = Doubt::none;
+    MeasurementFault fault = MeasurementFault::none;
     int k = 0;
-    for (; k < 51 && doubt == Doubt::none; ++k) doubt = flight.step([&](Numbers& x) { x = frozen; });
-    ASSERT_EQ(doubt, Doubt::frozen);
+    for (; k < 51 && fault == MeasurementFault::none; ++k)
+      fault = flight.step([&](Numbers& x) { x = frozen; });
+    ASSERT_EQ(fault, MeasurementFault::frozen);
     ASSERT_LE(k, 50);
     ASSERT_EQ(flight.track.stamp(), since);
     flight.track.predict(flight.t, flight.history);
@@ -231,26 +232,26 @@ TEST(Track, AFrozenMeasurementIsNoticedWithinHalfASecondAndCountsFromItsFirst) {
 TEST(Track, ABodyThatRestsIsNotFrozen) {
   Flight flight({}, {1, 2, 1, 1, 0, 0, 0});
   flight.u = Numbers(4, 0.0);
-  for (int k = 0; k < 1000; ++k) ASSERT_EQ(flight.step(), Doubt::none);
+  for (int k = 0; k < 1000; ++k) ASSERT_EQ(flight.step(), MeasurementFault::none);
   EXPECT_EQ(flight.track.stamp(), flight.t - dt);
 }
 
-TEST(Track, NoiseAsLargeAsItIsSaidToBeIsNoDoubt) {
+TEST(Track, NoiseAsLargeAsItIsSaidToBeIsNoFault) {
   for (const double sigma : {0.002, 0.02, 0.2}) {
     Flight flight({.position_sigma = sigma, .heading_sigma = sigma}, {1, 2, 1, 1, 0, 0, 0});
     flight.u = {0.1, 0.0, 0.0, 0.3};
     RandomStream chance(6, Chance::position_noise, 0);
-    int doubts = 0;
+    int faults = 0;
     for (int k = 0; k < 3000; ++k) {
-      const Doubt doubt = flight.step([&](Numbers& x) {
+      const MeasurementFault fault = flight.step([&](Numbers& x) {
         for (std::size_t i = 0; i < 3; ++i) x[i] += sigma * chance.normal();
         const double psi = std::atan2(x[4], x[3]) + sigma * chance.normal();
         x[3] = std::cos(psi);
         x[4] = std::sin(psi);
       });
-      doubts += doubt != Doubt::none ? 1 : 0;
+      faults += fault != MeasurementFault::none ? 1 : 0;
     }
-    EXPECT_LE(doubts, 6) << sigma;
+    EXPECT_LE(faults, 6) << sigma;
   }
 }
 

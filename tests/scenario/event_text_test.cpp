@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/watch.hpp"
+#include "sightline/ocp/event_monitor.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/random.hpp"
@@ -45,9 +45,9 @@ struct Scene : test::Scene {
     Condition at_once = when;
     at_once.dwell = 0.0;
     const Script script{{{.name = "it", .trigger = at_once, .enter = "next"}}};
-    Watch watch(script, team);
+    EventMonitor monitor(script, team);
     const std::vector<double> u(static_cast<std::size_t>(team.nu()));
-    return !watch.look({.t = 0.0, .x = x, .u = u, .ages = {}, .presence = {}}).empty();
+    return !monitor.look({.t = 0.0, .x = x, .u = u, .ages = {}, .presence = {}}).empty();
   }
 };
 

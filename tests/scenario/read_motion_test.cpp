@@ -9,9 +9,9 @@ namespace {
 
 constexpr AgentId followed{BodyId{3}};
 
-StrangerStart stranger(const std::string& text) {
+UncooperativeStart uncooperative(const std::string& text) {
   const TomlDocument document = parse_toml(text, "a");
-  return read_stranger(TomlTable(document), [](const TomlTable& at) {
+  return read_uncooperative(TomlTable(document), [](const TomlTable& at) {
     EXPECT_EQ(at.text("agent", "a name"), "uav3");
     return followed;
   });
@@ -19,7 +19,7 @@ StrangerStart stranger(const std::string& text) {
 
 template <class M>
 M motion(const std::string& text) {
-  return std::get<M>(*stranger("p = [1.0, 2.0, 3.0]\nmotion = " + text).stranger.motion);
+  return std::get<M>(*uncooperative("p = [1.0, 2.0, 3.0]\nmotion = " + text).uncooperative.motion);
 }
 
 void expect_same(const Vec3<double>& a, const Vec3<double>& b) { EXPECT_EQ(norm(a - b), 0.0); }
@@ -47,35 +47,36 @@ TEST(ReadMotion, EachParameterOfAMotionReachesItsStruct) {
 }
 
 TEST(ReadMotion, APathAndACircleSayThemselvesWhereTheyBegin) {
-  const StrangerStart path = stranger(
+  const UncooperativeStart path = uncooperative(
       "motion = { path = { points = [[4.0, 5.0, 6.0], [7.0, 8.0, 9.0]], speed = 0.7, end = \"round\" } }");
   expect_same(path.p, {4, 5, 6});
-  const auto& on_path = std::get<PathMotion>(*path.stranger.motion);
+  const auto& on_path = std::get<PathMotion>(*path.uncooperative.motion);
   EXPECT_EQ(on_path.speed, 0.7);
   EXPECT_EQ(on_path.end, PathMotion::End::round);
   ASSERT_EQ(on_path.points.size(), 2U);
   expect_same(on_path.points[1], {7, 8, 9});
 
-  const StrangerStart circle =
-      stranger("motion = { circle = { centre = [4.0, 5.0, 6.0], radius = 0.5, rate = -0.7, phase = 0.0 } }");
+  const UncooperativeStart circle = uncooperative(
+      "motion = { circle = { centre = [4.0, 5.0, 6.0], radius = 0.5, rate = -0.7, phase = 0.0 } }");
   expect_same(circle.p, {4.5, 5, 6});
-  EXPECT_EQ(std::get<CircleMotion>(*circle.stranger.motion).rate, -0.7);
-  EXPECT_DOUBLE_EQ(top_speed(*circle.stranger.motion), 0.35);
+  EXPECT_EQ(std::get<CircleMotion>(*circle.uncooperative.motion).rate, -0.7);
+  EXPECT_DOUBLE_EQ(top_speed(*circle.uncooperative.motion), 0.35);
 }
 
 TEST(ReadMotion, WhatStandsStillIsTakenToStayAndAnyOtherToBeFast) {
   const std::string place = "p = [1.0, 2.0, 3.0]\n";
-  EXPECT_EQ(stranger(place).stranger.speed_max, 0.0);
-  EXPECT_EQ(stranger(place + "v = [0.1, 0.0, 0.0]").stranger.speed_max, 1.5);
-  EXPECT_EQ(stranger(place + "motion = { chase = { agent = \"uav3\" } }").stranger.speed_max, 1.5);
-  EXPECT_EQ(stranger(place + "speed_max = 0.3").stranger.speed_max, 0.3);
+  EXPECT_EQ(uncooperative(place).uncooperative.speed_max, 0.0);
+  EXPECT_EQ(uncooperative(place + "v = [0.1, 0.0, 0.0]").uncooperative.speed_max, 1.5);
+  EXPECT_EQ(uncooperative(place + "motion = { chase = { agent = \"uav3\" } }").uncooperative.speed_max, 1.5);
+  EXPECT_EQ(uncooperative(place + "speed_max = 0.3").uncooperative.speed_max, 0.3);
 }
 
-TEST(ReadMotion, TheDistanceAndTheSeenVelocityReachTheStranger) {
-  const Stranger read = stranger("p = [1.0, 2.0, 3.0]\nd_hard = 0.8\nvelocity = \"unknown\"").stranger;
+TEST(ReadMotion, TheDistanceAndTheSeenVelocityReachTheUncooperativeBody) {
+  const UncooperativeBody read =
+      uncooperative("p = [1.0, 2.0, 3.0]\nd_hard = 0.8\nvelocity = \"unknown\"").uncooperative;
   EXPECT_EQ(read.d_hard, 0.8);
   EXPECT_EQ(read.velocity, SeenVelocity::unknown);
-  const Stranger plain = stranger("p = [1.0, 2.0, 3.0]").stranger;
+  const UncooperativeBody plain = uncooperative("p = [1.0, 2.0, 3.0]").uncooperative;
   EXPECT_FALSE(plain.d_hard.has_value());
   EXPECT_EQ(plain.velocity, SeenVelocity::measured);
 }
@@ -95,9 +96,9 @@ velocity = "unknown"
 d_hard = 0.8
 )";
 
-TEST(ReadMotion, AScenariosStrangersReachItsPlantAndItsSensor) {
+TEST(ReadMotion, AScenariosUncooperativeBodiesReachItsPlantAndItsSensor) {
   const Scenario s = parse_scenario(std::string(scene), "a.toml");
-  ASSERT_EQ(s.strangers.size(), 3U);
+  ASSERT_EQ(s.uncooperative.size(), 3U);
   const PlantOptions plant = plant_options(s);
   ASSERT_EQ(plant.motions.size(), 2U);
   EXPECT_EQ(plant.motions[0].body, s.team.find("lamp"));

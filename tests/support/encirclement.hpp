@@ -48,7 +48,7 @@ inline Encirclement any_encirclement(std::uint64_t seed) {
   return e;
 }
 
-/// 2 to 4 strangers at any place from which they may come, which turn at will.
+/// 2 to 4 uncooperative neighbours at any place from which they may come, which turn at will.
 inline Encirclement any_adversaries(std::uint64_t seed) {
   Random random(seed);
   Encirclement e{.stray = 1.0, .seed = seed, .duration = 8.0};

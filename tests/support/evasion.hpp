@@ -43,7 +43,7 @@ inline Scenario with_drawn_start(Scenario scenario, Random& random, double speed
                                        0.0,
                                        0.0};
   std::copy(robot.begin(), robot.end(), scenario.x0.begin());
-  auto& hand = std::get<HandMotion>(*scenario.strangers.back().motion);
+  auto& hand = std::get<HandMotion>(*scenario.uncooperative.back().motion);
   const double from = uniform(random, -pi, pi);
   hand.from = {target.x + 4 * std::cos(from), target.y + 4 * std::sin(from), 1.2};
   hand.speed = uniform(random, 0.2, speed_max);

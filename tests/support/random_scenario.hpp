@@ -25,7 +25,7 @@ class RandomScenario {
     draw_team();
     write_horizon();
     for (const Robot& robot : robots_) write_robot(robot);
-    for (const Body& body : strangers_) write_stranger(body);
+    for (const Body& body : uncooperative_) write_uncooperative(body);
     write_couplings();
     write_shapes();
     write_alone();
@@ -77,7 +77,7 @@ class RandomScenario {
   }
 
   const Body& body(std::size_t i) const {
-    return i < robots_.size() ? robots_[i] : strangers_[i - robots_.size()];
+    return i < robots_.size() ? robots_[i] : uncooperative_[i - robots_.size()];
   }
   bool somebody_looks() const {
     return std::any_of(robots_.begin(), robots_.end(), [](const Robot& r) { return r.looks; });
@@ -85,7 +85,7 @@ class RandomScenario {
   /// A body that this line has not drawn last.
   std::string another() {
     for (;;) {
-      const std::string& name = body(below(robots_.size() + strangers_.size())).name;
+      const std::string& name = body(below(robots_.size() + uncooperative_.size())).name;
       if (name != last_) return last_ = name;
     }
   }
@@ -169,7 +169,7 @@ class RandomScenario {
     const DrawnKind* const one = any(fit);
     const bool mixed = chance(0.6);
     const double looking = any(std::vector<double>{0.0, 0.25, 0.6});
-    const std::size_t robots = 2 + below(7), strangers = below(4);
+    const std::size_t robots = 2 + below(7), uncooperative = below(4);
     for (std::size_t i = 0; i < robots; ++i) {
       Robot robot;
       robot.kind = mixed ? any(fit) : one;
@@ -181,8 +181,8 @@ class RandomScenario {
       robot.limits_move = chance(0.05);
       robots_.push_back(robot);
     }
-    for (std::size_t i = 0; i < strangers; ++i) {
-      strangers_.push_back({fmt::format("s{}", i), place(chance(0.8)), !has_events_ || !chance(0.1)});
+    for (std::size_t i = 0; i < uncooperative; ++i) {
+      uncooperative_.push_back({fmt::format("s{}", i), place(chance(0.8)), !has_events_ || !chance(0.1)});
     }
   }
 
@@ -237,7 +237,7 @@ class RandomScenario {
     if (!kind.text.empty()) line("[agent.{}.robot.text]\n{}", robot.name, kind.text);
   }
 
-  void write_stranger(const Body& body) {
+  void write_uncooperative(const Body& body) {
     line("\n[{}.{}]\n{}", chance(0.5) ? "target" : "obstacle", body.name, drawn(any(drawn_motions), body));
     if (!body.present) line("present = false");
     if (chance(0.3)) line("velocity = \"{}\"", chance(0.5) ? "measured" : "unknown");
@@ -295,7 +295,7 @@ class RandomScenario {
 
   void write_shapes() {
     if (chance(0.3)) {
-      const std::string centre = body(below(robots_.size() + strangers_.size())).name;
+      const std::string centre = body(below(robots_.size() + uncooperative_.size())).name;
       const std::vector<std::string> shapes = {
           fmt::format("chain = {}", quoted(names(false, ""))),
           fmt::format("ring = {}", quoted(names(false, ""))),
@@ -356,7 +356,7 @@ class RandomScenario {
     if (!has_events_) return;
     std::vector<bool> there;
     for (const Robot& robot : robots_) there.push_back(robot.present);
-    for (const Body& body : strangers_) there.push_back(body.present);
+    for (const Body& body : uncooperative_) there.push_back(body.present);
     // Whoever is not there at first comes, now or then.
     for (std::size_t i = 0; i < there.size(); ++i) {
       if (!there[i])
@@ -459,7 +459,7 @@ class RandomScenario {
   std::string text_, last_;
   std::vector<Vec3<double>> places_;
   std::vector<Robot> robots_;
-  std::vector<Body> strangers_;
+  std::vector<Body> uncooperative_;
   std::vector<Term> terms_;
   int stages_ = 0;  // that events entered
   bool filtered_ = false, has_swarm_ = false, has_relay_ = false, has_events_ = false;

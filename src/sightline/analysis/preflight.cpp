@@ -94,11 +94,11 @@ void look_at_regions(const Scenario& scenario, Preflight& to) {
 std::vector<std::string> warnings_of_speeds(const Scenario& scenario) {
   std::vector<std::string> sentences;
   if (!scenario.safety || scenario.safety->barrier == BarrierMode::off) return sentences;
-  for (const Stranger& stranger : scenario.strangers) {
-    const double speed = stranger.motion ? top_speed(*stranger.motion) : 0.0;
-    if (speed <= stranger.speed_max) continue;
+  for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
+    const double speed = uncooperative.motion ? top_speed(*uncooperative.motion) : 0.0;
+    if (speed <= uncooperative.speed_max) continue;
     sentences.push_back(fmt::format("{} moves at up to {} m/s, the barrier reckons with speed_max = {} m/s",
-                                    scenario.team.name(stranger.body), speed, stranger.speed_max));
+                                    scenario.team.name(uncooperative.body), speed, uncooperative.speed_max));
   }
   return sentences;
 }

@@ -112,7 +112,7 @@ void Judge::publish() noexcept {
   const bool good = inputs_hold() && all_finite(sample_.x);
   sound_ = sound_ && good;
   const bool apart = distances_hold();
-  safety_.add(sample_.time, sights_, sample_.presence, sample_.barriers, sample_.rungs);
+  safety_.add(sample_.time, sights_, sample_.presence, sample_.barriers, sample_.levels);
   too_close_ = too_close_ || !apart;
   if (!good || !apart) ++result_.violations;
 

@@ -1,5 +1,5 @@
 /// Teams that change in flight: what is to happen, and when. A script is data; `Roster` says what becomes of the
-/// team, `Watch` when. docs/events.md.
+/// team, `EventMonitor` when. docs/events.md.
 ///
 /// Bodies are those of one Team that has all there will ever be. A run is in one stage at a time; it begins in
 /// "start". An event is armed in its stage only, or in all; once it has happened it is over until its stage is

@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::string_view measurement = "measurement_";
 
-bool is_a_rung(std::string_view kind) {
-  for (int i = 0; i < rung_count; ++i) {
-    if (kind == to_string(static_cast<Rung>(i))) return true;
+bool is_a_level(std::string_view kind) {
+  for (int i = 0; i < fallback_level_count; ++i) {
+    if (kind == to_string(static_cast<FallbackLevel>(i))) return true;
   }
   return false;
 }
@@ -20,8 +20,9 @@ bool is_a_rung(std::string_view kind) {
 }  // namespace
 
 bool is_of_a_body(std::string_view kind) {
-  return is_a_rung(kind) || kind.starts_with(measurement) || kind == to_string(EventKind::barrier_conflict) ||
-         kind == to_string(EventKind::input_refused) || kind == to_string(EventKind::added_too_near);
+  return is_a_level(kind) || kind.starts_with(measurement) ||
+         kind == to_string(EventKind::barrier_conflict) || kind == to_string(EventKind::input_refused) ||
+         kind == to_string(EventKind::added_too_near);
 }
 
 bool is_of_the_script(std::string_view kind) {

@@ -93,9 +93,9 @@ SafetySummary::SafetySummary(const Scenario& scenario) : period_(scenario.horizo
 
 void SafetySummary::add(double time, std::span<const Sight<double>> sights,
                         std::span<const Presence> presence, std::span<const BarrierRecord> barriers,
-                        std::span<const Rung> rungs) {
+                        std::span<const FallbackLevel> levels) {
   ++samples_;
-  add_bounds(time, sights, presence, rungs);
+  add_bounds(time, sights, presence, levels);
   const auto is_there = [&](BodyId body) { return presence[at(body)] != Presence::absent; };
   for (Pair& pair : pairs_) {
     if (!is_there(pair.a) || !is_there(pair.b)) continue;
@@ -111,10 +111,11 @@ void SafetySummary::add(double time, std::span<const Sight<double>> sights,
 }
 
 void SafetySummary::add_bounds(double time, std::span<const Sight<double>> sights,
-                               std::span<const Presence> presence, std::span<const Rung> rungs) {
+                               std::span<const Presence> presence, std::span<const FallbackLevel> levels) {
   for (Bound& bound : bounds_) {
     const auto i = at(bound.robot);
-    const bool lands = presence[i] == Presence::land || (i < rungs.size() && rungs[i] >= Rung::land);
+    const bool lands =
+        presence[i] == Presence::land || (i < levels.size() && levels[i] >= FallbackLevel::land);
     const bool counted = bound.counts;
     bound.counts = presence[i] != Presence::absent && !(lands && bound.of == Bound::Of::floor);
     if (!bound.counts) {

@@ -18,9 +18,9 @@ class SafetySummary {
   explicit SafetySummary(const Scenario& scenario);
 
   /// @param sights  true ones of all bodies at `time` [s]; those that are absent do not count
-  /// @param rungs   of all bodies, or none; a robot that lands or is grounded has no floor
+  /// @param levels   of all bodies, or none; a robot that lands or is grounded has no floor
   void add(double time, std::span<const Sight<double>> sights, std::span<const Presence> presence,
-           std::span<const BarrierRecord> barriers, std::span<const Rung> rungs = {});
+           std::span<const BarrierRecord> barriers, std::span<const FallbackLevel> levels = {});
 
   /// Two bodies, of which one is a robot, that have a hard distance.
   struct Pair {
@@ -64,7 +64,7 @@ class SafetySummary {
   std::vector<Pair> by_margin() const;
   std::vector<Bound> by_excess() const;
   void add_bounds(double time, std::span<const Sight<double>> sights, std::span<const Presence> presence,
-                  std::span<const Rung> rungs);
+                  std::span<const FallbackLevel> levels);
 
   std::vector<std::string> names_;  // of all bodies
   BarrierMode mode_ = BarrierMode::off;

@@ -187,7 +187,7 @@ void Summary::add(const Sample& sample) {
   add_solvers(sample);
   plans_.add(sample);
   add_drift(sample);
-  safety_.add(sample.time, sights_, presence_, sample.barriers, sample.rungs);
+  safety_.add(sample.time, sights_, presence_, sample.barriers, sample.levels);
 }
 
 void Summary::add_inputs(const Sample& sample) {

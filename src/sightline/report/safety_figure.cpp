@@ -18,21 +18,21 @@ using Panel = Drawing::Panel;
 
 constexpr std::size_t robots_shown = Drawing::colours;
 
-/// The rung of a robot over time, as steps; empty where it never left the first.
-Curve rungs_of(const Recording& r, std::size_t robot) {
+/// The level of a robot over time, as steps; empty where it never left the first.
+Curve levels_of(const Recording& r, std::size_t robot) {
   Curve steps{r.bodies[robot].name, robot % Drawing::colours, Mark::line, {}, {}};
-  double rung = 0.0;
+  double level = 0.0;
   const auto corner = [&](double t) {
     steps.x.push_back(t);
-    steps.y.push_back(rung);
+    steps.y.push_back(level);
   };
   for (const Recording::Event& event : r.events) {
     if (event.value != static_cast<double>(robot)) continue;
-    for (int i = 0; i < rung_count; ++i) {
-      if (event.kind != to_string(static_cast<Rung>(i))) continue;
+    for (int i = 0; i < fallback_level_count; ++i) {
+      if (event.kind != to_string(static_cast<FallbackLevel>(i))) continue;
       if (steps.x.empty()) corner(r.time.front());
       corner(event.time);
-      rung = i;
+      level = i;
       corner(event.time);
     }
   }
@@ -60,22 +60,23 @@ Curve acts_of(const Recording& r, std::size_t robot, double height) {
 
 std::optional<Drawing> safety_drawing(const Recording& recording) {
   if (recording.time.empty()) return std::nullopt;
-  Panel rungs{.x_label = "", .y_label = "", .height = 180},
+  Panel levels{.x_label = "", .y_label = "", .height = 180},
       barrier{.x_label = "t [s]", .y_label = "", .height = 140};
   double height = 0.0;
   barrier.y_names = {""};
   for (std::size_t i = 0; i < std::min(recording.bodies.size(), robots_shown); ++i) {
     if (!recording.bodies[i].is_agent) continue;
-    if (Curve steps = rungs_of(recording, i); !steps.x.empty()) rungs.curves.push_back(std::move(steps));
+    if (Curve steps = levels_of(recording, i); !steps.x.empty()) levels.curves.push_back(std::move(steps));
     height += 1.0;
     barrier.y_names.push_back(label(recording.bodies[i].name, 10));
     if (Curve acts = acts_of(recording, i, height); !acts.x.empty())
       barrier.curves.push_back(std::move(acts));
   }
   Drawing drawing{"Safety", "", {}};
-  if (!rungs.curves.empty()) {
-    for (int i = 0; i < rung_count; ++i) rungs.y_names.emplace_back(to_string(static_cast<Rung>(i)));
-    rungs.y_range = {{-0.3, rung_count - 0.7}};
+  if (!levels.curves.empty()) {
+    for (int i = 0; i < fallback_level_count; ++i)
+      levels.y_names.emplace_back(to_string(static_cast<FallbackLevel>(i)));
+    levels.y_range = {{-0.3, fallback_level_count - 0.7}};
     drawing.caption = "What each robot flew by as its data grew old.";
   }
   if (!barrier.curves.empty()) {
@@ -83,7 +84,7 @@ std::optional<Drawing> safety_drawing(const Recording& recording) {
     drawing.caption += fmt::format("{}Lines: when the barrier changed a robot's command.",
                                    drawing.caption.empty() ? "" : " ");
   }
-  for (Panel* panel : {&rungs, &barrier}) {
+  for (Panel* panel : {&levels, &barrier}) {
     if (!panel->curves.empty()) drawing.panels.push_back(std::move(*panel));
   }
   if (drawing.panels.empty()) return std::nullopt;

@@ -55,10 +55,11 @@ EventKind kind_of(const Notice& notice) {
   const auto shifted = [](EventKind first, int by) {
     return static_cast<EventKind>(static_cast<int>(first) + by);
   };
-  if (const auto* rung = std::get_if<Rung>(&notice.what)) {
-    return shifted(EventKind::valid, static_cast<int>(*rung));
+  if (const auto* level = std::get_if<FallbackLevel>(&notice.what)) {
+    return shifted(EventKind::valid, static_cast<int>(*level));
   }
-  return shifted(EventKind::measurement_not_finite, static_cast<int>(*std::get_if<Doubt>(&notice.what)) - 1);
+  return shifted(EventKind::measurement_not_finite,
+                 static_cast<int>(*std::get_if<MeasurementFault>(&notice.what)) - 1);
 }
 
 }  // namespace
@@ -71,7 +72,7 @@ Guard::Guard(const Team& team, const GuardOptions& options)
       ages_(options_.bodies.size()),
       before_(static_cast<std::size_t>(team.nu())),
       presence_(options_.bodies.size(), Presence::steered),
-      rungs_(options_.bodies.size(), Rung::valid),
+      levels_(options_.bodies.size(), FallbackLevel::valid),
       oldest_(options.supervisor.value_or(SupervisorOptions{}).times.hold_after) {
   events_.reserve(3 * options_.bodies.size());
   if (options_.barrier == BarrierMode::off) return;
@@ -129,7 +130,7 @@ void Guard::filter(double t, std::span<const double> plan_ages, std::span<double
     }
     for (int i = 0; i < team_.bodies(); ++i) {
       const BodyId body{i};
-      if (team_.is_agent(body)) rungs_[at(body)] = supervisor_->rung(body);
+      if (team_.is_agent(body)) levels_[at(body)] = supervisor_->level(body);
     }
   }
   for (std::size_t i = 0; i < robots_.size(); ++i) keep_distance(i, t, u);
@@ -151,7 +152,7 @@ Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double
                       .sigma = std::sqrt(2.0) * options_.position_sigma,
                       .tie = robot.index < other.index ? 1.0 : -1.0};
   if (!team_.is_agent(other)) return neighbour;
-  if (supervisor_ && supervisor_->rung(other) == Rung::grounded) {
+  if (supervisor_ && supervisor_->level(other) == FallbackLevel::grounded) {
     neighbour.speed_max = 0.0;
   } else if (team_.model(robot).name() == model.name()) {
     neighbour.conduct = Conduct::member;
@@ -161,12 +162,12 @@ Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double
 
 void Guard::keep_distance(std::size_t robot, double t, std::span<double> u) noexcept {
   Robot& of = robots_[robot];
-  const Rung rung = supervisor_ ? supervisor_->rung(of.body) : Rung::valid;
+  const FallbackLevel level = supervisor_ ? supervisor_->level(of.body) : FallbackLevel::valid;
   BarrierRecord& record = records_[robot];
   const bool was_in_conflict = record.conflict;
   record = {};
   // Neither for a robot on the ground or absent, nor without knowing where it is, nor from a body that is nowhere.
-  if (rung == Rung::grounded || !is_there(of.body) || !std::isfinite(ages_[at(of.body)])) return;
+  if (level == FallbackLevel::grounded || !is_there(of.body) || !std::isfinite(ages_[at(of.body)])) return;
   std::size_t count = 0;
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId other{i};
@@ -177,7 +178,7 @@ void Guard::keep_distance(std::size_t robot, double t, std::span<double> u) noex
   of.limits->at(t, of.u_min, of.u_max);
   const std::span<double> applied = u.subspan(of.u, of.nu);
   std::copy(applied.begin(), applied.end(), of.reported.begin());
-  const bool lands = rung == Rung::land || presence_[at(of.body)] == Presence::land;
+  const bool lands = level == FallbackLevel::land || presence_[at(of.body)] == Presence::land;
   const Barrier& barrier = lands ? of.landing : of.barrier;
   const BarrierResult result = barrier.filter(
       std::span(believed_).subspan(of.x, of.nx), std::span(neighbours_).first(count), of.u_min, of.u_max,

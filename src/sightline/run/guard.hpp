@@ -71,7 +71,7 @@ class Guard {
   /// One for each robot; empty without a barrier.
   std::span<const BarrierRecord> barriers() const noexcept { return records_; }
   /// One for each body; all valid without a supervisor, and of those that are no robots.
-  std::span<const Rung> rungs() const noexcept { return rungs_; }
+  std::span<const FallbackLevel> levels() const noexcept { return levels_; }
   /// None without a supervisor.
   const std::optional<Supervisor>& supervisor() const noexcept { return supervisor_; }
 
@@ -96,7 +96,7 @@ class Guard {
   std::vector<Robot> robots_;  // none without a barrier
   std::vector<double> believed_, ages_, before_;
   std::vector<Presence> presence_;
-  std::vector<Rung> rungs_;
+  std::vector<FallbackLevel> levels_;
   double oldest_;  // age that the barrier reckons with [s]
   std::vector<Neighbour> neighbours_;
   std::vector<BarrierRecord> records_;

@@ -65,7 +65,7 @@ Sample sized_sample(const Team& team, const Controllers& controllers) {
   sample.solvers.resize(controllers.size());
   sample.barriers.resize(team.agents().size());
   sample.presence = everybody(team);
-  sample.rungs.resize(sample.presence.size());
+  sample.levels.resize(sample.presence.size());
   sample.path.resize(size(horizon.N + 1) * nx);
   sample.path_step = horizon.h();
   return sample;
@@ -110,7 +110,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
   const Sample* item = sink.claim();
   if (item == nullptr || item->x.size() != spare_.x.size() || item->path.size() != spare_.path.size() ||
       item->solvers.size() != spare_.solvers.size() || item->barriers.size() != spare_.barriers.size() ||
-      item->rungs.size() != spare_.rungs.size() || item->detections.size() != spare_.detections.size()) {
+      item->levels.size() != spare_.levels.size() || item->detections.size() != spare_.detections.size()) {
     refuse(
         "the sink's samples are not of this loop's size, expected room in it for copies of sized_sample()");
   }
@@ -385,8 +385,8 @@ void Loop::guard(double t, Sample& sample) noexcept {
   for (const Event& event : options_.guard->events()) tell(event);
   const auto records = options_.guard->barriers();
   std::copy(records.begin(), records.end(), sample.barriers.begin());
-  const auto rungs = options_.guard->rungs();
-  std::copy(rungs.begin(), rungs.end(), sample.rungs.begin());
+  const auto levels = options_.guard->levels();
+  std::copy(levels.begin(), levels.end(), sample.levels.begin());
 }
 
 void Loop::command(int index, const Controller& controller, const Solution& solution, double t,

@@ -21,14 +21,14 @@ enum class EventKind : std::uint8_t {
   input_refused,    ///< a command was not finite or above its limit after the solver's clamp and was not
                     ///< applied
   samples_dropped,  ///< the log could not keep up; value: samples dropped so far
-  // A robot came to another rung of its ladder, in the order of Rung; value: the body.
+  // A robot came to another level of its ladder, in the order of FallbackLevel; value: the body.
   valid,
   predicted,
   slowed,
   hold,
   land,
   grounded,
-  // Measurements of a body ceased to be believed, in the order of Doubt; value: the body.
+  // Measurements of a body ceased to be believed, in the order of MeasurementFault; value: the body.
   measurement_not_finite,
   measurement_heading,
   measurement_world,
@@ -87,7 +87,7 @@ struct Sample {
   std::vector<SolverRecord> solvers;      ///< one for each controller
   std::vector<BarrierRecord> barriers{};  ///< one for each robot
   std::vector<Presence> presence{};       ///< of each body
-  std::vector<Rung> rungs{};              ///< of each body; all valid without a supervisor
+  std::vector<FallbackLevel> levels{};    ///< of each body; all valid without a supervisor
   bool team_answered = false;             ///< a team that was asked for took over, or was refused
   bool has_path = false;
   std::vector<double> path;  ///< predicted states (N+1 x nx), where has_path

@@ -21,8 +21,8 @@
 #include <thread>
 #include <vector>
 
+#include "sightline/ocp/event_monitor.hpp"
 #include "sightline/ocp/roster.hpp"
-#include "sightline/ocp/watch.hpp"
 #include "sightline/run/controller.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/solver/team_planner.hpp"
@@ -62,7 +62,7 @@ class TeamSwitcher {
   std::size_t events_max() const noexcept { return told_.capacity(); }
 
   /// Any thread: hands over an event's signal. @return whether the script has one of that name
-  bool signal(std::string_view name) noexcept { return watch_.signal(name); }
+  bool signal(std::string_view name) noexcept { return monitor_.signal(name); }
 
   // The control thread, each period.
 
@@ -100,7 +100,7 @@ class TeamSwitcher {
   Team world_;
   std::vector<double> start_;
   Script script_;
-  Watch watch_;
+  EventMonitor monitor_;
   MakeSolver make_;
   double period_ = 0.0;
   Phase present_;

@@ -38,22 +38,23 @@ namespace sightline {
 
 /// What is assumed of a neighbour.
 enum class Conduct {
-  stranger,  ///< goes anywhere with up to speed_max, turning at will; it does not give way
-  member,    ///< runs a Barrier itself, against this robot, and takes the other share; same model
+  uncooperative,  ///< goes anywhere with up to speed_max, turning at will; it does not give way
+  member,         ///< runs a Barrier itself, against this robot, and takes the other share; same model
 };
 
 /// Another body, as this robot knows it.
 struct Neighbour {
-  Vec3<double> p{};        ///< position [m]
-  Vec3<double> v{};        ///< velocity [m/s]; of a stranger for ways out and acceleration_max
-  double d_hard = 1.0;     ///< centre to centre [m], > 0
-  double speed_max = 1.5;  ///< of a stranger [m/s], >= 0; 0: at rest
-  double acceleration_max = std::numeric_limits<double>::infinity();  ///< of a stranger [m/s^2], >= 0
-  double age = 0.0;                                                   ///< of p and v [s], >= 0
+  Vec3<double> p{};     ///< position [m]
+  Vec3<double> v{};     ///< velocity [m/s]; of an uncooperative neighbour for ways out and acceleration_max
+  double d_hard = 1.0;  ///< centre to centre [m], > 0
+  double speed_max = 1.5;  ///< of an uncooperative neighbour [m/s], >= 0; 0: at rest
+  double acceleration_max =
+      std::numeric_limits<double>::infinity();  ///< of an uncooperative neighbour [m/s^2], >= 0
+  double age = 0.0;                             ///< of p and v [s], >= 0
   double sigma = 0.0;  ///< standard deviation of the position relative to the robot [m]; 3 sigma are kept
   double tie = 1.0;    ///< where both are in one place, the robot parts along tie x; of opposite sign
                        ///< for the two members of a pair
-  Conduct conduct = Conduct::stranger;
+  Conduct conduct = Conduct::uncooperative;
 };
 
 struct BarrierOptions {
@@ -78,9 +79,9 @@ struct BarrierResult {
   double violation =
       0.0;  ///< largest amount by which a row is missed, or by which the way out is too near [m];
             ///< 0 without a conflict
-  /// Least B of all neighbours, or that of the plan for several strangers where its rows are kept [m].
+  /// Least B of all neighbours, or that of the plan for several uncooperative neighbours where its rows are kept [m].
   double reserve = std::numeric_limits<double>::infinity();
-  bool surrounded = false;  ///< no plan is safe from all strangers whatever they do
+  bool surrounded = false;  ///< no plan is safe from all uncooperative neighbours whatever they do
   int neighbour = -1;       ///< the one with the tightest row: index into the neighbours, or -1
   Wall wall = Wall::none;   ///< the wall with the tightest row, if it is not a neighbour
 };
@@ -136,7 +137,7 @@ class Barrier {
   Row keep_away(const Sight<double>& self, const Rows& rows, int threat, const Touch& touch) const noexcept;
   bool find_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
                     Rows& rows) const noexcept;
-  /// Gives the strangers one plan together. @return its reserve [m]; infinity where each has enough for itself
+  /// Gives the uncooperative neighbours one plan together. @return its reserve [m]; infinity where each has enough for itself
   double join(const Sight<double>& self, Rows& rows) const noexcept;
   bool is_surrounded(const Sight<double>& self, std::span<const Neighbour> neighbours,
                      const Rows& rows) const noexcept;

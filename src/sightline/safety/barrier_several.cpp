@@ -1,4 +1,4 @@
-// What a barrier does about several strangers at once.
+// What a barrier does about several uncooperative neighbours at once.
 #include "sightline/safety/barrier_several.hpp"
 
 #include <algorithm>
@@ -12,21 +12,21 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-/// The search of one plan for several strangers. Those whose own plan it is have its reserve already.
+/// The search of one plan for several uncooperative neighbours. Those whose own plan it is have its reserve already.
 struct Barrier::Joint {
   struct Plan {
     Vec2<double> a;
     double climb, room;
   };
-  /// A stranger at the one time that is the tightest for its own plan: mostly that tells that a plan is none.
+  /// An uncooperative neighbour at the one time that is the tightest for its own plan: mostly that tells that a plan is none.
   struct Look {
     Vec3<double> q;
     double t, F, rho;
   };
   using Escapes = Bounded<Escape, most_neighbours>;
 
-  Joint(const EscapePlans& escape_plans, std::span<Threat*> strangers)
-      : plans(escape_plans), all(strangers), kept(&first), tried(&second) {
+  Joint(const EscapePlans& escape_plans, std::span<Threat*> uncooperative)
+      : plans(escape_plans), all(uncooperative), kept(&first), tried(&second) {
     for (const Threat* threat : all) {
       const Tube& tube = threat->tube;
       const Touch& touch = threat->plan.touches[0];
@@ -101,18 +101,19 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
   constexpr double near = 10.0;   // [m] who is farther is no part of a ring yet
   constexpr double ample = 0.3;   // [m] more than a sample can take of it
   constexpr double spare = 0.02;  // [m] the rows, which are linear, lose some of it where plans climb
-  Bounded<Threat*, most_neighbours> strangers;
+  Bounded<Threat*, most_neighbours> uncooperative;
   for (Threat& threat : rows.threats) {
-    if (threat.conduct == Conduct::stranger && norm(threat.tube.r) < near) strangers.push_back(&threat);
+    if (threat.conduct == Conduct::uncooperative && norm(threat.tube.r) < near)
+      uncooperative.push_back(&threat);
   }
-  if (strangers.size() < 2) return infinity;
+  if (uncooperative.size() < 2) return infinity;
   const auto tighter = [](const Threat* a, const Threat* b) { return a->reserve < b->reserve; };
-  std::swap(strangers[0], *std::min_element(strangers.begin(), strangers.end(), tighter));
-  const double least = strangers[0]->reserve;
+  std::swap(uncooperative[0], *std::min_element(uncooperative.begin(), uncooperative.end(), tighter));
+  const double least = uncooperative[0]->reserve;
 
-  Joint joint(plans_, strangers);
+  Joint joint(plans_, uncooperative);
   const auto enough = [&] { return joint.found && (joint.best >= least || joint.best >= ample); };
-  joint.consider({strangers[0]->plan.a, 0.0, 0.0});
+  joint.consider({uncooperative[0]->plan.a, 0.0, 0.0});
   const double up = can_.climbs ? std::max(0.0, options_.ceiling - self.p.z) : 0.0;
   const double down = can_.climbs ? std::max(0.0, self.p.z - options_.floor) : 0.0;
   const double climb = options_.authority * can_.climb;
@@ -131,7 +132,7 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
   const Joint::Plan& taken = joint.taken;
   const double reserve = joint.best - spare;
   const Escape* escape = joint.kept->begin();
-  for (Threat* threat : strangers) {
+  for (Threat* threat : uncooperative) {
     if (!Joint::own(*threat, taken)) {
       threat->tube = Joint::climbing(threat->tube, taken);
       threat->plan = *escape++;
@@ -154,7 +155,7 @@ bool Barrier::is_surrounded(const Sight<double>& self, std::span<const Neighbour
   Bounded<Vec3<double>, most_neighbours> away;
   Vec2<double> sum{};
   for (const Threat& threat : rows.threats) {
-    if (threat.conduct != Conduct::stranger) continue;
+    if (threat.conduct != Conduct::uncooperative) continue;
     const Vec3<double> r = self.p - neighbours[static_cast<std::size_t>(threat.neighbour)].p;
     const Vec3<double> n = (1.0 / std::max(norm(r), 1e-9)) * r;
     sum = {sum.x + n.x, sum.y + n.y};

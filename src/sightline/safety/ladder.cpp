@@ -8,25 +8,26 @@
 
 namespace sightline {
 
-std::string_view to_string(Rung rung) {
-  constexpr std::array<std::string_view, rung_count> names = {"valid", "predicted", "slowed",
-                                                              "hold",  "land",      "grounded"};
-  return names[static_cast<std::size_t>(rung)];
+std::string_view to_string(FallbackLevel level) {
+  constexpr std::array<std::string_view, fallback_level_count> names = {"valid", "predicted", "slowed",
+                                                                        "hold",  "land",      "grounded"};
+  return names[static_cast<std::size_t>(level)];
 }
 
-Rung rung_at(const LadderTimes& times, double age) noexcept {
-  if (age <= times.fresh + same_time) return Rung::valid;
-  if (age <= times.slow_after + same_time) return Rung::predicted;
-  if (age <= times.hold_after + same_time) return Rung::slowed;
-  if (age <= times.land_after + same_time) return Rung::hold;
-  return Rung::land;
+FallbackLevel level_at(const LadderTimes& times, double age) noexcept {
+  if (age <= times.fresh + same_time) return FallbackLevel::valid;
+  if (age <= times.slow_after + same_time) return FallbackLevel::predicted;
+  if (age <= times.hold_after + same_time) return FallbackLevel::slowed;
+  if (age <= times.land_after + same_time) return FallbackLevel::hold;
+  return FallbackLevel::land;
 }
 
-Rung next_rung(Rung now, const LadderTimes& times, const Ages& ages, bool on_ground) noexcept {
-  if (now == Rung::grounded) return now;
-  if (now == Rung::land) return on_ground ? Rung::grounded : now;
-  return std::max({rung_at(times, ages.own), std::min(rung_at(times, ages.partners), Rung::hold),
-                   rung_at(times, ages.plan)});
+FallbackLevel next_level(FallbackLevel now, const LadderTimes& times, const Ages& ages,
+                         bool on_ground) noexcept {
+  if (now == FallbackLevel::grounded) return now;
+  if (now == FallbackLevel::land) return on_ground ? FallbackLevel::grounded : now;
+  return std::max({level_at(times, ages.own), std::min(level_at(times, ages.partners), FallbackLevel::hold),
+                   level_at(times, ages.plan)});
 }
 
 }  // namespace sightline

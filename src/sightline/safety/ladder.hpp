@@ -19,9 +19,9 @@
 
 namespace sightline {
 
-enum class Rung : std::uint8_t { valid, predicted, slowed, hold, land, grounded };
-inline constexpr int rung_count = 6;
-std::string_view to_string(Rung rung);
+enum class FallbackLevel : std::uint8_t { valid, predicted, slowed, hold, land, grounded };
+inline constexpr int fallback_level_count = 6;
+std::string_view to_string(FallbackLevel level);
 
 /// Greatest age of a robot's data on each level [s].
 struct LadderTimes {
@@ -39,10 +39,11 @@ struct Ages {
 };
 
 /// The level that data of one age allow.
-Rung rung_at(const LadderTimes& times, double age) noexcept;
+FallbackLevel level_at(const LadderTimes& times, double age) noexcept;
 
 /// The next level. Old data of partners make a robot hold and never land: its own position is still
 /// known.
-Rung next_rung(Rung now, const LadderTimes& times, const Ages& ages, bool on_ground) noexcept;
+FallbackLevel next_level(FallbackLevel now, const LadderTimes& times, const Ages& ages,
+                         bool on_ground) noexcept;
 
 }  // namespace sightline

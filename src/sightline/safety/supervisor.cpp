@@ -88,7 +88,7 @@ Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
                        .partners = partners_of(team_, body),
                        .limits = &agent.limits,
                        .brake = Brake(model, agent.u_ref, options_.brake_time),
-                       .rung = Rung::valid});
+                       .level = FallbackLevel::valid});
     robots_.back().partners.reserve(robot_of_.size());
   }
   notices_.reserve(2 * tracks_.size());
@@ -121,7 +121,7 @@ void Supervisor::follow(const Membership& now, double t, std::span<const double>
     presence_[i] = now.presence[i];
     if (comes) {
       tracks_[i].begin(x.subspan(at, nx), t);
-      if (team_.is_agent(BodyId{static_cast<int>(i)})) robots_[robot_of_[i]].rung = Rung::valid;
+      if (team_.is_agent(BodyId{static_cast<int>(i)})) robots_[robot_of_[i]].level = FallbackLevel::valid;
     }
     at += nx;
   }
@@ -150,8 +150,8 @@ std::span<const double> Supervisor::believe(double t, std::span<const double> me
     const std::size_t nx = track.state().size(), from = std::exchange(at, at + nx);
     if (presence_[i] == Presence::absent) continue;
     const bool trusted = track.trusted();
-    const Doubt doubt = track.take(measured.subspan(from, nx), stamps[i], t, history_);
-    if (trusted && !track.trusted()) tell({BodyId{static_cast<int>(i)}, doubt});
+    const MeasurementFault fault = track.take(measured.subspan(from, nx), stamps[i], t, history_);
+    if (trusted && !track.trusted()) tell({BodyId{static_cast<int>(i)}, fault});
     track.predict(t, history_);
     std::copy(track.state().begin(), track.state().end(),
               believed_.begin() + static_cast<std::ptrdiff_t>(from));
@@ -173,33 +173,33 @@ void Supervisor::command(double t, std::span<const double> plan_ages, std::span<
     const Ages ages = ages_of(robot, plan_ages);
     const double height = team_.model(robot.body).sight(&believed_[robot.x], robot.u_ref.data()).p.z;
     const bool on_ground = height <= options_.ground + at_the_ground;
-    Rung next = next_rung(robot.rung, options_.times, ages, on_ground);
+    FallbackLevel next = next_level(robot.level, options_.times, ages, on_ground);
     // Where it is was never known: nothing to land from.
-    if (std::isinf(ages.own)) next = Rung::hold;
-    if (next != robot.rung) tell({robot.body, next});
-    robot.rung = next;
+    if (std::isinf(ages.own)) next = FallbackLevel::hold;
+    if (next != robot.level) tell({robot.body, next});
+    robot.level = next;
     apply(robot, u.subspan(robot.u, robot.nu));
   }
 }
 
 void Supervisor::apply(Robot& robot, std::span<double> u) noexcept {
   const std::span<const double> x = std::span(believed_).subspan(robot.x, robot.nx);
-  switch (robot.rung) {
-    case Rung::valid:
-    case Rung::predicted:
+  switch (robot.level) {
+    case FallbackLevel::valid:
+    case FallbackLevel::predicted:
       break;
-    case Rung::slowed:
+    case FallbackLevel::slowed:
       for (std::size_t i = 0; i < u.size(); ++i) {
         u[i] = robot.u_ref[i] + options_.slow_factor * (u[i] - robot.u_ref[i]);
       }
       break;
-    case Rung::hold:
+    case FallbackLevel::hold:
       robot.brake(x, {}, robot.u_min, robot.u_max, u);
       break;
-    case Rung::land:
+    case FallbackLevel::land:
       robot.brake(x, {0.0, 0.0, -options_.land_speed}, robot.u_min, robot.u_max, u);
       break;
-    case Rung::grounded:
+    case FallbackLevel::grounded:
       robot.brake(x, {}, robot.u_min, robot.u_max, u);
       break;
   }

@@ -38,7 +38,7 @@ struct SupervisorOptions {
 /// What happened to a body in this period: a robot changed its level, or a fault of its measurements began.
 struct Notice {
   BodyId body;
-  std::variant<Rung, Doubt> what;
+  std::variant<FallbackLevel, MeasurementFault> what;
 };
 
 class Supervisor {
@@ -59,14 +59,14 @@ class Supervisor {
   void record(double t, std::span<const double> u) noexcept { history_.record(t, u); }
 
   /// Who is there now, whom each robot feels and within which limits it flies. Of a body that is absent nothing is
-  /// judged; one that comes begins anew, on the rung `valid`, as if it were seen at t.
+  /// judged; one that comes begins anew, on the level `valid`, as if it were seen at t.
   /// @param now  outlives the next call; at first all bodies are there, coupled and limited as the team says
   /// @param x    of those that come, where they are (nx)
   void follow(const Membership& now, double t, std::span<const double> x) noexcept;
 
   /// Since believe() was last called.
   std::span<const Notice> notices() const noexcept { return notices_; }
-  Rung rung(BodyId robot) const noexcept { return robots_[robot_of_[at(robot)]].rung; }
+  FallbackLevel level(BodyId robot) const noexcept { return robots_[robot_of_[at(robot)]].level; }
   /// Whether a measurement of each present body was accepted once.
   bool knows_all() const noexcept;
   /// Age of the body's state estimate at the last believe() [s]; infinity before the first measurement.
@@ -81,7 +81,7 @@ class Supervisor {
     std::vector<BodyId> partners;
     const InputLimits* limits;
     Brake brake;
-    Rung rung;
+    FallbackLevel level;
   };
   bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
   static std::vector<double> resting_input(const Team& team);

@@ -25,10 +25,10 @@ double chord(const Vec2<double>& a, const Vec2<double>& b) { return norm(a.x - b
 
 }  // namespace
 
-std::string_view to_string(Doubt doubt) {
-  constexpr std::array<std::string_view, doubt_count> names = {"none",  "not_finite", "heading", "world",
-                                                               "speed", "jump",       "frozen",  "time"};
-  return names[static_cast<std::size_t>(doubt)];
+std::string_view to_string(MeasurementFault fault) {
+  constexpr std::array<std::string_view, measurement_fault_count> names = {
+      "none", "not_finite", "heading", "world", "speed", "jump", "frozen", "time"};
+  return names[static_cast<std::size_t>(fault)];
 }
 
 Track::Track(const Model& model, std::size_t input_at, const TrackLimits& limits)
@@ -43,17 +43,18 @@ Track::Track(const Model& model, std::size_t input_at, const TrackLimits& limits
   model.at_rest({{}, {1.0, 0.0}}, x_.data());
 }
 
-Doubt Track::take(std::span<const double> x, double stamp, double now, const InputHistory& history) noexcept {
-  if (!(stamp > last_stamp_)) return Doubt::none;
-  const auto doubt = [&](Doubt reason) {
+MeasurementFault Track::take(std::span<const double> x, double stamp, double now,
+                             const InputHistory& history) noexcept {
+  if (!(stamp > last_stamp_)) return MeasurementFault::none;
+  const auto fault = [&](MeasurementFault reason) {
     trusted_ = false;
     streak_ = 0;
     return reason;
   };
-  if (stamp > now + ahead || stamp < now - limits_.oldest) return doubt(Doubt::time);
+  if (stamp > now + ahead || stamp < now - limits_.oldest) return fault(MeasurementFault::time);
   last_stamp_ = stamp;
-  if (const Doubt reason = implausible(x); reason != Doubt::none) return doubt(reason);
-  if (frozen(x, stamp, history)) return doubt(Doubt::frozen);
+  if (const MeasurementFault reason = implausible(x); reason != MeasurementFault::none) return fault(reason);
+  if (frozen(x, stamp, history)) return fault(MeasurementFault::frozen);
 
   const bool follows = reference_stamp_ == never || consistent(sight_, stamp);
   std::copy(x.begin(), x.end(), last_.begin());
@@ -61,10 +62,10 @@ Doubt Track::take(std::span<const double> x, double stamp, double now, const Inp
   reference_stamp_ = stamp;
   if (!follows) trusted_ = false;
   streak_ = follows ? streak_ + 1 : 1;
-  if (!trusted_ && streak_ < limits_.accept_after) return Doubt::jump;
+  if (!trusted_ && streak_ < limits_.accept_after) return MeasurementFault::jump;
   trusted_ = true;
   believe(x, stamp, now);
-  return Doubt::none;
+  return MeasurementFault::none;
 }
 
 void Track::begin(std::span<const double> x, double now) noexcept {
@@ -76,17 +77,17 @@ void Track::begin(std::span<const double> x, double now) noexcept {
   is_frozen_ = false;
 }
 
-Doubt Track::implausible(std::span<const double> x) noexcept {
-  if (!all_finite(x)) return Doubt::not_finite;
+MeasurementFault Track::implausible(std::span<const double> x) noexcept {
+  if (!all_finite(x)) return MeasurementFault::not_finite;
   sight_ = model_.sight(x.data(), no_input_.data());
   const double circle = norm(sight_.d.x, sight_.d.y);
-  if (!(std::abs(circle - 1.0) <= off_the_circle)) return Doubt::heading;
+  if (!(std::abs(circle - 1.0) <= off_the_circle)) return MeasurementFault::heading;
   for (const double p : {sight_.p.x, sight_.p.y, sight_.p.z}) {
-    if (!(std::abs(p) <= limits_.world)) return Doubt::world;
+    if (!(std::abs(p) <= limits_.world)) return MeasurementFault::world;
   }
-  if (!(norm(sight_.v) <= limits_.v_max)) return Doubt::speed;
+  if (!(norm(sight_.v) <= limits_.v_max)) return MeasurementFault::speed;
   sight_.d = {sight_.d.x / circle, sight_.d.y / circle};
-  return Doubt::none;
+  return MeasurementFault::none;
 }
 
 bool Track::consistent(const Sight<double>& sight, double stamp) const noexcept {

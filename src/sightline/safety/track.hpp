@@ -33,9 +33,9 @@
 namespace sightline {
 
 /// Why a measurement is refused.
-enum class Doubt : std::uint8_t { none, not_finite, heading, world, speed, jump, frozen, time };
-inline constexpr int doubt_count = 8;
-std::string_view to_string(Doubt doubt);
+enum class MeasurementFault : std::uint8_t { none, not_finite, heading, world, speed, jump, frozen, time };
+inline constexpr int measurement_fault_count = 8;
+std::string_view to_string(MeasurementFault fault);
 
 /// Bounds of plausible measurements of a body.
 struct TrackLimits {
@@ -57,7 +57,8 @@ class Track {
   /// Takes a measurement x (nx) of time `stamp` that arrives at `now` [s]. One that is not newer than the
   /// last is ignored.
   /// @return why it is refused; none also for one that is ignored
-  Doubt take(std::span<const double> x, double stamp, double now, const InputHistory& history) noexcept;
+  MeasurementFault take(std::span<const double> x, double stamp, double now,
+                        const InputHistory& history) noexcept;
   /// Forgets all that was: the body comes to be there at `now`, in the state x (nx); what was measured before is not
   /// of it.
   void begin(std::span<const double> x, double now) noexcept;
@@ -76,7 +77,7 @@ class Track {
  private:
   static constexpr double never = -std::numeric_limits<double>::infinity();
 
-  Doubt implausible(std::span<const double> x) noexcept;
+  MeasurementFault implausible(std::span<const double> x) noexcept;
   bool consistent(const Sight<double>& sight, double stamp) const noexcept;
   bool frozen(std::span<const double> x, double stamp, const InputHistory& history) noexcept;
   void believe(std::span<const double> x, double stamp, double now) noexcept;
@@ -92,7 +93,7 @@ class Track {
   double reference_stamp_ = never;       // of last_
   double equal_since_ = never, drift_time_ = never;
   Sight<double> sight_{}, reference_{};  // of the measurement at hand; of last_
-  int streak_ = 0;                       // good ones in a row since the last doubt
+  int streak_ = 0;                       // good ones in a row since the last fault
   bool trusted_ = true, is_frozen_ = false;
 };
 

@@ -95,14 +95,14 @@ Motion read_motion(const TomlTable& body, const FindAgent& agent) {
 
 }  // namespace
 
-StrangerStart read_stranger(const TomlTable& at, const FindAgent& agent) {
+UncooperativeStart read_uncooperative(const TomlTable& at, const FindAgent& agent) {
   at.expect_only({"p", "v", "motion", "velocity", "speed_max", "d_hard", "present"});
-  StrangerStart read;
-  Stranger& stranger = read.stranger;
+  UncooperativeStart read;
+  UncooperativeBody& uncooperative = read.uncooperative;
   std::optional<Vec3<double>> start;
   if (at.has("motion")) {
-    stranger.motion = read_motion(at, agent);
-    start = start_of(*stranger.motion);
+    uncooperative.motion = read_motion(at, agent);
+    start = start_of(*uncooperative.motion);
     if (at.has("v")) at.refuse("v", "no such key beside motion, which says the velocity");
     if (start && at.has("p")) at.refuse("p", "no such key beside this motion, which says where it begins");
   }
@@ -112,30 +112,30 @@ StrangerStart read_stranger(const TomlTable& at, const FindAgent& agent) {
   constexpr std::array<std::string_view, 2> known = {"measured", "unknown"};
   if (at.has("velocity")) {
     const bool measured = at.word("velocity", known) == "measured";
-    stranger.velocity = measured ? SeenVelocity::measured : SeenVelocity::unknown;
+    uncooperative.velocity = measured ? SeenVelocity::measured : SeenVelocity::unknown;
   }
   // A thing that stands still in the scenario is taken to stay.
-  if (!stranger.motion && norm(read.v) == 0) stranger.speed_max = 0.0;
-  if (at.has("speed_max")) stranger.speed_max = at.number("speed_max", not_negative(">= 0 m/s"));
-  if (at.has("d_hard")) stranger.d_hard = at.number("d_hard", positive("> 0 m"));
+  if (!uncooperative.motion && norm(read.v) == 0) uncooperative.speed_max = 0.0;
+  if (at.has("speed_max")) uncooperative.speed_max = at.number("speed_max", not_negative(">= 0 m/s"));
+  if (at.has("d_hard")) uncooperative.d_hard = at.number("d_hard", positive("> 0 m"));
   return read;
 }
 
-std::string in_words(const Stranger& stranger, const Team& team) {
-  std::string text(team.name(stranger.body));
-  if (stranger.motion) {
+std::string in_words(const UncooperativeBody& uncooperative, const Team& team) {
+  std::string text(team.name(uncooperative.body));
+  if (uncooperative.motion) {
     text += std::visit(
         [&](const auto& m) {
           if constexpr (requires { m.agent; }) return fmt::format(", {} {}", m.name, team.name(m.agent));
           return fmt::format(", {}", m.name);
         },
-        *stranger.motion);
-    text += fmt::format(" at up to {} m/s", top_speed(*stranger.motion));
+        *uncooperative.motion);
+    text += fmt::format(" at up to {} m/s", top_speed(*uncooperative.motion));
   }
-  text +=
-      fmt::format(", velocity {}, speed_max {} m/s",
-                  stranger.velocity == SeenVelocity::measured ? "measured" : "unknown", stranger.speed_max);
-  if (stranger.d_hard) text += fmt::format(", d_hard {} m", *stranger.d_hard);
+  text += fmt::format(", velocity {}, speed_max {} m/s",
+                      uncooperative.velocity == SeenVelocity::measured ? "measured" : "unknown",
+                      uncooperative.speed_max);
+  if (uncooperative.d_hard) text += fmt::format(", d_hard {} m", *uncooperative.d_hard);
   return text;
 }
 

@@ -9,15 +9,16 @@
 namespace sightline {
 
 /// A target or an obstacle as its section says it.
-struct StrangerStart {
-  Stranger stranger;  ///< its body not yet set
-  Vec3<double> p, v;  ///< [m], [m/s]
+struct UncooperativeStart {
+  UncooperativeBody uncooperative;  ///< its body not yet set
+  Vec3<double> p, v;                ///< [m], [m/s]
 };
 
 /// @param agent  the robot that a table names under `agent`
-StrangerStart read_stranger(const TomlTable& at, const std::function<AgentId(const TomlTable&)>& agent);
+UncooperativeStart read_uncooperative(const TomlTable& at,
+                                      const std::function<AgentId(const TomlTable&)>& agent);
 
 /// How it moves and what is known of it, in a few words.
-std::string in_words(const Stranger& stranger, const Team& team);
+std::string in_words(const UncooperativeBody& uncooperative, const Team& team);
 
 }  // namespace sightline

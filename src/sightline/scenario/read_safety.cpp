@@ -179,9 +179,9 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
       }
     }
   }
-  for (const Stranger& stranger : scenario.strangers) {
-    options.bodies[static_cast<std::size_t>(stranger.body.index)] = {stranger.d_hard.value_or(safety.d_hard),
-                                                                     stranger.speed_max};
+  for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
+    options.bodies[static_cast<std::size_t>(uncooperative.body.index)] = {
+        uncooperative.d_hard.value_or(safety.d_hard), uncooperative.speed_max};
   }
   return options;
 }
@@ -191,9 +191,10 @@ std::optional<double> hard_distance(const Scenario& scenario, BodyId a, BodyId b
   if (a.index >= agents && b.index >= agents) return std::nullopt;
   const int other = std::max(a.index, b.index);
   if (other >= agents) {
-    const auto stranger = std::find_if(scenario.strangers.begin(), scenario.strangers.end(),
-                                       [&](const Stranger& s) { return s.body == BodyId{other}; });
-    if (stranger != scenario.strangers.end() && stranger->d_hard) return stranger->d_hard;
+    const auto uncooperative =
+        std::find_if(scenario.uncooperative.begin(), scenario.uncooperative.end(),
+                     [&](const UncooperativeBody& s) { return s.body == BodyId{other}; });
+    if (uncooperative != scenario.uncooperative.end() && uncooperative->d_hard) return uncooperative->d_hard;
   }
   if (!scenario.safety) return std::nullopt;
   return scenario.safety->d_hard;

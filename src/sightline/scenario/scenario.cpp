@@ -263,12 +263,13 @@ class Reader {
       root_.refuse(section, fmt::format("at most {} targets and obstacles", agents_max));
     }
     for (const auto& [name, at] : bodies) {
-      StrangerStart read = read_stranger(at, [&](const TomlTable& table) { return agent_of(table); });
+      UncooperativeStart read =
+          read_uncooperative(at, [&](const TomlTable& table) { return agent_of(table); });
       const Vec3<double>&p = read.p, &v = read.v;
       scenario_.x0.insert(scenario_.x0.end(), {p.x, p.y, p.z, v.x, v.y, v.z});
       enter(name, at, [&, &n = name] { return scenario_.team.add(Obstacle{n}); });
-      ids.push_back(read.stranger.body = bodies_.at(name));
-      scenario_.strangers.push_back(std::move(read.stranger));
+      ids.push_back(read.uncooperative.body = bodies_.at(name));
+      scenario_.uncooperative.push_back(std::move(read.uncooperative));
       scenario_.presence.push_back(is_present(at) ? Presence::hold : Presence::absent);
     }
   }
@@ -361,8 +362,8 @@ PlantOptions plant_options(const Scenario& scenario) {
                        .disturbances = scenario.simulation.disturbances,
                        .period = scenario.horizon.dt,
                        .motions = {}};
-  for (const Stranger& stranger : scenario.strangers) {
-    if (stranger.motion) options.motions.push_back({stranger.body, *stranger.motion});
+  for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
+    if (uncooperative.motion) options.motions.push_back({uncooperative.body, *uncooperative.motion});
   }
   return options;
 }
@@ -380,8 +381,9 @@ SensorOptions sensor_options(const Scenario& scenario) {
                         .period = scenario.horizon.dt,
                         .velocity_unknown = {},
                         .faults = scenario.simulation.faults};
-  for (const Stranger& stranger : scenario.strangers) {
-    if (stranger.velocity == SeenVelocity::unknown) options.velocity_unknown.push_back(stranger.body);
+  for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
+    if (uncooperative.velocity == SeenVelocity::unknown)
+      options.velocity_unknown.push_back(uncooperative.body);
   }
   return options;
 }
@@ -416,10 +418,10 @@ std::string summary(const Scenario& scenario) {
     line("vehicle     {}: feels the wind as air at [{:.2f}, {:.2f}, {:.2f}] m/s", team.name(vehicle.robot),
          air.x, air.y, air.z);
   }
-  for (const Stranger& stranger : scenario.strangers) {
+  for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     const auto& targets = scenario.targets;
-    const bool target = std::find(targets.begin(), targets.end(), stranger.body) != targets.end();
-    line("{:12}{}", target ? "target" : "obstacle", in_words(stranger, team));
+    const bool target = std::find(targets.begin(), targets.end(), uncooperative.body) != targets.end();
+    line("{:12}{}", target ? "target" : "obstacle", in_words(uncooperative, team));
   }
   for (const Coupling& coupling : team.couplings()) {
     std::string feeling;

@@ -75,7 +75,7 @@ struct Safety {
 enum class SeenVelocity { measured, unknown };
 
 /// A target or an obstacle, which nobody here controls: how it moves, and what is known of it.
-struct Stranger {
+struct UncooperativeBody {
   BodyId body{};
   std::optional<Motion> motion{};  ///< none: it keeps the velocity it has
   SeenVelocity velocity = SeenVelocity::measured;
@@ -104,11 +104,11 @@ struct Scenario {
   std::vector<std::size_t> coupling_lines;  ///< of the file, where each coupling of the team is said
   std::vector<BodyId> targets;
   std::vector<BodyId> obstacles;
-  std::vector<Stranger> strangers;  ///< targets, then obstacles
-  std::vector<double> x0;           ///< states of all bodies at the start (team.nx())
-  std::vector<Presence> presence;   ///< of the bodies at the start; those that are missing are there
-  Script script{};                  ///< what changes the team in flight; `team` has all there will ever be
-  std::string world = "model";      ///< what it flies in, one of the parts' worlds
+  std::vector<UncooperativeBody> uncooperative;  ///< targets, then obstacles
+  std::vector<double> x0;                        ///< states of all bodies at the start (team.nx())
+  std::vector<Presence> presence;  ///< of the bodies at the start; those that are missing are there
+  Script script{};                 ///< what changes the team in flight; `team` has all there will ever be
+  std::string world = "model";     ///< what it flies in, one of the parts' worlds
   std::vector<RobotVehicle> vehicles{};  ///< of the robots that are one, in worlds that have them
   Simulation simulation{};
   std::optional<Safety> safety{};

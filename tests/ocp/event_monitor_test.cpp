@@ -1,9 +1,9 @@
-#include "sightline/ocp/watch.hpp"
+#include "sightline/ocp/event_monitor.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/watched_line.hpp"
+#include "tests/support/monitored_line.hpp"
 
 namespace sightline {
 namespace {
@@ -11,40 +11,40 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-TEST(Watch, StagesArmTheirEventsAnew) {
+TEST(EventMonitor, StagesArmTheirEventsAnew) {
   TeamEvent go{.name = "", .trigger = nearer(1.0), .stage = "start", .enter = "close"};
   TeamEvent back{.name = "", .trigger = AfterTime{0.15}, .stage = "close", .enter = "start"};
-  WatchedLine line({go, back});
-  EXPECT_EQ(line.watch.stage(), "start");
+  MonitoredLine line({go, back});
+  EXPECT_EQ(line.monitor.stage(), "start");
   for (int round = 0; round < 3; ++round) {
     EXPECT_THAT(line.look(0.5), ElementsAre(0U));
-    EXPECT_EQ(line.watch.stage(), "close");
+    EXPECT_EQ(line.monitor.stage(), "close");
     EXPECT_THAT(line.look(0.5), IsEmpty());
     EXPECT_THAT(line.look(0.5), ElementsAre(1U));
-    EXPECT_EQ(line.watch.stage(), "start");
+    EXPECT_EQ(line.monitor.stage(), "start");
   }
 }
 
-TEST(Watch, StagesOfUnlikeRegionsGoTheirOwnWays) {
+TEST(EventMonitor, StagesOfUnlikeRegionsGoTheirOwnWays) {
   const TeamEvent a{.name = "", .trigger = AtTime{0.1}, .stage = "door:open", .enter = "door:shut"};
   const TeamEvent b{.name = "", .trigger = AtTime{0.2}, .stage = "start", .enter = "later"};
   const TeamEvent c{.name = "", .trigger = AfterTime{0.2}, .stage = "door:shut", .enter = "door:open"};
   const Team team = event_team(2);
-  Watch watch({{a, b, c}, {"start", "door:open"}}, team);
+  EventMonitor monitor({{a, b, c}, {"start", "door:open"}}, team);
   const std::vector<double> x = event_start(team), u(8);
   const auto look = [&](double t) {
-    const auto happening = watch.look({t, x, u, {}, {}});
+    const auto happening = monitor.look({t, x, u, {}, {}});
     return std::vector<std::size_t>(happening.begin(), happening.end());
   };
   EXPECT_THAT(look(0.0), IsEmpty());
   EXPECT_THAT(look(0.1), ElementsAre(0U));
-  EXPECT_EQ(watch.stage("door"), "door:shut");
-  EXPECT_EQ(watch.stage(), "start");
+  EXPECT_EQ(monitor.stage("door"), "door:shut");
+  EXPECT_EQ(monitor.stage(), "start");
   EXPECT_THAT(look(0.2), ElementsAre(1U));
   EXPECT_THAT(look(0.3), ElementsAre(2U)) << "0.2 s after its own stage began";
-  EXPECT_EQ(watch.stage("door"), "door:open");
-  EXPECT_EQ(watch.stage(), "later");
-  EXPECT_EQ(watch.stage("window"), "");
+  EXPECT_EQ(monitor.stage("door"), "door:open");
+  EXPECT_EQ(monitor.stage(), "later");
+  EXPECT_EQ(monitor.stage("window"), "");
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
-#include "sightline/ocp/watch.hpp"
+#include "sightline/ocp/event_monitor.hpp"
 
 #include <algorithm>
 
 namespace sightline {
 
-Watch::Watch(const Script& script, const Team& all)
+EventMonitor::EventMonitor(const Script& script, const Team& all)
     : script_(script), all_(all), signals_(script.events.size()) {
   (void)stage_of("");
   for (const std::string& first : script_.begins) {
@@ -19,7 +19,7 @@ Watch::Watch(const Script& script, const Team& all)
   happening_.reserve(states_.size());
 }
 
-std::size_t Watch::stage_of(const std::string& name) {
+std::size_t EventMonitor::stage_of(const std::string& name) {
   const auto found = std::find(stages_.begin(), stages_.end(), name);
   if (found != stages_.end()) return static_cast<std::size_t>(found - stages_.begin());
   stages_.push_back(name);
@@ -31,14 +31,14 @@ std::size_t Watch::stage_of(const std::string& name) {
   return stages_.size() - 1;
 }
 
-std::string_view Watch::stage(std::string_view region) const noexcept {
+std::string_view EventMonitor::stage(std::string_view region) const noexcept {
   for (const Region& r : regions_) {
     if (r.name == region) return stages_[r.stage];
   }
   return {};
 }
 
-std::span<const std::size_t> Watch::look(const Known& known) noexcept {
+std::span<const std::size_t> EventMonitor::look(const Known& known) noexcept {
   happening_.clear();
   for (std::size_t i = 0; i < states_.size(); ++i) {
     State& state = states_[i];
@@ -65,7 +65,7 @@ std::span<const std::size_t> Watch::look(const Known& known) noexcept {
   return happening_;
 }
 
-bool Watch::signal(std::string_view name) noexcept {
+bool EventMonitor::signal(std::string_view name) noexcept {
   bool known = false;
   for (std::size_t i = 0; i < script_.events.size(); ++i) {
     const auto* signal = std::get_if<Signal>(&script_.events[i].trigger);

@@ -1,26 +1,26 @@
-/// Two robots on a line, and a watch that looks at them.
+/// Two robots on a line, and an event monitor that looks at them.
 #pragma once
 
 #include <vector>
 
-#include "sightline/ocp/watch.hpp"
+#include "sightline/ocp/event_monitor.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {
 
 /// Two robots on a line; time goes on by 0.1 s at each look.
-struct WatchedLine {
-  explicit WatchedLine(std::vector<TeamEvent> events) : watch({std::move(events)}, team) {}
+struct MonitoredLine {
+  explicit MonitoredLine(std::vector<TeamEvent> events) : monitor({std::move(events)}, team) {}
 
   Team team = event_team(2);
-  Watch watch;
+  EventMonitor monitor;
   std::vector<double> x = event_start(team), u = std::vector<double>(8);
   std::vector<Presence> presence = {Presence::steered, Presence::steered};
   std::vector<double> ages = {0, 0};
   double t = 0.0;
 
   std::vector<std::size_t> look() {
-    const auto happening = watch.look({t, x, u, ages, presence});
+    const auto happening = monitor.look({t, x, u, ages, presence});
     t += 0.1;
     return {happening.begin(), happening.end()};
   }

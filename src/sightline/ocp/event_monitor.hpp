@@ -12,10 +12,10 @@
 
 namespace sightline {
 
-class Watch {
+class EventMonitor {
  public:
   /// @param all  the bodies of the script
-  Watch(const Script& script, const Team& all);
+  EventMonitor(const Script& script, const Team& all);
 
   /// The events that happen now, in their order; a stage that one of them enters begins now. Allocates nothing.
   /// @return indices in the script, valid until the next call
