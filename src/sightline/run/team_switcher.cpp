@@ -53,7 +53,7 @@ void nap() noexcept {
 TeamSwitcher::TeamSwitcher(Roster start, const Script& script, MakeSolver make)
     : world_(start.all()),
       script_(checked(script, start)),
-      watch_(script_, world_),
+      monitor_(script_, world_),
       make_(std::move(make)),
       settles_at_(never),
       ignored_(script_.events.size(), 0),
@@ -108,7 +108,7 @@ void TeamSwitcher::look(double t, std::span<const double> x, std::span<const dou
                         std::span<const double> ages) noexcept {
   if (pending_) return;
   const std::span<const std::size_t> happening =
-      watch_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_.membership.presence});
+      monitor_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_.membership.presence});
   const bool settles = t + period_ >= settles_at_ - same_time;
   if (happening.empty() && !settles) return;
   if (settles) settles_at_ = never;
