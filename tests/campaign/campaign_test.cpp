@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "sightline/scenario/parts.hpp"
-#include "sightline/world/model_world.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/seeing_world.hpp"
 #include "tests/support/small_campaign.hpp"
 
 namespace sightline {
@@ -45,35 +45,12 @@ TEST(Campaign, RowsAreTheSameWhateverTheNumberOfThreads) {
   EXPECT_NE(flown(scenario, 1, 24, 2), one);
 }
 
-/// The model's world, in which the first robot says where it sees the second.
-class Seeing final : public World {
- public:
-  explicit Seeing(const Scenario& scenario)
-      : model_(scenario.team, scenario.x0, plant_options(scenario), sensor_options(scenario)) {}
-
-  const Team& team() const noexcept override { return model_.team(); }
-  std::span<const double> start() const noexcept override { return model_.start(); }
-  std::size_t detections_max() const noexcept override { return seen_.size(); }
-  void set_presence(std::span<const Presence> presence) noexcept override { model_.set_presence(presence); }
-  Measured measure(double t) noexcept override {
-    Measured measured = model_.measure(t);
-    seen_[0].stamp = t;
-    measured.detections = seen_;
-    return measured;
-  }
-  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
-             std::int64_t periods) noexcept override {
-    return model_.apply(t, believed, u, period, periods);
-  }
-
- private:
-  ModelWorld model_;
-  std::array<Detection, 1> seen_{Detection{.observer = BodyId{0}, .target = BodyId{1}}};
-};
-
 TEST(Campaign, FliesInARegisteredWorldThatGivesDetections) {
   Parts parts;
-  parts.worlds.add("seeing", [](const Scenario& scenario) { return std::make_unique<Seeing>(scenario); });
+  parts.worlds.add("seeing", [](const Scenario& flown) {
+    return std::make_unique<test::SeeingWorld>(flown.team, flown.x0, plant_options(flown),
+                                               sensor_options(flown));
+  });
   const std::string text = test::read_file(SIGHTLINE_SOURCE_DIR "/scenarios/cooperative_localization.toml");
   Scenario scenario = parse_scenario(text + "\n[world]\nkind = \"seeing\"\n", "seeing.toml", parts);
   scenario.campaign->duration = 1.0;

@@ -7,6 +7,7 @@
 #include "sightline/run/loop.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/model_world.hpp"
+#include "tests/support/seeing_world.hpp"
 #include "tests/support/two_robots.hpp"
 
 namespace sightline {
@@ -15,27 +16,20 @@ namespace {
 using test::two_robots;
 using test::two_robots_start;
 
-/// Robots of which nobody knows the truth: what is measured, and what a sees of b. It writes down what it is asked.
-class Outside final : public World {
+/// Robots of which nobody knows the truth. It writes down what it is asked.
+class Outside final : public test::SeeingWorld {
  public:
-  explicit Outside(int periods) : inside_(two_robots(), two_robots_start), left_(periods) {}
+  explicit Outside(int periods) : SeeingWorld(two_robots(), two_robots_start), left_(periods) {}
 
-  const Team& team() const noexcept override { return inside_.team(); }
-  std::span<const double> start() const noexcept override { return inside_.start(); }
-  std::size_t detections_max() const noexcept override { return seen_.size(); }
-  void set_presence(std::span<const Presence> presence) noexcept override { inside_.set_presence(presence); }
   Measured measure(double t) noexcept override {
-    Measured measured = inside_.measure(t);
+    Measured measured = SeeingWorld::measure(t);
     measured.truth = {};
-    seen_[0].stamp = t;
-    seen_[0].p = {measured.measured[7] - measured.measured[0], t, 0};
-    measured.detections = seen_;
     return measured;
   }
   bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
              std::int64_t periods) noexcept override {
     believed_all &= believed.size() == two_robots_start.size();
-    (void)inside_.apply(t, believed, u, period, periods);
+    (void)SeeingWorld::apply(t, believed, u, period, periods);
     told += periods;
     return --left_ > 0;
   }
@@ -44,9 +38,7 @@ class Outside final : public World {
   std::int64_t told = 0;  // periods
 
  private:
-  ModelWorld inside_;
   int left_;
-  std::array<Detection, 1> seen_{Detection{.observer = BodyId{0}, .target = BodyId{1}}};
 };
 
 struct Kept final : Sink<Sample> {

@@ -179,20 +179,13 @@ double ramp_of(const TeamEvent& event) {
   return longest;
 }
 
-std::string in_words(const Trigger& trigger, const Team& all) {
-  return std::visit([&](const auto& it) { return it.words(all); }, trigger);
-}
-
-std::string in_words(const Action& action, const Team& all) {
-  return std::visit([&](const auto& it) { return it.words(all); }, action);
-}
-
 std::string in_words(const TeamEvent& event, const Team& all) {
-  std::string text = fmt::format("{}, {}", event.name, in_words(event.trigger, all));
+  const auto words = [&](const auto& it) { return it.words(all); };
+  std::string text = fmt::format("{}, {}", event.name, std::visit(words, event.trigger));
   if (!event.stage.empty()) text += fmt::format(", in stage {}", event.stage);
   if (event.repeat) text += ", as often as that comes about";
   std::vector<std::string> changes;
-  for (const Action& action : event.actions) changes.push_back(in_words(action, all));
+  for (const Action& action : event.actions) changes.push_back(std::visit(words, action));
   if (!event.enter.empty()) changes.push_back(fmt::format("enter stage {}", event.enter));
   text += fmt::format(": {}", fmt::join(changes, "; "));
   if (const double ramp = ramp_of(event); ramp > 0) text += fmt::format(", over {} s", ramp);

@@ -44,7 +44,7 @@ using Trigger = std::variant<AtTime, AfterTime, Condition, Signal>;
 ///   key            what a scenario calls it; several may share one, told apart by
 ///   kinds          of which one stands in its table, with the keys `beside`
 ///   named          made of a body alone, if it can be: remove = "uav2"
-///   expected       in place of what is no table
+///   expected       in place of what is no table, if more than "a table"
 ///   read           from its table
 ///   apply          makes the change; gives why it cannot be, a sentence: then nothing was changed
 ///   subject        what it changes: two changes of one subject at one time contradict each other
@@ -70,10 +70,7 @@ struct TeamEvent {
 /// where an observer changes its target.
 double ramp_of(const TeamEvent& event);
 
-/// As a person reads it: "at 20 s", "remove uav2".
-std::string in_words(const Trigger& trigger, const Team& all);
-std::string in_words(const Action& action, const Team& all);
-/// Its name, when it happens, and what it changes.
+/// An event as a person reads it: its name, when it happens, and what it changes.
 std::string in_words(const TeamEvent& event, const Team& all);
 
 /// "x" of a stage "x:a"; empty for one without.

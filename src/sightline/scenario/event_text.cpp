@@ -11,19 +11,13 @@
 namespace sightline {
 namespace {
 
-/// Whether a kind has this word.
-template <class Words>
-bool contains(const Words& words, std::string_view word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 Action read_action(const TomlValue& value, std::string_view key, const EventScope& scope) {
   std::optional<Action> action;
-  std::string_view expected;
+  std::string_view expected = "a table";
   std::vector<std::string_view> kinds, beside;
   for_each_kind<Action>([&]<class A>(Kind<A>) {
     if (A::key != key) return;
-    expected = A::expected;
+    if constexpr (requires { A::expected; }) expected = A::expected;
     if constexpr (requires { A::kinds; }) kinds.insert(kinds.end(), A::kinds.begin(), A::kinds.end());
     if constexpr (requires { A::beside; }) beside.insert(beside.end(), A::beside.begin(), A::beside.end());
     if constexpr (requires { A::named(BodyId{}); }) {

@@ -75,8 +75,7 @@ Vec3<double> FlightController::velocity_acceleration(const RigidBody& body, cons
 Thrusts FlightController::update(const RigidBody& body, const Rotation& R,
                                  const std::array<double, 4>& u) noexcept {
   const Vehicle& c = vehicle_;
-  const double level = norm(R.x.x, R.x.y);
-  const Vec2<double> d = level > 0 ? Vec2<double>{R.x.x / level, R.x.y / level} : Vec2<double>{1, 0};
+  const Vec2<double> d = heading(R);
   const bool tilts = commands_ == Commands::tilt;
 
   // Climb first: its acceleration is part of what velocity commands ask the thrust for.

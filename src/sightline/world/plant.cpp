@@ -127,17 +127,22 @@ void Plant::set_accelerations() noexcept {
   if (wakes_) wakes_->push(p_, acceleration_);
 }
 
-void Plant::integrate(std::span<const double> u, double from, double s) noexcept {
-  for (std::size_t i = 0; i < u_.size(); ++i) u_[i] = disturbances_.input_gain * u[i];
+/// The robots that other dynamics move, to t [s].
+void Plant::move_by_dynamics(double t) noexcept {
   // A yaw rate that lags is held over the step.
   for (const YawLag& lag : lags_) u_[lag.input] = z_[lag.state];
-  for (std::size_t i = 0; dynamics_ != nullptr && i < parts_.size(); ++i) {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Part& part = parts_[i];
     if (!part.moved || !part.there) continue;
     const Vec3<double> none{};
-    dynamics_->move(BodyId{static_cast<int>(i)}, from + s, u_.data() + part.u,
+    dynamics_->move(BodyId{static_cast<int>(i)}, t, u_.data() + part.u,
                     pushed_ ? acceleration_[static_cast<std::size_t>(part.robot)] : none, &z_[part.x]);
   }
+}
+
+void Plant::integrate(std::span<const double> u, double from, double s) noexcept {
+  for (std::size_t i = 0; i < u_.size(); ++i) u_[i] = disturbances_.input_gain * u[i];
+  if (dynamics_ != nullptr) move_by_dynamics(from + s);
   const auto f = [&](std::span<const double> z, std::span<double> rate) {
     for (const YawLag& lag : lags_) {
       rate[lag.state] = (disturbances_.input_gain * u[lag.input] - z[lag.state]) / disturbances_.yaw_lag;

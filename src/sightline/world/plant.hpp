@@ -78,6 +78,7 @@ class Plant {
   };
 
   void set_accelerations() noexcept;
+  void move_by_dynamics(double t) noexcept;
   void integrate(std::span<const double> u, double from, double s) noexcept;
 
   Team team_;

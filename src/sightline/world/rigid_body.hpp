@@ -32,6 +32,18 @@ inline Rotation rotation(const Quaternion& q) {
           {2 * (xz + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}};
 }
 
+/// The direction of the body's x axis seen from above, (1, 0) where it points straight up or down.
+inline Vec2<double> heading(const Rotation& R) {
+  const double level = norm(R.x.x, R.x.y);
+  if (!(level > 0)) return {1, 0};
+  return {R.x.x / level, R.x.y / level};
+}
+/// Upright, in this heading.
+inline Quaternion upright(const Vec2<double>& d) {
+  const double half = 0.5 * atan2(d.y, d.x);
+  return {cos(half), 0, 0, sin(half)};
+}
+
 /// Newton's and Euler's equations,
 ///
 ///   m v' = F_G,   I w' + w x I w = M_B,   p' = v,   q' = q (0, w) / 2,

@@ -29,9 +29,8 @@ Rotorcraft::Rotorcraft(const Vehicle& vehicle, Commands commands)
 
 void Rotorcraft::begin(const Vec3<double>& p, const Vec2<double>& d, const Vec3<double>& v,
                        double yaw_rate) noexcept {
-  const double half = 0.5 * atan2(d.y, d.x);
   body_.p = p, body_.v = v, body_.w = {0, 0, yaw_rate};
-  body_.q = {cos(half), 0, 0, sin(half)};
+  body_.q = upright(d);
   speed_.fill(0.0);
   std::fill_n(speed_.begin(), rotors_, vehicle_.hover_speed());
   controller_.begin();
@@ -72,17 +71,9 @@ void Rotorcraft::meet_ground() noexcept {
   if (!(body_.p.z < -touch_depth)) return;
   const double speed = norm(body_.v);
   if (speed > landing_speed_max) crash_speed_ = std::max(crash_speed_, speed);
-  const double half = 0.5 * atan2(heading().y, heading().x);
   body_.p.z = 0.0;
   body_.v = body_.w = {};
-  body_.q = {cos(half), 0, 0, sin(half)};
-}
-
-Vec2<double> Rotorcraft::heading() const {
-  const Rotation R = attitude();
-  const double level = norm(R.x.x, R.x.y);
-  if (!(level > 0)) return {1, 0};
-  return {R.x.x / level, R.x.y / level};
+  body_.q = upright(heading());
 }
 
 // R' = R [w], whose first column is w_z y - w_y z.

@@ -39,8 +39,7 @@ class Rotorcraft {
   const Vehicle& vehicle() const { return vehicle_; }
   const RigidBody& body() const { return body_; }
   Rotation attitude() const { return rotation(body_.q); }
-  /// Heading of the body's x axis, (1, 0) where it points straight up or down.
-  Vec2<double> heading() const;
+  Vec2<double> heading() const { return sightline::heading(attitude()); }
   double heading_rate() const;  ///< of that direction [rad/s]
   double thrust() const;        ///< of all rotors [N]
   /// The speed at which it touched the ground, where it was above landing_speed_max, else 0 [m/s].

@@ -36,7 +36,7 @@ std::string enter(const TeamChange& change, const Term& given, std::vector<Term>
 }  // namespace detail
 
 struct AddCoupling {
-  static constexpr std::string_view key = "add", expected = "the name of a body, or a table";
+  static constexpr std::string_view key = "add";
   static constexpr std::array<std::string_view, 1> kinds = {"couple"};
 
   Coupling coupling;
@@ -58,7 +58,7 @@ struct AddCoupling {
 };
 
 struct AddConstraint {
-  static constexpr std::string_view key = "add", expected = "the name of a body, or a table";
+  static constexpr std::string_view key = "add";
   static constexpr std::array<std::string_view, 1> kinds = {"constrain"};
 
   Constraint constraint;

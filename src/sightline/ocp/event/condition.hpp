@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -125,7 +124,7 @@ Condition Condition::read_when(const Text& when) {
   std::optional<Condition> condition;
   for_each_kind<Measure>([&]<class M>(Kind<M>) {
     if constexpr (requires { M::keys; }) {
-      if (std::find(M::keys.begin(), M::keys.end(), key) == M::keys.end()) return;
+      if (!contains(M::keys, key)) return;
       const MeasureScale scale = M::scale(key);
       std::vector<std::string_view> known = {key, "hysteresis", "dwell"};
       known.insert(known.end(), scale.beside.begin(), scale.beside.end());

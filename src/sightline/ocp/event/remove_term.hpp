@@ -13,7 +13,7 @@ namespace sightline {
 
 /// A coupling or constraint, by its name.
 struct RemoveTerm {
-  static constexpr std::string_view key = "remove", expected = "the name of a body, or a table";
+  static constexpr std::string_view key = "remove";
   static constexpr std::array<std::string_view, 2> kinds = {"couple", "constrain"};
 
   std::string name;

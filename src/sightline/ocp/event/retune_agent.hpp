@@ -17,7 +17,7 @@ namespace sightline {
 
 /// What is left out does not change.
 struct RetuneAgent {
-  static constexpr std::string_view key = "retune", expected = "a table";
+  static constexpr std::string_view key = "retune";
   static constexpr std::array<std::string_view, 1> kinds = {"agent"};
   static constexpr std::array<std::string_view, 6> beside = {"Q", "R", "Q_f", "u_ref", "u_min", "u_max"};
 

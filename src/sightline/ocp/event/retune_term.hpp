@@ -16,7 +16,7 @@ namespace sightline {
 
 /// Of a coupling or constraint; what is left out does not change.
 struct RetuneTerm {
-  static constexpr std::string_view key = "retune", expected = "a table";
+  static constexpr std::string_view key = "retune";
   static constexpr std::array<std::string_view, 2> kinds = {"couple", "constrain"};
   static constexpr std::array<std::string_view, 2> beside = {"weight", "potential"};
 
