@@ -32,7 +32,8 @@ struct Flight {
     }
     believed = guard.believe(t, measured, stamps);
     u = asked;
-    guard.filter(t, Numbers(3, 0.0), u);
+    guard.filter(t, believed, Numbers(3, 0.0), u);
+    guard.record(t, u);
     events.insert(events.end(), guard.events().begin(), guard.events().end());
     EXPECT_TRUE(plant.step(u, 0.01));
     t += 0.01;

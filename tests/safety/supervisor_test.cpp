@@ -54,7 +54,7 @@ struct World {
     const auto states = supervisor.believe(t, measured, stamps);
     believed.assign(states.begin(), states.end());
     u = asked;
-    supervisor.command(t, Numbers(3, plan_age), u);
+    supervisor.command(t, believed, Numbers(3, plan_age), u);
     for (const Notice& notice : supervisor.notices()) notices.push_back(notice);
     supervisor.record(t, u);
     fly();

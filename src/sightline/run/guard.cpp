@@ -16,7 +16,9 @@ GuardOptions completed(const Team& team, GuardOptions options) {
 
 std::optional<Supervisor> supervisor_of(const Team& team, const GuardOptions& options) {
   if (!options.supervisor) return std::nullopt;
-  return Supervisor(team, *options.supervisor);
+  SupervisorOptions supervisor = *options.supervisor;
+  supervisor.command_delays = options.command_delays;
+  return Supervisor(team, supervisor);
 }
 
 BarrierOptions without_floor(BarrierOptions options) {
@@ -69,6 +71,7 @@ Guard::Guard(const Team& team, const GuardOptions& options)
       options_(completed(team, options)),
       supervisor_(supervisor_of(team, options)),
       believed_(static_cast<std::size_t>(team.nx())),
+      met_(believed_),
       ages_(options_.bodies.size()),
       before_(static_cast<std::size_t>(team.nu())),
       presence_(options_.bodies.size(), Presence::steered),
@@ -122,9 +125,11 @@ void Guard::follow(const Membership& now, double t, std::span<const double> x) n
   if (supervisor_) supervisor_->follow(now, t, x);
 }
 
-void Guard::filter(double t, std::span<const double> plan_ages, std::span<double> u) noexcept {
+void Guard::filter(double t, std::span<const double> x, std::span<const double> plan_ages,
+                   std::span<double> u) noexcept {
+  std::copy(x.begin(), x.end(), met_.begin());
   if (supervisor_) {
-    supervisor_->command(t, plan_ages, u);
+    supervisor_->command(t, met_, plan_ages, u);
     for (const Notice& notice : supervisor_->notices()) {
       tell({t, kind_of(notice), 0, static_cast<double>(notice.body.index)});
     }
@@ -135,22 +140,28 @@ void Guard::filter(double t, std::span<const double> plan_ages, std::span<double
   }
   for (std::size_t i = 0; i < robots_.size(); ++i) keep_distance(i, t, u);
   std::copy(u.begin(), u.end(), before_.begin());
+}
+
+void Guard::record(double t, std::span<const double> u) noexcept {
   if (supervisor_) supervisor_->record(t, u);
 }
 
-/// Another body as a robot sees it; u are the inputs of the period before.
+/// Another body as a robot sees it; u are the inputs of the period before. A robot of the team is where the commands in
+/// flight will have brought it; any other body is where it was seen, so much longer ago.
 Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double> u) const noexcept {
   const Model& model = team_.model(other);
-  const Sight<double> sight = model.sight(&believed_[static_cast<std::size_t>(team_.state_offset(other))],
+  const std::vector<double>& x = team_.is_agent(other) ? met_ : believed_;
+  const Sight<double> sight = model.sight(&x[static_cast<std::size_t>(team_.state_offset(other))],
                                           u.data() + (team_.is_agent(other) ? team_.input_offset(other) : 0));
   const BodySafety& safety = options_.bodies[at(other)];
-  Neighbour neighbour{.p = sight.p,
-                      .v = sight.v,
-                      .d_hard = safety.d_hard,
-                      .speed_max = safety.speed_max,
-                      .age = std::min(ages_[at(other)], oldest_),
-                      .sigma = std::sqrt(2.0) * options_.position_sigma,
-                      .tie = robot.index < other.index ? 1.0 : -1.0};
+  Neighbour neighbour{
+      .p = sight.p,
+      .v = sight.v,
+      .d_hard = safety.d_hard,
+      .speed_max = safety.speed_max,
+      .age = std::min(ages_[at(other)], oldest_) + (team_.is_agent(other) ? 0.0 : delay_of(robot)),
+      .sigma = std::sqrt(2.0) * options_.position_sigma,
+      .tie = robot.index < other.index ? 1.0 : -1.0};
   if (!team_.is_agent(other)) return neighbour;
   if (supervisor_ && supervisor_->level(other) == FallbackLevel::grounded) {
     neighbour.speed_max = 0.0;
@@ -181,7 +192,7 @@ void Guard::keep_distance(std::size_t robot, double t, std::span<double> u) noex
   const bool lands = level == FallbackLevel::land || presence_[at(of.body)] == Presence::land;
   const Barrier& barrier = lands ? of.landing : of.barrier;
   const BarrierResult result = barrier.filter(
-      std::span(believed_).subspan(of.x, of.nx), std::span(neighbours_).first(count), of.u_min, of.u_max,
+      std::span(met_).subspan(of.x, of.nx), std::span(neighbours_).first(count), of.u_min, of.u_max,
       options_.barrier == BarrierMode::on ? applied : std::span(of.reported), of.way_out);
   record = {result.active, result.conflict, result.reserve};
   if (result.conflict && !was_in_conflict) {

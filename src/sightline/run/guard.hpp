@@ -43,6 +43,7 @@ struct GuardOptions {
   double position_sigma = 0.0;       ///< of a measurement, each axis [m], >= 0
   std::vector<BodySafety> bodies{};  ///< of the team, in its order; those that are missing have the defaults
   double period = 0.01;              ///< of the commands [s]
+  std::vector<double> command_delays{};  ///< of each body, from a command to its effect [s]; empty: none
   std::vector<LimitsToCome> limits_to_come{};  ///< the barrier reckons with the tightest there will be
 };
 
@@ -56,9 +57,15 @@ class Guard {
                                   std::span<const double> stamps) noexcept;
   /// Whether each body was believed once; before, nobody is asked for a plan.
   bool knows_all() const noexcept { return !supervisor_ || supervisor_->knows_all(); }
-  /// Makes of the controllers' inputs (nu) what is applied from t on; after believe().
+  /// Makes of the controllers' inputs (nu) what is commanded from t on; after believe().
+  /// @param x          states that the commands meet (nx): as believed, or carried on over what is in flight
   /// @param plan_ages  of each body [s]; those of no robot do not count
-  void filter(double t, std::span<const double> plan_ages, std::span<double> u) noexcept;
+  void filter(double t, std::span<const double> x, std::span<const double> plan_ages,
+              std::span<double> u) noexcept;
+  /// The inputs u (nu) are applied from t on.
+  void record(double t, std::span<const double> u) noexcept;
+  /// Whether the last measurement of a body is believed.
+  bool trusts(BodyId body) const noexcept { return !supervisor_ || supervisor_->trusts(body); }
 
   /// The team is another one. Bodies that are absent keep nobody away, and nobody keeps away from them; robots that
   /// sink pass the floor. As Supervisor::follow().
@@ -86,6 +93,9 @@ class Guard {
   };
   bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
 
+  double delay_of(BodyId body) const noexcept {
+    return options_.command_delays.empty() ? 0.0 : options_.command_delays[at(body)];
+  }
   Neighbour neighbour_of(BodyId robot, BodyId other, std::span<const double> u) const noexcept;
   void keep_distance(std::size_t robot, double t, std::span<double> u) noexcept;
   void tell(const Event& event) noexcept;
@@ -94,7 +104,7 @@ class Guard {
   GuardOptions options_;
   std::optional<Supervisor> supervisor_;
   std::vector<Robot> robots_;  // none without a barrier
-  std::vector<double> believed_, ages_, before_;
+  std::vector<double> believed_, met_, ages_, before_;
   std::vector<Presence> presence_;
   std::vector<FallbackLevel> levels_;
   double oldest_;  // age that the barrier reckons with [s]

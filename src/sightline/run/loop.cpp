@@ -79,7 +79,9 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
       options_(checked(options, controllers)),
       presence_(everybody(world.team())),
       presence_before_(presence_),
+      lead_(options.compensation != nullptr ? options.compensation->lead() : 0.0),
       u_(size(world.team().nu())),
+      applied_(u_),
       u_min_(u_.size()),
       u_max_(u_.size()),
       planned_at_(size(world.team().bodies())),
@@ -121,6 +123,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
   for (int i = 0; i < world.team().bodies(); ++i) {
     if (world.team().is_agent(BodyId{i})) rest(BodyId{i}, 0.0);
   }
+  applied_ = u_;
 }
 
 /// In force for a robot.
@@ -175,7 +178,7 @@ LoopOutcome Loop::run() noexcept {
       outcome_.missed += k - next;
       tell({t, EventKind::missed_period, 0, static_cast<double>(k - next)});
       const double from = static_cast<double>(next) * options_.period;
-      outcome_.finite = world_.apply(from, believed_, u_, options_.period, k - next) && outcome_.finite;
+      outcome_.finite = world_.apply(from, believed_, applied_, options_.period, k - next) && outcome_.finite;
       next = k;
     }
     outcome_.stopped = options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
@@ -214,7 +217,7 @@ LoopOutcome Loop::run() noexcept {
     } else {
       ++outcome_.dropped;
     }
-    outcome_.finite = world_.apply(t, believed_, u_, options_.period, 1);
+    outcome_.finite = world_.apply(t, believed_, applied_, options_.period, 1);
   }
   sink_.close();
   return outcome_;
@@ -233,6 +236,7 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   std::span<const double> believed = seen.measured;
   if (options_.guard != nullptr) believed = options_.guard->believe(t, seen.measured, seen.stamps);
   believed_ = believed;
+  const std::span<const double> met = compensate(t, seen);
   if (sample.has_path) {
     for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = believed[i % believed.size()];
   }
@@ -241,7 +245,7 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   for (std::size_t c = 0; c < asked.size(); ++c) {
     Controller& controller = asked[c];
     const std::int64_t before = count();
-    const Solution solution = ask(controller, t, believed);
+    const Solution solution = ask(controller, t, met);
     command(static_cast<int>(c), controller, solution, t, sample);
     sample.solvers[c] = {solution.status,        solution.residual, solution.iterations,
                          1e6 * solution.elapsed, count() - before,  solution.neighbours.pairs,
@@ -257,9 +261,10 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
     controller.left_out = left_out;
     if (sample.has_path) write_path(controller, solution, sample);
   }
-  drift(t, believed, sample);
-  if (options_.guard != nullptr) guard(t, sample);
-  std::copy(u_.begin(), u_.end(), sample.u.begin());
+  drift(t, met, sample);
+  if (options_.guard != nullptr) guard(t, met, sample);
+  give(t);
+  std::copy(applied_.begin(), applied_.end(), sample.u.begin());
   sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
   if (options_.team_switcher != nullptr) {
     std::transform(seen.stamps.begin(), seen.stamps.end(), ages_.begin(),
@@ -270,6 +275,36 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
     options_.team_switcher->clear_events();
   }
   outcome_.max_allocations = std::max(outcome_.max_allocations, count() - before_all);
+}
+
+/// The states that the commands of t meet, from those believed at t.
+std::span<const double> Loop::compensate(double t, const Measured& seen) noexcept {
+  if (options_.compensation == nullptr) return believed_;
+  for (int i = 0; i < world_.team().bodies(); ++i) {
+    const BodyId body{i};
+    const bool trusted = options_.guard == nullptr || options_.guard->trusts(body);
+    if (trusted && presence_[size(i)] != Presence::absent)
+      options_.compensation->look(body, seen.measured, seen.stamps[size(i)]);
+  }
+  return options_.compensation->ahead(t, believed_);
+}
+
+/// Makes of the inputs what is applied from t on, and remembers it.
+void Loop::give(double t) noexcept {
+  std::copy(u_.begin(), u_.end(), applied_.begin());
+  if (options_.compensation != nullptr) {
+    for (int i = 0; i < world_.team().bodies(); ++i) {
+      const BodyId robot{i};
+      if (!world_.team().is_agent(robot) || presence_[size(i)] == Presence::absent) continue;
+      const std::size_t nu = size(world_.team().model(robot).nu());
+      const auto u_min = std::span(u_min_).first(nu), u_max = std::span(u_max_).first(nu);
+      limits_of(robot).at(t, u_min, u_max);
+      options_.compensation->add(robot, u_min, u_max,
+                                 std::span(applied_).subspan(size(world_.team().input_offset(robot)), nu));
+    }
+    options_.compensation->record(t, applied_);
+  }
+  if (options_.guard != nullptr) options_.guard->record(t, applied_);
 }
 
 /// An update; while a late one is at work, what the plan before it has for this time.
@@ -286,7 +321,7 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
                                    [&](const LatePlan& l) { return l.strikes(t); });
     if (late == options_.late_plans.end()) {
       controller.answered = true;
-      return solver.solve(t, controller.states);
+      return solver.solve(t + lead_, controller.states);
     }
     controller.at_work = true;
     controller.done_at = t + late->delay;
@@ -294,8 +329,8 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
   if (controller.at_work && t >= controller.done_at - same_time) {
     controller.at_work = false;
     controller.answered = true;
-    const Solution late = solver.solve(controller.asked_at, controller.states);
-    solver.planned(t, controller.plan);
+    const Solution late = solver.solve(controller.asked_at + lead_, controller.states);
+    solver.planned(t + lead_, controller.plan);
     solution.x = late.x;
     solution.status = late.status;
     solution.residual = late.residual;
@@ -303,7 +338,7 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
     solution.elapsed = late.elapsed;
     solution.neighbours = late.neighbours;
   } else if (controller.at_work) {
-    solver.planned(t, controller.plan);
+    solver.planned(t + lead_, controller.plan);
     solution.status = Status::deadline;
   }
   return solution;
@@ -339,6 +374,7 @@ void Loop::follow_guard(double t, std::span<const double> x) noexcept {
     if (!is_there && team.is_agent(BodyId{i})) rest(BodyId{i}, t);
     if (was_there || !is_there) continue;
     planned_at_[size(i)] = t;
+    if (options_.compensation != nullptr) options_.compensation->forget(BodyId{i});
     welcome(BodyId{i}, t, x);
   }
   if (options_.guard != nullptr) options_.guard->follow(options_.team_switcher->present().membership, t, x);
@@ -379,9 +415,9 @@ void Loop::drift(double t, std::span<const double> believed, Sample& sample) noe
 }
 
 /// Lets the guard make of the controllers' inputs what is applied.
-void Loop::guard(double t, Sample& sample) noexcept {
+void Loop::guard(double t, std::span<const double> x, Sample& sample) noexcept {
   for (std::size_t i = 0; i < plan_ages_.size(); ++i) plan_ages_[i] = t - planned_at_[i];
-  options_.guard->filter(t, plan_ages_, u_);
+  options_.guard->filter(t, x, plan_ages_, u_);
   for (const Event& event : options_.guard->events()) tell(event);
   const auto records = options_.guard->barriers();
   std::copy(records.begin(), records.end(), sample.barriers.begin());
@@ -396,7 +432,7 @@ void Loop::command(int index, const Controller& controller, const Solution& solu
     if (m.limits == nullptr) continue;
     const std::span<double> held = std::span(u_).subspan(m.world_u, m.nu);
     const auto u_min = std::span(u_min_).first(m.nu), u_max = std::span(u_max_).first(m.nu);
-    m.limits->at(t, u_min, u_max);
+    m.limits->at(t + lead_, u_min, u_max);  // those that the solver has
     bool good = solution.u.size() == nu;
     for (std::size_t i = 0; good && i < m.nu; ++i) {
       const double u = solution.u[m.ocp_u + i];

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sightline/run/clock.hpp"
+#include "sightline/run/compensation.hpp"
 #include "sightline/run/controller.hpp"
 #include "sightline/run/guard.hpp"
 #include "sightline/run/ring.hpp"
@@ -33,6 +34,8 @@ struct LoopOptions {
   /// Supervises, and keeps hard distances; of the world's team, for this loop alone. None: measurements are
   /// believed and commands applied as they are.
   Guard* guard = nullptr;
+  /// Of late commands and disturbances; of the world's team, for this loop alone. None: commands are reckoned to act at once.
+  Compensation* compensation = nullptr;
   std::vector<LatePlan> late_plans{};  ///< injected
   /// Changes the team in flight; then its present solver is the only controller. None: the team stays.
   TeamSwitcher* team_switcher = nullptr;
@@ -82,11 +85,13 @@ class Loop {
 
   void update(double t, const Measured& seen, Sample& sample) noexcept;
   Solution ask(Controller& controller, double t, std::span<const double> believed) noexcept;
-  void guard(double t, Sample& sample) noexcept;
+  void guard(double t, std::span<const double> x, Sample& sample) noexcept;
   bool change_team(std::int64_t k, double t) noexcept;
   void follow_team() noexcept;
   void follow_guard(double t, std::span<const double> x) noexcept;
   void welcome(BodyId body, double t, std::span<const double> x) noexcept;
+  std::span<const double> compensate(double t, const Measured& seen) noexcept;
+  void give(double t) noexcept;
   void rest(BodyId robot, double t) noexcept;
   const InputLimits& limits_of(BodyId robot) const noexcept;
   std::span<Controller> controllers() noexcept;
@@ -103,8 +108,10 @@ class Loop {
   std::vector<Controller> controllers_;               // of a team that stays
   std::vector<Presence> presence_, presence_before_;  // of the world's bodies
   std::span<const double> believed_;                  // at the last update; none before the first
+  double lead_;                                       // from a command to its effect, at most [s]
   std::size_t signalled_ = 0;                         // signals sent
-  std::vector<double> u_;  // applied, all robots of the world; always within limits
+  std::vector<double> u_;  // of the controllers and the guard, all robots of the world; always within limits
+  std::vector<double> applied_;  // the same, compensated
   std::vector<double> u_min_, u_max_;
   std::vector<double> planned_at_, plan_ages_;  // of each body: time and age of its last good plan [s]
   std::vector<double> ages_;                    // of what was measured of each body [s]

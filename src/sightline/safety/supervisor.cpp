@@ -67,6 +67,7 @@ Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
     const auto u = static_cast<std::size_t>(team_.input_offset(body));
     TrackLimits limits = options_.limits;
     limits.oldest = oldest(options_);
+    if (!options_.command_delays.empty()) limits.command_delay = options_.command_delays[at(body)];
     tracks_.emplace_back(model, u, limits);
     const std::span<const double> state = tracks_.back().state();
     std::copy(state.begin(), state.end(), believed_.begin() + static_cast<std::ptrdiff_t>(x));
@@ -165,25 +166,25 @@ Ages Supervisor::ages_of(const Robot& robot, std::span<const double> plan_ages) 
   return ages;
 }
 
-void Supervisor::command(double t, std::span<const double> plan_ages, std::span<double> u) noexcept {
+void Supervisor::command(double t, std::span<const double> x, std::span<const double> plan_ages,
+                         std::span<double> u) noexcept {
   assert(plan_ages.size() == tracks_.size() && "a plan has an age for each body");
   for (Robot& robot : robots_) {
     if (!is_there(robot.body)) continue;
     robot.limits->at(t, robot.u_min, robot.u_max);
     const Ages ages = ages_of(robot, plan_ages);
-    const double height = team_.model(robot.body).sight(&believed_[robot.x], robot.u_ref.data()).p.z;
+    const double height = team_.model(robot.body).sight(&x[robot.x], robot.u_ref.data()).p.z;
     const bool on_ground = height <= options_.ground + at_the_ground;
     FallbackLevel next = next_level(robot.level, options_.times, ages, on_ground);
     // Where it is was never known: nothing to land from.
     if (std::isinf(ages.own)) next = FallbackLevel::hold;
     if (next != robot.level) tell({robot.body, next});
     robot.level = next;
-    apply(robot, u.subspan(robot.u, robot.nu));
+    apply(robot, x.subspan(robot.x, robot.nx), u.subspan(robot.u, robot.nu));
   }
 }
 
-void Supervisor::apply(Robot& robot, std::span<double> u) noexcept {
-  const std::span<const double> x = std::span(believed_).subspan(robot.x, robot.nx);
+void Supervisor::apply(Robot& robot, std::span<const double> x, std::span<double> u) noexcept {
   switch (robot.level) {
     case FallbackLevel::valid:
     case FallbackLevel::predicted:

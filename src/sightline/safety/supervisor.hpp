@@ -30,6 +30,7 @@ struct SupervisorOptions {
   double ground = 0.0;       ///< height where landing ends [m]
   double brake_time = 0.4;   ///< of the velocity's decay in hold and land [s], >= 0.05
   double period = 0.01;      ///< shortest time between two commands [s]; sizes the memory of inputs
+  std::vector<double> command_delays{};  ///< of each body, from a command to its effect [s]; empty: none
 
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const;
@@ -52,9 +53,11 @@ class Supervisor {
   std::span<const double> believe(double t, std::span<const double> measured,
                                   std::span<const double> stamps) noexcept;
   /// Changes the inputs of robots that are slowed, hold or land; all are finite and within limits afterwards.
+  /// @param x          states that the commands meet (nx)
   /// @param plan_ages  age of the plan that u comes from, for each body; those of no robot do not count [s]
   /// @param u          inputs of all robots (nu)
-  void command(double t, std::span<const double> plan_ages, std::span<double> u) noexcept;
+  void command(double t, std::span<const double> x, std::span<const double> plan_ages,
+               std::span<double> u) noexcept;
   /// u (nu) is applied from t [s] on.
   void record(double t, std::span<const double> u) noexcept { history_.record(t, u); }
 
@@ -69,6 +72,8 @@ class Supervisor {
   FallbackLevel level(BodyId robot) const noexcept { return robots_[robot_of_[at(robot)]].level; }
   /// Whether a measurement of each present body was accepted once.
   bool knows_all() const noexcept;
+  /// Whether the last measurement of a body was accepted.
+  bool trusts(BodyId body) const noexcept { return tracks_[at(body)].trusted(); }
   /// Age of the body's state estimate at the last believe() [s]; infinity before the first measurement.
   /// 0 of one that is absent.
   double age(BodyId body) const noexcept { return is_there(body) ? time_ - tracks_[at(body)].stamp() : 0.0; }
@@ -88,7 +93,7 @@ class Supervisor {
   static std::vector<BodyId> partners_of(const Team& team, BodyId robot);
 
   Ages ages_of(const Robot& robot, std::span<const double> plan_ages) const noexcept;
-  void apply(Robot& robot, std::span<double> u) noexcept;
+  void apply(Robot& robot, std::span<const double> x, std::span<double> u) noexcept;
   void tell(const Notice& notice) noexcept;
 
   Team team_;

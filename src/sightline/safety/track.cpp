@@ -6,14 +6,13 @@
 #include <cstring>
 
 #include "sightline/math/fixed.hpp"
-#include "sightline/math/integrate.hpp"
+#include "sightline/safety/carry.hpp"
 
 namespace sightline {
 namespace {
 
 constexpr double off_the_circle = 0.05;
-constexpr double ahead = 0.05;         // of the clock [s]
-constexpr double longest_step = 0.05;  // of the prediction [s]
+constexpr double ahead = 0.05;  // of the clock [s]
 // A body has moved when it has gone, or turned, by more than this.
 constexpr double moved_by = 0.02, turned_by = 0.05;  // [m], [rad]
 
@@ -133,16 +132,9 @@ void Track::predict(double now, const InputHistory& history) noexcept {
 }
 
 void Track::carry(std::vector<double>& x, double from, double to, const InputHistory& history) noexcept {
-  history.visit(from, to, [&](double begin, double end, std::span<const double> u) {
-    const auto steps = std::max(1.0, std::ceil((end - begin) / longest_step));
-    const auto f = [&](std::span<const double> z, std::span<double> rate) {
-      model_.f(z.data(), u.data() + input_at_, rate.data());
-    };
-    for (double i = 0; i < steps; ++i) {
-      rk4_step(f, x, (end - begin) / steps, {scratch_});
-      static_cast<void>(model_.normalise(x.data()));
-    }
-  });
+  const double late = limits_.command_delay;
+  sightline::carry(model_, x, history, input_at_, from - late, to - late, {}, scratch_,
+                   [](std::span<const double>) {});
 }
 
 }  // namespace sightline

@@ -47,6 +47,7 @@ struct TrackLimits {
   double frozen_after = 0.3;    ///< equal measurements are a fault after this time [s], > 0
   double oldest = 2.5;          ///< greatest age of a measurement that is predicted to the present [s], > 0
   int accept_after = 3;         ///< good measurements in a row that clear a fault, >= 1
+  double command_delay = 0.0;   ///< from a command to its effect [s], >= 0
 };
 
 class Track {

@@ -19,6 +19,12 @@ std::optional<Guard> guard_of(const Scenario& scenario) {
   return std::optional<Guard>(std::in_place, scenario.team, *options);
 }
 
+std::optional<Compensation> compensation_of(const Scenario& scenario) {
+  if (scenario.compensations.empty()) return std::nullopt;
+  return std::optional<Compensation>(std::in_place, scenario.team, scenario.compensations,
+                                     scenario.horizon.dt);
+}
+
 /// What a robot keeps from each body: what the scenario asks for, else not to be at one place with it.
 std::vector<double> hard_distances(const Scenario& scenario) {
   std::vector<double> d_hard;
@@ -115,12 +121,14 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers
                        Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
                        TeamSwitcher* team_switcher)
     : guard_(guard_of(scenario)),
+      compensation_(compensation_of(scenario)),
       loop_(world, controllers, clock, sink,
             {.duration = scenario.simulation.duration,
              .period = scenario.horizon.dt,
              .path_interval = scenario.log.paths,
              .allocations = allocations,
              .guard = guard_ ? &*guard_ : nullptr,
+             .compensation = compensation_ ? &*compensation_ : nullptr,
              .late_plans = scenario.simulation.late_plans,
              .team_switcher = team_switcher,
              .signals = scenario.simulation.signals,

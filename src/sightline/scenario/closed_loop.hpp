@@ -66,6 +66,7 @@ class ClosedLoop {
 
  private:
   std::optional<Guard> guard_;
+  std::optional<Compensation> compensation_;
   Loop loop_;
 };
 

@@ -171,6 +171,10 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
                        .period = scenario.horizon.dt};
   if (options.supervisor) options.supervisor->period = scenario.horizon.dt;
   options.bodies.resize(static_cast<std::size_t>(scenario.team.bodies()), {.d_hard = safety.d_hard});
+  for (const RobotCompensation& of : scenario.compensations) {
+    options.command_delays.resize(options.bodies.size());
+    options.command_delays[static_cast<std::size_t>(of.robot.index)] = of.command_delay;
+  }
   for (const TeamEvent& event : scenario.script.events) {
     for (const Action& action : event.actions) {
       const auto* retune = std::get_if<RetuneAgent>(&action);

@@ -143,7 +143,7 @@ class Reader {
     if (agents.size() > agents_max) root_.refuse("agent", fmt::format("at most {} robots", agents_max));
     for (const auto& [name, at] : agents) {
       at.expect_only({"robot", "parameters", "start", "Q", "R", "Q_f", "u_ref", "u_min", "u_max", "limits",
-                      "reference", "sensor", "present", "vehicle"});
+                      "reference", "sensor", "present", "vehicle", "command_delay", "disturbance_time"});
       const Model model = read_robot(at);
       const auto nx = static_cast<std::size_t>(model.nx()), nu = static_cast<std::size_t>(model.nu());
       const auto list = [&at = at](std::string_view key, std::size_t n, double missing, const Range& range) {
@@ -181,8 +181,20 @@ class Reader {
         vehicle->robot = bodies_.at(name);
         scenario_.vehicles.push_back(std::move(*vehicle));
       }
+      read_compensation(at, bodies_.at(name));
       scenario_.presence.push_back(is_present(at) ? Presence::steered : Presence::absent);
     }
+  }
+
+  void read_compensation(const TomlTable& at, BodyId robot) {
+    if (!at.has("command_delay") && !at.has("disturbance_time")) return;
+    constexpr Range delay = {0.0, Compensation::longest_delay, "0 to 1 s"},
+                    time = {Compensation::least_time, Compensation::longest_time, "0.05 to 60 s"};
+    RobotCompensation of{robot};
+    if (at.has("command_delay")) of.command_delay = at.number("command_delay", delay);
+    if (at.has("disturbance_time")) of.disturbance_time = at.number("disturbance_time", time);
+    at.checked([&] { Compensation(scenario_.team, {of}, scenario_.horizon.dt); });
+    scenario_.compensations.push_back(of);
   }
 
   /// Refuses a robot whose text gives no number where it starts, as 1 / v does at rest.
@@ -409,6 +421,11 @@ std::string summary(const Scenario& scenario) {
         scenario.presence[static_cast<std::size_t>(team.find(agent.name).index)] != Presence::absent;
     line("agent       {}: {}, {} states, {} inputs{}", agent.name, agent.model.name(), agent.model.nx(),
          agent.model.nu(), present ? "" : ", not there at first");
+  }
+  for (const RobotCompensation& of : scenario.compensations) {
+    line(
+        "compensate  {}: commands act after {} s{}", team.name(of.robot), of.command_delay,
+        of.disturbance_time > 0 ? fmt::format(", disturbance estimated over {} s", of.disturbance_time) : "");
   }
   for (const RobotVehicle& vehicle : scenario.vehicles) {
     line("vehicle     {}: {}", team.name(vehicle.robot), in_words(vehicle));

@@ -16,6 +16,7 @@
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/ocp/roster.hpp"
 #include "sightline/ocp/team.hpp"
+#include "sightline/run/compensation.hpp"
 #include "sightline/run/guard.hpp"
 #include "sightline/scenario/campaign_plan.hpp"
 #include "sightline/scenario/scenario_text.hpp"
@@ -109,7 +110,8 @@ struct Scenario {
   std::vector<Presence> presence;  ///< of the bodies at the start; those that are missing are there
   Script script{};                 ///< what changes the team in flight; `team` has all there will ever be
   std::string world = "model";     ///< what it flies in, one of the parts' worlds
-  std::vector<RobotVehicle> vehicles{};  ///< of the robots that are one, in worlds that have them
+  std::vector<RobotCompensation> compensations{};  ///< of the robots that ask for one
+  std::vector<RobotVehicle> vehicles{};            ///< of the robots that are one, in worlds that have them
   Simulation simulation{};
   std::optional<Safety> safety{};
   LogOptions log{};

@@ -1,0 +1,245 @@
+#include "sightline/run/compensation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "sightline/base/index.hpp"
+#include "sightline/base/refuse.hpp"
+#include "sightline/safety/carry.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double never = -std::numeric_limits<double>::infinity();
+constexpr double longest_gap = 0.5;    // between two measurements that an estimate uses [s]
+constexpr double oldest = 1.0;         // measurement that one uses [s]
+constexpr double largest_rate = 20.0;  // of a velocity that is believed [m/s^2]
+
+std::vector<double> resting_inputs(const Team& team) {
+  std::vector<double> u;
+  for (const Agent& agent : team.agents()) u.insert(u.end(), agent.u_ref.begin(), agent.u_ref.end());
+  return u;
+}
+
+/// The states that are neither a place, a heading nor a velocity.
+std::vector<std::size_t> inner_states(const Model& model) {
+  const StateRoles roles = roles_of(model);
+  std::vector<char> shown(size(model.nx()));
+  const auto mark = [&](int state) {
+    if (state >= 0) shown[size(state)] = 1;
+  };
+  for (const int state : roles.position) mark(state);
+  for (const int state : roles.direction) mark(state);
+  for (const int state : roles.velocities) mark(state);
+  mark(roles.angle);
+  std::vector<std::size_t> inner;
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    if (shown[i] == 0) inner.push_back(i);
+  }
+  return inner;
+}
+
+/// What a robot at rest, heading along x, comes to under a constant input while it is kept in place.
+struct Settled {
+  std::vector<double> x;
+  Vec3<double> acceleration;
+};
+
+Settled settle(const Model& model, const std::vector<std::size_t>& inner, const std::vector<double>& u) {
+  constexpr double step = 1e-3, longest = 5.0, difference = 1e-6;  // [s]
+  Settled settled{std::vector<double>(size(model.nx())), {}};
+  std::vector<double>& x = settled.x;
+  model.at_rest({{0, 0, 1}, {1, 0}}, x.data());
+  std::vector<double> rate(x.size());
+  for (double t = 0; !inner.empty() && t < longest; t += step) {
+    model.f(x.data(), u.data(), rate.data());
+    for (const std::size_t i : inner) x[i] += step * rate[i];
+  }
+  model.f(x.data(), u.data(), rate.data());
+  std::vector<double> later = x;
+  for (std::size_t i = 0; i < x.size(); ++i) later[i] += difference * rate[i];
+  settled.acceleration =
+      (1 / difference) * (model.sight(later.data(), u.data()).v - model.sight(x.data(), u.data()).v);
+  return settled;
+}
+
+/// The inverse of a symmetric matrix, rows one after the other.
+std::array<Vec3<double>, 3> inverse(const std::array<Vec3<double>, 3>& m) {
+  const auto cross = [](const Vec3<double>& a, const Vec3<double>& b) -> Vec3<double> {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  };
+  const double over = 1 / dot(m[0], cross(m[1], m[2]));
+  return {over * cross(m[1], m[2]), over * cross(m[2], m[0]), over * cross(m[0], m[1])};
+}
+
+}  // namespace
+
+Compensation::Compensation(const Team& team, const std::vector<RobotCompensation>& robots, double period)
+    : member_of_(size(team.bodies()), -1),
+      history_(size(2 + static_cast<int>((longest_delay + longest_gap + oldest) / period)),
+               resting_inputs(team)),
+      lead_(0.0),
+      x_(size(team.nx())) {
+  const auto add = [&](BodyId body, double delay, double time) {
+    member_of_[at(body.index)] = static_cast<int>(members_.size());
+    const Model& model = team.model(body);
+    members_.push_back({.body = body,
+                        .x = size(team.state_offset(body)),
+                        .u = team.is_agent(body) ? size(team.input_offset(body)) : 0,
+                        .nx = size(model.nx()),
+                        .nu = size(model.nu()),
+                        .model = model,
+                        .delay = delay,
+                        .time = time,
+                        .counter = {},
+                        .held = {},
+                        .inner = {},
+                        .reach = {},
+                        .last = std::vector<double>(size(model.nx())),
+                        .steady = std::vector<double>(size(model.nu())),
+                        .stamp = never});
+    scratch_.resize(std::max(scratch_.size(), RungeKuttaScratch::rows_needed * size(model.nx())));
+  };
+  for (const auto& [robot, delay, time] : robots) {
+    if (robot.index < 0 || robot.index >= team.bodies() || !team.is_agent(robot))
+      refuse("body {} is compensated, expected a robot of the team", robot.index);
+    const std::string_view name = team.name(robot);
+    if (member_of_[at(robot.index)] >= 0) refuse("{} is compensated twice, expected once", name);
+    if (!(delay >= 0 && delay <= longest_delay))
+      refuse("command_delay of {} = {}, expected 0 to {} s", name, delay, longest_delay);
+    if (!(time == 0 || (time >= least_time && time <= longest_time)))
+      refuse("disturbance_time of {} = {}, expected {} to {} s", name, time, least_time, longest_time);
+    add(robot, delay, time);
+    if (time > 0) find_counter(members_.back(), team.agent(robot));
+    lead_ = std::max(lead_, delay);
+  }
+  for (int i = 0; lead_ > 0 && i < team.bodies(); ++i) {
+    if (!team.is_agent(BodyId{i})) add(BodyId{i}, lead_, 0.0);
+  }
+}
+
+void Compensation::find_counter(Member& member, const Agent& agent) {
+  const std::vector<double>&u_min = agent.limits.u_min().front(), &u_max = agent.limits.u_max().front();
+  member.inner = inner_states(member.model);
+  member.counter.resize(3 * member.nu);
+  member.held.resize(member.nu * member.nx);
+  std::vector<Vec3<double>> columns;
+  std::array<Vec3<double>, 3> gram{};
+  for (std::size_t k = 0; k < member.nu; ++k) {
+    const double half = 0.5 * (u_max[k] - u_min[k]), by = 0.5 * half;
+    std::vector<double> up = agent.u_ref, down = agent.u_ref;
+    up[k] += by, down[k] -= by;
+    const Settled more = settle(member.model, member.inner, up),
+                  less = settle(member.model, member.inner, down);
+    for (const std::size_t i : member.inner)
+      member.held[k * member.nx + i] = (more.x[i] - less.x[i]) / (2 * by);
+    const Vec3<double> b = (half / (2 * by)) * (more.acceleration - less.acceleration);
+    gram[0] = gram[0] + b.x * b, gram[1] = gram[1] + b.y * b, gram[2] = gram[2] + b.z * b;
+    columns.push_back(b);
+    member.reach.push_back(half);
+  }
+  constexpr double none = 1e-9, damping = 1e-9;
+  const double trace = gram[0].x + gram[1].y + gram[2].z;
+  if (!(trace > none)) {
+    refuse(
+        "disturbance_time of {} = {}, but its commands accelerate it in no direction, expected a robot whose "
+        "velocity is a state",
+        agent.name, member.time);
+  }
+  gram[0].x += damping * trace, gram[1].y += damping * trace, gram[2].z += damping * trace;
+  const std::array<Vec3<double>, 3> solved = inverse(gram);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t k = 0; k < member.nu; ++k)
+      member.counter[axis * member.nu + k] = -dot(columns[k], solved[axis]);
+  }
+}
+
+void Compensation::look(BodyId robot, std::span<const double> measured, double stamp) noexcept {
+  const int i = member_of_[at(robot.index)];
+  if (i < 0) return;
+  Member& member = members_[at(i)];
+  if (member.time == 0 || !(stamp > member.stamp)) return;
+  const std::span<const double> x = measured.subspan(member.x, member.nx);
+  if (!all_finite(x)) return;
+  const double s = stamp - member.stamp;
+  if (s > longest_gap) {
+    std::copy(x.begin(), x.end(), member.last.begin());
+  } else {
+    Vec3<double> v{}, predicted{};
+    std::span<double> last = member.last;
+    carry(member.model, last, history_, member.u, member.stamp - member.delay, stamp - member.delay, member.w,
+          scratch_, [&](std::span<const double> u) {
+            predicted = member.model.sight(last.data(), u.data()).v;
+            v = member.model.sight(x.data(), u.data()).v;
+          });
+    Vec3<double> r = (1 / s) * (v - predicted);  // that w lacks
+    const double length = norm(r);
+    if (length > largest_rate) r = (largest_rate / length) * r;
+    member.w = member.w + (1 - std::exp(-s / member.time)) * r;
+    for (std::size_t k = 0, next = 0; k < member.nx; ++k) {
+      const bool own = next < member.inner.size() && member.inner[next] == k;
+      if (own) ++next;
+      if (!own) member.last[k] = x[k];
+    }
+  }
+  member.stamp = stamp;
+}
+
+std::span<const double> Compensation::ahead(double t, std::span<const double> believed) noexcept {
+  std::copy(believed.begin(), believed.end(), x_.begin());
+  for (Member& member : members_) {
+    const std::span<double> x = std::span(x_).subspan(member.x, member.nx);
+    carry(member.model, x, history_, member.u, t - member.delay, t, member.w, scratch_,
+          [](std::span<const double>) {});
+    if (member.time == 0) continue;
+    find_steady(member, x);
+    for (const std::size_t i : member.inner) {
+      for (std::size_t k = 0; k < member.nu; ++k) x[i] -= member.held[k * member.nx + i] * member.steady[k];
+    }
+  }
+  return x_;
+}
+
+/// u_w at the heading of x.
+void Compensation::find_steady(Member& member, std::span<const double> x) noexcept {
+  Vec3<double> w = member.w;
+  if (member.model.turns()) {
+    const Vec2<double> d = member.model.sight(x.data(), member.steady.data()).d;
+    const Vec2<double> w_V = rotate<double>({d.x, -d.y}, {w.x, w.y});
+    w.x = w_V.x, w.y = w_V.y;
+  }
+  double part = most_part;
+  for (std::size_t k = 0; k < member.nu; ++k) {
+    const double* const by = &member.counter[k];
+    member.steady[k] = by[0] * w.x + by[member.nu] * w.y + by[2 * member.nu] * w.z;
+    part = std::max(part, std::abs(member.steady[k]));
+  }
+  for (std::size_t k = 0; k < member.nu; ++k) member.steady[k] *= member.reach[k] * most_part / part;
+}
+
+void Compensation::add(BodyId robot, std::span<const double> u_min, std::span<const double> u_max,
+                       std::span<double> u) const noexcept {
+  const int i = member_of_[at(robot.index)];
+  if (i < 0) return;
+  const std::vector<double>& steady = members_[at(i)].steady;
+  for (std::size_t k = 0; k < u.size(); ++k) u[k] = std::clamp(u[k] + steady[k], u_min[k], u_max[k]);
+}
+
+void Compensation::forget(BodyId robot) noexcept {
+  const int i = member_of_[at(robot.index)];
+  if (i < 0) return;
+  Member& member = members_[at(i)];
+  member.stamp = never;
+  member.w = {};
+  std::fill(member.steady.begin(), member.steady.end(), 0.0);
+}
+
+Vec3<double> Compensation::disturbance(BodyId robot) const noexcept {
+  const int i = member_of_[at(robot.index)];
+  return i < 0 ? Vec3<double>{} : members_[at(i)].w;
+}
+
+}  // namespace sightline

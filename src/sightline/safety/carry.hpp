@@ -1,0 +1,38 @@
+/// A state carried on by its model under the inputs that were given.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "sightline/math/fixed.hpp"
+#include "sightline/math/integrate.hpp"
+#include "sightline/model/model.hpp"
+#include "sightline/safety/input_history.hpp"
+
+namespace sightline {
+
+/// Carries x (nx) over the inputs that the history has from `from` to `to` [s], under an acceleration w of G [m/s^2], in
+/// Runge-Kutta steps of at most 0.05 s. Calls then(u) with the last input that was in force, if any.
+/// @param input_at  where the body's input stands in the history's rows
+/// @param rows      RungeKuttaScratch::rows_needed * nx numbers of work space
+template <class Then>
+void carry(const Model& model, std::span<double> x, const InputHistory& history, std::size_t input_at,
+           double from, double to, const Vec3<double>& w, std::span<double> rows, Then&& then) noexcept {
+  constexpr double longest_step = 0.05;
+  const bool pushed = w.x != 0 || w.y != 0 || w.z != 0;
+  history.visit(from, to, [&](double begin, double end, std::span<const double> u) {
+    const auto steps = std::max(1.0, std::ceil((end - begin) / longest_step));
+    const auto f = [&](std::span<const double> z, std::span<double> rate) {
+      model.f(z.data(), u.data() + input_at, rate.data());
+      if (pushed) model.push(z.data(), w, rate.data());
+    };
+    for (double i = 0; i < steps; ++i) {
+      rk4_step(f, x, (end - begin) / steps, {rows});
+      static_cast<void>(model.normalise(x.data()));
+    }
+    then(u.subspan(input_at));
+  });
+}
+
+}  // namespace sightline

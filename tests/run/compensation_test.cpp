@@ -1,0 +1,231 @@
+#include "sightline/run/compensation.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/point_mass.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/run/loop.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/world/model_world.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+using Numbers = std::vector<double>;
+constexpr double period = 0.01, half_period = 0.005;
+
+// A robot of each kind alone in the world, and what its inputs reach.
+struct Alone {
+  template <RobotModel M>
+  explicit Alone(const M& robot) {
+    const Model model(robot);
+    team.add(robot);
+    start.resize(static_cast<std::size_t>(model.nx()));
+    model.at_rest({{0.3, -0.2, 1.0}, {0.6, 0.8}}, start.data());
+    most.assign(model.u_max().begin(), model.u_max().end());
+  }
+
+  Team team;
+  Numbers start, most;
+};
+
+std::vector<Alone> all_kinds() {
+  return {Alone(Multirotor{}), Alone(AngleMultirotor{}), Alone(VelocityMultirotor{}),
+          Alone(OmniRover{}),  Alone(Unicycle{}),        Alone(PointMass{})};
+}
+
+// Random commands within half of the limits, each for 0.2 s.
+class Wandering {
+ public:
+  explicit Wandering(Numbers most) : most_(std::move(most)), u_(most_.size()) {}
+  const Numbers& operator()(int k) {
+    for (std::size_t i = 0; k % 20 == 0 && i < u_.size(); ++i)
+      u_[i] = std::uniform_real_distribution<double>(-0.5, 0.5)(random_) * most_[i];
+    return u_;
+  }
+
+ private:
+  std::mt19937_64 random_{7};
+  Numbers most_, u_;
+};
+
+// What follows the robot's commands before the solver: measured now, and where the plant is.
+struct Watched {
+  Watched(const Alone& of, const RobotCompensation& how, const Disturbances& disturbances)
+      : compensation(of.team, {how}, period),
+        plant(of.team, of.start, {.disturbances = disturbances, .period = half_period}),
+        command(of.most) {}
+
+  void step() {
+    const double t = period * k;
+    compensation.look(BodyId{0}, plant.x(), t);
+    const auto now = compensation.ahead(t, plant.x());
+    met.emplace_back(now.begin(), now.end());
+    const Numbers& u = command(k++);
+    compensation.record(t, u);
+    for (int half = 0; half < 2; ++half) {
+      states.emplace_back(plant.x().begin(), plant.x().end());
+      EXPECT_TRUE(plant.step(u, half_period));
+    }
+  }
+
+  Compensation compensation;
+  Plant plant;
+  Wandering command;
+  std::vector<Numbers> met, states;  // of each period, of each half of one
+  int k = 0;
+};
+
+double greatest_difference(std::span<const double> a, std::span<const double> b) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+  return most;
+}
+
+TEST(Compensation, of_a_known_delay_gives_the_state_that_the_command_will_meet) {
+  for (const Alone& alone : all_kinds()) {
+    for (const double delay : {0.0, 0.07, 0.155, 0.4}) {
+      SCOPED_TRACE(fmt::format("{} after {} s", alone.team.model(BodyId{0}).name(), delay));
+      Watched watched(alone, {BodyId{0}, delay}, {.input_delay = delay});
+      EXPECT_EQ(watched.compensation.lead(), delay);
+      for (int k = 0; k < 300; ++k) watched.step();
+      const auto later = static_cast<std::size_t>(std::lround(delay / half_period));
+      for (std::size_t k = 0; 2 * k + later < watched.states.size(); ++k)
+        ASSERT_LT(greatest_difference(watched.met[k], watched.states[2 * k + later]), 1e-7) << "at " << k;
+    }
+  }
+}
+
+TEST(Compensation, finds_the_wind_that_the_commands_do_not_explain) {
+  const Vec3<double> wind = {0.6, -0.3, 0.2};
+  for (const Alone& alone : {Alone(Multirotor{}), Alone(AngleMultirotor{}), Alone(VelocityMultirotor{})}) {
+    SCOPED_TRACE(alone.team.model(BodyId{0}).name());
+    Watched watched(alone, {BodyId{0}, 0.05, 0.5}, {.wind = wind, .input_delay = 0.05});
+    for (int k = 0; k < 1000; ++k) watched.step();
+    const Vec3<double> w = watched.compensation.disturbance(BodyId{0});
+    const bool pushed_up = alone.team.model(BodyId{0}).name() == VelocityMultirotor::name;
+    EXPECT_NEAR(w.x, wind.x, 0.01);
+    EXPECT_NEAR(w.y, wind.y, 0.01);
+    EXPECT_NEAR(w.z, pushed_up ? wind.z : 0.0, 0.01);
+    watched.compensation.forget(BodyId{0});
+    EXPECT_EQ(watched.compensation.disturbance(BodyId{0}).x, 0.0);
+  }
+}
+
+// Takes samples and forgets them.
+class Nowhere final : public Sink<Sample> {
+ public:
+  explicit Nowhere(Sample sample) : sample_(std::move(sample)) {}
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override {}
+  void close() noexcept override {}
+
+ private:
+  Sample sample_;
+};
+
+// How far a robot stands from where it is asked to be, after 20 s in a wind of which it knows nothing.
+template <RobotModel M>
+double offset(const M& robot, const Vec3<double>& wind, double gain,
+              const std::vector<RobotCompensation>& how) {
+  Team team;
+  const Alone alone(robot);
+  std::array<double, M::nx> Q{};
+  Q[0] = Q[1] = Q[2] = 1.5;
+  team.add(robot, {.Q = Q, .x_ref = alone.start});
+  NewtonRiccati solver(team, {.T = 1.0, .N = 20, .dt = period});
+  ModelWorld world(team, alone.start,
+                   {.disturbances = {.wind = wind, .input_delay = 0.1, .input_gain = gain}});
+  SimulatedClock clock;
+  Nowhere nowhere(sized_sample(team, {solver}));
+  std::optional<Compensation> compensation;
+  if (!how.empty()) compensation.emplace(team, how, period);
+  Loop loop(world, {solver}, clock, nowhere,
+            {.duration = 20.0, .compensation = compensation ? &*compensation : nullptr});
+  loop.run();
+  const auto x = world.x();
+  return norm(x[0] - alone.start[0], x[1] - alone.start[1]);
+}
+
+TEST(Compensation, leaves_no_offset_in_wind_from_anywhere_even_with_a_wrong_gain) {
+  for (int i = 0; i < 8; ++i) {
+    const double from = 0.25 * 3.141592653589793 * i;
+    const Vec3<double> wind = {0.75 * std::cos(from), 0.75 * std::sin(from), 0.0};
+    for (const double gain : {0.7, 1.0, 1.5}) {
+      SCOPED_TRACE(fmt::format("wind from {} rad, gain {}", from, gain));
+      const RobotCompensation how = {BodyId{0}, 0.1, 0.5};
+      EXPECT_GT(offset(Multirotor{}, wind, gain, {}), 0.1);
+      EXPECT_LT(offset(Multirotor{}, wind, gain, {how}), 1e-3);
+      EXPECT_LT(offset(VelocityMultirotor{}, wind, gain, {how}), 1e-3);
+    }
+  }
+}
+
+TEST(Compensation, takes_no_more_of_an_input_than_its_part_and_leaves_it_within_limits) {
+  const Alone alone(Multirotor{});
+  Watched watched(alone, {BodyId{0}, 0.0, 0.1}, {.wind = {50.0, 20.0, 0.0}});
+  for (int k = 0; k < 300; ++k) watched.step();
+  const Numbers low(4, -1.0), high(4, 1.0);
+  Numbers none(4), full(4, 1.0), back(4, -1.0);
+  watched.compensation.add(BodyId{0}, low, high, none);
+  double most = 0.0;
+  for (const double u : none) most = std::max(most, std::abs(u));
+  EXPECT_NEAR(most, Compensation::most_part, 1e-12);
+  for (Numbers* const u : {&full, &back}) {
+    watched.compensation.add(BodyId{0}, low, high, *u);
+    for (const double one : *u) EXPECT_LE(std::abs(one), 1.0);
+  }
+}
+
+TEST(Compensation, does_not_take_what_is_no_measurement) {
+  const Alone alone(Multirotor{});
+  Watched watched(alone, {BodyId{0}, 0.0, 0.5}, {});
+  for (int k = 0; k < 100; ++k) watched.step();
+  Numbers broken(watched.plant.x().begin(), watched.plant.x().end());
+  broken[5] = std::nan("");
+  watched.compensation.look(BodyId{0}, broken, 1.0);
+  EXPECT_LT(norm(watched.compensation.disturbance(BodyId{0})), 1e-6);
+  // A wild one moves the estimate by no more than its share of the greatest rate.
+  broken[5] = 1e6;
+  watched.compensation.look(BodyId{0}, broken, 1.0);
+  EXPECT_LT(norm(watched.compensation.disturbance(BodyId{0})), 20.0 * period / 0.5);
+}
+
+TEST(Compensation, carries_on_what_nobody_steers_over_the_longest_delay) {
+  Team team;
+  team.add(Multirotor{}, {.name = "quick"});
+  team.add(Multirotor{}, {.name = "slow"});
+  team.add(Obstacle{.name = "passing"});
+  Compensation compensation(team, {{BodyId{0}, 0.1}, {BodyId{1}, 0.3}}, period);
+  const Numbers x = {0, 0, 1, 1, 0, 0.5, 0, /**/ 0, 2, 1, 1, 0, 0, 0, /**/ 5, 5, 1, -1.0, 0.5, 0};
+  const auto met = compensation.ahead(0.0, x);
+  EXPECT_NEAR(met[14], 5 - 0.3, 1e-12);
+  EXPECT_NEAR(met[15], 5 + 0.15, 1e-12);
+  EXPECT_GT(met[0], 0.045);
+  EXPECT_LT(met[0], 0.05);
+}
+
+TEST(Compensation, refuses_what_cannot_be) {
+  Team team;
+  team.add(Multirotor{}, {.name = "uav0"});
+  team.add(Obstacle{.name = "rock"});
+  const auto refusal = [&](const std::vector<RobotCompensation>& robots) {
+    return refusal_of([&] { Compensation(team, robots, period); });
+  };
+  EXPECT_EQ(refusal({{BodyId{0}, 0.2, 0.5}}), "");
+  EXPECT_THAT(refusal({{BodyId{1}, 0.2}}), HasSubstr("body 1 is compensated, expected a robot of the team"));
+  EXPECT_THAT(refusal({{BodyId{0}}, {BodyId{0}}}), HasSubstr("uav0 is compensated twice, expected once"));
+  EXPECT_THAT(refusal({{BodyId{0}, 1.5}}), HasSubstr("command_delay of uav0 = 1.5, expected 0 to 1 s"));
+  EXPECT_THAT(refusal({{BodyId{0}, 0.0, 0.01}}),
+              HasSubstr("disturbance_time of uav0 = 0.01, expected 0.05 to 60 s"));
+}
+
+}  // namespace
+}  // namespace sightline
