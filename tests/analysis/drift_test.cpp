@@ -8,9 +8,9 @@
 namespace sightline {
 namespace {
 
-constexpr std::array<bool, 4> all = {true, true, true, true};
+constexpr std::array<bool, 4> all_four = {true, true, true, true};
 
-Flow two(double x) { return Flow({{{0, 0, 1}, 0.0, all}, {{x, 0, 1}, 3.1, all}}); }
+Flow two(double x) { return Flow({{{0, 0, 1}, 0.0, all_four}, {{x, 0, 1}, 3.1, all_four}}); }
 
 TEST(Flow, RobotsWithOneCostRestWhereItIsLeast) {
   Flow flow = two(5.0);
@@ -31,7 +31,7 @@ TEST(Flow, WhoFleesWhatFollowsGoesOnForEver) {
 }
 
 TEST(Flow, ABodyThatIsHeldComesToRestAndWhatCannotMoveStays) {
-  Flow flow({{{0, 0, 1}, 0.0, all}, {{1, 0, 1}, 3.1, {}}});
+  Flow flow({{{0, 0, 1}, 0.0, all_four}, {{1, 0, 1}, 3.1, {}}});
   flow.add({0, {0, 0, 1}, {1, 1, 1}});
   flow.add(1.0 * TooNear{.d_min = 3.0}, 0, 1, true, true);
   const Settled settled = flow.settle();

@@ -21,8 +21,8 @@ TEST(Reach, IsWhatTheInputsOfARobotChange) {
 }
 
 /// Two robots on the ground and in the air, with a limit between them that some feel.
-std::vector<std::string> told(const std::string& inside, const std::string& felt_by,
-                              const std::string& more = "") {
+std::vector<std::string> influence_warnings(const std::string& inside, const std::string& felt_by,
+                                            const std::string& more = "") {
   return limits_beyond_influence(parse_scenario(fmt::format(R"(
 [agent.rover]
 robot = "omni_rover"
@@ -43,32 +43,33 @@ slope = {{ softplus = {{}} }}
 }
 
 TEST(LimitsBeyondInfluence, ALimitOnTheTargetAloneThatItsObserverFeelsIsToldWithWhoCouldKeepIt) {
-  const auto sentences = told("target.v_x < 0.5 m/s", "rover");
+  const auto sentences = influence_warnings("target.v_x < 0.5 m/s", "rover");
   ASSERT_EQ(sentences.size(), 1u);
   EXPECT_THAT(sentences[0], HasSubstr("couple[0] region depends on v_x of uav, which rover cannot change"));
   EXPECT_THAT(sentences[0], HasSubstr("felt_by = [\"uav\"]"));
-  EXPECT_THAT(told("target.v_x < 0.5 m/s", "uav"), IsEmpty());
+  EXPECT_THAT(influence_warnings("target.v_x < 0.5 m/s", "uav"), IsEmpty());
 }
 
 TEST(LimitsBeyondInfluence, AHeightIsBeyondARoverAndWithinAMultirotor) {
-  EXPECT_EQ(told("r_z < 0.5 m", "rover").size(), 1u);
-  EXPECT_THAT(told("r_z < 0.5 m", "uav"), IsEmpty());
-  EXPECT_THAT(told("distance < 2 m", "rover"), IsEmpty());
+  EXPECT_EQ(influence_warnings("r_z < 0.5 m", "rover").size(), 1u);
+  EXPECT_THAT(influence_warnings("r_z < 0.5 m", "uav"), IsEmpty());
+  EXPECT_THAT(influence_warnings("distance < 2 m", "rover"), IsEmpty());
 }
 
 TEST(LimitsBeyondInfluence, TimeAloneIsInNobodySHands) {
-  EXPECT_THAT(told("t < 5 s", "uav").at(0), HasSubstr("no pose and no velocity"));
+  EXPECT_THAT(influence_warnings("t < 5 s", "uav").at(0), HasSubstr("no pose and no velocity"));
 }
 
 TEST(LimitsBeyondInfluence, ThoseOfConstraintsAndEventsAreToldToo) {
-  EXPECT_THAT(told("distance < 2 m", "rover",
-                   "[[constrain]]\nagent = \"rover\"\npotential = { altitude_band = {} }\n")
+  EXPECT_THAT(influence_warnings("distance < 2 m", "rover",
+                                 "[[constrain]]\nagent = \"rover\"\npotential = { altitude_band = {} }\n")
                   .at(0),
               HasSubstr("constrain[0] altitude_band depends on p_z of rover"));
   EXPECT_THAT(
-      told("distance < 2 m", "rover",
-           "[[event]]\nat = 1.0\nadd = { couple = { between = [\"rover\", \"uav\"], felt_by = [\"rover\"], "
-           "potential = { region = { inside = \"target.p_x < 1 m\" } } } }\n")
+      influence_warnings(
+          "distance < 2 m", "rover",
+          "[[event]]\nat = 1.0\nadd = { couple = { between = [\"rover\", \"uav\"], felt_by = [\"rover\"], "
+          "potential = { region = { inside = \"target.p_x < 1 m\" } } } }\n")
           .size(),
       1u);
 }

@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-const VerdictOptions quick = {.samples = 2000};
+const VerdictOptions few_samples = {.samples = 2000};
 
 Scenario twice_the_paper() {
   Scenario scenario;
@@ -27,7 +27,7 @@ Scenario twice_the_paper() {
 }
 
 TEST(JudgeCouplings, JudgesEqualPotentialsOnceAndOthersEach) {
-  const auto judged = judge_couplings(twice_the_paper().team, {}, quick);
+  const auto judged = judge_couplings(twice_the_paper().team, {}, few_samples);
   ASSERT_EQ(judged.size(), 5u);
   EXPECT_EQ(judged[3].same_as, 0u);
   for (const std::size_t i : {0u, 1u, 2u, 4u}) {
@@ -37,7 +37,7 @@ TEST(JudgeCouplings, JudgesEqualPotentialsOnceAndOthersEach) {
 }
 
 TEST(JudgeCouplings, LooksAtTheOneThatIsAskedFor) {
-  const auto judged = judge_couplings(twice_the_paper().team, 4, quick);
+  const auto judged = judge_couplings(twice_the_paper().team, 4, few_samples);
   ASSERT_EQ(judged.size(), 1u);
   EXPECT_EQ(judged[0].coupling, 4u);
   EXPECT_EQ(judged[0].verdict.name, "keep_out");
@@ -45,7 +45,8 @@ TEST(JudgeCouplings, LooksAtTheOneThatIsAskedFor) {
 
 TEST(VerdictJson, HasAnEntryForEachCouplingInOrder) {
   const Scenario scenario = twice_the_paper();
-  const auto json = nlohmann::json::parse(verdict_json(scenario, judge_couplings(scenario.team, {}, quick)));
+  const auto json =
+      nlohmann::json::parse(verdict_json(scenario, judge_couplings(scenario.team, {}, few_samples)));
   EXPECT_EQ(json.at("scenario"), scenario.name);
   ASSERT_EQ(json.at("couplings").size(), 5u);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(json.at("couplings")[i].at("couple"), i);
@@ -56,7 +57,7 @@ TEST(VerdictJson, HasAnEntryForEachCouplingInOrder) {
 
 TEST(PotentialPage, IsOneFileWithASectionForEachAndIdsThatDiffer) {
   const Scenario scenario = twice_the_paper();
-  const std::string page = potential_html(scenario, judge_couplings(scenario.team, {}, quick));
+  const std::string page = potential_html(scenario, judge_couplings(scenario.team, {}, few_samples));
   EXPECT_THAT(page, HasSubstr("a &lt;b&gt; &amp; c"));
   EXPECT_THAT(page, HasSubstr("couple[4] keep_out of uav1 and uav0"));
   EXPECT_THAT(page, HasSubstr("The same potential as couple[0]"));

@@ -12,7 +12,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// Robots a and b, b where it is told, and more.
-std::vector<std::string> told(const std::string& p, const std::string& more, const std::string& of_b = "") {
+std::vector<std::string> start_warnings(const std::string& p, const std::string& more,
+                                        const std::string& of_b = "") {
   return warnings_of_starts(parse_scenario(fmt::format(R"(
 [agent.a]
 robot = "multirotor"
@@ -30,30 +31,34 @@ constexpr const char* safety =
     "[safety]\nbarrier = \"on\"\nfloor = 0.3\nceiling = 3.0\nworld = 10.0\nd_hard = 0.6\n";
 
 TEST(Starts, BelowTheFloorAboveTheCeilingAndOutsideTheWorldAreTold) {
-  EXPECT_THAT(told("[2.0, 0.0, 0.1]", safety), ElementsAre(HasSubstr("0.2 m below the floor = 0.3 m")));
-  EXPECT_THAT(told("[2.0, 0.0, 3.5]", safety), ElementsAre(HasSubstr("0.5 m above the ceiling = 3 m")));
-  EXPECT_THAT(told("[0.0, -12.0, 1.0]", safety), ElementsAre(HasSubstr("2 m outside the world of 10 m")));
-  EXPECT_THAT(told("[2.0, 0.0, 1.0]", safety), IsEmpty());
+  EXPECT_THAT(start_warnings("[2.0, 0.0, 0.1]", safety),
+              ElementsAre(HasSubstr("0.2 m below the floor = 0.3 m")));
+  EXPECT_THAT(start_warnings("[2.0, 0.0, 3.5]", safety),
+              ElementsAre(HasSubstr("0.5 m above the ceiling = 3 m")));
+  EXPECT_THAT(start_warnings("[0.0, -12.0, 1.0]", safety),
+              ElementsAre(HasSubstr("2 m outside the world of 10 m")));
+  EXPECT_THAT(start_warnings("[2.0, 0.0, 1.0]", safety), IsEmpty());
 }
 
 TEST(Starts, WithinTheHardDistanceAreToldAndOfABodyWithItsOwnItCounts) {
-  EXPECT_THAT(told("[0.5, 0.0, 1.0]", safety), ElementsAre(HasSubstr("nearer than d_hard = 0.6 m")));
+  EXPECT_THAT(start_warnings("[0.5, 0.0, 1.0]", safety),
+              ElementsAre(HasSubstr("nearer than d_hard = 0.6 m")));
   const std::string wall = "[obstacle.wall]\np = [1.5, 0.0, 1.0]\nd_hard = 2.0\n";
-  EXPECT_THAT(told("[4.0, 0.0, 1.0]", safety + wall),
+  EXPECT_THAT(start_warnings("[4.0, 0.0, 1.0]", safety + wall),
               ElementsAre(HasSubstr("a starts 1.5 m from the start of wall")));
 }
 
 TEST(Starts, ABodyThatAnEventAddsWhereAnotherStartsIsTold) {
   const std::string join = "[[event]]\nname = \"join\"\nat = 3.0\nadd = \"b\"\n";
-  EXPECT_THAT(told("[0.0, 0.0, 1.0]", join, "present = false"),
+  EXPECT_THAT(start_warnings("[0.0, 0.0, 1.0]", join, "present = false"),
               ElementsAre(HasSubstr("b joins by the event \"join\" 0 m from the start of a")));
-  EXPECT_THAT(told("[0.0, 0.0, 1.0]", "", "present = false"), IsEmpty()) << "it is never there";
-  EXPECT_THAT(told("[2.0, 0.0, 1.0]", join, "present = false"), IsEmpty());
+  EXPECT_THAT(start_warnings("[0.0, 0.0, 1.0]", "", "present = false"), IsEmpty()) << "it is never there";
+  EXPECT_THAT(start_warnings("[2.0, 0.0, 1.0]", join, "present = false"), IsEmpty());
 }
 
 TEST(Starts, TwoRobotsInOnePlaceAreRefusedUnlessACampaignDrawsThem) {
   try {
-    (void)told("[0.0, 0.0, 1.0]", "");
+    (void)start_warnings("[0.0, 0.0, 1.0]", "");
     ADD_FAILURE() << "accepted";
   } catch (const ScenarioError& refusal) {
     EXPECT_STREQ(refusal.what(),

@@ -11,7 +11,7 @@
 namespace sightline {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double far_flight = 45.0;  // towards a target out of reach, in the 25 s of a run [m]
 
 /// What must come of a start.

@@ -10,6 +10,8 @@
 namespace sightline {
 namespace {
 
+using std::numbers::pi;
+
 constexpr int many = 20'000;
 
 std::vector<double> drawn(const Distribution& distribution, int count = many) {
@@ -56,13 +58,12 @@ TEST(Draw, ChoicesComeInTheirSharesAndNothingElseDoes) {
 }
 
 TEST(Draw, TheExactValueComesInItsShare) {
-  constexpr double pi = std::numbers::pi;
   const std::vector<double> values = drawn({.values = {-pi, pi}, .exactly = pi, .share = 0.1});
   EXPECT_NEAR(share(values, [](double v) { return v == pi; }), 0.1, chance_of(0.1));
   EXPECT_NEAR(share(values, [](double v) { return v < 0; }), 0.45, chance_of(0.45));
 }
 
-CampaignPlan plan() {
+CampaignPlan drawn_plan() {
   CampaignPlan some;
   some.starts = {{.agent = "a",
                   .around = "b",
@@ -77,12 +78,12 @@ CampaignPlan plan() {
 
 TEST(Draw, ARunIsMadeFromSeedAndIndexAlone) {
   for (const int index : {0, 1, 77, 999'999'999}) {
-    const RunDraw a = draw_run(plan(), 3, index), b = draw_run(plan(), 3, index);
+    const RunDraw a = draw_run(drawn_plan(), 3, index), b = draw_run(drawn_plan(), 3, index);
     EXPECT_EQ(a.index, index);
     EXPECT_EQ(a.seed, b.seed);
     EXPECT_EQ(a.values, b.values);
-    EXPECT_EQ(a.values.size(), drawn_names(plan()).size());
-    EXPECT_NE(draw_run(plan(), 4, index).values, a.values);
+    EXPECT_EQ(a.values.size(), drawn_names(drawn_plan()).size());
+    EXPECT_NE(draw_run(drawn_plan(), 4, index).values, a.values);
   }
 }
 
@@ -98,19 +99,19 @@ TEST(Draw, NoTwoRunsShareASeedAndEverySeedIsANumberAScenarioTakes) {
 }
 
 TEST(Draw, AnotherDrawInThePlanLeavesThoseBeforeItAsTheyWere) {
-  CampaignPlan more = plan();
+  CampaignPlan more = drawn_plan();
   more.draws.push_back({"y", {.values = {0.0, 1.0}}});
   for (int i = 0; i < 100; ++i) {
     std::vector<double> values = draw_run(more, 1, i).values;
     values.pop_back();
-    EXPECT_EQ(values, draw_run(plan(), 1, i).values);
+    EXPECT_EQ(values, draw_run(drawn_plan(), 1, i).values);
   }
 }
 
 TEST(Draw, ValuesOfOneRunDoNotGoTogether) {
   double mean = 0;
   for (int i = 0; i < many; ++i) {
-    const RunDraw run = draw_run(plan(), 1, i);
+    const RunDraw run = draw_run(drawn_plan(), 1, i);
     mean += run.values[3] * run.values[4] / many;  // v_f v_s, each of variance 1/3
   }
   EXPECT_NEAR(mean, 0.0, 5.0 / 3.0 / std::sqrt(many));

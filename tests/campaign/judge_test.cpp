@@ -60,10 +60,10 @@ class Flown {
   std::int64_t updates_ = 0;
 };
 
-CampaignPlan plan() { return {.duration = 1.0, .view_within = 0.5, .d_hard = 0.6, .braking = 0.6}; }
+CampaignPlan judged_plan() { return {.duration = 1.0, .view_within = 0.5, .d_hard = 0.6, .braking = 0.6}; }
 
 TEST(Judge, InViewInTimeAndAtTheEndIsRecovered) {
-  Flown flown(plan());
+  Flown flown(judged_plan());
   for (int i = 0; i < 30; ++i) flown.fly(-2.0);
   for (int i = 0; i < 30; ++i) flown.fly(2.0);
   for (int i = 0; i < 20; ++i) flown.fly(-3.0);  // may be out of view on the way
@@ -77,7 +77,7 @@ TEST(Judge, InViewInTimeAndAtTheEndIsRecovered) {
 }
 
 TEST(Judge, TooLateNotAtTheEndAndNeverAreLost) {
-  Flown late(plan()), gone(plan()), never(plan());
+  Flown late(judged_plan()), gone(judged_plan()), never(judged_plan());
   for (int i = 0; i < 51; ++i) late.fly(-2.0);
   late.fly_to_end(2.0);
   for (int i = 0; i < 99; ++i) gone.fly(2.0);
@@ -92,7 +92,7 @@ TEST(Judge, TooLateNotAtTheEndAndNeverAreLost) {
 }
 
 TEST(Judge, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrake) {
-  Flown close(plan());
+  Flown close(judged_plan());
   close.fly(2.0);
   for (int i = 0; i < 3; ++i) close.fly(0.5);
   close.fly_to_end(2.0);
@@ -101,7 +101,7 @@ TEST(Judge, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrake) {
   EXPECT_EQ(close.result().min_distance, 0.5);
 
   // From 0.5 m it could not; nor at 1.2 m/s with less than 1.2^2 / (2 0.6) = 1.2 m to go.
-  Flown near(plan()), fast(plan()), slower(plan());
+  Flown near(judged_plan()), fast(judged_plan()), slower(judged_plan());
   near.fly_to_end(0.5);
   fast.fly(0.6 + 1.19, 0.0, 1.2);
   fast.fly(0.5);
@@ -119,7 +119,7 @@ TEST(Judge, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrake) {
 }
 
 TEST(Judge, TheHardDistanceOfTheScenarioCountsBeforeThatOfTheCampaign) {
-  Flown wider(plan(), 1.0), narrower(plan(), 0.3);
+  Flown wider(judged_plan(), 1.0), narrower(judged_plan(), 0.3);
   for (Flown* flown : {&wider, &narrower}) {
     flown->fly(2.0);
     flown->fly(0.7);
@@ -132,7 +132,7 @@ TEST(Judge, TheHardDistanceOfTheScenarioCountsBeforeThatOfTheCampaign) {
 }
 
 TEST(Judge, WithoutAHardDistanceNothingIsTooClose) {
-  CampaignPlan free = plan();
+  CampaignPlan free = judged_plan();
   free.d_hard = 0.0;
   Flown flown(free);
   flown.fly(2.0);
@@ -144,13 +144,13 @@ TEST(Judge, WithoutAHardDistanceNothingIsTooClose) {
 
 TEST(Judge, InputsBeyondTheirLimitsAndWhatIsNotFiniteFail) {
   for (const double u : {1.0000001, -2.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    Flown flown(plan());
+    Flown flown(judged_plan());
     flown.fly(2.0, u);
     flown.fly_to_end(2.0);
     EXPECT_EQ(flown.result().outcome, Outcome::failed) << u;
     EXPECT_EQ(flown.result().violations, 1) << u;
   }
-  Flown state(plan()), plant(plan()), short_run(plan());
+  Flown state(judged_plan()), plant(judged_plan()), short_run(judged_plan());
   state.sample().x[2] = std::nan("");
   state.fly_to_end(2.0);
   EXPECT_EQ(state.result().outcome, Outcome::failed);
@@ -162,7 +162,7 @@ TEST(Judge, InputsBeyondTheirLimitsAndWhatIsNotFiniteFail) {
 
 TEST(Judge, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
   for (const int failed : {50, 51}) {
-    Flown flown(plan());
+    Flown flown(judged_plan());
     for (int i = 0; i < 100; ++i) {
       flown.sample().solvers[0].status = i < failed ? Status::not_finite : Status::stepped;
       flown.fly(2.0);
@@ -174,7 +174,7 @@ TEST(Judge, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
 
 TEST(Judge, AFloorCeilingOrBoundOfTheWorldThatIsBrokenFails) {
   const auto outcome = [](const Walls& walls, std::size_t state, double place) {
-    Flown flown(plan(), {}, walls);
+    Flown flown(judged_plan(), {}, walls);
     flown.fly(2.0);
     flown.sample().x[state] = place;
     flown.fly(state == 0 ? place + 2.0 : 2.0);
@@ -191,7 +191,7 @@ TEST(Judge, AFloorCeilingOrBoundOfTheWorldThatIsBrokenFails) {
 }
 
 TEST(Judge, ChatterAndDriftAreToldAndAreNoOutcome) {
-  CampaignPlan longer = plan();
+  CampaignPlan longer = judged_plan();
   longer.duration = 20.0;
   const auto result_of = [&](double climb_rate, double jump) {
     Flown flown(longer);
@@ -206,13 +206,13 @@ TEST(Judge, ChatterAndDriftAreToldAndAreNoOutcome) {
   EXPECT_EQ(result_of(0.0, 0.3).chatter, 1.0);
   EXPECT_NEAR(result_of(0.05, 0.0).drift, 0.05, 1e-9);
   EXPECT_EQ(result_of(0.05, 0.3).outcome, Outcome::recovered);
-  Flown brief(plan());
+  Flown brief(judged_plan());
   brief.fly_to_end(2.0);
   EXPECT_TRUE(std::isnan(brief.result().drift));
 }
 
 TEST(Judge, EnergyAndStatusesAreSummed) {
-  Flown flown(plan());
+  Flown flown(judged_plan());
   for (int i = 0; i < 100; ++i) {
     flown.sample().u = {0.0, 0.5, -0.25, 1.0};
     flown.sample().solvers[0].status = i % 4 == 0 ? Status::converged : Status::deadline;

@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-CampaignPlan plan() {
+CampaignPlan shown_plan() {
   CampaignPlan some{.duration = 1.0, .view_within = 0.8, .d_hard = 0.5};
   some.starts = {{.agent = "uav0",
                   .around = "uav1",
@@ -31,7 +31,7 @@ CampaignTable some_table(const std::filesystem::path& folder, const std::string&
   Scenario scenario;
   scenario.name = name;
   CampaignTable table{name, folder / (name + ".sqlite")};
-  RunTable runs(table.file, scenario, plan(), 1);
+  RunTable runs(table.file, scenario, shown_plan(), 1);
   for (int i = 0; i < 40; ++i) {
     RunResult result{.outcome = Outcome::recovered,
                      .min_distance = 1.0 + 0.01 * i,
@@ -42,7 +42,7 @@ CampaignTable some_table(const std::filesystem::path& folder, const std::string&
       result.outcome = i == 3 ? Outcome::failed : i == 7 ? Outcome::too_close : Outcome::lost;
       result.time_to_first_view = std::numeric_limits<double>::quiet_NaN();
     }
-    runs.add(draw_run(plan(), 1, i), result);
+    runs.add(draw_run(shown_plan(), 1, i), result);
   }
   runs.finish();
   return table;
@@ -91,7 +91,7 @@ TEST(CampaignPage, OutcomesThatDidNotComeAreNotListed) {
 
 TEST(CampaignPage, ItIsWellFormedAndHasItsFigures) {
   const auto folder = test::fresh_folder();
-  const std::string page = campaign_html({some_table(folder, "a"), some_table(folder, "b & c")}, plan(),
+  const std::string page = campaign_html({some_table(folder, "a"), some_table(folder, "b & c")}, shown_plan(),
                                          "sightline campaign x", "out");
   EXPECT_EQ(unbalanced(page), "");
   for (const char* part : {"Time to first view", "Least distance", "Fraction of the time in view",
@@ -104,7 +104,7 @@ TEST(CampaignPage, ItIsWellFormedAndHasItsFigures) {
 TEST(CampaignPage, TheWorstRunsComeFirstEachWithWhatFliesItAgain) {
   const auto folder = test::fresh_folder();
   const std::string page =
-      campaign_html({some_table(folder, "a")}, plan(), "sightline campaign x.toml --seed 5", "out/a");
+      campaign_html({some_table(folder, "a")}, shown_plan(), "sightline campaign x.toml --seed 5", "out/a");
   const auto at = [&](int run) {
     const std::string line = "sightline campaign x.toml --seed 5 --only " + std::to_string(run) +
                              " -o out/a/run_" + std::to_string(run);

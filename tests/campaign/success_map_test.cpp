@@ -9,7 +9,7 @@
 namespace sightline {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::int64_t runs(const SuccessMap& map) {
   return std::accumulate(map.cells.begin(), map.cells.end(), map.behind.runs,

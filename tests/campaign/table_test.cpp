@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path flown(const fs::path& file, int threads, int runs = 20) {
+fs::path flown_table(const fs::path& file, int threads, int runs = 20) {
   const Scenario scenario = small_campaign();
   RunTable table(file, scenario, *scenario.campaign, 9);
   fly_campaign(scenario, *scenario.campaign,
@@ -38,21 +38,21 @@ std::string refusal(const fs::path& file, const Scenario& scenario, std::uint64_
 
 TEST(RunTable, TheFileIsTheSameByteForByteWhateverTheNumberOfThreads) {
   const fs::path folder = test::fresh_folder();
-  const std::string one = test::read_file(flown(folder / "1.sqlite", 1));
+  const std::string one = test::read_file(flown_table(folder / "1.sqlite", 1));
   EXPECT_GT(one.size(), 8000U);
-  EXPECT_TRUE(test::read_file(flown(folder / "2.sqlite", 2)) == one);
-  EXPECT_TRUE(test::read_file(flown(folder / "1.sqlite", 5)) == one) << "the same again";
+  EXPECT_TRUE(test::read_file(flown_table(folder / "2.sqlite", 2)) == one);
+  EXPECT_TRUE(test::read_file(flown_table(folder / "1.sqlite", 5)) == one) << "the same again";
 }
 
 TEST(RunTable, GoesOnToTheSameBytesWhereverItStopped) {
   const fs::path folder = test::fresh_folder();
-  const std::string whole = test::read_file(flown(folder / "whole.sqlite", 1));
+  const std::string whole = test::read_file(flown_table(folder / "whole.sqlite", 1));
   for (const int stop : {1, 7, 19}) {
     const fs::path file = folder / "pieces.sqlite";
     fs::remove(file);
-    (void)flown(file, 1, stop);
-    (void)flown(file, 2, stop);
-    EXPECT_TRUE(test::read_file(flown(file, 1)) == whole) << stop;
+    (void)flown_table(file, 1, stop);
+    (void)flown_table(file, 2, stop);
+    EXPECT_TRUE(test::read_file(flown_table(file, 1)) == whole) << stop;
   }
 }
 
@@ -77,7 +77,7 @@ TEST(RunTable, ARowIsCommittedWithinASecondWithoutAnother) {
 }
 
 TEST(RunTable, ARowThatWasThereHoldsItsRunAndNoOther) {
-  const fs::path file = flown(test::fresh_folder() / "a.sqlite", 1);
+  const fs::path file = flown_table(test::fresh_folder() / "a.sqlite", 1);
   const Scenario scenario = small_campaign();
   const Variants variants(scenario, *scenario.campaign);
   Pilot pilot(variants, *scenario.campaign);
@@ -95,7 +95,7 @@ TEST(RunTable, ARowThatWasThereHoldsItsRunAndNoOther) {
 }
 
 TEST(RunTable, RunsOfAnotherCampaignAreRefusedAndStay) {
-  const fs::path folder = test::fresh_folder(), file = flown(folder / "a.sqlite", 1);
+  const fs::path folder = test::fresh_folder(), file = flown_table(folder / "a.sqlite", 1);
   const std::string before = test::read_file(file);
   Scenario scenario = small_campaign();
   const auto refused = [&](std::uint64_t seed = 9) { return refusal(file, scenario, seed); };
@@ -139,7 +139,7 @@ TEST(RunTable, ACampaignWithoutARunIsBegunAnew) {
 }
 
 TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
-  const fs::path file = flown(test::fresh_folder() / "a.sqlite", 2);
+  const fs::path file = flown_table(test::fresh_folder() / "a.sqlite", 2);
   Database database(file, Database::Open::as_it_is);
   std::vector<std::string> names;
   Database::Statement columns(database, "SELECT name FROM pragma_table_info('runs')");
@@ -160,7 +160,7 @@ TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
 }
 
 TEST(RunTable, ARowSaysWhatItsRunWas) {
-  const fs::path file = flown(test::fresh_folder() / "a.sqlite", 1);
+  const fs::path file = flown_table(test::fresh_folder() / "a.sqlite", 1);
   const Scenario scenario = small_campaign();
   const Variants variants(scenario, *scenario.campaign);
   Pilot pilot(variants, *scenario.campaign);

@@ -9,7 +9,7 @@
 namespace sightline {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 const std::string text = R"([agent.seer]  # looks
 robot = "multirotor"

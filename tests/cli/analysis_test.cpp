@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -12,13 +11,12 @@ namespace {
 
 using nlohmann::json;
 using test::fresh_folder;
+using test::lines;
 using test::read_file;
 using test::sightline;
 using testing::HasSubstr;
 using testing::Not;
 namespace fs = std::filesystem;
-
-long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
 TEST(PotentialCommand, LeavesThePaperSFiguresAndVerdict) {
   const fs::path folder = fresh_folder();

@@ -14,28 +14,21 @@
 #include "sightline/record/recording.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refused_scenarios.hpp"
+#include "tests/support/short_scenario.hpp"
 
 namespace sightline::cli {
 namespace {
 
 using nlohmann::json;
 using test::fresh_folder;
+using test::lines;
 using test::read_file;
 using test::shell;
+using test::short_scenario;
 using test::sightline;
 using testing::HasSubstr;
 using testing::Not;
 namespace fs = std::filesystem;
-
-long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
-
-/// paper_7_1 with another duration [s].
-fs::path short_scenario(const fs::path& folder, const std::string& duration) {
-  const std::string text = read_file(SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml");
-  const fs::path file = folder / "short.toml";
-  std::ofstream(file) << std::regex_replace(text, std::regex("duration = 60.0"), "duration = " + duration);
-  return file;
-}
 
 /// The summary of paper_7_1 as a solver flew it: the same task, done well.
 void expect_paper_7_1(const json& s, const std::string& solver, double cost, double in_view_from) {
@@ -68,7 +61,7 @@ TEST(Run, FliesThePaperAndLeavesItsFiles) {
 }
 
 TEST(Run, AComparisonIsTheFlightThatTheOtherSolverAloneWouldMake) {
-  const fs::path folder = fresh_folder(), scenario = short_scenario(folder, "2.0");
+  const fs::path folder = fresh_folder(), scenario = short_scenario(folder, "paper_7_1", "2.0");
   ASSERT_NE(sightline("run " + scenario.string() + " -o " + (folder / "a").string(), folder).code, 2);
   ASSERT_NE(
       sightline("run " + scenario.string() + " --solver cmscgmres -o " + (folder / "b").string(), folder)
@@ -221,7 +214,7 @@ TEST(Run, SameSeedSameLogByteForByte) {
 
 TEST(Run, ADiskThatIsFullIsSaidOnceAndTheLoopFinishes) {
   const fs::path folder = fresh_folder();
-  const fs::path scenario = short_scenario(folder, "2.0"), out = folder / "out";
+  const fs::path scenario = short_scenario(folder, "paper_7_1", "2.0"), out = folder / "out";
   const auto run =
       shell("ulimit -f 64; '" SIGHTLINE_BINARY "' run " + scenario.string() + " -o " + out.string(), folder);
   EXPECT_EQ(run.code, 1);
@@ -288,7 +281,7 @@ TEST(Run, ASolverThatGivesNoPlanForLongIsAFailureAndALatePlanIsTold) {
 
 TEST(Run, RealTimeTakesTheTimeItSays) {
   const fs::path folder = fresh_folder();
-  const fs::path scenario = short_scenario(folder, "2.0");
+  const fs::path scenario = short_scenario(folder, "paper_7_1", "2.0");
   const auto begin = std::chrono::steady_clock::now();
   const auto run =
       sightline("run --realtime " + scenario.string() + " -o " + (folder / "out").string(), folder);
@@ -301,7 +294,7 @@ TEST(Run, RealTimeTakesTheTimeItSays) {
 
 TEST(Report, IsMadeAgainFromTheFilesAlone) {
   const fs::path folder = fresh_folder();
-  const fs::path out = folder / "out", scenario = short_scenario(folder, "3.0");
+  const fs::path out = folder / "out", scenario = short_scenario(folder, "paper_7_1", "3.0");
   sightline("run " + scenario.string() + " -o " + out.string(), folder);
   fs::remove(scenario);
   const std::string first = read_file(out / "report.html");

@@ -4,11 +4,11 @@
 #include <sys/stat.h>
 
 #include <map>
-#include <regex>
 
 #include "sightline/record/recording.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/short_scenario.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -18,19 +18,12 @@ using test::Child;
 using test::eventually;
 using test::fresh_folder;
 using test::read_file;
+using test::short_scenario;
 using test::sightline;
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::string shipped = SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml";
-
-/// paper_7_1, which is compared with cmscgmres, with another duration [s].
-std::string flight_of(const std::string& duration, const fs::path& folder) {
-  const fs::path file = folder / "short.toml";
-  std::ofstream(file) << std::regex_replace(read_file(shipped), std::regex("duration = 60.0"),
-                                            "duration = " + duration);
-  return file.string();
-}
+const std::string paper_7_1 = SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml";
 
 /// All files within a folder, but for locks, with their contents.
 std::map<std::string, std::string> contents(const fs::path& folder) {
@@ -43,7 +36,7 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
 
 TEST(Folders, WhoeverWouldWriteWhereAFlightWritesIsRefusedBeforeItTouchesAnything) {
   const fs::path folder = fresh_folder(), out = folder / "out";
-  const std::string scenario = flight_of("60.0", folder);
+  const std::string scenario = short_scenario(folder, "paper_7_1", "60.0").string();
   Child flight({"run", "--realtime", scenario, "-o", out});
   ASSERT_TRUE(eventually([&] { return fs::exists(out / "run.mcap"); }));
   const auto inode = [&] {
@@ -79,7 +72,7 @@ TEST(Folders, WhoeverWouldWriteWhereAFlightWritesIsRefusedBeforeItTouchesAnythin
 
 TEST(Folders, AFlightAgainReplacesAllOfTheOneBefore) {
   const fs::path folder = fresh_folder(), out = folder / "out", fresh = folder / "fresh";
-  const std::string scenario = flight_of("1.0", folder);
+  const std::string scenario = short_scenario(folder, "paper_7_1", "1.0").string();
   (void)sightline("run " + scenario + " --seed 2 -o " + out.string(), folder);
   std::ofstream(out / "partition.json") << "of another flight";
   (void)sightline("run " + scenario + " --solver cmscgmres -o " + out.string(), folder);
@@ -91,7 +84,7 @@ TEST(Folders, AFlightAgainReplacesAllOfTheOneBefore) {
 
 TEST(Folders, WhatIsNoFileIsRefusedAndNotWaitedFor) {
   const fs::path folder = fresh_folder(), out = folder / "out";
-  const std::string scenario = flight_of("1.0", folder);
+  const std::string scenario = short_scenario(folder, "paper_7_1", "1.0").string();
   const auto refused = [&](const std::string& words, const fs::path& place) {
     fs::create_directories(place.parent_path());
     for (const char* make : {"mkfifo ", "mkdir ", "ln -s /dev/full ", "ln -s /dev/zero "}) {
@@ -115,7 +108,8 @@ TEST(Folders, WhatIsNoFileIsRefusedAndNotWaitedFor) {
 
 TEST(Folders, AReportWaitsForNoPipe) {
   const fs::path folder = fresh_folder(), out = folder / "out";
-  (void)sightline("run " + flight_of("1.0", folder) + " -o " + out.string(), folder);
+  (void)sightline("run " + short_scenario(folder, "paper_7_1", "1.0").string() + " -o " + out.string(),
+                  folder);
   const std::string report = "timeout 20 '" SIGHTLINE_BINARY "' report " + out.string();
   for (const auto& [name, code] : {std::pair{"timing.csv", 2},
                                    {"summary.json", 2},
@@ -133,7 +127,7 @@ TEST(Folders, AReportWaitsForNoPipe) {
 TEST(Folders, AFolderThatTakesNoFilesIsNoticedBeforeTheFlight) {
   const fs::path folder = fresh_folder();
   for (const std::string& words :
-       {"run " + flight_of("1.0", folder), "potential " + shipped,
+       {"run " + short_scenario(folder, "paper_7_1", "1.0").string(), "potential " + paper_7_1,
         std::string("campaign scenarios/cooperative_localization.toml --runs 1")}) {
     const auto done = sightline(words + " -o /proc/self", folder);
     EXPECT_EQ(done.code, 2) << words;
@@ -144,7 +138,8 @@ TEST(Folders, AFolderThatTakesNoFilesIsNoticedBeforeTheFlight) {
 
 TEST(Folders, AReportThatFailsLeavesTheOneBefore) {
   const fs::path folder = fresh_folder(), out = folder / "out";
-  (void)sightline("run " + flight_of("1.0", folder) + " -o " + out.string(), folder);
+  (void)sightline("run " + short_scenario(folder, "paper_7_1", "1.0").string() + " -o " + out.string(),
+                  folder);
   const auto before = contents(out);
   EXPECT_EQ(test::shell("PATH=/nowhere '" SIGHTLINE_BINARY "' report " + out.string(), folder).code, 1);
   EXPECT_EQ(test::shell("ulimit -f 8; '" SIGHTLINE_BINARY "' report " + out.string(), folder).code, 1);
@@ -154,7 +149,7 @@ TEST(Folders, AReportThatFailsLeavesTheOneBefore) {
 // Ended at any moment, by whatever signal: nothing is left elsewhere, and in the folder what opens.
 TEST(Folders, ASignalLeavesNothingInTheFolderForTemporaryFiles) {
   const fs::path folder = fresh_folder(), out = folder / "out", temporary = folder / "tmp";
-  const std::string scenario = flight_of("1.0", folder);
+  const std::string scenario = short_scenario(folder, "paper_7_1", "1.0").string();
   fs::create_directory(temporary);
   ::setenv("TMPDIR", temporary.c_str(), 1);
   for (const int signal : {SIGTERM, SIGINT, SIGKILL}) {

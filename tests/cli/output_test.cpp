@@ -6,11 +6,10 @@
 #include <pty.h>
 #include <sys/socket.h>
 
-#include <regex>
-
 #include "sightline/record/recording.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/short_scenario.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -20,19 +19,10 @@ using test::Child;
 using test::eventually;
 using test::fresh_folder;
 using test::shell;
+using test::short_scenario;
 using testing::HasSubstr;
 
 const std::string binary = "'" SIGHTLINE_BINARY "' ";
-
-/// A shipped scenario with another duration [s].
-std::string flight_of(const std::string& duration, const fs::path& folder,
-                      const std::string& name = "paper_7_1_joint") {
-  const fs::path file = folder / (name + ".toml");
-  std::ofstream(file) << std::regex_replace(
-      test::read_file(SIGHTLINE_SOURCE_DIR "/scenarios/" + name + ".toml"), std::regex("duration = 60.0"),
-      "duration = " + duration);
-  return file.string();
-}
 
 TEST(Output, ResultsThatNobodyGetsAreAFailureThatIsSaid) {
   const fs::path folder = fresh_folder();
@@ -62,7 +52,8 @@ TEST(Output, ARefusalIsOneWhoeverHearsIt) {
 
 TEST(Output, NoFileOfOursIsOpenedInPlaceOfAClosedStream) {
   const fs::path folder = fresh_folder(), open = folder / "open", closed = folder / "closed";
-  const std::string run = binary + "run " + flight_of("0.5", folder) + " -o ";
+  const std::string run =
+      binary + "run " + short_scenario(folder, "paper_7_1_joint", "0.5").string() + " -o ";
   (void)shell(run + open.string(), folder);
   EXPECT_EQ(shell(run + closed.string() + " <&- >&- 2>&-", folder).code, 1);
   const std::string log = test::read_file(open / "run.mcap");
@@ -72,9 +63,10 @@ TEST(Output, NoFileOfOursIsOpenedInPlaceOfAClosedStream) {
 
 TEST(Output, AFileThatMayNotGrowIsToldAndNoSignal) {
   const fs::path folder = fresh_folder();
-  const auto run = shell(
-      "ulimit -f 64; " + binary + "run " + flight_of("2.0", folder) + " -o " + (folder / "out").string(),
-      folder);
+  const auto run =
+      shell("ulimit -f 64; " + binary + "run " + short_scenario(folder, "paper_7_1_joint", "2.0").string() +
+                " -o " + (folder / "out").string(),
+            folder);
   EXPECT_EQ(run.code, 1);
   EXPECT_THAT(run.err, testing::ContainsRegex("run.mcap: cannot be written at byte [0-9]+: File too large"));
   EXPECT_TRUE(fs::exists(folder / "out" / "summary.json"));
@@ -86,7 +78,8 @@ TEST(Output, AStreamThatNobodyReadsHoldsNothingUp) {
   const fs::path folder = fresh_folder();
   for (const char* kind : {"pipe", "socket", "terminal"}) {
     // Beside its comparisons the first tells of three faults, of which each may wait.
-    const std::string scenario = flight_of("0.5", folder, *kind == 'p' ? "paper_7_1" : "paper_7_1_joint");
+    const std::string scenario =
+        short_scenario(folder, *kind == 'p' ? "paper_7_1" : "paper_7_1_joint", "0.5");
     int ends[2];  // we, they
     const int made = *kind == 'p'   ? ::pipe(ends)
                      : *kind == 's' ? ::socketpair(AF_UNIX, SOCK_STREAM, 0, ends)
@@ -115,7 +108,8 @@ TEST(Output, AStreamThatNobodyReadsHoldsNothingUp) {
 TEST(Output, ATerminalThatHangsUpEndsNoFlight) {
   const fs::path folder = fresh_folder();
   int terminal = -1;
-  const std::string scenario = flight_of("1.0", folder), out = folder / "out";
+  const std::string scenario = short_scenario(folder, "paper_7_1_joint", "1.0").string(),
+                    out = folder / "out";
   const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);
   ASSERT_GE(child, 0);
   if (child == 0) {

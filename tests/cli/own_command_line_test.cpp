@@ -15,7 +15,7 @@ using test::read_file;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-const std::string scenario = "examples/own_parts.toml";
+const std::string own_parts = "examples/own_parts.toml";
 
 test::CommandResult own(const std::string& arguments, const fs::path& folder) {
   return test::shell("'" SIGHTLINE_EXAMPLES "/own_command_line' " + arguments, folder);
@@ -23,7 +23,7 @@ test::CommandResult own(const std::string& arguments, const fs::path& folder) {
 
 /// The scenario with another text in one place.
 std::string with(const fs::path& folder, const std::string& what, const std::string& instead) {
-  std::string text = read_file(fs::path(SIGHTLINE_SOURCE_DIR) / scenario);
+  std::string text = read_file(fs::path(SIGHTLINE_SOURCE_DIR) / own_parts);
   const std::size_t place = text.find(what);
   EXPECT_NE(place, std::string::npos) << what;
   text.replace(place, what.size(), instead);
@@ -42,7 +42,7 @@ std::string refusal(const std::string& what, const std::string& instead) {
 
 TEST(OwnCommandLine, flies_a_scenario_with_a_robot_a_potential_and_a_reference_of_its_own) {
   const fs::path folder = fresh_folder();
-  const auto run = own("run " + scenario + " -o " + (folder / "out").string(), folder);
+  const auto run = own("run " + own_parts + " -o " + (folder / "out").string(), folder);
   EXPECT_EQ(run.code, 0) << run.err;
   const auto summary = nlohmann::json::parse(read_file(folder / "out/summary.json"));
   EXPECT_EQ(summary.at("updates"), 1500);
@@ -58,15 +58,15 @@ TEST(OwnCommandLine, flies_a_scenario_with_a_robot_a_potential_and_a_reference_o
 
 TEST(OwnCommandLine, every_other_command_knows_the_words_too) {
   const fs::path folder = fresh_folder();
-  const auto check = own("check " + scenario, folder);
+  const auto check = own("check " + own_parts, folder);
   EXPECT_EQ(check.code, 0) << check.err;
   EXPECT_THAT(check.out, HasSubstr("agent       blimp: blimp, 7 states, 3 inputs"));
   EXPECT_THAT(check.out, HasSubstr("couple      1 halo"));
-  EXPECT_EQ(own("check --print " + scenario, folder).code, 0);
-  const auto explain = own("explain " + scenario, folder);
+  EXPECT_EQ(own("check --print " + own_parts, folder).code, 0);
+  const auto explain = own("explain " + own_parts, folder);
   EXPECT_EQ(explain.code, 0) << explain.err;
   EXPECT_THAT(explain.out, HasSubstr("halo"));
-  const auto potential = own("potential " + scenario + " -o " + (folder / "potential").string(), folder);
+  const auto potential = own("potential " + own_parts + " -o " + (folder / "potential").string(), folder);
   EXPECT_EQ(potential.code, 0) << potential.err;
   EXPECT_TRUE(fs::exists(folder / "potential/index.html"));
   EXPECT_EQ(own("version", folder).code, 0);
@@ -87,12 +87,12 @@ TEST(OwnCommandLine, every_other_command_knows_the_words_too) {
 TEST(OwnCommandLine, a_campaign_reads_the_words_again_in_each_of_its_runs) {
   const fs::path folder = fresh_folder();
   const auto campaign =
-      own("campaign " + scenario + " --runs 4 --seed 3 -o " + (folder / "campaign").string(), folder);
+      own("campaign " + own_parts + " --runs 4 --seed 3 -o " + (folder / "campaign").string(), folder);
   EXPECT_NE(campaign.code, 2) << campaign.err;
   EXPECT_TRUE(fs::exists(folder / "campaign/campaign.sqlite"));
   EXPECT_THAT(campaign.out, HasSubstr("4"));
   const auto one =
-      own("campaign " + scenario + " --runs 4 --seed 3 --only 2 -o " + (folder / "run").string(), folder);
+      own("campaign " + own_parts + " --runs 4 --seed 3 --only 2 -o " + (folder / "run").string(), folder);
   EXPECT_NE(one.code, 2) << one.err;
   EXPECT_TRUE(fs::exists(folder / "run/run.mcap"));
 }
@@ -117,7 +117,7 @@ TEST(OwnCommandLine, what_is_wrong_with_an_own_part_is_refused_at_its_line) {
 
 TEST(OwnCommandLine, the_command_line_of_the_library_does_not_know_them) {
   const fs::path folder = fresh_folder();
-  const auto check = test::sightline("check " + scenario, folder);
+  const auto check = test::sightline("check " + own_parts, folder);
   EXPECT_EQ(check.code, 2);
   EXPECT_THAT(check.err, HasSubstr("agent.blimp.robot = \"blimp\", expected one of"));
 }

@@ -9,18 +9,18 @@
 namespace sightline {
 namespace {
 
-struct Outcome {
+struct RecoveryCount {
   int starts = 0, recovered = 0, unsound = 0;
   double last_view = 0.0;  ///< latest first view [s]
   std::string lost{};
 };
 
-Outcome campaign(const std::string& scenario, TargetMotion motion) {
+RecoveryCount campaign(const std::string& scenario, TargetMotion motion) {
   const std::filesystem::path file =
       std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "scenarios" / (scenario + ".toml");
   const Scenario flown = with_target(test::read_file(file), motion);
   Random random(7);
-  Outcome outcome{.starts = whole_campaign() ? 2000 : 100};
+  RecoveryCount outcome{.starts = whole_campaign() ? 2000 : 100};
   for (int trial = 0; trial < outcome.starts; ++trial) {
     const RecoveryStart start = recovery_start(random, trial);
     const Recovery flight = recover(flown, start);
@@ -39,7 +39,7 @@ class Recoveries : public testing::TestWithParam<TargetMotion> {};
 INSTANTIATE_TEST_SUITE_P(Targets, Recoveries, testing::Values(TargetMotion::at_rest, TargetMotion::circling));
 
 TEST_P(Recoveries, WithSlopesEveryStartEndsWithTheTargetInView) {
-  const Outcome outcome = campaign("cooperative_localization", GetParam());
+  const RecoveryCount outcome = campaign("cooperative_localization", GetParam());
   EXPECT_EQ(outcome.lost, "");
   EXPECT_EQ(outcome.unsound, 0);
   EXPECT_LE(outcome.last_view, 5.0);
@@ -47,7 +47,7 @@ TEST_P(Recoveries, WithSlopesEveryStartEndsWithTheTargetInView) {
 }
 
 TEST_P(Recoveries, WithThePapersPotentialsMostStartsLoseTheTarget) {
-  const Outcome outcome = campaign("paper_7_1", GetParam());
+  const RecoveryCount outcome = campaign("paper_7_1", GetParam());
   RecordProperty("recovered", outcome.recovered);
   EXPECT_LT(outcome.recovered, outcome.starts * 6 / 10);
   EXPECT_GT(outcome.recovered, outcome.starts / 4);

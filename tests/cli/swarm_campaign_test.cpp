@@ -7,25 +7,24 @@
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/swap_team.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr Horizon horizon{.T = 1.0, .N = 20, .dt = 0.01};
-
-struct Outcome {
+struct SwapOutcome {
   double least = 1e9, arrival = 0.0;  // [m], [s]
   int pairs = 0, near = 0;            // most along the plans; most nearer than the radius at one time
   int left_out = 0;
 };
 
-Outcome flown(Solver& solver, const Swap& swap, const std::vector<double>& x0, double seconds) {
-  Outcome o;
-  fly(solver, x0, static_cast<int>(seconds / horizon.dt),
+SwapOutcome flown_swap(Solver& solver, const Swap& swap, const std::vector<double>& x0, double seconds) {
+  SwapOutcome o;
+  fly(solver, x0, static_cast<int>(seconds / default_horizon.dt),
       [&](double t, const std::vector<double>& x, const Solution& s) {
         o.least = std::min(o.least, swap.least_distance(x));
-        if (swap.to_go(x) > 0.3) o.arrival = t + horizon.dt;
+        if (swap.to_go(x) > 0.3) o.arrival = t + default_horizon.dt;
         o.pairs = std::max(o.pairs, s.neighbours.pairs);
         o.near = std::max(o.near, swap.pairs_within(x, Swap::radius));
         o.left_out = std::max(o.left_out, s.neighbours.left_out);
@@ -39,7 +38,7 @@ TEST(SwarmFlights, TheShippedScenarioKeepsItsWord) {
   ASSERT_EQ(scenario.x0.size(), swap.x0.size());
   for (std::size_t i = 0; i < swap.x0.size(); ++i) EXPECT_NEAR(scenario.x0[i], swap.x0[i], 1e-3);
   const auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
-  const Outcome o = flown(*solver, swap, scenario.x0, 40.0);
+  const SwapOutcome o = flown_swap(*solver, swap, scenario.x0, 40.0);
   EXPECT_GE(o.least, Swap::d_hard);
   EXPECT_LE(o.arrival, 40.0 - 1.0);
   EXPECT_GE(o.pairs, 90);
@@ -50,8 +49,8 @@ TEST(SwarmFlights, TheShippedScenarioKeepsItsWord) {
 TEST(SwarmFlights, FromScatteredStartsAllArriveAndNoneComesTooNear) {
   for (int seed = 1; seed <= (whole_campaign() ? 100 : 3); ++seed) {
     const Swap swap(32, 8.0, 0.25, 0.4, static_cast<std::uint64_t>(seed));
-    NewtonRiccati solver(swap.team, horizon);
-    const Outcome o = flown(solver, swap, swap.x0, 40.0);
+    NewtonRiccati solver(swap.team, default_horizon);
+    const SwapOutcome o = flown_swap(solver, swap, swap.x0, 40.0);
     EXPECT_GE(o.least, Swap::d_hard) << seed;
     EXPECT_LE(o.arrival, 39.0) << seed;
     EXPECT_EQ(o.left_out, 0) << seed;

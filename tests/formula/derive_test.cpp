@@ -14,21 +14,21 @@
 namespace sightline {
 namespace {
 
-constexpr int n = 4;
+constexpr int variable_count = 4;
 
-/// A random formula, recorded over n inputs, at a random point.
-struct Recorded {
-  explicit Recorded(Random& random, int operations)
-      : x(uniform_array<n>(random, -1.5, 1.5)), formula(random, x, operations) {
-    for (int i = 0; i < n; ++i) inputs.push_back(graph.input(i));
-    out = formula(variables(graph, 0, n)).in(graph);
+/// A random formula, recorded over all its inputs, at a random point.
+struct RecordedFormula {
+  explicit RecordedFormula(Random& random, int operations)
+      : x(uniform_array<variable_count>(random, -1.5, 1.5)), formula(random, x, operations) {
+    for (int i = 0; i < variable_count; ++i) inputs.push_back(graph.input(i));
+    out = formula(variables(graph, 0, variable_count)).in(graph);
   }
 
   std::vector<double> at_point(const std::vector<Term>& outputs) const {
-    return evaluate({graph, outputs, n}, x);
+    return evaluate({graph, outputs, variable_count}, x);
   }
 
-  std::array<double, n> x;
+  std::array<double, variable_count> x;
   Formula formula;
   Graph graph;
   std::vector<Term> inputs;
@@ -38,15 +38,15 @@ struct Recorded {
 TEST(Derive, GradientAndHessianAreTheCentralDifferences) {
   Random random(1);
   for (int k = 0; k < 3000; ++k) {
-    Recorded f(random, 1 + static_cast<int>(random() % 24));
+    RecordedFormula f(random, 1 + static_cast<int>(random() % 24));
     const Derivatives d = derive(f.graph, f.out, f.inputs);
     const auto first = f.at_point(d.first), second = f.at_point(d.second);
     CentralDifference difference(f.formula, f.x);
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < variable_count; ++i) {
       const auto row = static_cast<std::size_t>(i);
       ASSERT_LE(relative_error(first[row], difference.first(row)), 1e-8) << k << ' ' << i;
-      for (int j = i; j < n; ++j) {
-        const double entry = second[static_cast<std::size_t>(upper_index(i, j, n))];
+      for (int j = i; j < variable_count; ++j) {
+        const double entry = second[static_cast<std::size_t>(upper_index(i, j, variable_count))];
         ASSERT_LE(relative_error(entry, difference.second(row, static_cast<std::size_t>(j))), 1e-6)
             << k << i << j;
       }
@@ -65,16 +65,17 @@ TEST(Derive, AThirdDerivativeOfARelaxedLogIsRefused) {
 TEST(Derive, TheHessianIsTheGradientOfTheGradient) {
   Random random(2);
   for (int k = 0; k < 2000; ++k) {
-    Recorded f(random, 1 + static_cast<int>(random() % 24));
+    RecordedFormula f(random, 1 + static_cast<int>(random() % 24));
     const auto nodes = f.graph.nodes();
     const auto once = [](const Node& node) { return node.op == Op::relaxed_log; };
     if (std::any_of(nodes.begin(), nodes.end(), once)) continue;  // its slope is not derived again
     const auto second = f.at_point(derive(f.graph, f.out, f.inputs).second);
     const auto first = gradient(f.graph, f.out, f.inputs);
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < variable_count; ++i) {
       const auto row = f.at_point(gradient(f.graph, first[static_cast<std::size_t>(i)], f.inputs));
-      for (int j = 0; j < n; ++j) {
-        const double entry = second[static_cast<std::size_t>(upper_index(std::min(i, j), std::max(i, j), n))];
+      for (int j = 0; j < variable_count; ++j) {
+        const double entry =
+            second[static_cast<std::size_t>(upper_index(std::min(i, j), std::max(i, j), variable_count))];
         ASSERT_LE(relative_error(entry, row[static_cast<std::size_t>(j)]), 1e-10)
             << k << ' ' << i << ' ' << j;
       }
@@ -85,7 +86,7 @@ TEST(Derive, TheHessianIsTheGradientOfTheGradient) {
 TEST(Derive, GradientAndDeriveNameTheSameTerms) {
   Random random(3);
   for (int k = 0; k < 1000; ++k) {
-    Recorded f(random, 16);
+    RecordedFormula f(random, 16);
     const auto first = gradient(f.graph, f.out, f.inputs);
     EXPECT_EQ(derive(f.graph, f.out, f.inputs).first, first);
   }
@@ -94,7 +95,7 @@ TEST(Derive, GradientAndDeriveNameTheSameTerms) {
 TEST(Derive, DerivativesOfTheNegativeAreTheNegatives) {
   Random random(4);
   for (int k = 0; k < 500; ++k) {
-    Recorded f(random, 12);
+    RecordedFormula f(random, 12);
     const Derivatives plus = derive(f.graph, f.out, f.inputs), minus = derive(f.graph, -f.out, f.inputs);
     const auto a = f.at_point(plus.second), b = f.at_point(minus.second);
     for (std::size_t i = 0; i < a.size(); ++i) EXPECT_LE(relative_error(a[i], -b[i]), 1e-12);

@@ -18,11 +18,12 @@ Program two_outputs(double c) {
   return Program(graph, outputs, 2);
 }
 
-const std::array<Block, 1> in = {Block{"in", 2}}, out = {Block{"out", 2}};
+const std::array<Block, 1> block_in = {Block{"in", 2}}, block_out = {Block{"out", 2}};
 
 TEST(Emit, ProgramsOfOneStructureDifferInTheirConstantsAlone) {
   EXPECT_EQ(structure(two_outputs(0.3)), structure(two_outputs(0.7)));
-  EXPECT_EQ(emit(two_outputs(0.3), "f", in, out), emit(two_outputs(0.7), "f", in, out));
+  EXPECT_EQ(emit(two_outputs(0.3), "f", block_in, block_out),
+            emit(two_outputs(0.7), "f", block_in, block_out));
   EXPECT_NE(two_outputs(0.3), two_outputs(0.7));
 }
 
@@ -32,13 +33,13 @@ TEST(Emit, AnOperationThatFallsAwayIsAnotherStructure) {
 }
 
 TEST(Emit, NoNumberOfTheFormulaIsPrinted) {
-  const std::string text = emit(two_outputs(0.31415), "f", in, out);
+  const std::string text = emit(two_outputs(0.31415), "f", block_in, block_out);
   EXPECT_EQ(text.find("31415"), std::string::npos);
   EXPECT_NE(text.find("constants[0]"), std::string::npos);
 }
 
 TEST(Emit, EveryOutputIsStoredOnce) {
-  const std::string text = emit(two_outputs(0.3), "f", in, out);
+  const std::string text = emit(two_outputs(0.3), "f", block_in, block_out);
   for (const char* place : {".store(out + 0 * L::width)", ".store(out + 1 * L::width)"}) {
     const std::size_t first = text.find(place);
     ASSERT_NE(first, std::string::npos) << text;
@@ -49,7 +50,7 @@ TEST(Emit, EveryOutputIsStoredOnce) {
 TEST(Emit, AnInputOrAConstantMayBeAnOutput) {
   Graph graph;
   const std::array<Term, 2> outputs = {-graph.input(1), graph.constant(2.0)};
-  const std::string text = emit(Program(graph, outputs, 2), "f", in, out);
+  const std::string text = emit(Program(graph, outputs, 2), "f", block_in, block_out);
   EXPECT_NE(text.find("(-L::load(in + 1 * L::width)).store(out + 0 * L::width)"), std::string::npos) << text;
   EXPECT_NE(text.find("(L(constants[0])).store(out + 1 * L::width)"), std::string::npos) << text;
 }

@@ -14,21 +14,19 @@
 namespace sightline {
 namespace {
 
-constexpr int n = 3;
-
 /// A random formula with its derivatives, as a program.
-struct Recorded {
-  explicit Recorded(Random& random, int operations)
-      : formula(random, uniform_array<n>(random, -1.5, 1.5), operations) {
+struct DerivedProgram {
+  explicit DerivedProgram(Random& random, int operations)
+      : formula(random, uniform_array<input_count>(random, -1.5, 1.5), operations) {
     Graph graph;
-    const auto symbols = variables(graph, 0, n);
+    const auto symbols = variables(graph, 0, input_count);
     std::vector<Term> inputs;
     for (const Symbol& s : symbols) inputs.push_back(s.in(graph));
     std::vector<Term> outputs = {formula(symbols).in(graph)};
     const Derivatives d = derive(graph, outputs[0], inputs);
     outputs.insert(outputs.end(), d.first.begin(), d.first.end());
     outputs.insert(outputs.end(), d.second.begin(), d.second.end());
-    program = Program(graph, outputs, n);
+    program = Program(graph, outputs, input_count);
   }
 
   Formula formula;
@@ -51,8 +49,8 @@ TEST(Interpret, OnLanesAFormulaIsWhatItIsOnPlainNumbers) {
   int tested = 0;
   constexpr int formulas = 2000;
   for (int k = 0; k < formulas; ++k) {
-    const Recorded f(random, 1 + static_cast<int>(random() % 24));
-    Rows in(n, length);
+    const DerivedProgram f(random, 1 + static_cast<int>(random() % 24));
+    Rows in(input_count, length);
     for (double& v : in.all()) v = uniform(random, -1.5, 1.5);
     const Rows out = run(f.program, in, length);
     for (int point = 0; point < length; ++point) {
@@ -68,8 +66,8 @@ TEST(Interpret, OnLanesAFormulaIsWhatItIsOnPlainNumbers) {
 TEST(Interpret, APointHasTheSameBitsInARowOfAnyLength) {
   Random random(2);
   for (int k = 0; k < 30; ++k) {
-    const Recorded f(random, 16);
-    Rows in(n, 100);
+    const DerivedProgram f(random, 16);
+    Rows in(input_count, 100);
     for (double& v : in.all()) v = uniform(random, -1.5, 1.5);
     const Rows whole = run(f.program, in, 100);
     for (int length = 1; length <= 100; ++length) {
@@ -84,14 +82,14 @@ TEST(Interpret, APointHasTheSameBitsInARowOfAnyLength) {
 TEST(Interpret, APointHasTheSameBitsAtAnyPlaceOfARow) {
   Random random(3);
   for (int k = 0; k < 100; ++k) {
-    const Recorded f(random, 16);
-    const auto x = uniform_array<n>(random, -1.5, 1.5);
+    const DerivedProgram f(random, 16);
+    const auto x = uniform_array<input_count>(random, -1.5, 1.5);
     const auto alone = evaluate(f.program, x);
     const int length = 1 + static_cast<int>(random() % 100);
     const int at = static_cast<int>(random() % static_cast<std::uint64_t>(length));
-    Rows in(n, length);
+    Rows in(input_count, length);
     for (double& v : in.all()) v = uniform(random, -1.5, 1.5);
-    for (int i = 0; i < n; ++i) in[i][at] = x[static_cast<std::size_t>(i)];
+    for (int i = 0; i < input_count; ++i) in[i][at] = x[static_cast<std::size_t>(i)];
     const Rows out = run(f.program, in, length);
     for (int o = 0; o < f.program.outputs(); ++o) {
       EXPECT_TRUE(same_bits(out[o][at], alone[static_cast<std::size_t>(o)]));
@@ -102,12 +100,12 @@ TEST(Interpret, APointHasTheSameBitsAtAnyPlaceOfARow) {
 TEST(Interpret, InputsAreLeftAsTheyWereAndASecondRunGivesTheSame) {
   Random random(4);
   for (int k = 0; k < 100; ++k) {
-    const Recorded f(random, 20);
-    Rows in(n, 37), out(f.program.outputs(), 37);
+    const DerivedProgram f(random, 20);
+    Rows in(input_count, 37), out(f.program.outputs(), 37);
     for (double& v : in.all()) v = uniform(random, -1.5, 1.5);
     const std::vector<double> before(in.all().begin(), in.all().end());
     Evaluation evaluation(f.program, 37);
-    for (int i = 0; i < n; ++i) evaluation.input(i, in[i]);
+    for (int i = 0; i < input_count; ++i) evaluation.input(i, in[i]);
     for (int i = 0; i < f.program.outputs(); ++i) evaluation.output(i, out[i]);
     evaluation.run();
     const std::vector<double> once(out.all().begin(), out.all().end());
@@ -120,11 +118,11 @@ TEST(Interpret, InputsAreLeftAsTheyWereAndASecondRunGivesTheSame) {
 TEST(Interpret, NotANumberInOnePointStaysInThatPoint) {
   Random random(5);
   Graph graph;
-  const auto x = variables(graph, 0, n);
+  const auto x = variables(graph, 0, input_count);
   const Term out = logistic(x[0] * x[1] + exp(x[2])).in(graph);
-  const Program program(graph, std::span(&out, 1), n);
+  const Program program(graph, std::span(&out, 1), input_count);
   for (int bad = 0; bad < 24; ++bad) {
-    Rows in(n, 24);
+    Rows in(input_count, 24);
     for (double& v : in.all()) v = uniform(random, -1, 1);
     in[1][bad] = std::numeric_limits<double>::quiet_NaN();
     const Rows result = run(program, in, 24);

@@ -15,7 +15,7 @@ std::string tokens(std::string_view text) {
   return all;
 }
 
-std::string refusal(std::string_view text) {
+std::string lexer_refusal(std::string_view text) {
   return refusal_of<FormulaError>([&] { tokens(text); });
 }
 
@@ -42,13 +42,14 @@ TEST(Lexer, ATokenKnowsWhereItBegins) {
 }
 
 TEST(Lexer, WhatIsNoTokenIsRefusedAtItsLineAndColumn) {
-  EXPECT_EQ(refusal("x +\n  é"),
+  EXPECT_EQ(lexer_refusal("x +\n  é"),
             "2:3: \"é\" has no meaning here, expected numbers, names and the signs + - * / ^ "
             "( ) , < <= > >=");
-  EXPECT_EQ(refusal("x == 1"), "1:3: \"=\" has no meaning here, expected a comparison, one of < <= > >=");
-  EXPECT_EQ(refusal("x < 1e999"),
+  EXPECT_EQ(lexer_refusal("x == 1"),
+            "1:3: \"=\" has no meaning here, expected a comparison, one of < <= > >=");
+  EXPECT_EQ(lexer_refusal("x < 1e999"),
             "1:5: \"1e999\" is beyond what a number can be, expected a finite constant");
-  EXPECT_EQ(refusal(std::string(1'000'000, 'x')),
+  EXPECT_EQ(lexer_refusal(std::string(1'000'000, 'x')),
             "1:1: the formula has 1000000 bytes, expected at most 100000");
 }
 

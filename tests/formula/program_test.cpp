@@ -17,11 +17,9 @@
 namespace sightline {
 namespace {
 
-constexpr int n = 3;
-
 /// Runs a program one number to a row; a row that was never written holds nothing.
 template <class S>
-std::vector<S> run(const Program& program, std::span<const double> inputs) {
+std::vector<S> run_on(const Program& program, std::span<const double> inputs) {
   std::vector<std::optional<S>> rows(static_cast<std::size_t>(program.rows()));
   const auto constants = program.constants();
   for (std::size_t i = 0; i < inputs.size(); ++i) rows[i] = S(inputs[i]);
@@ -80,9 +78,9 @@ std::vector<S> run(const Program& program, std::span<const double> inputs) {
 }
 
 /// Several random formulas of the same inputs in one graph, with all their derivatives.
-struct Recorded {
-  explicit Recorded(Random& random) : x(uniform_array<n>(random, -1.5, 1.5)) {
-    const auto symbols = variables(graph, 0, n);
+struct RecordedFormulas {
+  explicit RecordedFormulas(Random& random) : x(uniform_array<input_count>(random, -1.5, 1.5)) {
+    const auto symbols = variables(graph, 0, input_count);
     std::vector<Term> inputs;
     for (const Symbol& s : symbols) inputs.push_back(s.in(graph));
     for (std::uint64_t k = 1 + random() % 3; k > 0; --k) {
@@ -96,7 +94,7 @@ struct Recorded {
     }
   }
 
-  std::array<double, n> x;
+  std::array<double, input_count> x;
   Graph graph;
   std::vector<Formula> formulas;
   std::vector<Term> outputs;
@@ -105,8 +103,8 @@ struct Recorded {
 TEST(Program, RowsAreReusedWithoutLosingANumberThatIsStillNeeded) {
   Random random(1);
   for (int k = 0; k < 4000; ++k) {
-    const Recorded f(random);
-    const auto results = run<Wide>(Program(f.graph, f.outputs, n), f.x);
+    const RecordedFormulas f(random);
+    const auto results = run_on<Wide>(Program(f.graph, f.outputs, input_count), f.x);
     for (std::size_t i = 0; i < f.formulas.size(); ++i) {
       const Wide exact = f.formulas[i](std::vector<Wide>(f.x.begin(), f.x.end()));
       EXPECT_LE(relative_error(static_cast<double>(results[i].value()), static_cast<double>(exact.value())),
@@ -120,8 +118,8 @@ TEST(Program, ScratchIsNoMoreThanTheInstructionsAskFor) {
   Random random(2);
   std::size_t instructions = 0, scratch = 0;
   for (int k = 0; k < 1000; ++k) {
-    const Recorded f(random);
-    const Program program(f.graph, f.outputs, n);
+    const RecordedFormulas f(random);
+    const Program program(f.graph, f.outputs, input_count);
     std::set<int> written;
     for (const Instruction& q : program.instructions()) {
       ASSERT_GE(q.d, program.first_scratch());
@@ -138,8 +136,8 @@ TEST(Program, ScratchIsNoMoreThanTheInstructionsAskFor) {
 TEST(Program, EveryOutputIsWrittenOnceAndLast) {
   Random random(3);
   for (int k = 0; k < 1000; ++k) {
-    const Recorded f(random);
-    const Program program(f.graph, f.outputs, n);
+    const RecordedFormulas f(random);
+    const Program program(f.graph, f.outputs, input_count);
     ASSERT_EQ(program.outputs(), static_cast<int>(f.outputs.size()));
     const auto tail = program.instructions().last(f.outputs.size());
     for (std::size_t i = 0; i < tail.size(); ++i)
@@ -150,8 +148,8 @@ TEST(Program, EveryOutputIsWrittenOnceAndLast) {
 TEST(Program, TheSameFormulaGivesTheSameProgram) {
   Random random(4), again(4);
   for (int k = 0; k < 500; ++k) {
-    const Recorded a(random), b(again);
-    EXPECT_EQ(Program(a.graph, a.outputs, n), Program(b.graph, b.outputs, n));
+    const RecordedFormulas a(random), b(again);
+    EXPECT_EQ(Program(a.graph, a.outputs, input_count), Program(b.graph, b.outputs, input_count));
   }
 }
 
@@ -164,7 +162,7 @@ class Tree {
   Tree(Random& random, int depth) : kind_(static_cast<int>(random() % 9)) {
     constexpr std::array numbers = {0.0, 1.0, 0.5, 2.0, 3.0};
     number_ = numbers[random() % numbers.size()];
-    input_ = random() % n;
+    input_ = random() % input_count;
     if (depth == 0) kind_ = random() % 3 == 0 ? 1 : 0;
     for (std::size_t i = 0; kind_ > 1 && i < 2; ++i) parts_.emplace_back(random, depth - 1);
   }
@@ -203,7 +201,7 @@ class Tree {
 Program recorded(std::span<const Tree> trees, Tree::Order order, std::uint64_t seed, bool parameters) {
   Random random(seed);
   Graph graph;
-  const auto x = variables(graph, 0, n);
+  const auto x = variables(graph, 0, input_count);
   std::vector<Term> inputs, outputs;
   for (const Symbol& s : x) inputs.push_back(s.in(graph));
   Term sum = graph.constant(0.0);
@@ -216,7 +214,7 @@ Program recorded(std::span<const Tree> trees, Tree::Order order, std::uint64_t s
   const Derivatives d = derive(graph, sum, inputs);
   outputs.insert(outputs.end(), d.first.begin(), d.first.end());
   outputs.insert(outputs.end(), d.second.begin(), d.second.end());
-  return Program(graph, outputs, n);
+  return Program(graph, outputs, input_count);
 }
 
 TEST(Program, TheOrderInWhichOperandsAreComputedDoesNotMatter) {
@@ -237,8 +235,8 @@ TEST(Program, TheOrderInWhichOperandsAreComputedDoesNotMatter) {
 TEST(Program, ConstantsAreDistinctAndUsed) {
   Random random(5);
   for (int k = 0; k < 1000; ++k) {
-    const Recorded f(random);
-    const Program program(f.graph, f.outputs, n);
+    const RecordedFormulas f(random);
+    const Program program(f.graph, f.outputs, input_count);
     const std::set<double> distinct(program.constants().begin(), program.constants().end());
     EXPECT_EQ(distinct.size(), program.constants().size());
     std::set<int> read;
@@ -249,7 +247,7 @@ TEST(Program, ConstantsAreDistinctAndUsed) {
 
 /// The codes of one output's program, but for the copy at the end.
 std::vector<Code> codes(const Graph& graph, Term out) {
-  const Program program(graph, std::span(&out, 1), n);
+  const Program program(graph, std::span(&out, 1), input_count);
   std::vector<Code> list;
   for (const Instruction& q : program.instructions()) list.push_back(q.code);
   list.pop_back();
@@ -271,13 +269,13 @@ TEST(Program, WhatNoOutputNeedsIsLeftOut) {
   const Term x = g.input(0), sum = g.add(x, g.input(1));
   g.exponential(g.multiply(sum, g.constant(7.0)));
   EXPECT_EQ(codes(g, sum), std::vector{Code::add});
-  EXPECT_TRUE(Program(g, std::span(&sum, 1), n).constants().empty());
+  EXPECT_TRUE(Program(g, std::span(&sum, 1), input_count).constants().empty());
 }
 
 TEST(Program, AnInputOrAConstantMayItselfBeAnOutput) {
   Graph g;
   const std::vector<Term> outputs = {g.input(2), -g.input(0), g.constant(-2.5), g.input(2)};
-  const auto results = run<double>(Program(g, outputs, n), std::array{1.0, 2.0, 3.0});
+  const auto results = run_on<double>(Program(g, outputs, input_count), std::array{1.0, 2.0, 3.0});
   EXPECT_EQ(results, (std::vector{3.0, -1.0, -2.5, 3.0}));
 }
 

@@ -13,8 +13,6 @@
 namespace sightline {
 namespace {
 
-constexpr std::size_t n = 3;
-
 double evaluate_one(const Graph& graph, Term out, std::span<const double> x) {
   return evaluate(Program(graph, std::span(&out, 1), static_cast<int>(x.size())), x)[0];
 }
@@ -22,10 +20,10 @@ double evaluate_one(const Graph& graph, Term out, std::span<const double> x) {
 TEST(Trace, ARecordedFormulaGivesWhatItGivesOnNumbers) {
   Random random(1);
   for (int k = 0; k < 4000; ++k) {
-    const auto x = uniform_array<n>(random, -1.5, 1.5);
+    const auto x = uniform_array<input_count>(random, -1.5, 1.5);
     const Formula formula(random, x, 1 + static_cast<int>(random() % 24));
     Graph graph;
-    const Term out = formula(variables(graph, 0, n)).in(graph);
+    const Term out = formula(variables(graph, 0, input_count)).in(graph);
     const Wide exact = formula(std::vector<Wide>(x.begin(), x.end()));
     const double error = std::fabs(evaluate_one(graph, out, x) - static_cast<double>(exact.value()));
     EXPECT_LE(error, 2 * exact.rounding()) << k;
@@ -36,7 +34,7 @@ TEST(Trace, ARecordedFormulaGivesWhatItGivesOnNumbers) {
 TEST(Trace, AFormulaOnLanesAndOnStrictHasTheBitsOfDouble) {
   Random random(2);
   for (int k = 0; k < 1000; ++k) {
-    const auto x = uniform_array<n>(random, -1.5, 1.5);
+    const auto x = uniform_array<input_count>(random, -1.5, 1.5);
     const Formula formula(random, x, 16);
     const double expected = formula(std::vector<double>(x.begin(), x.end()));
     EXPECT_TRUE(same_bits(formula(std::vector<Strict>(x.begin(), x.end())).value(), expected));
@@ -47,7 +45,7 @@ TEST(Trace, AFormulaOnLanesAndOnStrictHasTheBitsOfDouble) {
 TEST(Trace, ConstantsAreComputedWithoutAGraph) {
   Random random(3);
   for (int k = 0; k < 1000; ++k) {
-    const auto x = uniform_array<n>(random, -1.5, 1.5);
+    const auto x = uniform_array<input_count>(random, -1.5, 1.5);
     const Formula formula(random, x, 16);
     Graph graph;
     const Term out = formula(std::vector<Symbol>(x.begin(), x.end())).in(graph);

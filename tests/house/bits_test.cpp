@@ -9,11 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/tree.hpp"
+
 namespace {
 
+using sightline::test::tree;
 namespace fs = std::filesystem;
-
-const fs::path root = SIGHTLINE_SOURCE_DIR;
 
 /// Functions of <cmath> that round, and gave the same bits on x86-64 and AArch64 in all arguments that
 /// scripts/arm64.sh tries (tests/support/c_library_bits.cpp). The others are not called.
@@ -51,13 +52,13 @@ TEST(Bits, the_rule_knows_calls_of_functions_whose_bits_differ) {
 TEST(Bits, the_library_calls_no_function_whose_bits_are_the_machines_own) {
   int files = 0;
   for (const char* folder : {"src", "cli"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(tree / folder)) {
       const fs::path extension = entry.path().extension();
       if (extension != ".hpp" && extension != ".cpp") continue;
       ++files;
       for (const std::string& name : refused_in(code_of(entry.path())))
         ADD_FAILURE()
-            << fs::relative(entry.path(), root).string() << " calls " << name
+            << fs::relative(entry.path(), tree).string() << " calls " << name
             << " of the C library, expected one of ours (math/elementary.hpp, norm of math/fixed.hpp)";
     }
   }

@@ -9,11 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/tree.hpp"
+
 namespace {
 
+using sightline::test::tree;
 namespace fs = std::filesystem;
 
-const fs::path root = SIGHTLINE_SOURCE_DIR;
 const std::vector<std::string> code_folders = {"src",      "bridges", "cli",  "python",
                                                "examples", "bench",   "tests"};
 constexpr long longest_file = 500;  // lines
@@ -56,8 +58,8 @@ std::vector<std::string> includes(const fs::path& file) {
 /// All C++ files below a folder of the tree, in the order of their names.
 std::vector<fs::path> files_of(const std::string& folder) {
   std::vector<fs::path> files;
-  if (!fs::exists(root / folder)) return files;
-  for (auto entry = fs::recursive_directory_iterator(root / folder); entry != fs::end(entry); ++entry) {
+  if (!fs::exists(tree / folder)) return files;
+  for (auto entry = fs::recursive_directory_iterator(tree / folder); entry != fs::end(entry); ++entry) {
     if (entry->path().filename() == "node_modules") entry.disable_recursion_pending();
     const fs::path extension = entry->path().extension();
     if (extension == ".hpp" || extension == ".cpp") files.push_back(entry->path());
@@ -75,11 +77,11 @@ std::vector<fs::path> all_files() {
 
 /// Layer of a file: the folder it lies in below src/sightline, empty for <sightline/sightline.hpp>.
 std::string layer_of(const fs::path& file) {
-  const fs::path below = fs::relative(file, root / "src/sightline");
+  const fs::path below = fs::relative(file, tree / "src/sightline");
   return below.has_parent_path() ? below.begin()->string() : "";
 }
 
-std::string name(const fs::path& file) { return fs::relative(file, root).string(); }
+std::string name(const fs::path& file) { return fs::relative(file, tree).string(); }
 
 TEST(Layers, the_rule_accepts_lower_and_refuses_higher_and_equal_layers) {
   EXPECT_EQ(include_fault("solver", "sightline/ocp/ocp.hpp"), "");

@@ -2,13 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Bearing random_bearing(Random& random) {
   return {.alpha = uniform(random, 0.1, 1.4),

@@ -84,8 +84,8 @@ TYPED_TEST_SUITE(PotentialLaws, Potentials);
 /// The laws of those made from inequalities by a step.
 template <class P>
 class StepLaws : public PotentialLaws<P> {};
-using Steps = testing::Types<SensorCone, KeepOut, Cohesion, AltitudeBand, Geofence>;
-TYPED_TEST_SUITE(StepLaws, Steps);
+using PotentialsOfSteps = testing::Types<SensorCone, KeepOut, Cohesion, AltitudeBand, Geofence>;
+TYPED_TEST_SUITE(StepLaws, PotentialsOfSteps);
 
 /// The laws of those that ask for a target in view, whose limit is an angle alpha.
 template <class P>

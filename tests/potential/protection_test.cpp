@@ -26,13 +26,13 @@ struct Ellipsoid {
   }
 };
 
-struct Case {
+struct ProtectionCase {
   Potential potential;
   bool keeps_apart, watches;
   std::size_t keep_outs;
 };
 
-std::vector<Case> cases() {
+std::vector<ProtectionCase> cases() {
   const SensorMount level{.pitch = 0.0, .offset = 0.0};
   return {
       {KeepOut{}, true, false, 1},
@@ -66,7 +66,7 @@ std::vector<Case> cases() {
 
 TEST(Protection, IsAskedOfTheLimitWhateverTheKind) {
   int i = 0;
-  for (const Case& each : cases()) {
+  for (const ProtectionCase& each : cases()) {
     SCOPED_TRACE(i++);
     EXPECT_EQ(keeps_apart(each.potential), each.keeps_apart) << each.potential.name();
     EXPECT_EQ(watches(each.potential), each.watches) << each.potential.name();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "sightline/model/robots.hpp"
 #include "tests/support/error.hpp"

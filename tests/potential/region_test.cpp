@@ -15,12 +15,10 @@
 namespace sightline {
 namespace {
 
-constexpr int pair_size = 2 * sight_size;
-
 /// l, its gradient and its Hessian over both Sights, as the solver has them.
 Program record(const Potential& potential) {
   Graph graph;
-  const auto z = variables(graph, 0, pair_size);
+  const auto z = variables(graph, 0, 2 * sight_size);
   std::vector<Term> inputs;
   for (const Symbol& s : z) inputs.push_back(s.in(graph));
   const Term l =
@@ -29,11 +27,11 @@ Program record(const Potential& potential) {
   std::vector<Term> outputs = {l};
   outputs.insert(outputs.end(), d.first.begin(), d.first.end());
   outputs.insert(outputs.end(), d.second.begin(), d.second.end());
-  return Program(graph, outputs, pair_size);
+  return Program(graph, outputs, 2 * sight_size);
 }
 
-std::array<double, pair_size> draw(Random& random, double reach) {
-  std::array<double, pair_size> z;
+std::array<double, 2 * sight_size> draw(Random& random, double reach) {
+  std::array<double, 2 * sight_size> z;
   write_sight(random_sight(random, reach), z);
   write_sight(random_sight(random, reach), std::span(z).last(sight_size));
   return z;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <numbers>
 #include <vector>
 
 #include "sightline/formula/derive.hpp"
@@ -14,6 +15,8 @@
 
 namespace sightline {
 namespace {
+
+using std::numbers::pi;
 
 constexpr std::size_t nx = 7, nu = 4;
 
@@ -86,7 +89,6 @@ TEST(Tracking, OppositeToTheWantedHeadingIsStationaryAndTheDearest) {
     const std::vector<double> d = {std::cos(psi), std::sin(psi)};
     return tracking_cost<double>(d, wanted, Q, {}, {}, {});  // (25)
   };
-  const double pi = std::acos(-1.0);
   EXPECT_NEAR(at(pi), 4 * 0.7, 1e-15);
   for (const double off : {1e-3, 0.1, 1.0, 3.0}) {
     EXPECT_LT(at(pi - off), at(pi));

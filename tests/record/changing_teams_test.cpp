@@ -13,7 +13,7 @@
 namespace sightline {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 using testing::HasSubstr;
 
 /// A robot of the scenario that holds its place.
@@ -37,9 +37,9 @@ std::string traveller(std::string_view name, std::string_view from, std::string_
 }
 std::string lasts(double seconds) { return fmt::format("[simulation]\nduration = {:.1f}\n", seconds); }
 
-class Flight final : public Sink<Sample> {
+class ChangingFlight final : public Sink<Sample> {
  public:
-  explicit Flight(const std::string& text)
+  explicit ChangingFlight(const std::string& text)
       : scenario(parse_scenario(text, "changing.toml")),
         controls_(scenario),
         sample_(sized_sample(scenario.team, controls_.controllers())),
@@ -110,12 +110,12 @@ TEST(ChangingTeams, WhoJoinsOrReturnsUnderASupervisorFlies) {
   const std::string lost =
       "[[simulation.fault]]\nkind = \"dropout\"\nbody = \"b\"\nuntil = 3.4\n";  // nothing of it comes while it is away
   for (const std::string& fault : {std::string(), lost}) {
-    const Flight joins(team + robot("b", "[2.0, 0.0, 1.0]", "present = false") + fault +
-                       "[[event]]\nat = 3.5\nadd = \"b\"\n");
+    const ChangingFlight joins(team + robot("b", "[2.0, 0.0, 1.0]", "present = false") + fault +
+                               "[[event]]\nat = 3.5\nadd = \"b\"\n");
     EXPECT_THAT(joins.told(), testing::IsEmpty());
     EXPECT_GT(joins.lowest("b"), 0.95);
   }
-  const Flight returns(
+  const ChangingFlight returns(
       team + robot("b", "[2.0, 0.0, 1.0]") + traveller("c", "[4, 0, 1]", "[4, 2, 1]", 0.0, 2.0) +
       "[[event]]\nat = 1.5\nremove = [\"b\", \"c\"]\n[[event]]\nat = 4.0\nadd = [\"b\", \"c\"]\n");
   EXPECT_THAT(returns.told(), testing::IsEmpty());
@@ -128,7 +128,7 @@ TEST(ChangingTeams, WhoJoinsOrReturnsUnderASupervisorFlies) {
 }
 
 TEST(ChangingTeams, AnObstacleThatComesWithoutBeingSeenMakesPartnersHoldAndNobodyLand) {
-  const Flight flight(
+  const ChangingFlight flight(
       lasts(6.0) + supervised + robot("a", "[0.0, 0.0, 1.0]") + robot("b", "[0.0, 3.0, 1.0]") +
       "[obstacle.box]\np = [1.5, 0.0, 1.0]\npresent = false\n[[couple]]\npotential = { too_near = {} }\n"
       "between = [\"a\", \"box\"]\n[[simulation.fault]]\nkind = \"dropout\"\nbody = \"box\"\n"
@@ -140,11 +140,12 @@ TEST(ChangingTeams, AnObstacleThatComesWithoutBeingSeenMakesPartnersHoldAndNobod
 TEST(ChangingTeams, WhoIsHeldOrLandsIsKeptOffByAllThatKeepApart) {
   for (const char* then : {"hold", "land"}) {
     for (const char* potential : {"too_near = { d_min = 1.0 }", "pass_right = { d_min = 1.0 }"}) {
-      const Flight flight(lasts(7.0) + robot("a", "[0.0, 0.05, 1.0]") +
-                          traveller("b", "[-2.5, 0.0, 1.0]", "[2.5, 0.0, 1.0]", 0.5, 5.5) +
-                          fmt::format("[[keep_apart]]\nagents = \"all\"\nweight = 8.0\npotential = {{ {} }}\n"
-                                      "[[event]]\nat = 0.3\nremove = {{ agent = \"a\", then = \"{}\" }}\n",
-                                      potential, then));
+      const ChangingFlight flight(
+          lasts(7.0) + robot("a", "[0.0, 0.05, 1.0]") +
+          traveller("b", "[-2.5, 0.0, 1.0]", "[2.5, 0.0, 1.0]", 0.5, 5.5) +
+          fmt::format("[[keep_apart]]\nagents = \"all\"\nweight = 8.0\npotential = {{ {} }}\n"
+                      "[[event]]\nat = 0.3\nremove = {{ agent = \"a\", then = \"{}\" }}\n",
+                      potential, then));
       EXPECT_GT(flight.nearest("a", "b"), 0.6) << then << " " << potential;
     }
   }
@@ -155,7 +156,7 @@ TEST(ChangingTeams, AnObserverKeepsOffItsOldTargetByWhateverKeptItOff) {
        {"too_near = { d_min = 1.0 }", "pass_right = { d_min = 1.0 }",
         "region = { inside = \"range > 1 m\", slope = { softplus = {} }, kappa_A = 10.0 }",
         "region = { inside = \"distance > 1 m\", slope = { softplus = {} }, kappa_A = 10.0 }"}) {
-    const Flight flight(
+    const ChangingFlight flight(
         lasts(7.0) + traveller("old", "[0.0, 0.0, 1.0]", "[-4.0, 0.0, 1.0]", 1.5, 5.5) +
         robot("new", "[0.0, 3.0, 1.0]") +
         robot("eye", "[-1.6, 0.0, 1.1]", "sensor = { pitch = 0.0, offset = 0.17 }") +
@@ -172,7 +173,7 @@ TEST(ChangingTeams, AnObserverKeepsOffItsOldTargetByWhateverKeptItOff) {
 
 TEST(ChangingTeams, TheMateOfAnObserverThatIsHeldStaysInItsView) {
   // The target alone feels the view, which looks along y.
-  const Flight flight(
+  const ChangingFlight flight(
       lasts(6.0) + "settle = 0.0\n" +
       robot("eye", "[0.0, 0.0, 1.0]", "sensor = { pitch = 0.0, offset = 0.17 }", 1.5708) +
       "[agent.mate]\nrobot = \"multirotor\"\nstart = { p = [0.0, 1.5, 1.0] }\n"
@@ -186,22 +187,23 @@ TEST(ChangingTeams, TheMateOfAnObserverThatIsHeldStaysInItsView) {
 }
 
 TEST(ChangingTeams, WhoIsToldToLandReachesTheGroundUnderABarrierWithAFloor) {
-  const Flight flight(lasts(7.0) + guarded + robot("a", "[0.0, 0.0, 1.0]") + robot("b", "[2.0, 0.0, 1.0]") +
-                      "[[event]]\nat = 0.5\nremove = { agent = \"b\", then = \"land\" }\n");
+  const ChangingFlight flight(lasts(7.0) + guarded + robot("a", "[0.0, 0.0, 1.0]") +
+                              robot("b", "[2.0, 0.0, 1.0]") +
+                              "[[event]]\nat = 0.5\nremove = { agent = \"b\", then = \"land\" }\n");
   EXPECT_LT(flight.place(flight.samples.back(), "b").z, 0.05);
   EXPECT_GT(flight.lowest("a"), 0.9);
 }
 
 TEST(ChangingTeams, ThePartnersOfTheSupervisorFollowTheObserver) {
   const auto fly = [](std::string_view blind) {
-    return Flight(lasts(4.0) + supervised + robot("old", "[0.0, 0.0, 1.0]") +
-                  robot("new", "[0.0, 3.0, 1.0]") +
-                  robot("eye", "[-1.6, 0.0, 1.1]", "sensor = { pitch = 0.0, offset = 0.17 }") +
-                  fmt::format(
-                      "[[couple]]\npotential = {{ bearing = {{}} }}\nbetween = [\"eye\", \"old\"]\nfelt_by = "
-                      "[\"eye\"]\n[[event]]\nat = 0.5\nobserve = {{ observer = \"eye\", target = \"new\" }}\n"
-                      "[[simulation.fault]]\nkind = \"dropout\"\nbody = \"{}\"\nfrom = 1.0\nuntil = 2.0\n",
-                      blind))
+    return ChangingFlight(
+               lasts(4.0) + supervised + robot("old", "[0.0, 0.0, 1.0]") + robot("new", "[0.0, 3.0, 1.0]") +
+               robot("eye", "[-1.6, 0.0, 1.1]", "sensor = { pitch = 0.0, offset = 0.17 }") +
+               fmt::format(
+                   "[[couple]]\npotential = {{ bearing = {{}} }}\nbetween = [\"eye\", \"old\"]\nfelt_by = "
+                   "[\"eye\"]\n[[event]]\nat = 0.5\nobserve = {{ observer = \"eye\", target = \"new\" }}\n"
+                   "[[simulation.fault]]\nkind = \"dropout\"\nbody = \"{}\"\nfrom = 1.0\nuntil = 2.0\n",
+                   blind))
         .told();
   };
   EXPECT_THAT(fly("old"), testing::Not(testing::Contains(HasSubstr("eye"))));
@@ -212,15 +214,17 @@ TEST(ChangingTeams, WhoIsAddedOnTopOfAnotherIsTold) {
   const std::string team = lasts(1.0) + robot("a", "[0.0, 0.0, 1.0]");
   const std::string add = "[[event]]\nat = 0.5\nadd = \"b\"\n",
                     told = "b: added nearer to another body than it may be";
-  EXPECT_THAT(Flight(team + supervised + robot("b", "[0.3, 0.0, 1.0]", "present = false") + add).told(),
+  EXPECT_THAT(
+      ChangingFlight(team + supervised + robot("b", "[0.3, 0.0, 1.0]", "present = false") + add).told(),
+      testing::Contains(told));
+  EXPECT_THAT(ChangingFlight(team + robot("b", "[0.0, 0.0, 1.0]", "present = false") + add).told(),
               testing::Contains(told));
-  EXPECT_THAT(Flight(team + robot("b", "[0.0, 0.0, 1.0]", "present = false") + add).told(),
-              testing::Contains(told));
-  EXPECT_THAT(Flight(team + robot("b", "[0.3, 0.0, 1.0]", "present = false") + add).told(),
+  EXPECT_THAT(ChangingFlight(team + robot("b", "[0.3, 0.0, 1.0]", "present = false") + add).told(),
               testing::IsEmpty())
       << "nobody asks for a distance";
-  EXPECT_THAT(Flight(team + guarded + "[obstacle.b]\np = [0.4, 0.0, 1.0]\npresent = false\n" + add).told(),
-              testing::Contains(told));
+  EXPECT_THAT(
+      ChangingFlight(team + guarded + "[obstacle.b]\np = [0.4, 0.0, 1.0]\npresent = false\n" + add).told(),
+      testing::Contains(told));
 }
 
 TEST(ChangingTeams, ViewsAndDistancesAreJudgedWhileTheyAreInForceAndAnIdleObserverIsTold) {
@@ -228,23 +232,23 @@ TEST(ChangingTeams, ViewsAndDistancesAreJudgedWhileTheyAreInForceAndAnIdleObserv
                            robot("eye", "[-1.6, 0.0, 1.0]", "sensor = { pitch = 0.0, offset = 0.17 }") +
                            "[[couple]]\npotential = { bearing = { alpha = 0.5 } }\nbetween = [\"eye\", "
                            "\"seen\"]\nfelt_by = [\"eye\"]\n";
-  const Flight whole(team);
+  const ChangingFlight whole(team);
   EXPECT_THAT(whole.line("eye sees seen"), HasSubstr("100.0 % of the time; in view for good from 0.000 s"));
-  EXPECT_EQ(json::parse(whole.summary.json()).contains("idle_observers"), false);
+  EXPECT_EQ(Json::parse(whole.summary.json()).contains("idle_observers"), false);
 
-  const Flight leaves(team + "[[event]]\nat = 1.0\nremove = \"seen\"\n");
+  const ChangingFlight leaves(team + "[[event]]\nat = 1.0\nremove = \"seen\"\n");
   EXPECT_THAT(leaves.line("eye sees seen"),
               HasSubstr("100.0 % of 1.0 s, 0.0 to 1.0 s; in view to its end from 0.000 s"));
   EXPECT_THAT(leaves.line("eye observes nobody"), HasSubstr("3.0 s, 1.0 to 4.0 s"));
   EXPECT_THAT(leaves.line("hard distance"), HasSubstr("in 1.0 s, 0.0 to 1.0 s"));
   EXPECT_THAT(leaves.line("limit bearing"), HasSubstr("kept for 1.0 s, 0.0 to 1.0 s"));
   EXPECT_FALSE(leaves.summary.target_lost_at_end());
-  const json judged = json::parse(leaves.summary.json());
+  const Json judged = Json::parse(leaves.summary.json());
   EXPECT_NEAR(judged.at("pairs").at(0).at("in_force").at("to").get<double>(), 1.01, 1e-9);
   EXPECT_EQ(judged.at("idle_observers").at(0).at("observer"), "eye");
 
   // Who is asked to observe what comes later is idle until then.
-  const Flight comes(
+  const ChangingFlight comes(
       lasts(2.0) + robot("eye", "[-1.6, 0.0, 1.0]", "sensor = { pitch = 0.0, offset = 0.17 }") +
       robot("seen", "[0.0, 0.0, 1.0]", "present = false") +
       "[[couple]]\npotential = { bearing = { alpha = 0.5 } }\nbetween = [\"eye\", \"seen\"]\nfelt_by = "
@@ -253,7 +257,7 @@ TEST(ChangingTeams, ViewsAndDistancesAreJudgedWhileTheyAreInForceAndAnIdleObserv
 }
 
 TEST(ChangingTeams, AKeepOutWhoseCouplingEndsIsJudgedToTheEndOfTheContact) {
-  const Flight flight(
+  const ChangingFlight flight(
       lasts(3.0) + robot("a", "[0.0, 0.0, 1.0]") +
       traveller("b", "[0.8, 0.0, 1.0]", "[3.0, 0.0, 1.0]", 1.0, 2.0) +
       "[[couple]]\nname = \"off\"\npotential = { too_near = { d_min = 1.0 } }\nweight = 0.001\n"
@@ -266,7 +270,7 @@ TEST(ChangingTeams, AKeepOutWhoseCouplingEndsIsJudgedToTheEndOfTheContact) {
 }
 
 TEST(ChangingTeams, InputsAreJudgedByTheLimitsInForce) {
-  const Flight flight(
+  const ChangingFlight flight(
       lasts(4.0) + guarded + traveller("a", "[0.0, 0.0, 1.0]", "[3.0, 0.0, 1.0]", 0.5, 3.0) +
       robot("b", "[1.5, 0.0, 1.0]") +
       "[[event]]\nat = 0.5\nretune = { agent = \"a\", u_min = [-0.2, -0.2, -0.2, -0.2], u_max = [0.2, "

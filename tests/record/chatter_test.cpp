@@ -4,18 +4,19 @@
 
 #include <cmath>
 
+#include "tests/support/period.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr double dt = 0.01;
+using test::control_period;
 
 // What u(k) makes over so many periods, with a range of 2.
 template <class U>
 std::vector<Chatter::Found> of(int periods, U&& u, double range = 2.0) {
   Chatter chatter(1);
-  for (int k = 0; k < periods; ++k) chatter.add(0, dt * k, u(k), range);
+  for (int k = 0; k < periods; ++k) chatter.add(0, control_period * k, u(k), range);
   return chatter.found();
 }
 
@@ -54,9 +55,9 @@ TEST(Chatter, NoiseOscillationsAndJumpsNowAndThenAreNone) {
 TEST(Chatter, EachInputIsJudgedByItself) {
   Chatter chatter(3);
   for (int k = 0; k < 100; ++k) {
-    chatter.add(0, dt * k, 0.1, 2.0);
-    chatter.add(1, dt * k, k % 2 == 0 ? 1.0 : -1.0, 2.0);
-    chatter.add(2, dt * k, 0.01 * k, 2.0);
+    chatter.add(0, control_period * k, 0.1, 2.0);
+    chatter.add(1, control_period * k, k % 2 == 0 ? 1.0 : -1.0, 2.0);
+    chatter.add(2, control_period * k, 0.01 * k, 2.0);
   }
   ASSERT_EQ(chatter.found().size(), 1U);
   EXPECT_EQ(chatter.found()[0].input, 1U);

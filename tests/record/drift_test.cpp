@@ -23,12 +23,12 @@ Vec3<double> climbs(double t) { return {0, 0, 1 + t}; }
 Vec3<double> circles(double t) { return {std::cos(0.3 * t), std::sin(0.3 * t), 1}; }
 
 // Two robots that are free, unless their Q says other, and a body that nobody controls.
-struct Flight {
+struct PairAndPost {
   Team team;
   AgentId a, b;
   BodyId post;
 
-  explicit Flight(const Weights& Q_a = {}, const Reference& x_ref = {}, const Weights& Q_b = {})
+  explicit PairAndPost(const Weights& Q_a = {}, const Reference& x_ref = {}, const Weights& Q_b = {})
       : a(team.add(Multirotor{}, {.Q = Q_a, .x_ref = x_ref})),
         b(team.add(Multirotor{}, {.Q = Q_b})),
         post(team.add(Obstacle{"post"})) {}
@@ -57,7 +57,7 @@ struct Flight {
 constexpr Weights asked = {1, 1, 1, 0, 0, 0, 0};
 
 TEST(Drift, TwoThatObserveEachOtherAndClimbForEverAreTold) {
-  Flight flight;
+  PairAndPost flight;
   flight.follow(flight.a, flight.b);
   flight.follow(flight.b, flight.a);
   const auto found = flight.flown(climbs, [](double t) { return climbs(t) + Vec3<double>{1, 0, 0.2}; });
@@ -74,15 +74,15 @@ TEST(Drift, AnyDirectionAndSpeedAboveTwoCentimetresASecondIsTold) {
   for (int n = 0; n < 100; ++n) {
     const Vec3<double> v =
         uniform(random, 0.03, 2.0) * Vec3<double>{std::cos(n), std::sin(n), uniform(random, -1, 1)};
-    const auto found = Flight().flown([&](double t) { return t * v; }, rests);
+    const auto found = PairAndPost().flown([&](double t) { return t * v; }, rests);
     ASSERT_EQ(found->size(), 1U);
     EXPECT_NEAR(norm((*found)[0].v - v), 0.0, 1e-9);
   }
-  EXPECT_TRUE(Flight().flown([](double t) { return Vec3<double>{0.01 * t, 0, 0}; }, rests)->empty());
+  EXPECT_TRUE(PairAndPost().flown([](double t) { return Vec3<double>{0.01 * t, 0, 0}; }, rests)->empty());
 }
 
 TEST(Drift, OneThatLeavesItsReferenceIsToldWhateverItFollows) {
-  Flight flight(asked, Circle{.centre = {0, 0, 1}, .radius = 1.0, .rate = 0.3});
+  PairAndPost flight(asked, Circle{.centre = {0, 0, 1}, .radius = 1.0, .rate = 0.3});
   flight.follow(flight.a, flight.b);
   const auto found = flight.flown(climbs, climbs);
   ASSERT_EQ(found->size(), 2U);
@@ -94,24 +94,25 @@ TEST(Drift, AReferenceThatMovesMayBeFollowed) {
   const Path line = [](double t) { return Vec3<double>{0.8 * t, -0.3 * t, 1}; };
   const Reference along([](double t) { return Pose<double>{{0.8 * t, -0.3 * t, 1}, {1, 0}}; });
   for (const double lag : {0.0, 0.5, 2.0}) {
-    EXPECT_TRUE(Flight(asked, along).flown([&](double t) { return line(t - lag); }, rests)->empty()) << lag;
-    EXPECT_TRUE(Flight(asked, Circle{.centre = {0, 0, 1}, .radius = 1.0, .rate = 0.3})
+    EXPECT_TRUE(PairAndPost(asked, along).flown([&](double t) { return line(t - lag); }, rests)->empty())
+        << lag;
+    EXPECT_TRUE(PairAndPost(asked, Circle{.centre = {0, 0, 1}, .radius = 1.0, .rate = 0.3})
                     .flown([&](double t) { return circles(t - lag); }, rests)
                     ->empty())
         << lag;
   }
-  EXPECT_FALSE(Flight(asked, along).flown([&](double t) { return line(-t); }, rests)->empty());
+  EXPECT_FALSE(PairAndPost(asked, along).flown([&](double t) { return line(-t); }, rests)->empty());
 }
 
 TEST(Drift, OneThatIsOnItsWayOrLeftBehindDoesNotDrift) {
   const Path comes = [](double t) { return Vec3<double>{40 - t, 0, 1}; };
-  EXPECT_TRUE(Flight(asked).flown(comes, rests)->empty());
+  EXPECT_TRUE(PairAndPost(asked).flown(comes, rests)->empty());
   const Reference fast([](double t) { return Pose<double>{{2 * t, 0, 0}, {1, 0}}; });
-  EXPECT_TRUE(Flight(asked, fast).flown([](double t) { return Vec3<double>{t, 0, 0}; }, rests)->empty());
+  EXPECT_TRUE(PairAndPost(asked, fast).flown([](double t) { return Vec3<double>{t, 0, 0}; }, rests)->empty());
 }
 
 TEST(Drift, OneThatFollowsWhatMovesDoesNotNorDoThoseBehindIt) {
-  Flight flight;
+  PairAndPost flight;
   flight.follow(flight.a, flight.post);
   flight.follow(flight.b, flight.a);
   const Path ahead = [](double t) { return climbs(t) + Vec3<double>{0, 0, 1}; };
@@ -120,11 +121,11 @@ TEST(Drift, OneThatFollowsWhatMovesDoesNotNorDoThoseBehindIt) {
   EXPECT_TRUE(flight.flown(rests, rests, ahead)->empty());
 
   // Those ahead are asked to move.
-  Flight led(asked, Reference([](double t) { return Pose<double>{{0, 0, 1 + t}, {1, 0}}; }));
+  PairAndPost led(asked, Reference([](double t) { return Pose<double>{{0, 0, 1 + t}, {1, 0}}; }));
   led.follow(led.b, led.a);
   EXPECT_TRUE(led.flown(climbs, climbs)->empty());
-  Flight rated({0, 0, 0, 0, 0, 1, 1},
-               Reference([](double) { return std::array<double, 7>{0, 0, 0, 0, 0, 0.5, 0}; }));
+  PairAndPost rated({0, 0, 0, 0, 0, 1, 1},
+                    Reference([](double) { return std::array<double, 7>{0, 0, 0, 0, 0, 0.5, 0}; }));
   rated.follow(rated.b, rated.a);
   const Path forth = [](double t) { return Vec3<double>{0.5 * t, 0, 1}; };
   EXPECT_TRUE(rated.flown(forth, forth)->empty());
@@ -133,13 +134,13 @@ TEST(Drift, OneThatFollowsWhatMovesDoesNotNorDoThoseBehindIt) {
 TEST(Drift, AHeightThatIsAskedForHoldsTheHeightAlone) {
   constexpr Weights height = {0, 0, 1, 0, 0, 0, 0};
   const Reference up([](double t) { return Pose<double>{{0, 0, 1 + t}, {1, 0}}; });
-  EXPECT_TRUE(Flight(height, up).flown(climbs, rests)->empty());
-  EXPECT_EQ(Flight(height).flown(climbs, rests)->size(), 1U);
-  EXPECT_EQ(Flight(height).flown([](double t) { return Vec3<double>{t, 0, 0}; }, rests)->size(), 1U);
+  EXPECT_TRUE(PairAndPost(height, up).flown(climbs, rests)->empty());
+  EXPECT_EQ(PairAndPost(height).flown(climbs, rests)->size(), 1U);
+  EXPECT_EQ(PairAndPost(height).flown([](double t) { return Vec3<double>{t, 0, 0}; }, rests)->size(), 1U);
 }
 
 TEST(Drift, WhatSwingsOrComesToRestDoesNotDrift) {
-  Flight flight;
+  PairAndPost flight;
   flight.follow(flight.a, flight.post);
   EXPECT_TRUE(flight.flown([](double t) { return Vec3<double>{0, std::sin(0.3 * t), 1}; }, rests)->empty());
   EXPECT_TRUE(flight.flown(
@@ -159,16 +160,16 @@ TEST(Drift, WhatSwingsOrComesToRestDoesNotDrift) {
 
 TEST(Drift, OnlyRobotsThatAreSteeredAreJudged) {
   for (const Presence presence : {Presence::absent, Presence::hold, Presence::land})
-    EXPECT_TRUE(Flight().flown(climbs, climbs, rests, 30.0, presence)->empty());
+    EXPECT_TRUE(PairAndPost().flown(climbs, climbs, rests, 30.0, presence)->empty());
 }
 
 TEST(Drift, FiveSecondsAfterSettleAreNeeded) {
-  EXPECT_FALSE(Flight().flown(climbs, rests, rests, settle + 5.0));
-  EXPECT_TRUE(Flight().flown(climbs, rests, rests, settle + 5.01));
+  EXPECT_FALSE(PairAndPost().flown(climbs, rests, rests, settle + 5.0));
+  EXPECT_TRUE(PairAndPost().flown(climbs, rests, rests, settle + 5.01));
 }
 
 TEST(Drift, AnotherTeamBeginsAnew) {
-  const Flight flight;
+  const PairAndPost flight;
   Drift drift(flight.team, 0.0);
   const std::vector<Sight<double>> sights(3);
   const std::vector<Presence> presence(3, Presence::hold);

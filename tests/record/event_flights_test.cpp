@@ -6,35 +6,10 @@
 
 #include "sightline/record/present_team.hpp"
 #include "sightline/scenario/closed_loop.hpp"
-#include "tests/support/team_flight.hpp"
+#include "tests/support/scenario_flight.hpp"
 
 namespace sightline {
 namespace {
-
-struct Flight {
-  std::vector<FlownPeriod> flown;
-  LoopOutcome outcome;
-};
-
-Flight fly(const Scenario& scenario, bool with_kkt = false) {
-  Controls controls(scenario);
-  SimulatedClock clock;
-  const Controllers controllers = controls.controllers();
-  KeepSamples sink(sized_sample(scenario.team, controllers));
-  std::vector<double> u_before(static_cast<std::size_t>(scenario.team.nu()));
-  if (with_kkt) {
-    sink.after = [&](FlownPeriod& period) {
-      Phase& phase = controls.team_switcher()->present();
-      phase.controller->gather(scenario.team, period.x, u_before);  // as the update saw it
-      u_before = period.u;
-      period.kkt = phase.solver->kkt(period.time, phase.controller->states);
-    };
-  }
-  const LoopOutcome outcome =
-      ClosedLoop(scenario, *make_world(scenario), controllers, clock, sink, nullptr, controls.team_switcher())
-          .fly();
-  return {std::move(sink.flown), outcome};
-}
 
 Scenario shipped(const std::string& name) {
   return read_scenario(std::string(SIGHTLINE_SOURCE_DIR "/scenarios/") + name + ".toml");
@@ -43,7 +18,7 @@ Scenario shipped(const std::string& name) {
 struct InForce {
   std::size_t event, period;
 };
-std::vector<InForce> in_force(const Flight& flight) {
+std::vector<InForce> in_force(const TeamFlight& flight) {
   std::vector<InForce> list;
   for (std::size_t k = 0; k < flight.flown.size(); ++k) {
     for (const Event& event : flight.flown[k].events) {
@@ -104,7 +79,7 @@ class EventFlights : public testing::TestWithParam<const char*> {};
 TEST_P(EventFlights, CommandsDoNotJumpAndThoseFarAwayDoNotNotice) {
   constexpr double most_jump = 0.3, most_far = 0.02;
   const Scenario scenario = shipped(GetParam());
-  const Flight flight = fly(scenario, true);
+  const TeamFlight flight = fly_scenario(scenario, true);
   EXPECT_TRUE(flight.outcome.finite);
   EXPECT_EQ(flight.outcome.refused, 0);
   const std::vector<InForce> events = in_force(flight);
@@ -124,7 +99,7 @@ TEST_P(EventFlights, CommandsDoNotJumpAndThoseFarAwayDoNotNotice) {
     Scenario without = scenario;
     without.script.events.resize(events[e].event);
     without.simulation.duration = flight.flown[to - 1].time + scenario.horizon.dt;
-    const Flight quiet = fly(without);
+    const TeamFlight quiet = fly_scenario(without);
     const std::vector<int> away = couplings_away(scenario, events[e].event);
     for (std::size_t k = from; k < to; ++k) {
       for (int b = 0; b < scenario.team.bodies(); ++b) {

@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "tests/support/folder.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -20,13 +21,8 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-std::string refusal(const fs::path& folder, std::initializer_list<std::string_view> files = {}) {
-  try {
-    const FolderLock lock(folder, files);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+std::string lock_refusal(const fs::path& folder, std::initializer_list<std::string_view> files = {}) {
+  return refusal_of([&] { const FolderLock lock(folder, files); });
 }
 
 TEST(FolderLock, MakesTheFolderAndIsGoneWithoutATrace) {
@@ -34,10 +30,11 @@ TEST(FolderLock, MakesTheFolderAndIsGoneWithoutATrace) {
   {
     const FolderLock lock(folder, {"run.mcap"});
     EXPECT_EQ(lock.folder(), folder);
-    EXPECT_THAT(refusal(folder), AllOf(HasSubstr(folder.native()), HasSubstr(fmt::format("{}", ::getpid()))));
+    EXPECT_THAT(lock_refusal(folder),
+                AllOf(HasSubstr(folder.native()), HasSubstr(fmt::format("{}", ::getpid()))));
   }
   EXPECT_TRUE(fs::is_empty(folder));
-  EXPECT_EQ(refusal(folder), "");
+  EXPECT_EQ(lock_refusal(folder), "");
 }
 
 TEST(FolderLock, AFolderOfTwoNamesIsOne) {
@@ -45,7 +42,7 @@ TEST(FolderLock, AFolderOfTwoNamesIsOne) {
   fs::create_directory(folder / "one");
   fs::create_directory_symlink(folder / "one", name);
   const FolderLock lock(folder / "one", {});
-  EXPECT_THAT(refusal(name), HasSubstr("another sightline"));
+  EXPECT_THAT(lock_refusal(name), HasSubstr("another sightline"));
 }
 
 TEST(FolderLock, EndsWithItsProcessWhateverEndsThat) {
@@ -61,12 +58,12 @@ TEST(FolderLock, EndsWithItsProcessWhateverEndsThat) {
   }
   char byte = 0;
   ASSERT_EQ(::read(locked[0], &byte, 1), 1);
-  EXPECT_THAT(refusal(folder), AllOf(HasSubstr(folder.native() + ": another sightline"),
-                                     HasSubstr(fmt::format("(process {})", child))));
+  EXPECT_THAT(lock_refusal(folder), AllOf(HasSubstr(folder.native() + ": another sightline"),
+                                          HasSubstr(fmt::format("(process {})", child))));
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
   EXPECT_TRUE(fs::exists(folder / ".lock")) << "left behind, and no longer locked";
-  EXPECT_EQ(refusal(folder), "");
+  EXPECT_EQ(lock_refusal(folder), "");
   ::close(locked[0]);
   ::close(locked[1]);
 }
@@ -104,21 +101,21 @@ TEST(FolderLock, WhatIsNoFileIsRefusedBeforeItIsOpened) {
   fs::create_symlink("/dev/full", folder / "device");
   std::ofstream(folder / "file") << "x";
   fs::create_symlink("nowhere", folder / "dangling");
-  EXPECT_THAT(refusal(folder, {"pipe"}), HasSubstr("/pipe: a pipe, expected a regular file or none"));
-  EXPECT_THAT(refusal(folder, {"folder"}), HasSubstr("/folder: a folder, expected"));
-  EXPECT_THAT(refusal(folder, {"device"}), HasSubstr("/device: a device or a socket, expected"));
-  EXPECT_EQ(refusal(folder, {"file", "none", "dangling"}), "");
+  EXPECT_THAT(lock_refusal(folder, {"pipe"}), HasSubstr("/pipe: a pipe, expected a regular file or none"));
+  EXPECT_THAT(lock_refusal(folder, {"folder"}), HasSubstr("/folder: a folder, expected"));
+  EXPECT_THAT(lock_refusal(folder, {"device"}), HasSubstr("/device: a device or a socket, expected"));
+  EXPECT_EQ(lock_refusal(folder, {"file", "none", "dangling"}), "");
   ASSERT_EQ(::mkfifo((folder / ".lock").c_str(), 0666), 0);
-  EXPECT_THAT(refusal(folder), HasSubstr("/.lock: a pipe"));
+  EXPECT_THAT(lock_refusal(folder), HasSubstr("/.lock: a pipe"));
 }
 
 // Of a file system that takes no files from anybody, root included.
 TEST(FolderLock, AFolderThatCannotBeWrittenIsRefused) {
-  EXPECT_THAT(refusal("/proc/self"), HasSubstr("/proc/self: cannot be written ("));
-  EXPECT_THAT(refusal("/proc/self/none"), HasSubstr("/proc/self/none: "));
+  EXPECT_THAT(lock_refusal("/proc/self"), HasSubstr("/proc/self: cannot be written ("));
+  EXPECT_THAT(lock_refusal("/proc/self/none"), HasSubstr("/proc/self/none: "));
   const fs::path file = test::fresh_folder() / "file";
   std::ofstream(file) << "x";
-  EXPECT_THAT(refusal(file), HasSubstr(": Not a directory, expected a folder that can be made"));
+  EXPECT_THAT(lock_refusal(file), HasSubstr(": Not a directory, expected a folder that can be made"));
 }
 
 }  // namespace

@@ -23,13 +23,9 @@ namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
+using test::place;
 using test::read_file;
 using Json = nlohmann::json;
-
-fs::path place(std::string_view name) {
-  static const test::Folder folder("log_test");
-  return folder.path() / name;
-}
 
 // One robot sees another; both, and a wall, are in the log.
 Scenario some_scenario() {
@@ -80,13 +76,13 @@ void fill(Sample& sample, int k, const Scenario& scenario) {
   sample.events[0] = {sample.time, EventKind::missed_period, 0, 2.0};
 }
 
-struct Flown {
+struct Written {
   std::string error;
   SummaryValues values;
 };
 
 // Runs `samples` periods through the log; `change` sees each before it goes into the ring.
-Flown write(
+Written write(
     const Scenario& scenario, const fs::path& folder, int samples,
     const std::function<void(double)>& written = {},
     const std::function<void(int, Sample&)>& change = [](int, Sample&) {}) {
@@ -132,7 +128,7 @@ std::map<std::string, std::vector<Json>> json_of(const fs::path& folder) {
 
 TEST(Log, EveryNumberIsReadBackToTheSameBits) {
   const Scenario scenario = some_scenario();
-  const Flown flown = write(scenario, place("bits"), 57);
+  const Written flown = write(scenario, place("bits"), 57);
   EXPECT_EQ(flown.error, "");
   auto topics = json_of(place("bits"));
   Sample sample = sized(scenario);
@@ -220,7 +216,7 @@ TEST(Log, TimingHasARowForEachPeriod) {
 
 TEST(Log, NumbersThatAreNotFiniteAreNullAndNeverInARosMessage) {
   const double bad = std::numeric_limits<double>::quiet_NaN();
-  const Flown flown = write(some_scenario(), place("nan"), 30, {}, [&](int k, Sample& sample) {
+  const Written flown = write(some_scenario(), place("nan"), 30, {}, [&](int k, Sample& sample) {
     if (k == 10) sample.x[0] = sample.raw_u[1] = sample.path[2] = bad;
   });
   EXPECT_EQ(flown.values.not_finite, 1);
@@ -239,7 +235,7 @@ TEST(Log, AFullDiskIsSaidOnceAndTheLoopGoesOn) {
   const rlimit small{40'000, before.rlim_max};
   ::setrlimit(RLIMIT_FSIZE, &small);
   double said = 0.0;
-  const Flown flown = write(some_scenario(), place("full"), 1000, [&](double time) { said = time; });
+  const Written flown = write(some_scenario(), place("full"), 1000, [&](double time) { said = time; });
   ::setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, ignored);
   EXPECT_NE(flown.error.find("run.mcap"), std::string::npos) << flown.error;
@@ -251,7 +247,7 @@ TEST(Log, AFullDiskIsSaidOnceAndTheLoopGoesOn) {
 
 TEST(Log, AFolderThatCannotBeMadeIsSaidAndTheLoopGoesOn) {
   std::ofstream(place("file")) << "no folder";
-  const Flown flown = write(some_scenario(), place("file") / "run", 20);
+  const Written flown = write(some_scenario(), place("file") / "run", 20);
   EXPECT_NE(flown.error.find("file/run/run.mcap"), std::string::npos) << flown.error;
   EXPECT_EQ(flown.values.updates, 20);
 }
@@ -270,7 +266,7 @@ TEST(Log, AnEarlierLogStandsUntilTheNextOneOpens) {
   std::ofstream(folder / "summary.json") << "of it";
   const std::string earlier = read_file(folder / "run.mcap");
   fs::create_directories(part / "full");
-  const Flown refused = write(some_scenario(), folder, 5);
+  const Written refused = write(some_scenario(), folder, 5);
   EXPECT_NE(refused.error, "");
   EXPECT_EQ(refused.values.updates, 5);
   EXPECT_EQ(read_file(folder / "run.mcap"), earlier);
@@ -291,7 +287,7 @@ TEST(Log, AnEarlierLogStandsUntilTheNextOneOpens) {
 }
 
 TEST(Log, WhoeverLooksOnMayFailWithoutHarm) {
-  const Flown flown = write(some_scenario(), place("onlooker"), 100, [](double time) {
+  const Written flown = write(some_scenario(), place("onlooker"), 100, [](double time) {
     if (time > 0.25) throw std::runtime_error("the terminal has gone");
   });
   EXPECT_EQ(flown.error, "");
@@ -314,7 +310,7 @@ TEST(Log, AReferenceThatThrowsEndsNeitherJudgingNorWhatIsWritten) {
   }
   team.add(Obstacle{"wall"});
   scenario.team = std::move(team);
-  const Flown flown = write(scenario, folder, 65);
+  const Written flown = write(scenario, folder, 65);
   EXPECT_EQ(flown.error, "");
   EXPECT_EQ(json_of(folder).at("/wall/state").size(), 65U);
   EXPECT_EQ(flown.values.updates, 65);

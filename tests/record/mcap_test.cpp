@@ -2,18 +2,19 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <array>
 #include <csignal>
 #include <fstream>
 #include <iterator>
 #include <random>
-#include <system_error>
+
+#include "tests/support/folder.hpp"
 
 namespace sightline {
 namespace {
 
+using test::place;
 using Bytes = std::vector<std::byte>;
 
 struct Message {
@@ -23,28 +24,6 @@ struct Message {
   Bytes bytes;
   bool operator==(const Message&) const = default;
 };
-
-// A folder of this process alone, gone at its end.
-class Folder {
- public:
-  Folder()
-      : path_(std::filesystem::path(::testing::TempDir()) / ("mcap_test_" + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-std::filesystem::path place(std::string_view name) {
-  static const Folder folder;
-  return folder.path() / name;
-}
 
 Bytes load(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -59,15 +38,15 @@ void save(const std::filesystem::path& path, std::span<const std::byte> bytes) {
 }
 
 // Random messages on three channels, `chunks` chunks of up to nine each.
-struct Log {
+struct RandomLog {
   std::vector<Message> messages;
   std::vector<std::uint64_t> ends;     // length of the file after each chunk [B]
   std::vector<std::size_t> read_then;  // messages it holds by then
 };
 
-Log write_log(const std::filesystem::path& path, int chunks, unsigned seed = 1) {
+RandomLog write_log(const std::filesystem::path& path, int chunks, unsigned seed = 1) {
   std::mt19937_64 random(seed);
-  Log log;
+  RandomLog log;
   McapWriter writer(path, "ros2", "sightline test");
   writer.metadata("run", {{"seed", "1"}, {"scenario", "[horizon]\nduration = 1.0\n"}});
   const SchemaId pose = writer.schema("Pose", "ros2msg", "float64 x\n");
@@ -116,7 +95,7 @@ bool begins_with(const std::vector<Message>& all, const std::vector<Message>& so
 TEST(Mcap, WhatIsWrittenIsReadBackInOrder) {
   for (int chunks = 0; chunks < 12; ++chunks) {
     const auto path = place("order.mcap");
-    const Log log = write_log(path, chunks, static_cast<unsigned>(chunks));
+    const RandomLog log = write_log(path, chunks, static_cast<unsigned>(chunks));
     McapReader reader(path);
     EXPECT_TRUE(read_log(reader) == log.messages) << chunks << " chunks";
     EXPECT_TRUE(reader.ok()) << reader.error();
@@ -138,7 +117,7 @@ TEST(Mcap, TheSameMessagesGiveTheSameBytes) {
 
 TEST(Mcap, AFileCutAnywhereOpensToItsLastWholeChunk) {
   const auto path = place("whole.mcap"), cut_path = place("cut.mcap");
-  const Log log = write_log(path, 6);
+  const RandomLog log = write_log(path, 6);
   const Bytes whole = load(path);
   for (std::size_t cut = 0; cut < whole.size(); ++cut) {
     save(cut_path, std::span(whole).first(cut));
@@ -192,7 +171,7 @@ TEST(Mcap, EveryWrongByteIsFound) {
 
 TEST(Mcap, AWrongByteInAChunkHidesThatChunkAndNamesItsPlace) {
   const auto path = place("chunk.mcap");
-  const Log log = write_log(path, 4);
+  const RandomLog log = write_log(path, 4);
   Bytes bytes = load(path);
   bytes[log.ends[0] + 60] ^= std::byte{0x10};
   save(path, bytes);

@@ -15,7 +15,7 @@ Scenario scenario_with(std::vector<TeamEvent> events) {
   return scenario;
 }
 
-Sample sample_of(const Scenario& scenario, double time, std::vector<Event> events = {}) {
+Sample steered_sample(const Scenario& scenario, double time, std::vector<Event> events = {}) {
   Sample sample;
   sample.time = time;
   sample.x = scenario.x0;
@@ -29,7 +29,7 @@ Sample sample_of(const Scenario& scenario, double time, std::vector<Event> event
 TEST(PresentTeam, OfATeamThatStaysIsTheScenarios) {
   const Scenario scenario = scenario_with({});
   PresentTeam present(scenario);
-  const Sample sample = sample_of(scenario, 3.0);
+  const Sample sample = steered_sample(scenario, 3.0);
   EXPECT_FALSE(present.follow(sample));
   EXPECT_EQ(present.cost(sample), stage_cost(scenario.team, 3.0, sample.x, sample.u));
   EXPECT_EQ(present.couplings().size(), scenario.team.couplings().size());
@@ -44,13 +44,13 @@ TEST(PresentTeam, FollowsTheEventsThatAreInForceAndNoOthers) {
                       .ramp = 1.0},
                      {.name = "gone", .trigger = AtTime{4.0}, .actions = {RemoveBody{BodyId{1}}}}});
   PresentTeam present(scenario);
-  EXPECT_FALSE(present.follow(sample_of(scenario, 2.0, {{2.0, EventKind::event_happened, 0, 0.0}})));
-  EXPECT_FALSE(present.follow(sample_of(scenario, 2.0, {{2.0, EventKind::event_ignored, 0, 1.0}})));
+  EXPECT_FALSE(present.follow(steered_sample(scenario, 2.0, {{2.0, EventKind::event_happened, 0, 0.0}})));
+  EXPECT_FALSE(present.follow(steered_sample(scenario, 2.0, {{2.0, EventKind::event_ignored, 0, 1.0}})));
   EXPECT_EQ(observations(present.couplings()).at(0).target, BodyId{1});
-  EXPECT_TRUE(present.follow(sample_of(scenario, 2.01, {{2.01, EventKind::event_in_force, 0, 0.0}})));
+  EXPECT_TRUE(present.follow(steered_sample(scenario, 2.01, {{2.01, EventKind::event_in_force, 0, 0.0}})));
   EXPECT_EQ(observations(present.couplings()).at(0).target, BodyId{0});
   EXPECT_NE(present.agent(BodyId{1}), nullptr);
-  EXPECT_TRUE(present.follow(sample_of(scenario, 4.01, {{4.01, EventKind::event_in_force, 0, 1.0}})));
+  EXPECT_TRUE(present.follow(steered_sample(scenario, 4.01, {{4.01, EventKind::event_in_force, 0, 1.0}})));
   EXPECT_EQ(present.agent(BodyId{1}), nullptr);
   EXPECT_EQ(observations(all_couplings(scenario)).size(), 2U) << "all there will be";
 }
@@ -61,9 +61,9 @@ TEST(PresentTeam, TheCostMovesWithTheWeights) {
                                             .actions = {RetuneTerm{.name = "sees2", .weight = 0.8}},
                                             .ramp = 1.0}});
   PresentTeam present(scenario);
-  const Sample sample = sample_of(scenario, 2.0);
+  const Sample sample = steered_sample(scenario, 2.0);
   const double before = present.cost(sample);
-  ASSERT_TRUE(present.follow(sample_of(scenario, 2.0, {{2.0, EventKind::event_in_force, 0, 0.0}})));
+  ASSERT_TRUE(present.follow(steered_sample(scenario, 2.0, {{2.0, EventKind::event_in_force, 0, 0.0}})));
   const auto beside_tracking = [&](double t) {
     Sample later = sample;
     later.time = t;

@@ -11,16 +11,13 @@
 #include "sightline/scenario/closed_loop.hpp"
 #include "tests/support/copy_log.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path place(std::string_view name) {
-  static const test::Folder folder("recorded_flight_test");
-  return folder.path() / name;
-}
+using test::place;
 
 /// Two robots, one of which sees the other late, with noise, dropouts and numbers that are none.
 Scenario noisy() {
@@ -46,7 +43,7 @@ fault = [{ kind = "dropout", probability = 0.2 }, { kind = "nan", body = "b", pr
 }
 
 /// Flies a scenario into a folder on a clock; what each sample held.
-std::vector<Sample> fly(const Scenario& scenario, const fs::path& folder, Clock& clock) {
+std::vector<Sample> logged(const Scenario& scenario, const fs::path& folder, Clock& clock) {
   std::vector<Sample> flown;
   const Controls controls(scenario);
   const Controllers controllers = controls.controllers();
@@ -73,13 +70,8 @@ RecordedFlight recorded(const Scenario& scenario, const fs::path& folder) {
   return RecordedFlight(folder / "run.mcap", scenario.team, scenario.x0, scenario.horizon.dt);
 }
 
-std::string refusal(const Scenario& scenario, const fs::path& folder) {
-  try {
-    recorded(scenario, folder);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string replay_refusal(const Scenario& scenario, const fs::path& folder) {
+  return refusal_of<std::runtime_error>([&] { recorded(scenario, folder); });
 }
 
 /// Where a number is none in one, it is none in the other; all else is the same to the bit.
@@ -96,7 +88,7 @@ void expect_same(std::span<const double> a, std::span<const double> b) {
 TEST(RecordedFlight, GivesBackWhatTheLoopMeasuredAndCommandedWithItsTimes) {
   const Scenario scenario = noisy();
   SimulatedClock clock;
-  const auto flown = fly(scenario, place("noisy"), clock);
+  const auto flown = logged(scenario, place("noisy"), clock);
   RecordedFlight flight = recorded(scenario, place("noisy"));
   ASSERT_EQ(flight.periods().size(), flown.size());
   EXPECT_FALSE(flight.truncated());
@@ -121,7 +113,7 @@ TEST(RecordedFlight, PeriodsThatWereMissedAreMissedAgain) {
     bool waits_for_log() const noexcept override { return true; }
   } clock;
   const Scenario scenario = noisy();
-  const auto flown = fly(scenario, place("missed"), clock);
+  const auto flown = logged(scenario, place("missed"), clock);
   RecordedFlight flight = recorded(scenario, place("missed"));
   EXPECT_FALSE(flight.lost_after());
   ASSERT_EQ(flight.periods().size(), flown.size());
@@ -136,7 +128,7 @@ TEST(RecordedFlight, PeriodsThatWereMissedAreMissedAgain) {
 TEST(RecordedFlight, SamplesThatTheLogLostEndWhatCanBeRepeated) {
   const Scenario scenario = noisy();
   SimulatedClock clock;
-  (void)fly(scenario, place("whole"), clock);
+  (void)logged(scenario, place("whole"), clock);
   fs::create_directories(place("lost"));
   test::copy_log(place("whole") / "run.mcap", place("lost") / "run.mcap",
                  [](std::string_view, std::string& text) {
@@ -184,12 +176,12 @@ TEST(RecordedFlight, DetectionsComeBackAsTheyWere) {
 TEST(RecordedFlight, LogsWithoutWhatAReplayNeedsAreRefusedBySentencesWithTheirName) {
   const Scenario scenario = noisy();
   SimulatedClock clock;
-  (void)fly(scenario, place("good"), clock);
+  (void)logged(scenario, place("good"), clock);
   const auto spoilt = [&](std::string_view name,
                           const std::function<void(std::string_view, std::string&)>& edit) {
     fs::create_directories(place(name));
     test::copy_log(place("good") / "run.mcap", place(name) / "run.mcap", edit);
-    return refusal(scenario, place(name));
+    return replay_refusal(scenario, place(name));
   };
   EXPECT_THAT(spoilt("old",
                      [](std::string_view topic, std::string& text) {
@@ -208,7 +200,7 @@ TEST(RecordedFlight, LogsWithoutWhatAReplayNeedsAreRefusedBySentencesWithTheirNa
               testing::HasSubstr("2 numbers in a message, expected 4"));
   EXPECT_THAT(spoilt("words", [](std::string_view, std::string& text) { text = "hello"; }),
               testing::HasSubstr("expected a JSON object"));
-  EXPECT_THAT(refusal(scenario, place("nowhere")), testing::HasSubstr("run.mcap"));
+  EXPECT_THAT(replay_refusal(scenario, place("nowhere")), testing::HasSubstr("run.mcap"));
 }
 
 }  // namespace

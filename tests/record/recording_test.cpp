@@ -14,6 +14,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/paper_team.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -21,25 +22,24 @@ namespace {
 namespace fs = std::filesystem;
 using test::read_file;
 
-fs::path place(std::string_view name) {
-  static const test::Folder folder("recording_test");
-  fs::create_directories(folder.path() / name);
-  return folder.path() / name;
+fs::path made_folder(std::string_view name) {
+  fs::create_directories(test::place(name));
+  return test::place(name);
 }
 
 void save(const fs::path& path, std::string_view bytes) {
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-struct Flight {
+struct LoggedFlight {
   fs::path folder;
   std::vector<Sample> samples;
   Team team;
 };
 
 // The paper's two robots over 2 s, and a wall; the observer is sent round and round.
-const Flight& flight() {
-  static const Flight flown = [] {
+const LoggedFlight& flight() {
+  static const LoggedFlight flown = [] {
     Scenario scenario;
     scenario.name = "paper";
     scenario.text = "text";
@@ -52,7 +52,7 @@ const Flight& flight() {
     x.insert(x.end(), {3, 4, 0, 0, 0, 0});
     const Controllers controllers = {*solver};
     Ring<Sample> ring(300, sized_sample(scenario.team, controllers));
-    Flight result{place("flight"), {}, scenario.team};
+    LoggedFlight result{made_folder("flight"), {}, scenario.team};
     Log log(scenario, result.folder, controllers, ring);
     fly(*solver, x, 200, [&](double time, const std::vector<double>& state, const Solution& solution) {
       Sample& sample = *ring.claim();
@@ -164,7 +164,7 @@ TEST(Recording, HeadingsGoOnWithoutJumpsOverMoreThanATurn) {
 
 TEST(Recording, ALogCutOffAnywhereIsReadToItsLastWholeChunk) {
   const std::string log = read_file(flight().folder / "run.mcap");
-  const fs::path folder = place("cut");
+  const fs::path folder = made_folder("cut");
   fs::copy_file(flight().folder / "timing.csv", folder / "timing.csv");
   std::size_t most = 0;
   for (std::size_t size = log.size() - 1; size > log.size() / 20; size -= log.size() / 97) {
@@ -181,7 +181,7 @@ TEST(Recording, ALogCutOffAnywhereIsReadToItsLastWholeChunk) {
 
 TEST(Recording, ARowOfTimesThatWasCutOffIsLeftOut) {
   const std::string times = read_file(flight().folder / "timing.csv");
-  const fs::path folder = place("times");
+  const fs::path folder = made_folder("times");
   fs::copy_file(flight().folder / "run.mcap", folder / "run.mcap");
   for (std::size_t size = times.size() - 1; size > times.size() - 60; --size) {
     const std::string part = times.substr(0, size);
@@ -192,30 +192,26 @@ TEST(Recording, ARowOfTimesThatWasCutOffIsLeftOut) {
 }
 
 // The sentence of what cannot be read.
-std::string refusal(const fs::path& folder) {
-  try {
-    read_recording(folder);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+std::string read_refusal(const fs::path& folder) {
+  return refusal_of<std::runtime_error>([&] { read_recording(folder); });
 }
 
 TEST(Recording, WhatCannotBeReadIsNamed) {
   const std::string log = read_file(flight().folder / "run.mcap");
-  EXPECT_NE(refusal(place("empty")).find("empty/run.mcap"), std::string::npos);
-  save(place("no_times") / "run.mcap", log);
-  EXPECT_NE(refusal(place("no_times")).find("no_times/timing.csv"), std::string::npos);
-  save(place("text") / "run.mcap", "no log at all");
-  EXPECT_NE(refusal(place("text")).find("text/run.mcap"), std::string::npos);
+  EXPECT_NE(read_refusal(made_folder("empty")).find("empty/run.mcap"), std::string::npos);
+  save(made_folder("no_times") / "run.mcap", log);
+  EXPECT_NE(read_refusal(made_folder("no_times")).find("no_times/timing.csv"), std::string::npos);
+  save(made_folder("text") / "run.mcap", "no log at all");
+  EXPECT_NE(read_refusal(made_folder("text")).find("text/run.mcap"), std::string::npos);
   std::string damaged = log;
   damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 0x10);
-  save(place("damaged") / "run.mcap", damaged);
-  EXPECT_NE(refusal(place("damaged")).find("damaged/run.mcap"), std::string::npos);
-  save(place("rows") / "run.mcap", log);
-  save(place("rows") / "timing.csv",
+  save(made_folder("damaged") / "run.mcap", damaged);
+  EXPECT_NE(read_refusal(made_folder("damaged")).find("damaged/run.mcap"), std::string::npos);
+  save(made_folder("rows") / "run.mcap", log);
+  save(made_folder("rows") / "timing.csv",
        "time,update_us,solve_us,allocations,iterations,missed\n0,1,2,none,4,5\n");
-  EXPECT_NE(refusal(place("rows")).find("\"0,1,2,none,4,5\", expected 6 numbers"), std::string::npos);
+  EXPECT_NE(read_refusal(made_folder("rows")).find("\"0,1,2,none,4,5\", expected 6 numbers"),
+            std::string::npos);
 }
 
 }  // namespace

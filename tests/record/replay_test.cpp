@@ -14,11 +14,11 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A short flight of a shipped scenario, in its log.
-struct Flown {
+struct ReplayedFlight {
   Scenario scenario;
   test::Folder folder{"replay_test"};
 
-  Flown(const std::string& name, double duration, Clock& clock)
+  ReplayedFlight(const std::string& name, double duration, Clock& clock)
       : scenario(read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/" + name + ".toml")) {
     scenario.simulation.duration = duration;
     const Controls controls(scenario);
@@ -56,7 +56,7 @@ class Stumbling final : public Clock {
 
 TEST(Replay, OfAFlightWhoseTeamChangesTheCommandsAreTheSameBitForBit) {
   SimulatedClock clock;
-  const Flown flown("join_and_leave", 25.0, clock);
+  const ReplayedFlight flown("join_and_leave", 25.0, clock);
   RecordedFlight flight = flown.flight();
   const CommandComparison compared = again(flown.scenario, flight);
   EXPECT_EQ(compared.updates(), 2500);
@@ -68,7 +68,7 @@ TEST(Replay, OfAFlightWhoseTeamChangesTheCommandsAreTheSameBitForBit) {
 
 TEST(Replay, OfAFlightThatMissedPeriodsTheCommandsAreTheSameBitForBit) {
   Stumbling clock;
-  const Flown flown("handover", 30.0, clock);
+  const ReplayedFlight flown("handover", 30.0, clock);
   RecordedFlight flight = flown.flight();
   const CommandComparison compared = again(flown.scenario, flight);
   EXPECT_GT(compared.updates(), 2500);
@@ -78,14 +78,14 @@ TEST(Replay, OfAFlightThatMissedPeriodsTheCommandsAreTheSameBitForBit) {
 
 TEST(Replay, OnASteadyClockTeamsTakeOverWhereTheyDidWhenTheyWereReadyLate) {
   SteadyClock clock;
-  const Flown flown("join_and_leave", 8.0, clock);
+  const ReplayedFlight flown("join_and_leave", 8.0, clock);
   RecordedFlight flight = flown.flight();
   EXPECT_EQ(again(flown.scenario, flight).differing(), 0);
 }
 
 TEST(Replay, TellsTheFirstCommandThatDiffersAndHowFar) {
   SimulatedClock clock;
-  const Flown flown("cooperative_localization", 5.0, clock);
+  const ReplayedFlight flown("cooperative_localization", 5.0, clock);
   RecordedFlight flight = flown.flight();
   const Controls controls(flown.scenario);
   CommandComparison compared(flight, sized_sample(flown.scenario.team, controls.controllers()));
@@ -112,7 +112,7 @@ TEST(Replay, TellsTheFirstCommandThatDiffersAndHowFar) {
 
 TEST(Replay, ALogSaysHowItWasFlown) {
   SimulatedClock clock;
-  const Flown flown("pyramid_camera", 0.5, clock);
+  const ReplayedFlight flown("pyramid_camera", 0.5, clock);
   const FlownAs as = flown_as(flown.folder.path() / "run.mcap");
   EXPECT_EQ(as.text, flown.scenario.text);
   EXPECT_EQ(as.solver, "newton_riccati");

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/scenario/closed_loop.hpp"
-#include "tests/support/team_flight.hpp"
+#include "tests/support/scenario_flight.hpp"
 
 namespace sightline {
 namespace {
@@ -47,21 +47,15 @@ weight = 4.0
   return parse_scenario(text, "surrounded.toml");
 }
 
-struct Flown {
+struct Nearness {
   double nearest = 1e9, lowest = 1e9;
 };
 
-Flown fly(const Scenario& scenario) {
-  Controls controls(scenario);
-  SimulatedClock clock;
-  const Controllers controllers = controls.controllers();
-  KeepSamples sink(sized_sample(scenario.team, controllers));
-  EXPECT_TRUE(
-      ClosedLoop(scenario, *make_world(scenario), controllers, clock, sink, nullptr, controls.team_switcher())
-          .fly()
-          .finite);
-  Flown flown;
-  for (const FlownPeriod& period : sink.flown) {
+Nearness nearness(const Scenario& scenario) {
+  const TeamFlight flight = fly_scenario(scenario);
+  EXPECT_TRUE(flight.outcome.finite);
+  Nearness flown;
+  for (const FlownPeriod& period : flight.flown) {
     const auto at = [&](int body) {
       const double* x = &period.x[static_cast<std::size_t>(scenario.team.state_offset(BodyId{body}))];
       return Vec3<double>{x[0], x[1], x[2]};
@@ -80,12 +74,12 @@ TEST(SurroundedFlights, KeepDistanceAndFloorWithAndWithoutPotentials) {
   };
   for (const Ring& ring : {Ring{3, 0.5, 4.0}, {4, 1.0, 4.0}, {6, 1.0, 4.0}}) {
     for (const bool felt : {false, true}) {
-      const Flown on = fly(surrounded(ring.count, ring.speed, ring.far, felt, "on"));
+      const Nearness on = nearness(surrounded(ring.count, ring.speed, ring.far, felt, "on"));
       EXPECT_GE(on.nearest, 0.6) << ring.count << (felt ? " felt" : "");
       EXPECT_GE(on.lowest, 0.3 - 1e-9);
     }
   }
-  EXPECT_LT(fly(surrounded(3, 0.5, 4.0, false, "off")).nearest, 0.1) << "without the barrier they meet";
+  EXPECT_LT(nearness(surrounded(3, 0.5, 4.0, false, "off")).nearest, 0.1) << "without the barrier they meet";
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 // Bodies that walk at random, the last of which nobody controls.
-Recording walked(Random& random, std::size_t bodies, std::size_t periods = 40) {
+Recording walking_bodies(Random& random, std::size_t bodies, std::size_t periods = 40) {
   Recording r;
   r.period = 0.1;
   r.bodies.resize(bodies);
@@ -30,7 +30,7 @@ Recording walked(Random& random, std::size_t bodies, std::size_t periods = 40) {
 TEST(NearestPairs, AreThoseThatCameNearestTheNearestFirst) {
   Random random(1);
   for (int n = 0; n < 20; ++n) {
-    const Recording r = walked(random, 6);
+    const Recording r = walking_bodies(random, 6);
     const auto pairs = nearest_pairs(r, 100);
     ASSERT_EQ(pairs.size(), 15U);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -48,7 +48,7 @@ TEST(NearestPairs, AreThoseThatCameNearestTheNearestFirst) {
 
 TEST(NearestPairs, HaveARobotEachAndWereThereAtOnce) {
   Random random(2);
-  Recording r = walked(random, 4);
+  Recording r = walking_bodies(random, 4);
   r.bodies[2].is_agent = false;
   for (auto& p : r.bodies[0].p) p.x = std::nan("");
   const auto pairs = nearest_pairs(r, 10);
@@ -58,7 +58,7 @@ TEST(NearestPairs, HaveARobotEachAndWereThereAtOnce) {
 
 TEST(NearnessFigure, ShowsTheHardDistanceBelowTheCurvesOfAtMostSixPairs) {
   Random random(3);
-  Recording r = walked(random, 9);
+  Recording r = walking_bodies(random, 9);
   r.d_hard = {0.6, 1.2};
   const auto drawing = nearness_drawing(r, Curves(r));
   ASSERT_TRUE(drawing);
@@ -71,7 +71,7 @@ TEST(NearnessFigure, ShowsTheHardDistanceBelowTheCurvesOfAtMostSixPairs) {
 
 TEST(NearnessFigure, IsLeftOutWhereThePairsOwnFigureTellsIt) {
   Random random(4);
-  Recording r = walked(random, 2);
+  Recording r = walking_bodies(random, 2);
   r.pairs.push_back({.observer = 0, .target = 1});
   EXPECT_FALSE(nearness_drawing(r, Curves(r)));
   r.d_hard = {0.6};

@@ -18,11 +18,11 @@ Team two_robots() {
   team.add(Obstacle{.name = "wall"});
   return team;
 }
-const Numbers start = {0, 0, 1, 1, 0, 0, 0, /**/ 4, 0, 1, 1, 0, 0, 0, /**/ 2, 3, 1, 0, 0, 0};
+const Numbers start_of_both = {0, 0, 1, 1, 0, 0, 0, /**/ 4, 0, 1, 1, 0, 0, 0, /**/ 2, 3, 1, 0, 0, 0};
 
 // A flight under one command for both robots; the true states are measured, with the time of the moment.
-struct Flight {
-  explicit Flight(const GuardOptions& options, const Numbers& command = {1, 0, 0, 0, -1, 0, 0, 0})
+struct GuardedFlight {
+  explicit GuardedFlight(const GuardOptions& options, const Numbers& command = {1, 0, 0, 0, -1, 0, 0, 0})
       : guard(team, options), asked(command) {}
 
   void step(bool seen = true) {
@@ -45,8 +45,8 @@ struct Flight {
   Team team = two_robots();
   Guard guard;
   Membership membership = Roster(team).membership();
-  Plant plant{team, start};
-  Numbers measured = start, stamps = Numbers(3, 0.0), asked, u;
+  Plant plant{team, start_of_both};
+  Numbers measured = start_of_both, stamps = Numbers(3, 0.0), asked, u;
   std::span<const double> believed;
   std::vector<Event> events;
   double t = 0.0, nearest = 1e9, lowest = 1e9;
@@ -54,10 +54,10 @@ struct Flight {
 
 TEST(Guard, KeepsOffNobodyWhoIsAbsent) {
   for (const bool absent : {false, true}) {
-    Flight flight({.barrier = BarrierMode::on});
+    GuardedFlight flight({.barrier = BarrierMode::on});
     if (absent) {
       flight.membership.presence[1] = Presence::absent;
-      flight.guard.follow(flight.membership, 0.0, start);
+      flight.guard.follow(flight.membership, 0.0, start_of_both);
     }
     for (int k = 0; k < 400; ++k) {
       flight.step();
@@ -68,7 +68,7 @@ TEST(Guard, KeepsOffNobodyWhoIsAbsent) {
 }
 
 TEST(Guard, WithNeitherSupervisorNorBarrierAllStaysBitForBit) {
-  Flight flight({});
+  GuardedFlight flight({});
   for (int k = 0; k < 100; ++k) {
     const Numbers x(flight.plant.x().begin(), flight.plant.x().end());
     flight.step();
@@ -81,7 +81,7 @@ TEST(Guard, WithNeitherSupervisorNorBarrierAllStaysBitForBit) {
 }
 
 TEST(Guard, TheBarrierKeepsRobotsApartThatAreSentAtEachOther) {
-  Flight flight({.barrier = BarrierMode::on, .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}}});
+  GuardedFlight flight({.barrier = BarrierMode::on, .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}}});
   bool active = false;
   for (int k = 0; k < 600; ++k) {
     flight.step();
@@ -93,7 +93,7 @@ TEST(Guard, TheBarrierKeepsRobotsApartThatAreSentAtEachOther) {
 }
 
 TEST(Guard, ABarrierThatOnlyReportsChangesNothing) {
-  Flight flight({.barrier = BarrierMode::report, .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}}});
+  GuardedFlight flight({.barrier = BarrierMode::report, .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}}});
   bool active = false;
   for (int k = 0; k < 250; ++k) {
     flight.step();
@@ -106,8 +106,9 @@ TEST(Guard, ABarrierThatOnlyReportsChangesNothing) {
 
 TEST(Guard, TheFloorIsKeptUntilARobotLandsAndAGroundedOneIsLeftAlone) {
   const BarrierOptions floor{.floor = 0.5};
-  Flight down({.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on, .barrier_options = floor},
-              {0, 0, -1, 0, 0, 0, 0, 0});
+  GuardedFlight down(
+      {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on, .barrier_options = floor},
+      {0, 0, -1, 0, 0, 0, 0, 0});
   for (int k = 0; k < 300; ++k) down.step();
   EXPECT_GE(down.lowest, 0.5 - 1e-9);
   for (int k = 0; k < 900; ++k) down.step(false);
@@ -121,9 +122,9 @@ TEST(Guard, ARobotThatIsToldToLandPassesTheFloor) {
   for (const bool supervised : {false, true}) {
     GuardOptions options{.barrier = BarrierMode::on, .barrier_options = {.floor = 0.5}};
     if (supervised) options.supervisor = SupervisorOptions{};
-    Flight flight(options, {0, 0, -0.3, 0, 0, 0, -0.3, 0});
+    GuardedFlight flight(options, {0, 0, -0.3, 0, 0, 0, -0.3, 0});
     flight.membership.presence[0] = Presence::land;
-    flight.guard.follow(flight.membership, 0.0, start);
+    flight.guard.follow(flight.membership, 0.0, start_of_both);
     for (int k = 0; k < 300; ++k) flight.step();
     EXPECT_LT(flight.lowest, 0.2);
     EXPECT_GE(flight.plant.x()[9], 0.5 - 1e-9) << "the other is steered";
@@ -132,16 +133,16 @@ TEST(Guard, ARobotThatIsToldToLandPassesTheFloor) {
 
 TEST(Guard, LimitsThatAreRetunedInFlightHoldForBarrierAndSupervisor) {
   const InputLimits narrow({-0.2, -0.2, -0.2, -0.2}, {0.2, 0.2, 0.2, 0.2});
-  Flight flight({.supervisor = SupervisorOptions{},
-                 .barrier = BarrierMode::on,
-                 .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}},
-                 .limits_to_come = {{BodyId{0}, narrow}}},
-                {0.2, 0, 0, 0, -1, 0, 0, 0});
+  GuardedFlight flight({.supervisor = SupervisorOptions{},
+                        .barrier = BarrierMode::on,
+                        .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}},
+                        .limits_to_come = {{BodyId{0}, narrow}}},
+                       {0.2, 0, 0, 0, -1, 0, 0, 0});
   bool active = false;
   for (int k = 0; k < 600; ++k) {
     if (k == 50) {
       flight.membership.limits[0] = narrow;
-      flight.guard.follow(flight.membership, flight.t, start);
+      flight.guard.follow(flight.membership, flight.t, start_of_both);
     }
     flight.step(k < 400);  // then the supervisor brakes
     active |= flight.guard.barriers()[0].active;
@@ -160,7 +161,7 @@ TEST(Guard, LimitsToComeThatExcludeEachOtherAreRefused) {
 }
 
 TEST(Guard, WhatTheSupervisorSaysBecomesEventsOfTheBody) {
-  Flight flight({.supervisor = SupervisorOptions{}});
+  GuardedFlight flight({.supervisor = SupervisorOptions{}});
   for (int k = 0; k < 5; ++k) flight.step();
   for (int k = 0; k < 30; ++k) flight.step(false);
   ASSERT_EQ(flight.events.size(), 4U);
@@ -179,7 +180,7 @@ TEST(Guard, WhatTheSupervisorSaysBecomesEventsOfTheBody) {
 }
 
 TEST(Guard, WhereARobotWasNeverSeenTheBarrierStandsBack) {
-  Flight flight({.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
+  GuardedFlight flight({.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
   flight.measured.assign(flight.measured.size(), std::nan(""));
   for (int k = 0; k < 50; ++k) {
     flight.stamps.assign(3, flight.t);

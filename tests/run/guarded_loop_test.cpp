@@ -6,20 +6,21 @@
 
 #include "sightline/run/loop.hpp"
 #include "sightline/world/model_world.hpp"
+#include "tests/support/period.hpp"
 
 namespace sightline {
 namespace {
 
+using test::control_period;
 using Numbers = std::vector<double>;
-
-constexpr double dt = 0.01;
 
 // Plans at t0 the input 0.1 + (t - t0) for every channel, so that each input tells how old its plan is; keeps what it
 // was asked.
 class Teller : public Solver {
  public:
   explicit Teller(Team team)
-      : ocp_(std::move(team), {.T = 0.5, .N = 5, .dt = dt}), u_(static_cast<std::size_t>(ocp_.nu())) {}
+      : ocp_(std::move(team), {.T = 0.5, .N = 5, .dt = control_period}),
+        u_(static_cast<std::size_t>(ocp_.nu())) {}
 
   std::string_view name() const override { return "teller"; }
   const Ocp& ocp() const override { return ocp_; }
@@ -50,7 +51,7 @@ Team one_robot() {
   team.add(Multirotor{}, {.name = "a"});
   return team;
 }
-const Numbers start = {0, 0, 1, 1, 0, 0, 0};
+const Numbers start_of_one = {0, 0, 1, 1, 0, 0, 0};
 
 struct Kept final : Sink<Sample> {
   explicit Kept(Sample prototype) : sample(std::move(prototype)) {}
@@ -61,9 +62,9 @@ struct Kept final : Sink<Sample> {
   std::vector<Sample> all;
 };
 
-std::vector<Sample> fly(Teller& teller, LoopOptions options, const SensorOptions& sensing = {}) {
+std::vector<Sample> flown_by(Teller& teller, LoopOptions options, const SensorOptions& sensing = {}) {
   const Team team = one_robot();
-  ModelWorld world(team, start, {}, sensing);
+  ModelWorld world(team, start_of_one, {}, sensing);
   const Controllers controllers = {teller};
   SimulatedClock clock;
   Kept kept(sized_sample(team, controllers));
@@ -75,7 +76,7 @@ std::vector<Sample> fly(Teller& teller, LoopOptions options, const SensorOptions
 TEST(GuardedLoop, WithGoodDataAGuardLeavesTheFlightAsItIsBitForBit) {
   Teller a(one_robot()), b(one_robot());
   Guard guard(one_robot(), {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
-  const auto bare = fly(a, {.duration = 2.0}), guarded = fly(b, {.duration = 2.0, .guard = &guard});
+  const auto bare = flown_by(a, {.duration = 2.0}), guarded = flown_by(b, {.duration = 2.0, .guard = &guard});
   ASSERT_EQ(bare.size(), guarded.size());
   for (std::size_t k = 0; k < bare.size(); ++k) {
     ASSERT_EQ(bare[k].x, guarded[k].x);
@@ -87,21 +88,22 @@ TEST(GuardedLoop, WithGoodDataAGuardLeavesTheFlightAsItIsBitForBit) {
 TEST(GuardedLoop, OfALatePlanTheOneBeforeGoesOnAndTheNextUpdateBeginsOnlyWhenItIsDone) {
   Teller teller(one_robot());
   const auto samples =
-      fly(teller, {.duration = 1.0, .late_plans = {{.from = 0.3, .until = 0.6, .delay = 0.05}}});
+      flown_by(teller, {.duration = 1.0, .late_plans = {{.from = 0.3, .until = 0.6, .delay = 0.05}}});
   Numbers asked;
-  for (int k = 0; k < 30; ++k) asked.push_back(dt * k);
-  for (int k = 30; k < 60; k += 6) asked.push_back(dt * k);  // begun, five periods at work, the next begins
-  for (int k = 60; k < 100; ++k) asked.push_back(dt * k);
+  for (int k = 0; k < 30; ++k) asked.push_back(control_period * k);
+  for (int k = 30; k < 60; k += 6)
+    asked.push_back(control_period * k);  // begun, five periods at work, the next begins
+  for (int k = 60; k < 100; ++k) asked.push_back(control_period * k);
   ASSERT_EQ(teller.asked.size(), asked.size());
   for (std::size_t i = 0; i < asked.size(); ++i) {
     EXPECT_NEAR(teller.asked[i], asked[i], 1e-12);
-    const auto k = static_cast<std::size_t>(std::lround(asked[i] / dt));
+    const auto k = static_cast<std::size_t>(std::lround(asked[i] / control_period));
     EXPECT_EQ(teller.first_state[i], samples[k].x[0]) << "from the state of its begin";
   }
   for (int k = 0; k < 100; ++k) {
     const int since = k < 30 || k >= 60 ? 0 : (k - 30) % 6;
     const int age = since == 5 ? 5 : since + (k < 30 || k >= 60 ? 0 : k < 36 ? 1 : 6);  // in periods
-    const double expected = 0.1 + dt * age;
+    const double expected = 0.1 + control_period * age;
     ASSERT_NEAR(samples[static_cast<std::size_t>(k)].u[0], expected, 1e-9) << k;
     const Status status = samples[static_cast<std::size_t>(k)].solvers[0].status;
     ASSERT_EQ(status, since == 5 || k < 30 || k >= 60 ? Status::converged : Status::deadline) << k;
@@ -116,7 +118,7 @@ TEST(GuardedLoop, APlanThatFailsIsFlownOnThenSlowedThenHeldThenLanded) {
     LoopOptions options{.duration = 4.0, .guard = &guard};
     if (late) options.late_plans = {{.from = 0.0, .delay = 10.0}};
     std::vector<EventKind> told;
-    for (const Sample& sample : fly(teller, options)) {
+    for (const Sample& sample : flown_by(teller, options)) {
       for (int i = 0; i < sample.event_count; ++i) {
         const Event& event = sample.events[static_cast<std::size_t>(i)];
         if (event.kind >= EventKind::valid) told.push_back(event.kind);
@@ -134,7 +136,7 @@ TEST(GuardedLoop, OfWhateverStatusAPlanIsFlownAndOnlyWithoutOneTheRobotLands) {
     Guard guard(one_robot(), {.supervisor = SupervisorOptions{}});
     teller.status = static_cast<Status>(s);
     std::vector<EventKind> told;
-    for (const Sample& sample : fly(teller, {.duration = 4.0, .guard = &guard})) {
+    for (const Sample& sample : flown_by(teller, {.duration = 4.0, .guard = &guard})) {
       EXPECT_TRUE(sample.solvers[0].answered);
       for (int i = 0; i < sample.event_count; ++i)
         told.push_back(sample.events[static_cast<std::size_t>(i)].kind);
@@ -148,7 +150,7 @@ TEST(GuardedLoop, OfWhateverStatusAPlanIsFlownAndOnlyWithoutOneTheRobotLands) {
 TEST(GuardedLoop, WhileAnUpdateIsLateTheResidualIsNotKnownAndTheSolverDidNotAnswer) {
   Teller teller(one_robot());
   const auto samples =
-      fly(teller, {.duration = 1.0, .late_plans = {{.from = 0.3, .until = 0.4, .delay = 0.05}}});
+      flown_by(teller, {.duration = 1.0, .late_plans = {{.from = 0.3, .until = 0.4, .delay = 0.05}}});
   int waiting = 0;
   for (const Sample& sample : samples) {
     const SolverRecord& record = sample.solvers[0];
@@ -164,7 +166,7 @@ TEST(GuardedLoop, NobodyIsAskedForAPlanBeforeAllBodiesWereSeen) {
   Teller teller(one_robot());
   Guard guard(one_robot(), {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
   const SensorOptions blind{.faults = {{.kind = FaultKind::nan, .body = BodyId{0}, .until = 0.5}}};
-  const auto samples = fly(teller, {.duration = 1.0, .guard = &guard}, blind);
+  const auto samples = flown_by(teller, {.duration = 1.0, .guard = &guard}, blind);
   ASSERT_FALSE(teller.asked.empty());
   EXPECT_NEAR(teller.asked.front(), 0.52, 1e-9) << "the third good measurement";
   for (std::size_t k = 0; k < 52; ++k) {
@@ -176,7 +178,7 @@ TEST(GuardedLoop, NobodyIsAskedForAPlanBeforeAllBodiesWereSeen) {
 TEST(GuardedLoop, WhatIsBelievedIsWhatTheControllerSees) {
   Teller teller(one_robot());
   Guard guard(one_robot(), {.supervisor = SupervisorOptions{}});
-  const auto samples = fly(teller, {.duration = 3.0, .guard = &guard}, {.delay = 0.15});
+  const auto samples = flown_by(teller, {.duration = 3.0, .guard = &guard}, {.delay = 0.15});
   for (std::size_t k = 20; k < samples.size(); ++k) {
     ASSERT_NEAR(teller.first_state[k], samples[k].x[0], 1e-9) << "the delay is compensated";
     ASSERT_NE(samples[k].measured[0], samples[k].x[0]);

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/period.hpp"
+
 namespace sightline {
 namespace {
 
-constexpr double period = 0.01;
+using test::control_period;
 
 SolverRecord record(Status status, bool answered = true) {
   SolverRecord of;
@@ -16,7 +18,7 @@ SolverRecord record(Status status, bool answered = true) {
 
 /// Adds n periods from period k on. @return the next
 int add(PlanGaps& gaps, int k, int n, const SolverRecord& of) {
-  for (int i = 0; i < n; ++i) gaps.add(period * (k + i), period, of);
+  for (int i = 0; i < n; ++i) gaps.add(control_period * (k + i), control_period, of);
   return k + n;
 }
 

@@ -9,6 +9,7 @@
 #include "sightline/model/ground_robots.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
+#include "tests/support/adversary.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/robots.hpp"
@@ -16,10 +17,11 @@
 namespace sightline {
 namespace {
 
-constexpr std::array<double, 4> low = {-1, -1, -1, -1}, high = {1, 1, 1, 1};
+using test::highest;
+using test::lowest;
 
 /// A cart whose two commands accelerate it along the axes of G, whatever its heading.
-struct Cart {
+struct CommandedCart {
   static constexpr int nx = 6, nu = 3;
   static constexpr std::string_view name = "cart";
 
@@ -39,7 +41,7 @@ struct Cart {
 
 TEST(Authority, OfTheMultirotorIsItsDragAndTheThrustOfOneAxis) {
   for (const Model& model : {Model(Multirotor{}), Model(AngleMultirotor{})}) {
-    const Authority a = authority_of(model, low, high);
+    const Authority a = authority_of(model, lowest, highest);
     EXPECT_NEAR(a.drag, 0.5092, 1e-3);
     EXPECT_NEAR(a.acceleration, 1.458, 2e-3);
     EXPECT_TRUE(a.climbs);
@@ -56,7 +58,7 @@ TEST(Authority, FollowsTheLimitsOfTheInputs) {
 }
 
 TEST(Authority, OfThrustsInGDoesNotTurnWithTheHeading) {
-  const Authority a = authority_of(Cart{}, std::span(low).first(3), std::span(high).first(3));
+  const Authority a = authority_of(CommandedCart{}, std::span(lowest).first(3), std::span(highest).first(3));
   EXPECT_FALSE(a.turns);
   EXPECT_FALSE(a.climbs);
   EXPECT_NEAR(a.drag, 0.4, 1e-3);
@@ -73,7 +75,7 @@ TEST(Authority, CanBeHadInEveryDirectionAtEverySpeed) {
     robot.b_s = uniform(random, 1.0, 2.0);
     robot.a_f = uniform(random, -0.6, -0.45);
     robot.a_s = uniform(random, -0.6, -0.45);
-    const Authority can = authority_of(robot, low, high);
+    const Authority can = authority_of(robot, lowest, highest);
     for (int j = 0; j < 100; ++j) {
       const double heading = uniform(random, -3.2, 3.2), angle = uniform(random, -3.2, 3.2);
       const Vec2<double> d = {std::cos(heading), std::sin(heading)};
@@ -90,12 +92,13 @@ TEST(Authority, CanBeHadInEveryDirectionAtEverySpeed) {
 }
 
 TEST(Authority, IsRefusedWhereARobotCannotFleeAnyWay) {
-  EXPECT_EQ(
-      refusal_of([] { authority_of(test::Unicycle{}, std::span(low).first(2), std::span(high).first(2)); }),
-      "barrier: the commands of \"test_unicycle\" do not accelerate it in every horizontal direction "
-      "at once, "
-      "expected a robot that can flee any way");
-  EXPECT_EQ(refusal_of([] { authority_of(test::Quadrotor{}, low, high); }),
+  EXPECT_EQ(refusal_of([] {
+              authority_of(test::Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2));
+            }),
+            "barrier: the commands of \"test_unicycle\" do not accelerate it in every horizontal direction "
+            "at once, "
+            "expected a robot that can flee any way");
+  EXPECT_EQ(refusal_of([] { authority_of(test::Quadrotor{}, lowest, highest); }),
             "barrier: the commands of \"test_quadrotor\" do not accelerate it in every horizontal direction "
             "at once, "
             "expected a robot that can flee any way");
@@ -110,7 +113,7 @@ TEST(Authority, IsRefusedWhereARobotCannotFleeAnyWay) {
             "barrier: the height of \"velocity_multirotor\" does not follow its commands at once, expected a "
             "vertical velocity that is commanded");
   const std::array<double, 4> one_sided = {0, -1, -1, -1};
-  EXPECT_THROW(authority_of(Multirotor{}, one_sided, high), std::invalid_argument);
+  EXPECT_THROW(authority_of(Multirotor{}, one_sided, highest), std::invalid_argument);
 }
 
 }  // namespace

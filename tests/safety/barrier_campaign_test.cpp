@@ -6,21 +6,19 @@
 #include "sightline/safety/barrier.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/campaign.hpp"
+#include "tests/support/period.hpp"
 
 namespace sightline {
 namespace {
 
+using test::control_period;
 using test::Duel;
 using test::DuelOutcome;
 using test::Nominal;
 using test::Pursuit;
 
-constexpr double dt = 0.01;
-
-int runs(int whole) { return whole_campaign() ? whole : whole / 40; }
-
 Barrier barrier() {
-  return Barrier(Multirotor{}, test::lowest, test::highest, dt, {.floor = 0.3, .world = 100.0});
+  return Barrier(Multirotor{}, test::lowest, test::highest, control_period, {.floor = 0.3, .world = 100.0});
 }
 
 struct Summary {
@@ -78,16 +76,16 @@ TEST(BarrierCampaign, NoAdversaryInThePlaneOrInSpaceComesBelowTheHardDistance) {
   for (const bool spatial : {false, true}) {
     const std::string where = spatial ? "space" : "plane";
     SCOPED_TRACE(where);
-    Summary on = campaign({.spatial = spatial}, runs(20000), 1);
+    Summary on = campaign({.spatial = spatial}, runs(20000, 40), 1);
     on.print((where + ", barrier on").c_str());
-    campaign({.spatial = spatial, .filtered = false}, runs(20000), 1)
+    campaign({.spatial = spatial, .filtered = false}, runs(20000, 40), 1)
         .print((where + ", barrier off").c_str());
     expect_all_kept(on);
   }
 }
 
 TEST(BarrierCampaign, NorFromAnyVelocityAtWhichItCanStillFlee) {
-  Summary on = campaign({.spatial = true, .moving = true}, runs(20000), 1);
+  Summary on = campaign({.spatial = true, .moving = true}, runs(20000, 40), 1);
   on.print("space, moving, barrier on");
   EXPECT_EQ(on.below, 0);
 }
@@ -96,7 +94,7 @@ TEST(BarrierCampaign, NorFromAnyVelocityAtWhichItCanStillFlee) {
 TEST(BarrierCampaign, TheSafeSetIsLeftByNoSample) {
   const Barrier filter = barrier();
   Random random(7);
-  const int count = runs(1000000);
+  const int count = runs(1000000, 40);
   double worst = 1e9, violation = 0.0;
   for (int k = 0; k < count; ++k) {
     const double psi = uniform(random, -3.2, 3.2);
@@ -121,10 +119,10 @@ TEST(BarrierCampaign, TheSafeSetIsLeftByNoSample) {
     test::Command u = k % 3 == 0 ? test::towards(x, n.p) : uniform_array<4>(random, -1, 1);
     violation =
         std::max(violation, filter.filter(x, std::span(&n, 1), test::lowest, test::highest, u).violation);
-    test::fly(Multirotor{}, x, u, dt, [](const Vec3<double>&, double) {});
+    test::fly(Multirotor{}, x, u, control_period, [](const Vec3<double>&, double) {});
     const Vec3<double> r = Vec3<double>{x[0], x[1], x[2]} - n.p;
-    n.p = n.p + (dt * n.speed_max / norm(r)) * r;
-    worst = std::min(worst, filter.reserve(x, n) - (1 - filter.options().rate * dt) * before);
+    n.p = n.p + (control_period * n.speed_max / norm(r)) * r;
+    worst = std::min(worst, filter.reserve(x, n) - (1 - filter.options().rate * control_period) * before);
   }
   std::printf(
       "states near the boundary %d: least reserve less what was asked %.7f m, largest violation %.7f m\n",
@@ -141,7 +139,7 @@ TEST(BarrierCampaign, RobotsThatAllFilterNeverComeBelowTheHardDistance) {
       test::Swarm swarm{.robots = robots, .nominal = nominal};
       double nearest = 1e9, unfiltered = 1e9, travelled = 0.0, violation = 0.0;
       int below = 0, conflicts = 0;
-      const int count = runs(2000) / robots;
+      const int count = runs(2000, 40) / robots;
       for (int i = 0; i < count; ++i) {
         swarm.filtered = true;
         swarm.head_on = robots == 2 && i % 2 == 0;

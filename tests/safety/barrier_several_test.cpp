@@ -13,10 +13,6 @@ using test::lowest;
 using test::State;
 using test::Wish;
 
-Barrier barrier() {
-  return Barrier(Multirotor{}, lowest, highest, 0.01, {.floor = 0.3, .ceiling = 10.0, .world = 100.0});
-}
-
 /// So many pursuers, evenly round the robot at its height.
 Encirclement ring(int count, double far, double speed, Wish wish) {
   Encirclement e{.wish = wish};
@@ -28,7 +24,7 @@ Encirclement ring(int count, double far, double speed, Wish wish) {
 }
 
 TEST(BarrierAgainstSeveral, KeepsDistanceAndFloorInARingThatCloses) {
-  const Barrier filter = barrier();
+  const Barrier filter = test::barrier_of_encirclements();
   for (const Wish wish : {Wish::stay, Wish::meet}) {
     for (const Encirclement& e :
          {ring(3, 4.0, 0.5, wish), ring(4, 4.0, 1.0, wish), ring(6, 2.5, 1.0, wish)}) {
@@ -41,7 +37,7 @@ TEST(BarrierAgainstSeveral, KeepsDistanceAndFloorInARingThatCloses) {
 }
 
 TEST(BarrierAgainstSeveral, KeepsItFromUncooperativeOnesThatTurnAtWillWhileAPlanIsSafeFromAll) {
-  const Barrier filter = barrier();
+  const Barrier filter = test::barrier_of_encirclements();
   int flown = 0;
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     const Encirclement e = test::any_adversaries(seed);
@@ -56,7 +52,7 @@ TEST(BarrierAgainstSeveral, KeepsItFromUncooperativeOnesThatTurnAtWillWhileAPlan
 }
 
 TEST(BarrierAgainstSeveral, TellsAtOnceWhereThereIsNoWayOut) {
-  const Barrier filter = barrier();
+  const Barrier filter = test::barrier_of_encirclements();
   Encirclement e = ring(6, 0.75, 1.5, Wish::stay);
   e.pursuers.push_back({{0.0, 0.0, 1.8}, 1.5});
   e.height = 0.5;
@@ -85,7 +81,7 @@ TEST(BarrierAgainstSeveral, AtTheCeilingItSinksOutOfARing) {
 }
 
 TEST(BarrierAgainstSeveral, APlanThatClimbsLagsByWhatTheRateAllowsAtMost) {
-  const Barrier filter = barrier();
+  const Barrier filter = test::barrier_of_encirclements();
   const State x = {0, 0, 1, 1, 0, 0, 0};
   for (const double far : {0.9, 1.0}) {
     std::array<Neighbour, 6> pursuers;
@@ -103,7 +99,7 @@ TEST(BarrierAgainstSeveral, APlanThatClimbsLagsByWhatTheRateAllowsAtMost) {
 }
 
 TEST(BarrierAgainstSeveral, WhoIsFarAwayOrOnTheSameSideChangesNothing) {
-  const Barrier filter = barrier();
+  const Barrier filter = test::barrier_of_encirclements();
   const State x = {0, 0, 1, 1, 0, 0.4, 0};
   const Neighbour pressing{.p = {1.75, 0, 1}, .d_hard = 0.6, .speed_max = 1.0};
   for (const Vec3<double>& beside : {Vec3<double>{-10.5, 0, 1}, {0, 11, 1}, {6, 0.5, 1}, {5, -0.5, 2}}) {
@@ -119,7 +115,7 @@ TEST(BarrierAgainstSeveral, WhoIsFarAwayOrOnTheSameSideChangesNothing) {
 }
 
 TEST(BarrierAgainstSeveral, StaysOnTheWayThatItTook) {
-  const Barrier filter = barrier();
+  const Barrier filter = test::barrier_of_encirclements();
   int taken = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const Encirclement e = test::any_encirclement(seed);

@@ -7,6 +7,7 @@
 
 #include "cli/allocations.hpp"
 #include "tests/support/adversary.hpp"
+#include "tests/support/period.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/robots.hpp"
 
@@ -14,14 +15,13 @@ namespace sightline {
 namespace {
 
 using test::Command;
+using test::control_period;
 using test::highest;
 using test::lowest;
 using test::State;
 
-constexpr double dt = 0.01;
-
 Barrier barrier(const BarrierOptions& options = {}) {
-  return Barrier(Multirotor{}, lowest, highest, dt, options);
+  return Barrier(Multirotor{}, lowest, highest, control_period, options);
 }
 
 State random_state(Random& random, double speed) {
@@ -55,8 +55,8 @@ bool can_flee(const State& from, const Neighbour& n) {
       State x = from;
       bool safe = true;
       for (int k = 0; safe && k < 800; ++k) {
-        test::fly(Multirotor{}, x, {u_f, u_s, 0, 0}, dt, [&](const Vec3<double>& p, double t) {
-          safe = safe && norm(p - n.p) >= n.d_hard + n.speed_max * (dt * k + t);
+        test::fly(Multirotor{}, x, {u_f, u_s, 0, 0}, control_period, [&](const Vec3<double>& p, double t) {
+          safe = safe && norm(p - n.p) >= n.d_hard + n.speed_max * (control_period * k + t);
         });
       }
       if (safe) return true;
@@ -92,9 +92,9 @@ TEST(Barrier, UsesUpItsReserveNoFasterThanItsRate) {
     EXPECT_NEAR(result.reserve, before, 1e-12);
     const Vec3<double> r = position(x) - n.p;
     const Vec3<double> goes = k % 2 == 0 ? (1 / norm(r)) * r : test::any_direction(random, true);
-    test::fly(Multirotor{}, x, u, dt, [](const Vec3<double>&, double) {});
-    n.p = n.p + dt * n.speed_max * goes;
-    EXPECT_GE(filter.reserve(x, n), (1 - filter.options().rate * dt) * before - 2e-3);
+    test::fly(Multirotor{}, x, u, control_period, [](const Vec3<double>&, double) {});
+    n.p = n.p + control_period * n.speed_max * goes;
+    EXPECT_GE(filter.reserve(x, n), (1 - filter.options().rate * control_period) * before - 2e-3);
   }
 }
 
@@ -121,7 +121,7 @@ TEST(Barrier, KeepsTheDistanceToWhatStandsStill) {
     for (int k = 0; k < 1500; ++k) {
       Command u = test::towards(x, n.p);
       filter.filter(x, std::span(&n, 1), lowest, highest, u);
-      test::fly(Multirotor{}, x, u, dt,
+      test::fly(Multirotor{}, x, u, control_period,
                 [&](const Vec3<double>& p, double) { nearest = std::min(nearest, norm(p - n.p)); });
     }
     EXPECT_GE(nearest, 0.6 + 0.5 * filter.options().margin);
@@ -175,7 +175,7 @@ TEST(Barrier, KeepsFloorCeilingAndTheWorldsBounds) {
       if (k % 2 == 0) wanted = test::towards(x, {k % 4 == 0 ? 50.0 : -50.0, 30, k % 4 == 0 ? -9.0 : 9.0});
       Command u = wanted;
       filter.filter(x, {}, lowest, highest, u);
-      test::fly(Multirotor{}, x, u, dt, [&](const Vec3<double>& p, double) {
+      test::fly(Multirotor{}, x, u, control_period, [&](const Vec3<double>& p, double) {
         low = std::min(low, p.z);
         high = std::max(high, p.z);
         out = std::max({out, std::abs(p.x), std::abs(p.y)});
@@ -207,7 +207,7 @@ TEST(Barrier, KeepsTheFloorWhateverPressesFromAbove) {
     for (int i = 0; i < 100; ++i) {
       Command u = {0, 0, -1, 0};
       conflicts += filter.filter(x, others, lowest, highest, u).conflict;
-      test::fly(Multirotor{}, x, u, dt, [&](const Vec3<double>& p, double) {
+      test::fly(Multirotor{}, x, u, control_period, [&](const Vec3<double>& p, double) {
         EXPECT_GE(p.z, 0.3 - 1e-9);
         EXPECT_LE(p.z, 2.0 + 1e-9);
       });
@@ -224,7 +224,7 @@ TEST(Barrier, KeepsFloorAndCeilingBeforeADistanceThatIsLost) {
     Command u = {0, 0, 0, 0};
     EXPECT_TRUE(filter.filter(x, std::span(&pressing, 1), lowest, highest, u).conflict);
     const double z = x[2];
-    test::fly(Multirotor{}, x, u, dt, [](const Vec3<double>&, double) {});
+    test::fly(Multirotor{}, x, u, control_period, [](const Vec3<double>&, double) {});
     EXPECT_GE(side * x[2], side * z - 1e-9);
   }
 }
@@ -376,7 +376,7 @@ TEST(Barrier, TwoRobotsInOnePlacePart) {
       filter.filter(x[i], std::span(&other, 1), lowest, highest, u[i]);
     }
     for (std::size_t i = 0; i < 2; ++i)
-      test::fly(Multirotor{}, x[i], u[i], dt, [](const Vec3<double>&, double) {});
+      test::fly(Multirotor{}, x[i], u[i], control_period, [](const Vec3<double>&, double) {});
   }
   EXPECT_GE(norm(position(x[0]) - position(x[1])), 0.6);
 }
@@ -391,7 +391,8 @@ TEST(Barrier, RefusesOptionsOutOfRange) {
   EXPECT_EQ(said({.share = 0}), "barrier: share = 0, expected in (0, 1]");
   EXPECT_EQ(said({.velocity_sigma = not_a_number}), "barrier: velocity_sigma = nan, expected >= 0 m/s");
   EXPECT_THAT(refusal_of([] {
-                Barrier(test::Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2), dt);
+                Barrier(test::Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2),
+                        control_period);
               }),
               testing::HasSubstr("expected a robot that can flee any way"));
 }

@@ -8,20 +8,23 @@
 #include "sightline/math/integrate.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/world/disturbance.hpp"
+#include "tests/support/adversary.hpp"
 
 namespace sightline {
 namespace {
 
+using test::highest;
+using test::lowest;
 using Numbers = std::vector<double>;
 
-const Numbers low(4, -1.0), high(4, 1.0), rest(4, 0.0);
+const Numbers rest(4, 0.0);
 
 // Flies under the brake for some seconds, at 100 Hz.
 Sight<double> braked(const Model& model, Numbers x, const Vec3<double>& velocity, double seconds) {
   Brake brake(model, Numbers(static_cast<std::size_t>(model.nu()), 0.0), 0.4);
   Numbers u(static_cast<std::size_t>(model.nu()), 9.0), scratch(5 * x.size());
   for (int k = 0; k < std::lround(seconds / 0.01); ++k) {
-    brake(x, velocity, low, high, u);
+    brake(x, velocity, lowest, highest, u);
     for (const double value : u) EXPECT_LE(std::abs(value), 1.0);
     rk4_step([&](auto z, auto rate) { model.f(z.data(), u.data(), rate.data()); }, x, 0.01, {scratch});
     EXPECT_TRUE(model.normalise(x.data()));
@@ -66,7 +69,7 @@ TEST(Brake, DoesNotTurn) {
 }
 
 // Rolls forward and turns; cannot climb.
-struct Cart {
+struct RollingCart {
   static constexpr int nx = 4, nu = 2;
   static constexpr std::string_view name = "cart";
   template <class S>
@@ -82,7 +85,7 @@ struct Cart {
 };
 
 TEST(Brake, ARobotOnTheGroundThatIsToLandStands) {
-  Brake brake(Cart{}, Numbers(2, 0.0), 0.4);
+  Brake brake(RollingCart{}, Numbers(2, 0.0), 0.4);
   Numbers u = {1.0, 1.0};
   brake(Numbers{1, 2, 0.8, 0.6}, {0, 0, -0.3}, Numbers(2, -1.0), Numbers(2, 1.0), u);
   EXPECT_NEAR(u[0], 0.0, 1e-6);
@@ -95,7 +98,7 @@ TEST(Brake, StatesThatAreNotFiniteGiveTheInputAtRest) {
     for (std::size_t i = 0; i < 7; ++i) {
       Numbers x = {0, 0, 1, 1, 0, 0, 0}, u(4, NAN);
       x[i] = bad;
-      brake(x, {}, low, high, u);
+      brake(x, {}, lowest, highest, u);
       for (const double value : u) ASSERT_LE(std::abs(value), 1.0) << i << " " << bad;
     }
   }

@@ -8,16 +8,9 @@
 namespace sightline {
 namespace {
 
-int runs(int whole) { return whole_campaign() ? whole : whole / 20; }
-
-Barrier barrier() {
-  return Barrier(Multirotor{}, test::lowest, test::highest, 0.01,
-                 {.floor = 0.3, .ceiling = 10.0, .world = 100.0});
-}
-
 TEST(EncirclementCampaign, TheDistanceIsKeptWhereThereIsAWayOutAndTheFloorAlways) {
-  const Barrier filter = barrier();
-  const int count = runs(300);
+  const Barrier filter = test::barrier_of_encirclements();
+  const int count = runs(300, 20);
   int ways = 0, kept = 0;
   double worst = 1e9, below_off = 0.0;
   std::array<int, 7> flown{}, safe{};
@@ -53,8 +46,8 @@ TEST(EncirclementCampaign, TheDistanceIsKeptWhereThereIsAWayOutAndTheFloorAlways
 
 TEST(EncirclementCampaign,
      UncooperativeOnesThatTurnAtWillNeverComeBelowTheHardDistanceWhileAPlanIsSafeFromAll) {
-  const Barrier filter = barrier();
-  const int count = runs(2000);
+  const Barrier filter = test::barrier_of_encirclements();
+  const int count = runs(2000, 20);
   int flown = 0, conflicts = 0;
   double worst = 1e9, lowest = 1e9;
   for (int i = 0; i < count; ++i) {

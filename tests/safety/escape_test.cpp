@@ -5,12 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/support/period.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr double drag = 0.5092, dt = 0.01;
+using test::control_period;
+
+constexpr double drag = 0.5092;
 
 Tube random_tube(Random& random, bool thrusts) {
   Tube tube{.r = random_point(random, 4.0), .w = {uniform(random, -2, 2), uniform(random, -2, 2)}};
@@ -42,7 +45,7 @@ double least_by_integration(const Tube& tube, const Vec2<double>& a) {
     const double x = q.x - t * tube.drift.x, y = q.y - t * tube.drift.y;
     const double z = tube.r.z + std::clamp(tube.climb * t, -tube.room, tube.room) - t * tube.drift.z;
     const double rho = tube.rho0 + tube.speed * t + 0.5 * tube.growth * t * t + tube.spread * E;
-    if (t >= dt) least = std::min(least, std::sqrt(x * x + y * y + z * z) - rho);
+    if (t >= control_period) least = std::min(least, std::sqrt(x * x + y * y + z * z) - rho);
     const Vec2<double> half = {v.x + 0.5 * h * (a.x - drag * v.x), v.y + 0.5 * h * (a.y - drag * v.y)};
     q = {q.x + h * half.x, q.y + h * half.y};
     v = {v.x + h * (a.x - drag * half.x), v.y + h * (a.y - drag * half.y)};
@@ -52,7 +55,7 @@ double least_by_integration(const Tube& tube, const Vec2<double>& a) {
 }
 
 TEST(Escape, FindsTheLeastGapThatIntegrationFinds) {
-  const EscapePlans plans(drag, dt);
+  const EscapePlans plans(drag, control_period);
   Random random(1);
   for (int k = 0; k < 300; ++k) {
     Tube tube = random_tube(random, false);
@@ -74,7 +77,7 @@ TEST(Escape, FindsTheLeastGapThatIntegrationFinds) {
 }
 
 TEST(Escape, TakesTheBestOfAllCorners) {
-  const EscapePlans plans(drag, dt);
+  const EscapePlans plans(drag, control_period);
   Random random(2);
   for (int k = 0; k < 20000; ++k) {
     const Tube tube = random_tube(random, true);
@@ -91,7 +94,7 @@ TEST(Escape, TakesTheBestOfAllCorners) {
 }
 
 TEST(Escape, TakesTheBestOfAllDirectionsOfADisc) {
-  const EscapePlans plans(drag, dt);
+  const EscapePlans plans(drag, control_period);
   Random random(3);
   int apart = 0;
   constexpr int cases = 2000;
@@ -110,16 +113,17 @@ TEST(Escape, TakesTheBestOfAllDirectionsOfADisc) {
 
 // The tube's argument: who follows the plan has no less after a step, wherever the neighbour went meanwhile.
 TEST(Escape, LosesNothingByFollowingThePlan) {
-  const EscapePlans plans(drag, dt);
+  const EscapePlans plans(drag, control_period);
   Random random(4);
   for (int k = 0; k < 20000; ++k) {
     Tube tube = random_tube(random, true);
     tube.growth = tube.spread = 0.0;
     tube.drift = {};
     const Escape plan = plans.best(tube);
-    const double e = std::exp(-drag * dt), E = plans.E(dt), F = plans.F(dt);
+    const double e = std::exp(-drag * control_period), E = plans.E(control_period),
+                 F = plans.F(control_period);
     const Vec3<double> any = random_point(random, 1.0);
-    const double step = tube.speed * dt / std::max(norm(any), 1e-9);
+    const double step = tube.speed * control_period / std::max(norm(any), 1e-9);
     Tube next = tube;
     next.r = {tube.r.x + E * tube.w.x + F * plan.a.x - step * any.x,
               tube.r.y + E * tube.w.y + F * plan.a.y - step * any.y, tube.r.z - step * any.z};
@@ -129,7 +133,7 @@ TEST(Escape, LosesNothingByFollowingThePlan) {
 }
 
 TEST(Escape, OfThePartnerIsTheMirroredOne) {
-  const EscapePlans plans(drag, dt);
+  const EscapePlans plans(drag, control_period);
   Random random(5);
   for (int k = 0; k < 5000; ++k) {
     Tube tube = random_tube(random, false);
@@ -150,7 +154,7 @@ TEST(Escape, OfThePartnerIsTheMirroredOne) {
 }
 
 TEST(Escape, WithoutDragIsThatOfUniformAcceleration) {
-  const EscapePlans plans(0.0, dt);
+  const EscapePlans plans(0.0, control_period);
   for (const double t : {0.0, 0.01, 0.5, 3.0}) {
     EXPECT_NEAR(plans.E(t), t, 1e-12);
     EXPECT_NEAR(plans.F(t), 0.5 * t * t, 1e-12);

@@ -14,8 +14,8 @@ namespace {
 
 using enum FallbackLevel;
 
-constexpr LadderTimes times{};
-constexpr FallbackLevel all[] = {valid, predicted, slowed, hold, land, grounded};
+constexpr LadderTimes ladder_times{};
+constexpr FallbackLevel all_levels[] = {valid, predicted, slowed, hold, land, grounded};
 
 // An age that asks for a level.
 double age_for(FallbackLevel level) {
@@ -41,15 +41,15 @@ const std::set<std::pair<FallbackLevel, FallbackLevel>> edges = {
     {hold, land},        {land, grounded}};
 
 TEST(Ladder, EachEdgeOfTheTableIsTakenWhenTheAgesAskForItAndNoOtherIs) {
-  for (const FallbackLevel from : all) {
-    for (const FallbackLevel asked : all) {
+  for (const FallbackLevel from : all_levels) {
+    for (const FallbackLevel asked : all_levels) {
       if (asked == grounded) continue;
-      const FallbackLevel to = next_level(from, times, {.own = age_for(asked)}, false);
+      const FallbackLevel to = next_level(from, ladder_times, {.own = age_for(asked)}, false);
       const bool edge = edges.contains({from, asked});
       EXPECT_EQ(to, edge ? asked : from) << to_string(from) << " asked for " << to_string(asked);
     }
   }
-  EXPECT_EQ(next_level(land, times, {.own = 3.0}, true), grounded);
+  EXPECT_EQ(next_level(land, ladder_times, {.own = 3.0}, true), grounded);
 }
 
 TEST(Ladder, NoSequenceOfAgesTakesAnEdgeThatIsNotInTheTable) {
@@ -63,7 +63,7 @@ TEST(Ladder, NoSequenceOfAgesTakesAnEdgeThatIsNotInTheTable) {
         return draw > 0.99 ? std::numeric_limits<double>::infinity() : 3.0 * std::pow(draw, 12);
       };
       const Ages ages{age(), age(), age()};
-      const FallbackLevel next = next_level(level, times, ages, chance.uniform() < 0.3);
+      const FallbackLevel next = next_level(level, ladder_times, ages, chance.uniform() < 0.3);
       if (next != level) {
         ASSERT_TRUE(edges.contains({level, next})) << to_string(level) << " to " << to_string(next);
         seen.insert({level, next});
@@ -75,22 +75,22 @@ TEST(Ladder, NoSequenceOfAgesTakesAnEdgeThatIsNotInTheTable) {
 }
 
 TEST(Ladder, TheLimitsThemselvesStillBelongToTheBetterRung) {
-  EXPECT_EQ(level_at(times, times.fresh), valid);
-  EXPECT_EQ(level_at(times, times.slow_after), predicted);
-  EXPECT_EQ(level_at(times, times.hold_after), slowed);
-  EXPECT_EQ(level_at(times, times.land_after), hold);
+  EXPECT_EQ(level_at(ladder_times, ladder_times.fresh), valid);
+  EXPECT_EQ(level_at(ladder_times, ladder_times.slow_after), predicted);
+  EXPECT_EQ(level_at(ladder_times, ladder_times.hold_after), slowed);
+  EXPECT_EQ(level_at(ladder_times, ladder_times.land_after), hold);
   for (const auto& [age, level] :
        {std::pair{0.021, predicted}, {0.201, slowed}, {0.501, hold}, {2.001, land}}) {
-    EXPECT_EQ(level_at(times, age), level) << age;
+    EXPECT_EQ(level_at(ladder_times, age), level) << age;
   }
 }
 
 TEST(Ladder, TheWorstReasonDecides) {
-  for (const FallbackLevel own : all) {
-    for (const FallbackLevel partners : all) {
-      for (const FallbackLevel plan : all) {
+  for (const FallbackLevel own : all_levels) {
+    for (const FallbackLevel partners : all_levels) {
+      for (const FallbackLevel plan : all_levels) {
         const FallbackLevel next =
-            next_level(valid, times, {age_for(own), age_for(partners), age_for(plan)}, false);
+            next_level(valid, ladder_times, {age_for(own), age_for(partners), age_for(plan)}, false);
         const auto of = [](FallbackLevel level) { return level == grounded ? land : level; };
         EXPECT_EQ(next, std::max({of(own), std::min(of(partners), hold), of(plan)}));
       }
@@ -99,19 +99,20 @@ TEST(Ladder, TheWorstReasonDecides) {
 }
 
 TEST(Ladder, ARobotDoesNotLandBecauseOfItsPartners) {
-  EXPECT_EQ(next_level(valid, times, {.partners = std::numeric_limits<double>::infinity()}, false), hold);
-  EXPECT_EQ(next_level(hold, times, {.partners = 1e9}, true), hold);
+  EXPECT_EQ(next_level(valid, ladder_times, {.partners = std::numeric_limits<double>::infinity()}, false),
+            hold);
+  EXPECT_EQ(next_level(hold, ladder_times, {.partners = 1e9}, true), hold);
 }
 
 TEST(Ladder, BlindForTooLongARobotLandsWhateverComesThen) {
   for (const FallbackLevel from : {land, grounded}) {
-    EXPECT_EQ(next_level(from, times, {}, false), from);
+    EXPECT_EQ(next_level(from, ladder_times, {}, false), from);
   }
-  EXPECT_EQ(next_level(grounded, times, {}, true), grounded);
+  EXPECT_EQ(next_level(grounded, ladder_times, {}, true), grounded);
 }
 
 TEST(Ladder, AnAgeThatIsNoNumberIsTheWorst) {
-  EXPECT_EQ(next_level(valid, times, {.own = std::numeric_limits<double>::quiet_NaN()}, false), land);
+  EXPECT_EQ(next_level(valid, ladder_times, {.own = std::numeric_limits<double>::quiet_NaN()}, false), land);
 }
 
 }  // namespace

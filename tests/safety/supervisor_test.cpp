@@ -8,14 +8,15 @@
 
 #include "sightline/potential/distance.hpp"
 #include "sightline/world/plant.hpp"
+#include "tests/support/period.hpp"
 
 namespace sightline {
 namespace {
 
+using test::control_period;
 using Numbers = std::vector<double>;
 using enum FallbackLevel;
 
-constexpr double dt = 0.01;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // a observes b and target, b stands by itself.
@@ -60,9 +61,9 @@ struct World {
     fly();
   }
   void fly() {
-    EXPECT_TRUE(plant.step(u, dt));
+    EXPECT_TRUE(plant.step(u, control_period));
     x.assign(plant.x().begin(), plant.x().end());
-    t += dt;
+    t += control_period;
   }
   void restart() {
     plant = Plant(team, start_of_two());
@@ -107,7 +108,7 @@ TEST(Supervisor, DataOfOneAgeKeepTheRobotOnTheRungOfThatAge) {
       past.push_back(world.x);
       const auto seen = static_cast<std::size_t>(std::max(0, k - late));
       world.measured = past[seen];
-      std::fill(world.stamps.begin(), world.stamps.end(), dt * static_cast<double>(seen));
+      std::fill(world.stamps.begin(), world.stamps.end(), control_period * static_cast<double>(seen));
       world.look();
       if (k >= late) {
         ASSERT_EQ(world.a(), level) << late << " periods late";

@@ -9,13 +9,13 @@
 #include "sightline/math/integrate.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/world/disturbance.hpp"
+#include "tests/support/period.hpp"
 
 namespace sightline {
 namespace {
 
+using test::control_period;
 using Numbers = std::vector<double>;
-
-constexpr double dt = 0.01;
 
 // A multirotor that flies under inputs that are recorded, and its track.
 struct Flight {
@@ -39,9 +39,10 @@ struct Flight {
   void fly() {
     history.record(t, u);
     Numbers scratch(5 * x.size());
-    rk4_step([&](auto z, auto rate) { model.f(z.data(), u.data(), rate.data()); }, x, dt, {scratch});
+    rk4_step([&](auto z, auto rate) { model.f(z.data(), u.data(), rate.data()); }, x, control_period,
+             {scratch});
     EXPECT_TRUE(model.normalise(x.data()));
-    t += dt;
+    t += control_period;
   }
   double error() const {
     double largest = 0;
@@ -145,7 +146,7 @@ TEST(Track, WhatCannotBeIsRefusedWithItsReasonAndTheModelGoesOn) {
     EXPECT_FALSE(flight.track.trusted());
     flight.track.predict(flight.t, flight.history);
     EXPECT_LT(flight.error(), 1e-9) << bad.what << ": the model went on";
-    EXPECT_EQ(flight.track.stamp(), dt);
+    EXPECT_EQ(flight.track.stamp(), control_period);
   }
 }
 
@@ -233,7 +234,7 @@ TEST(Track, ABodyThatRestsIsNotFrozen) {
   Flight flight({}, {1, 2, 1, 1, 0, 0, 0});
   flight.u = Numbers(4, 0.0);
   for (int k = 0; k < 1000; ++k) ASSERT_EQ(flight.step(), MeasurementFault::none);
-  EXPECT_EQ(flight.track.stamp(), flight.t - dt);
+  EXPECT_EQ(flight.track.stamp(), flight.t - control_period);
 }
 
 TEST(Track, NoiseAsLargeAsItIsSaidToBeIsNoFault) {

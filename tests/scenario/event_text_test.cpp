@@ -14,7 +14,7 @@ namespace sightline {
 namespace {
 
 /// With the names of a coupling and of a constraint.
-struct Scene : test::Scene {
+struct EventScene : test::Scene {
   std::vector<NamedTerm> terms = {{"apart", uav0, true}, {"band", uav1, false}};
   Simulation simulation{.duration = 30.0, .signals = {{12.0, "go"}, {13.0, "stop"}}};
 
@@ -51,8 +51,8 @@ struct Scene : test::Scene {
   }
 };
 
-/// Places and headings of Scene's bodies.
-std::vector<double> scattered(Random& random, const Scene& scene) {
+/// Places and headings of a scene's bodies.
+std::vector<double> scattered(Random& random, const EventScene& scene) {
   std::vector<double> x(static_cast<std::size_t>(scene.team.nx()));
   for (int i = 0; i < scene.team.bodies(); ++i) {
     const BodyId body{i};
@@ -63,20 +63,20 @@ std::vector<double> scattered(Random& random, const Scene& scene) {
   return x;
 }
 
-Vec3<double> place(const Scene& scene, BodyId body, const std::vector<double>& x) {
+Vec3<double> place(const EventScene& scene, BodyId body, const std::vector<double>& x) {
   const double* const p = x.data() + scene.team.state_offset(body);
   return {p[0], p[1], p[2]};
 }
 
 TEST(EventText, times_and_signals_are_as_written) {
-  const Scene scene;
+  const EventScene scene;
   EXPECT_EQ(std::get<AtTime>(scene.read("at = 20.5")).t, 20.5);
   EXPECT_EQ(std::get<AfterTime>(scene.read("after = 2")).delay, 2.0);
   EXPECT_EQ(std::get<Signal>(scene.read("signal = \"stop\"")).name, "stop");
 }
 
 TEST(EventText, a_distance_holds_where_the_positions_say_so) {
-  const Scene scene;
+  const EventScene scene;
   const Condition near = scene.condition("when = { distance = [\"uav0\", \"rock\"], below = 2.5 }");
   const Condition far = scene.condition("when = { distance = [\"rock\", \"uav0\"], above = 2.5 }");
   Random random(1);
@@ -93,7 +93,7 @@ TEST(EventText, a_distance_holds_where_the_positions_say_so) {
 }
 
 TEST(EventText, the_text_of_a_formula_or_a_region_says_the_same_as_the_measure) {
-  const Scene scene;
+  const EventScene scene;
   const std::string between = "between = [\"uav0\", \"uav1\"]";
   const std::vector<std::pair<Condition, Condition>> same = {
       {scene.condition("when = { distance = [\"uav0\", \"uav1\"], below = 2.5 }"),
@@ -122,7 +122,7 @@ TEST(EventText, the_text_of_a_formula_or_a_region_says_the_same_as_the_measure) 
 }
 
 TEST(EventText, what_is_not_seen_is_lost) {
-  Scene scene;
+  EventScene scene;
   const SensorCone cone{.alpha = 0.8, .mount = *scene.observers[0].mount};
   scene.team.couple(1.0 * cone, Between{scene.uav0, scene.uav1}, felt_by(scene.uav0));
   const std::string view = "{ observer = \"uav0\", target = \"uav1\"";
@@ -141,7 +141,7 @@ TEST(EventText, what_is_not_seen_is_lost) {
 }
 
 TEST(EventText, hysteresis_and_dwell_belong_to_the_condition) {
-  const Scene scene;
+  const EventScene scene;
   for (const char* text :
        {"when = { distance = [\"uav0\", \"uav1\"], below = 2.0, hysteresis = 0.25, dwell = 1.5 }",
         "when = { age = \"rock\", above = 0.5, hysteresis = 0.25, dwell = 1.5 }",
@@ -155,7 +155,7 @@ TEST(EventText, hysteresis_and_dwell_belong_to_the_condition) {
 }
 
 TEST(EventText, a_view_needs_the_observer_s_sensor) {
-  const Scene scene;
+  const EventScene scene;
   EXPECT_EQ(
       scene.refusal("when = { region = \"range < 2 m\", between = [\"uav1\", \"uav0\"] }"),
       "a:1: when.between = [\"uav1\", \"uav0\"], expected a robot with a sensor as observer, there is no "
@@ -164,7 +164,7 @@ TEST(EventText, a_view_needs_the_observer_s_sensor) {
 }
 
 TEST(EventText, a_body_is_removed_by_its_name_or_by_its_kind_and_name) {
-  const Scene scene;
+  const EventScene scene;
   EXPECT_EQ(scene.one<RemoveBody>("remove = \"rock\"").body, scene.rock);
   EXPECT_EQ(scene.one<RemoveBody>("remove = { obstacle = \"rock\" }").body, scene.rock);
   const auto plain = scene.one<RemoveBody>("remove = { agent = \"uav1\" }");
@@ -173,7 +173,7 @@ TEST(EventText, a_body_is_removed_by_its_name_or_by_its_kind_and_name) {
 }
 
 TEST(EventText, each_word_says_what_a_robot_does_afterwards) {
-  const Scene scene;
+  const EventScene scene;
   const auto afterwards = [&](const std::string& word) {
     return scene.one<RemoveBody>("remove = { agent = \"uav1\", then = \"" + word + "\" }").afterwards;
   };
@@ -183,7 +183,7 @@ TEST(EventText, each_word_says_what_a_robot_does_afterwards) {
 }
 
 TEST(EventText, what_is_added_is_as_in_its_own_table) {
-  const Scene scene;
+  const EventScene scene;
   EXPECT_EQ(scene.one<AddBody>("add = \"uav1\"").body, scene.uav1);
   EXPECT_EQ(scene.one<AddBody>("add = { target = \"rock\" }").body, scene.rock);
   const Coupling coupling =
@@ -207,7 +207,7 @@ TEST(EventText, what_is_added_is_as_in_its_own_table) {
 }
 
 TEST(EventText, a_term_is_spoken_of_by_its_name) {
-  const Scene scene;
+  const EventScene scene;
   EXPECT_EQ(scene.one<RemoveTerm>("remove = { couple = \"apart\" }").name, "apart");
   EXPECT_EQ(scene.one<RemoveTerm>("remove = { constrain = \"band\" }").name, "band");
   const auto weight = scene.one<RetuneTerm>("retune = { couple = \"apart\", weight = 0.25 }");
@@ -225,7 +225,7 @@ TEST(EventText, a_term_is_spoken_of_by_its_name) {
 }
 
 TEST(EventText, what_is_left_out_of_a_robot_s_tuning_stays) {
-  const Scene scene;
+  const EventScene scene;
   const auto R = scene.one<RetuneAgent>("retune = { agent = \"uav0\", R = [1.0, 2.0, 3.0, 4.0] }");
   EXPECT_EQ(R.agent, scene.uav0);
   EXPECT_EQ(R.R, (std::vector<double>{1, 2, 3, 4}));
@@ -237,7 +237,7 @@ TEST(EventText, what_is_left_out_of_a_robot_s_tuning_stays) {
 }
 
 TEST(EventText, a_reference_is_of_the_robot_s_own_state) {
-  const Scene scene;
+  const EventScene scene;
   const auto change = scene.one<SetReference>(
       "reference = { agent = \"uav1\", reference = { state = [1, 2, 3, 1, 0, 0, 0] } }");
   EXPECT_EQ(change.agent, scene.uav1);
@@ -247,7 +247,7 @@ TEST(EventText, a_reference_is_of_the_robot_s_own_state) {
 }
 
 TEST(EventText, an_array_is_several_actions_in_their_order) {
-  const Scene scene;
+  const EventScene scene;
   const auto actions = scene.actions("remove = [ \"uav1\", { couple = \"apart\" }, \"rock\" ]");
   ASSERT_EQ(actions.size(), 3U);
   EXPECT_EQ(std::get<RemoveBody>(actions[0]).body, scene.uav1);

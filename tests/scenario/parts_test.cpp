@@ -9,6 +9,7 @@
 #include "sightline/potential/slope.hpp"
 #include "sightline/scenario/read_part.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -63,17 +64,7 @@ struct Bare : Multirotor {
   static constexpr auto parameters() { return std::tuple{}; }
 };
 
-template <class Do>
-std::string refusal(Do&& act) {
-  try {
-    act();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "not refused";
-}
-
-constexpr std::string_view robots = R"([agent.a]
+constexpr std::string_view one_bare = R"([agent.a]
 robot = "multirotor"
 start = { p = [0, 0, 1], heading = 0.0 }
 sensor = { pitch = 0.3, offset = 0.2 }
@@ -90,7 +81,7 @@ Parts with_own() {
 }
 
 Scenario read(const std::string& more, const Parts& parts = with_own()) {
-  return parse_scenario(std::string(robots) + more, "a", parts);
+  return parse_scenario(std::string(one_bare) + more, "a", parts);
 }
 
 TEST(Parts, a_part_of_somebody_else_is_a_word_wherever_ours_are) {
@@ -118,7 +109,7 @@ add = { couple = { potential = { gaze = {} }, between = ["a", "b"], felt_by = ["
 
 TEST(Parts, what_is_wrong_with_it_is_refused_as_with_ours) {
   const auto couple = [](const std::string& potential) {
-    return refusal([&] {
+    return refusal_of<std::exception>([&] {
       read("[[couple]]\npotential = " + potential + "\nbetween = [\"a\", \"b\"]\nfelt_by = [\"a\"]\n");
     });
   };
@@ -132,7 +123,7 @@ TEST(Parts, what_is_wrong_with_it_is_refused_as_with_ours) {
             "a:9: couple[0].potential.gaze.kappa = 1000000000000, expected finite, at most 1e9 either way");
   EXPECT_EQ(couple("{ gazes = {} }"),
             "a:9: couple[0].potential.gazes = {}, expected a known key, the nearest is \"gaze\"");
-  EXPECT_THAT(refusal([] { read("", Parts{}); }),
+  EXPECT_THAT(refusal_of<std::exception>([] { read("", Parts{}); }),
               testing::HasSubstr("a:6: agent.b.robot = \"bare\", expected one of \"multirotor\""));
 }
 
@@ -146,16 +137,17 @@ TEST(Parts, ours_know_nothing_of_what_another_program_adds) {
 TEST(Parts, a_name_is_a_word_and_of_one_part_alone) {
   Parts parts;
   parts.potentials.add<Gaze>();
-  EXPECT_EQ(refusal([&] { parts.potentials.add<Gaze>(); }),
+  EXPECT_EQ(refusal_of<std::exception>([&] { parts.potentials.add<Gaze>(); }),
             "a potential is called \"gaze\", expected a name of its own, another has this one");
-  EXPECT_EQ(refusal([&] { parts.potentials.add<Taken>(); }),
+  EXPECT_EQ(refusal_of<std::exception>([&] { parts.potentials.add<Taken>(); }),
             "a potential is called \"too_near\", expected a name of its own, another has this one");
-  EXPECT_EQ(refusal([&] { parts.potentials.add<OfText>(); }),
+  EXPECT_EQ(refusal_of<std::exception>([&] { parts.potentials.add<OfText>(); }),
             "a potential is called \"region\", expected a name of its own, another has this one");
   constexpr std::string_view word = "expected a word: a lower-case letter, then these, digits and _";
-  EXPECT_THAT(refusal([&] { parts.potentials.add<Spaced>(); }), testing::HasSubstr(word));
-  EXPECT_THAT(refusal([&] { parts.potentials.add<Named1>(); }), testing::HasSubstr(word));
-  EXPECT_EQ(refusal([&] { parts.potentials.add<BadDefault>(); }), "bad_default.d = -1, expected > 0 m");
+  EXPECT_THAT(refusal_of<std::exception>([&] { parts.potentials.add<Spaced>(); }), testing::HasSubstr(word));
+  EXPECT_THAT(refusal_of<std::exception>([&] { parts.potentials.add<Named1>(); }), testing::HasSubstr(word));
+  EXPECT_EQ(refusal_of<std::exception>([&] { parts.potentials.add<BadDefault>(); }),
+            "bad_default.d = -1, expected > 0 m");
 }
 
 TEST(Parts, every_one_of_ours_describes_its_parameters_with_unit_range_default_and_meaning) {

@@ -11,7 +11,7 @@
 namespace sightline {
 namespace {
 
-struct Scene : test::Scene {
+struct CouplingScene : test::Scene {
   Coupling read(const std::string& text) const {
     const TomlDocument document = parse_toml(text, "a");
     return read_coupling(TomlTable(document), team, observers);
@@ -21,12 +21,12 @@ struct Scene : test::Scene {
   }
 };
 
-constexpr std::string_view near = "potential = { keep_out = { d_min = 0.75 } }\n";
+constexpr std::string_view keep_out_term = "potential = { keep_out = { d_min = 0.75 } }\n";
 
 TEST(ReadCoupling, a_coupling_is_what_its_table_says) {
-  const Scene scene;
-  const Coupling read =
-      scene.read(fmt::format("{}between = [\"uav1\", \"uav0\"]\nfelt_by = [\"uav0\"]\nweight = 2.5\n", near));
+  const CouplingScene scene;
+  const Coupling read = scene.read(
+      fmt::format("{}between = [\"uav1\", \"uav0\"]\nfelt_by = [\"uav0\"]\nweight = 2.5\n", keep_out_term));
   EXPECT_EQ(read.between.first, scene.uav1);
   EXPECT_EQ(read.between.second, scene.uav0);
   EXPECT_EQ(read.felt_by, std::vector{scene.uav0});
@@ -35,15 +35,15 @@ TEST(ReadCoupling, a_coupling_is_what_its_table_says) {
 }
 
 TEST(ReadCoupling, without_felt_by_all_robots_of_it_feel_a_coupling) {
-  const Scene scene;
-  EXPECT_EQ(scene.read(fmt::format("{}between = [\"uav0\", \"uav1\"]", near)).felt_by,
+  const CouplingScene scene;
+  EXPECT_EQ(scene.read(fmt::format("{}between = [\"uav0\", \"uav1\"]", keep_out_term)).felt_by,
             (std::vector{scene.uav0, scene.uav1}));
-  EXPECT_EQ(scene.read(fmt::format("{}between = [\"rock\", \"uav1\"]", near)).felt_by,
+  EXPECT_EQ(scene.read(fmt::format("{}between = [\"rock\", \"uav1\"]", keep_out_term)).felt_by,
             std::vector{scene.uav1});
 }
 
 TEST(ReadCoupling, the_first_of_between_looks_with_its_own_sensor) {
-  const Scene scene;
+  const CouplingScene scene;
   const Coupling read = scene.read("potential = { sensor_cone = {} }\nbetween = [\"uav0\", \"rock\"]");
   EXPECT_EQ(read.term.potential.mount()->pitch, 0.25);
   EXPECT_EQ(scene.refusal("potential = { sensor_cone = {} }\nbetween = [\"rock\", \"uav0\"]"),
@@ -52,12 +52,12 @@ TEST(ReadCoupling, the_first_of_between_looks_with_its_own_sensor) {
 }
 
 TEST(ReadCoupling, a_name_that_is_none_is_refused_with_the_nearest) {
-  const Scene scene;
-  EXPECT_EQ(scene.refusal(fmt::format("{}between = [\"uav0\", \"rocks\"]", near)),
+  const CouplingScene scene;
+  EXPECT_EQ(scene.refusal(fmt::format("{}between = [\"uav0\", \"rocks\"]", keep_out_term)),
             "a:2: between[1] = \"rocks\", expected a known name, the nearest is \"rock\"");
-  EXPECT_EQ(
-      scene.refusal(fmt::format("{}between = [\"uav0\", \"uav1\"]\nfelt_by = [\"uav0\", \"rock\"]", near)),
-      "a:3: felt_by[1] = \"rock\", expected a robot of between = [\"uav0\", \"uav1\"]");
+  EXPECT_EQ(scene.refusal(fmt::format("{}between = [\"uav0\", \"uav1\"]\nfelt_by = [\"uav0\", \"rock\"]",
+                                      keep_out_term)),
+            "a:3: felt_by[1] = \"rock\", expected a robot of between = [\"uav0\", \"uav1\"]");
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace sightline {
 namespace {
 
-constexpr std::string_view scene = R"(
+constexpr std::string_view event_scene = R"(
 [agent.uav0]
 robot = "multirotor"
 start = { p = [0.0, 0.0, 1.0] }
@@ -35,7 +35,7 @@ signal = [ { name = "stop" }, { at = 12.0, name = "go" }, { at = 9.0, name = "go
 )";
 
 Scenario parsed(const std::string& events) {
-  return parse_scenario(fmt::format("{}{}", scene, events), "a.toml");
+  return parse_scenario(fmt::format("{}{}", event_scene, events), "a.toml");
 }
 
 TEST(ReadEvent, a_body_is_there_at_first_unless_it_is_not_present) {

@@ -81,7 +81,7 @@ TEST(ReadMotion, TheDistanceAndTheSeenVelocityReachTheUncooperativeBody) {
   EXPECT_EQ(plain.velocity, SeenVelocity::measured);
 }
 
-constexpr std::string_view scene = R"(
+constexpr std::string_view motion_scene = R"(
 [agent.uav0]
 robot = "multirotor"
 start = { p = [0.0, 0.0, 1.0], heading = 0.0 }
@@ -97,7 +97,7 @@ d_hard = 0.8
 )";
 
 TEST(ReadMotion, AScenariosUncooperativeBodiesReachItsPlantAndItsSensor) {
-  const Scenario s = parse_scenario(std::string(scene), "a.toml");
+  const Scenario s = parse_scenario(std::string(motion_scene), "a.toml");
   ASSERT_EQ(s.uncooperative.size(), 3U);
   const PlantOptions plant = plant_options(s);
   ASSERT_EQ(plant.motions.size(), 2U);

@@ -10,20 +10,19 @@
 #include "sightline/potential/sensor_cone.hpp"
 #include "sightline/potential/slope.hpp"
 #include "sightline/scenario/read_robot.hpp"
+#include "tests/support/scenario_text.hpp"
 
 namespace sightline {
 namespace {
+
+using test::robot_of;
+using Numbers = std::vector<double>;
 
 const Observer camera = {"uav0", SensorMount{.pitch = 0.25, .offset = 0.125}};
 
 Weighted potential(const std::string& text) {
   const TomlDocument document = parse_toml(text, "a");
   return read_potential(TomlTable(document), camera);
-}
-
-Model robot(const std::string& text) {
-  const TomlDocument document = parse_toml(text, "a");
-  return read_robot(TomlTable(document));
 }
 
 std::vector<double> reference(const std::string& text, double t, const Model& model = Multirotor{}) {
@@ -38,12 +37,10 @@ CmscgmresOptions options(const std::string& text) {
   return std::get<CmscgmresOptions>(read_solver(TomlTable(document), Horizon{}).options);
 }
 
-using Numbers = std::vector<double>;
-
 /// f of a robot as text has it. Inlined, GCC 12 takes the lists for those of another model.
 [[gnu::noinline]] Numbers rates(const std::string& text, const Numbers& x, const Numbers& u) {
   Numbers rate(x.size());
-  robot(text).f(x.data(), u.data(), rate.data());
+  robot_of(text).f(x.data(), u.data(), rate.data());
   return rate;
 }
 
@@ -78,7 +75,7 @@ TEST(ReadPart, each_parameter_of_a_point_mass_and_of_lags_reaches_the_rates) {
 }
 
 TEST(ReadPart, parameters_left_out_are_those_of_the_struct) {
-  const Model read = robot("robot = \"multirotor\"\n"), built = Multirotor{};
+  const Model read = robot_of("robot = \"multirotor\"\n"), built = Multirotor{};
   const std::array<double, 4> u = {0.5, -0.5, 0.25, 1.0};
   const std::array<double, 7> x = {0, 0, 0, 1, 0, 1, 1};
   std::array<double, 7> a{}, b{};

@@ -13,23 +13,25 @@
 #include "tests/support/folder.hpp"
 #include "tests/support/formula_text.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/tree.hpp"
 
 namespace sightline {
 namespace {
 
+using test::tree;
 namespace fs = std::filesystem;
-const fs::path tree = SIGHTLINE_SOURCE_DIR;
 
-constexpr std::string_view robots =
+constexpr std::string_view seeing_robots =
     "[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\nsensor = { pitch = 0.3, offset = 0.1 }\n"
     "[agent.b]\nrobot = \"multirotor\"\nstart = { p = [2, 0, 1] }\n";
 
 Scenario scenario_with(std::string_view potential, const fs::path& file = "a.toml") {
   return parse_scenario(
-      fmt::format("{}[[couple]]\nbetween = [\"a\", \"b\"]\npotential = {{ {} }}\n", robots, potential), file);
+      fmt::format("{}[[couple]]\nbetween = [\"a\", \"b\"]\npotential = {{ {} }}\n", seeing_robots, potential),
+      file);
 }
 
-std::string refusal(std::string_view potential, const fs::path& file = "a.toml") {
+std::string region_refusal(std::string_view potential, const fs::path& file = "a.toml") {
   return refusal_of<ScenarioError>([&] { scenario_with(potential, file); });
 }
 
@@ -37,7 +39,7 @@ const Region& region_of(const Scenario& s) { return *s.team.couplings().at(0).te
 
 TEST(ReadRegion, DeepAndLongFormulasAreRefusedAtOnce) {
   const auto inside = [](const std::string& text) {
-    return refusal("region = { inside = \"" + text + "\" }");
+    return region_refusal("region = { inside = \"" + text + "\" }");
   };
   const std::string place = "a.toml:10:", at = "couple[0].potential.region.inside = ";
   const std::clock_t begin = std::clock();
@@ -101,18 +103,19 @@ TEST(ReadRegion, ASensorSFileIsFoundBesideTheScenarioAndItsNumbersMayBeReplaced)
             9);
 
   const std::string scenario = file.native() + ":10:";
-  EXPECT_EQ(refusal("sensor = { file = \"sensors/eye.toml\", parameters = { far = \"9 m\" } }", file),
+  EXPECT_EQ(region_refusal("sensor = { file = \"sensors/eye.toml\", parameters = { far = \"9 m\" } }", file),
             scenario +
                 "75: couple[0].potential.sensor.parameters.far = \"9 m\", it is 9 in SI units, expected 1 m "
                 "to 5 m");
-  EXPECT_EQ(refusal("sensor = { file = \"sensors/eye.toml\", parameters = { fat = \"2 m\" } }", file),
+  EXPECT_EQ(region_refusal("sensor = { file = \"sensors/eye.toml\", parameters = { fat = \"2 m\" } }", file),
             scenario +
                 " couple[0].potential.sensor.parameters.fat = \"2 m\", expected a known key, the nearest is "
                 "\"far\"");
-  EXPECT_NE(refusal("sensor = { file = \"nowhere.toml\" }", file).find("expected the file of a region"),
-            std::string::npos);
+  EXPECT_NE(
+      region_refusal("sensor = { file = \"nowhere.toml\" }", file).find("expected the file of a region"),
+      std::string::npos);
   std::ofstream(folder / "sensors/bad.toml") << "# é\ninside = \"range < rang\"\n";
-  EXPECT_EQ(refusal("sensor = { file = \"sensors/bad.toml\" }", file),
+  EXPECT_EQ(region_refusal("sensor = { file = \"sensors/bad.toml\" }", file),
             (folder / "sensors/bad.toml").native() +
                 ":2:19: inside = \"range < rang\", \"rang\" is unknown, expected a known name, the nearest "
                 "is \"range\"");
@@ -142,8 +145,8 @@ TEST(ReadRegion, EachShippedSensorAndObstacleIsReadAndFiniteAndHasAnInside) {
 TEST(ReadRegion, AViewNeedsASensorAndADistanceNone) {
   const auto from_b = [](std::string_view limit) {
     return fmt::format(
-        "{}[[couple]]\nbetween = [\"b\", \"a\"]\npotential = {{ region = {{ inside = \"{}\" }} }}\n", robots,
-        limit);
+        "{}[[couple]]\nbetween = [\"b\", \"a\"]\npotential = {{ region = {{ inside = \"{}\" }} }}\n",
+        seeing_robots, limit);
   };
   EXPECT_NO_THROW(parse_scenario(from_b("distance < 3 m"), "a.toml"));
   EXPECT_THROW(parse_scenario(from_b("range < 3 m"), "a.toml"), ScenarioError);
@@ -151,17 +154,17 @@ TEST(ReadRegion, AViewNeedsASensorAndADistanceNone) {
 
 TEST(ReadRegion, WhatIsNoRegionIsRefusedWithWhatWasExpected) {
   const std::string at = "a.toml:10: couple[0].potential.region";
-  EXPECT_EQ(refusal("region = {}"), at + ".inside is missing, expected the limits of the region");
+  EXPECT_EQ(region_refusal("region = {}"), at + ".inside is missing, expected the limits of the region");
   EXPECT_EQ(
-      refusal("region = { inside = 4 }"),
+      region_refusal("region = { inside = 4 }"),
       at + ".inside = 4, expected a comparison in quotes, or a table with limit, all_of, any_of or not");
-  EXPECT_EQ(refusal("region = { inside = { all_of = [] } }"),
+  EXPECT_EQ(region_refusal("region = { inside = { all_of = [] } }"),
             at + ".inside.all_of = [], expected an array of one or more limits");
-  EXPECT_EQ(refusal("region = { inside = \"x > 0\", kappa = 3 }"),
+  EXPECT_EQ(region_refusal("region = { inside = \"x > 0\", kappa = 3 }"),
             at + ".kappa = 3, expected a known key, the nearest is \"kappa_A\"");
-  EXPECT_EQ(refusal("region = { inside = \"x > 0\", slope = { steep = {} } }"),
+  EXPECT_EQ(region_refusal("region = { inside = \"x > 0\", slope = { steep = {} } }"),
             at + ".slope.steep = {}, expected a known key, the nearest is \"none\"");
-  EXPECT_EQ(refusal("region = { inside = \"x > 0\", parameters = { a = true } }"),
+  EXPECT_EQ(region_refusal("region = { inside = \"x > 0\", parameters = { a = true } }"),
             at + ".parameters.a = true, expected a number, a formula in quotes, or a table with value");
 }
 

@@ -8,21 +8,19 @@
 #include "sightline/scenario/scenario.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/scenario_text.hpp"
 
 namespace sightline {
 namespace {
 
-Model robot(const std::string& text) {
-  const TomlDocument document = parse_toml(text, "a");
-  return read_robot(TomlTable(document));
-}
+using test::robot_of;
 
-std::string refusal(const std::string& text) {
-  return refusal_of<ScenarioError>([&] { robot(text); });
+std::string robot_refusal(const std::string& text) {
+  return refusal_of<ScenarioError>([&] { robot_of(text); });
 }
 
 Model velocity_multirotor(const std::string& parameters) {
-  return robot("robot = \"velocity_multirotor\"\nparameters = { " + parameters + " }\n");
+  return robot_of("robot = \"velocity_multirotor\"\nparameters = { " + parameters + " }\n");
 }
 
 std::vector<double> rates(const Model& model, const std::vector<double>& x) {
@@ -51,7 +49,7 @@ rate = "1.5 * u_psi"
 )toml";
 
 TEST(ReadRobot, ARobotAsTextIsTheRobotOfItsFormulas) {
-  const Model text = robot(std::string(unicycle)), model = Unicycle{};
+  const Model text = robot_of(std::string(unicycle)), model = Unicycle{};
   EXPECT_EQ(text.name(), "text");
   EXPECT_EQ(text.u_max()[1], 3.0);
   EXPECT_EQ(text.u_min()[1], -1.0);
@@ -117,7 +115,7 @@ TEST(ReadRobot, ADamagedTextIsARobotOrARefusalWithItsLine) {
           std::swap(text[at], text[random() % text.size()]);
       }
     }
-    const std::string said = refusal(text);
+    const std::string said = robot_refusal(text);
     if (said.empty()) continue;
     ++refused;
     EXPECT_EQ(said.substr(0, 2), "a:") << text;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/scenario_text.hpp"
+
 namespace sightline {
 namespace {
 
@@ -22,17 +24,17 @@ speed_max = 0.4
 d_hard = 1.2
 )";
 
-Scenario with(const std::string& text) { return parse_scenario(bodies + text, "a.toml"); }
+Scenario with_bodies(const std::string& text) { return test::scenario_of(bodies + text); }
 
 TEST(ReadSafety, WithoutASectionNothingGuardsTheLoop) {
-  const Scenario scenario = with("");
+  const Scenario scenario = with_bodies("");
   EXPECT_FALSE(scenario.safety);
   EXPECT_FALSE(guard_options(scenario));
-  EXPECT_FALSE(guard_options(with("[safety]\nd_hard = 0.6\n"))) << "it only judges";
+  EXPECT_FALSE(guard_options(with_bodies("[safety]\nd_hard = 0.6\n"))) << "it only judges";
 }
 
 TEST(ReadSafety, EachKeyReachesItsOption) {
-  const Scenario scenario = with(R"(
+  const Scenario scenario = with_bodies(R"(
 [safety]
 barrier = "on"
 d_hard = 0.7
@@ -84,7 +86,7 @@ accept_after = 5
 }
 
 TEST(ReadSafety, HardDistancesAndTopSpeedsAreThoseOfTheBodiesWhereTheySayThem) {
-  const Scenario scenario = with("[safety]\nbarrier = \"report\"\nd_hard = 0.7\n");
+  const Scenario scenario = with_bodies("[safety]\nbarrier = \"report\"\nd_hard = 0.7\n");
   const auto guard = guard_options(scenario);
   ASSERT_TRUE(guard);
   EXPECT_EQ(guard->barrier, BarrierMode::report);
@@ -97,20 +99,20 @@ TEST(ReadSafety, HardDistancesAndTopSpeedsAreThoseOfTheBodiesWhereTheySayThem) {
   EXPECT_EQ(hard_distance(scenario, BodyId{0}, BodyId{1}), 0.7);
   EXPECT_EQ(hard_distance(scenario, BodyId{3}, BodyId{1}), 1.2);
   EXPECT_EQ(hard_distance(scenario, BodyId{2}, BodyId{3}), std::nullopt) << "nobody steers either";
-  EXPECT_EQ(hard_distance(with(""), BodyId{0}, BodyId{1}), std::nullopt);
-  EXPECT_EQ(hard_distance(with(""), BodyId{0}, BodyId{3}), 1.2);
+  EXPECT_EQ(hard_distance(with_bodies(""), BodyId{0}, BodyId{1}), std::nullopt);
+  EXPECT_EQ(hard_distance(with_bodies(""), BodyId{0}, BodyId{3}), 1.2);
 }
 
 TEST(ReadSafety, NoiseThatIsSimulatedIsReckonedWithUnlessItIsSaid) {
   const std::string noisy =
       "[simulation.disturbance]\nnoise = { position = 0.02, heading = 0.03 }\n[safety]\n";
-  EXPECT_EQ(with(noisy).safety->position_sigma, 0.02);
-  EXPECT_EQ(with(noisy).safety->heading_sigma, 0.03);
-  EXPECT_EQ(with(noisy + "position_sigma = 0.0\n").safety->position_sigma, 0.0);
+  EXPECT_EQ(with_bodies(noisy).safety->position_sigma, 0.02);
+  EXPECT_EQ(with_bodies(noisy).safety->heading_sigma, 0.03);
+  EXPECT_EQ(with_bodies(noisy + "position_sigma = 0.0\n").safety->position_sigma, 0.0);
 }
 
 TEST(ReadSafety, FaultsReachTheSimulation) {
-  const Scenario scenario = with(R"(
+  const Scenario scenario = with_bodies(R"(
 [[simulation.fault]]
 kind = "dropout"
 body = "b"
@@ -157,7 +159,7 @@ delay = 0.07
 }
 
 TEST(ReadSafety, WhatIsSwitchedOnIsPrinted) {
-  const std::string text = summary(with(R"(
+  const std::string text = summary(with_bodies(R"(
 [safety]
 barrier = "on"
 [safety.supervisor]

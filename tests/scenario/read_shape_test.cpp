@@ -7,16 +7,19 @@
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/scenario_text.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr int robots = 5;
+using test::scenario_of;
+
+constexpr int robot_count = 5;
 
 /// Robots on a line, each with a sensor of its own, and a rock.
-std::string scene() {
+std::string line_of_robots() {
   std::string text;
-  for (int i = 0; i < robots; ++i) {
+  for (int i = 0; i < robot_count; ++i) {
     text += fmt::format(
         "[agent.r{0}]\nrobot = \"multirotor\"\nstart = {{ p = [{1}, 0.0, {2}], heading = 0.0 }}\n"
         "Q = [1.0, 1.0, 1.0, 0.0, 0.0, 0.7, 0.7]\nsensor = {{ pitch = {3}, offset = 0.17 }}\n"
@@ -26,14 +29,15 @@ std::string scene() {
   return text + "[obstacle.rock]\np = [0.0, 2.0, 1.0]\n";
 }
 
-constexpr std::string_view cone = "sensor_cone = { alpha = 0.5, kappa_G = 0.01, kappa_A = 2.0 }";
-constexpr std::string_view near = "keep_out = { d_min = 1.0, kappa_H = 4.5, kappa_G = 0.001, kappa_A = 3.0 }";
+constexpr std::string_view sensor_cone_table = "sensor_cone = { alpha = 0.5, kappa_G = 0.01, kappa_A = 2.0 }";
+constexpr std::string_view keep_out_table =
+    "keep_out = { d_min = 1.0, kappa_H = 4.5, kappa_G = 0.001, kappa_A = 3.0 }";
 
 /// The couplings that a shape stands for, as one would write them.
 std::string by_hand(const std::vector<std::pair<std::string, std::string>>& pairs, bool observer_alone) {
   std::string text;
   for (const auto& [first, second] : pairs) {
-    for (const auto& [potential, weight] : {std::pair{cone, 0.4}, {near, 1.5}}) {
+    for (const auto& [potential, weight] : {std::pair{sensor_cone_table, 0.4}, {keep_out_table, 1.5}}) {
       text += fmt::format("[[couple]]\npotential = {{ {} }}\nweight = {}\nbetween = [\"{}\", \"{}\"]\n",
                           potential, weight, first, second);
       if (observer_alone) text += fmt::format("felt_by = [\"{}\"]\n", first);
@@ -45,14 +49,10 @@ std::string by_hand(const std::vector<std::pair<std::string, std::string>>& pair
 std::string shape(std::string_view members, std::string_view felt_by) {
   return fmt::format(
       "[[shape]]\n{}\npotentials = [ {{ {}, weight = 0.4 }}, {{ {}, weight = 1.5 }} ]\nfelt_by = \"{}\"\n",
-      members, cone, near, felt_by);
+      members, sensor_cone_table, keep_out_table, felt_by);
 }
 
-Scenario parsed(const std::string& text) { return parse_scenario(text, "a.toml"); }
-
-std::string refusal(const std::string& text) {
-  return refusal_of<ScenarioError>([&] { parsed(scene() + text); });
-}
+std::string shape_refusal(const std::string& text) { return test::scenario_refusal(line_of_robots() + text); }
 
 /// All inputs of a short flight.
 std::vector<double> flown(const Scenario& s) {
@@ -65,7 +65,7 @@ std::vector<double> flown(const Scenario& s) {
 }
 
 void expect_same(const std::string& a, const std::string& b) {
-  const Scenario one = parsed(scene() + a), other = parsed(scene() + b);
+  const Scenario one = scenario_of(line_of_robots() + a), other = scenario_of(line_of_robots() + b);
   EXPECT_EQ(summary(one), summary(other));
   const std::vector<double> inputs = flown(one);
   EXPECT_GT(*std::max_element(inputs.begin(), inputs.end()), 0.0);
@@ -91,10 +91,11 @@ TEST(ReadShape, a_ring_a_star_and_all_pairs_fly_as_their_couplings_written_by_ha
 }
 
 TEST(ReadShape, one_potential_with_a_weight_stands_as_in_a_coupling) {
-  const Scenario s = parsed(scene() + fmt::format("[[shape]]\nall_pairs = \"all\"\npotential = {{ {} }}\n"
-                                                  "weight = 3.0\n",
-                                                  near));
-  ASSERT_EQ(s.team.couplings().size(), static_cast<std::size_t>(robots * (robots - 1) / 2));
+  const Scenario s =
+      scenario_of(line_of_robots() + fmt::format("[[shape]]\nall_pairs = \"all\"\npotential = {{ {} }}\n"
+                                                 "weight = 3.0\n",
+                                                 keep_out_table));
+  ASSERT_EQ(s.team.couplings().size(), static_cast<std::size_t>(robot_count * (robot_count - 1) / 2));
   for (const Coupling& coupling : s.team.couplings()) {
     EXPECT_EQ(coupling.term.weight, 3.0);
     EXPECT_EQ(coupling.felt_by.size(), 2U);
@@ -103,7 +104,8 @@ TEST(ReadShape, one_potential_with_a_weight_stands_as_in_a_coupling) {
 }
 
 TEST(ReadShape, each_observer_looks_with_its_own_sensor) {
-  const Scenario s = parsed(scene() + shape("ring = [\"r0\", \"r1\", \"r2\", \"r3\", \"r4\"]", "observer"));
+  const Scenario s =
+      scenario_of(line_of_robots() + shape("ring = [\"r0\", \"r1\", \"r2\", \"r3\", \"r4\"]", "observer"));
   int seen = 0;
   for (const Coupling& coupling : s.team.couplings()) {
     const SensorMount* mount = coupling.term.potential.mount();
@@ -111,21 +113,22 @@ TEST(ReadShape, each_observer_looks_with_its_own_sensor) {
     ++seen;
     EXPECT_DOUBLE_EQ(mount->pitch, 0.1 * coupling.between.first.index);
   }
-  EXPECT_EQ(seen, robots);
+  EXPECT_EQ(seen, robot_count);
 }
 
 TEST(ReadShape, any_shape_of_random_robots_has_a_coupling_for_each_pair_and_potential) {
   Random random(7);
   for (int n = 0; n < 200; ++n) {
     std::vector<std::string> names;
-    for (int i = 0; i < robots; ++i) names.push_back(fmt::format("\"r{}\"", i));
+    for (int i = 0; i < robot_count; ++i) names.push_back(fmt::format("\"r{}\"", i));
     std::shuffle(names.begin(), names.end(), random);
-    names.resize(2 + random() % (robots - 1));
+    names.resize(2 + random() % (robot_count - 1));
     const auto count = names.size();
     for (const auto& [key, pairs] :
          {std::pair{"chain", count - 1}, {"ring", count}, {"all_pairs", count * (count - 1) / 2}}) {
       const std::string members = fmt::format("{} = [{}]", key, fmt::join(names, ", "));
-      EXPECT_EQ(parsed(scene() + shape(members, "both")).team.couplings().size(), 2 * pairs) << members;
+      EXPECT_EQ(scenario_of(line_of_robots() + shape(members, "both")).team.couplings().size(), 2 * pairs)
+          << members;
     }
   }
 }
@@ -135,9 +138,9 @@ TEST(ReadShape, a_shape_of_too_many_couplings_is_refused_before_it_is_made) {
   for (int i = 0; i < 500; ++i) {
     text += fmt::format("[agent.r{}]\nrobot = \"multirotor\"\nstart = {{ p = [{}, 0, 1] }}\n", i, i);
   }
-  text += fmt::format("[[shape]]\nall_pairs = \"all\"\npotential = {{ {} }}\n", near);
+  text += fmt::format("[[shape]]\nall_pairs = \"all\"\npotential = {{ {} }}\n", keep_out_table);
   try {
-    parsed(text);
+    scenario_of(text);
     ADD_FAILURE() << "it was read";
   } catch (const ScenarioError& error) {
     EXPECT_STREQ(error.what(),
@@ -146,8 +149,8 @@ TEST(ReadShape, a_shape_of_too_many_couplings_is_refused_before_it_is_made) {
 }
 
 TEST(ReadShape, a_potential_of_a_list_is_refused_where_it_stands) {
-  EXPECT_EQ(refusal("[[shape]]\nchain = [\"r0\", \"r1\"]\npotentials = [\n  { keep_out = {} },\n"
-                    "  { keep_out = { d_min = -1.0 } },\n]\n"),
+  EXPECT_EQ(shape_refusal("[[shape]]\nchain = [\"r0\", \"r1\"]\npotentials = [\n  { keep_out = {} },\n"
+                          "  { keep_out = { d_min = -1.0 } },\n]\n"),
             "a.toml:37: shape[0].potentials[1].keep_out.d_min = -1, expected > 0 m");
 }
 
@@ -156,8 +159,8 @@ TEST(ReadShape, the_nearest_observes_by_events_of_its_own) {
       "[[shape]]\nname = \"rover\"\nnearest = {{ target = \"r0\", observers = [\"r1\", \"r2\", \"r3\"], "
       "margin = "
       "0.2, dwell = 0.5, ramp = 0.8 }}\npotentials = [ {{ {}, weight = 0.4 }}, {{ {}, weight = 1.5 }} ]\n",
-      cone, near);
-  const Scenario s = parsed(scene() + nearest);
+      sensor_cone_table, keep_out_table);
+  const Scenario s = scenario_of(line_of_robots() + nearest);
   EXPECT_EQ(s.team.couplings().size(), 2U);
   ASSERT_EQ(s.script.events.size(), 6U);
   for (const TeamEvent& event : s.script.events) {
@@ -167,11 +170,12 @@ TEST(ReadShape, the_nearest_observes_by_events_of_its_own) {
     EXPECT_EQ(when.dwell, 0.5);
   }
   EXPECT_TRUE(changes_in_flight(s));
-  EXPECT_EQ(
-      refusal(nearest + nearest).find("a.toml:38: shape[1].name = \"rover\", expected a name of its own"), 0U)
-      << refusal(nearest + nearest);
-  EXPECT_EQ(refusal("[[shape]]\nnearest = { target = \"r0\", observers = [\"r1\", \"r0\"] }\n"
-                    "potential = { keep_out = {} }\n"),
+  EXPECT_EQ(shape_refusal(nearest + nearest)
+                .find("a.toml:38: shape[1].name = \"rover\", expected a name of its own"),
+            0U)
+      << shape_refusal(nearest + nearest);
+  EXPECT_EQ(shape_refusal("[[shape]]\nnearest = { target = \"r0\", observers = [\"r1\", \"r0\"] }\n"
+                          "potential = { keep_out = {} }\n"),
             "a.toml:34: shape[0].nearest.observers[1] = \"r0\", expected a robot other than the target");
 }
 

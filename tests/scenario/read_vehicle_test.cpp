@@ -14,10 +14,13 @@
 #include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/world/rotor_world.hpp"
+#include "tests/support/scenario_text.hpp"
 
 namespace sightline {
 namespace {
 
+using test::scenario_of;
+using test::scenario_refusal;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -33,19 +36,10 @@ robot = "omni_rover"
 start = { p = [3.0, 0.0, 0.0], heading = 0.0 }
 )toml";
 
-Scenario read(const std::string& text) { return parse_scenario(text, "a.toml"); }
-std::string refusal(const std::string& text) {
-  try {
-    read(text);
-  } catch (const ScenarioError& error) {
-    return error.what();
-  }
-  return "not refused";
-}
 std::string uav(const std::string& lines) { return two + "\n[agent.uav.vehicle]\n" + lines; }
 
 TEST(ReadVehicle, AMultirotorIsAnX500WhereNothingIsSaidAndARoverNone) {
-  const Scenario scenario = read(two);
+  const Scenario scenario = scenario_of(two);
   ASSERT_EQ(scenario.vehicles.size(), 1u);
   EXPECT_EQ(scenario.vehicles[0].robot, scenario.team.find("uav"));
   EXPECT_EQ(scenario.vehicles[0].preset, "x500");
@@ -58,7 +52,7 @@ TEST(ReadVehicle, AMultirotorIsAnX500WhereNothingIsSaidAndARoverNone) {
 
 TEST(ReadVehicle, APresetIsTheStartForTheNumbersThatAreGiven) {
   const Vehicle v =
-      read(uav("preset = \"crazyflie\"\nmass = 0.035\ntilt_max = 0.3\ndrag = [0.01, 0.02, 0.03]\n"))
+      scenario_of(uav("preset = \"crazyflie\"\nmass = 0.035\ntilt_max = 0.3\ndrag = [0.01, 0.02, 0.03]\n"))
           .vehicles[0]
           .vehicle;
   EXPECT_EQ(v.mass, 0.035);
@@ -69,16 +63,16 @@ TEST(ReadVehicle, APresetIsTheStartForTheNumbersThatAreGiven) {
 }
 
 TEST(ReadVehicle, SixRotorsAreWrittenOut) {
-  const Vehicle v = read(uav("rotor_x = [0.0, 0.0, 0.26, -0.26, 0.26, -0.26]\n"
-                             "rotor_y = [-0.3, 0.3, 0.15, -0.15, -0.15, 0.15]\n"
-                             "spin = [-1, 1, -1, 1, 1, -1]\n"))
+  const Vehicle v = scenario_of(uav("rotor_x = [0.0, 0.0, 0.26, -0.26, 0.26, -0.26]\n"
+                                    "rotor_y = [-0.3, 0.3, 0.15, -0.15, -0.15, 0.15]\n"
+                                    "spin = [-1, 1, -1, 1, 1, -1]\n"))
                         .vehicles[0]
                         .vehicle;
   EXPECT_EQ(v.rotors(), 6u);
 }
 
 TEST(ReadVehicle, TheWindIsToldAsAirForEachVehicle) {
-  const std::string told = summary(read(two + "\n[simulation.disturbance]\nwind = [1.0, 0.0, 0.0]\n"));
+  const std::string told = summary(scenario_of(two + "\n[simulation.disturbance]\nwind = [1.0, 0.0, 0.0]\n"));
   EXPECT_THAT(told, HasSubstr("vehicle     uav: feels the wind as air at [8.31, 0.00, 0.00] m/s\n"));
 }
 
@@ -97,41 +91,43 @@ TEST(ReadVehicle, AWorldOfOnesOwnIsGivenTheVehiclesWhereItSaysThatItHasThem) {
 }
 
 TEST(ReadVehicle, RefusesWithFileLineAndKeyWhatCannotFly) {
-  EXPECT_EQ(refusal(uav("mass = 4.0\n")),
+  EXPECT_EQ(scenario_refusal(uav("mass = 4.0\n")),
             "a.toml:13: agent.uav.vehicle.mass = 4 kg with 4 rotors that lift 34.19 N: thrust to weight "
             "0.871, expected at least "
             "1.1");
-  EXPECT_THAT(refusal(uav("preset = \"x50\"\n")),
+  EXPECT_THAT(scenario_refusal(uav("preset = \"x50\"\n")),
               HasSubstr("a.toml:13: agent.uav.vehicle.preset = \"x50\", expected one of \"x500\", "));
-  EXPECT_THAT(refusal(uav("mas = 4.0\n")), HasSubstr("the nearest is \"mass\""));
-  EXPECT_THAT(refusal(uav("tau_up = 0.001\n")),
+  EXPECT_THAT(scenario_refusal(uav("mas = 4.0\n")), HasSubstr("the nearest is \"mass\""));
+  EXPECT_THAT(scenario_refusal(uav("tau_up = 0.001\n")),
               HasSubstr("a.toml:13: agent.uav.vehicle.tau_up = 0.001, expected 0.004 to 1 s"));
-  EXPECT_THAT(refusal(uav("spin = [1, 1, -1]\n")), HasSubstr("agent.uav.vehicle"));
-  EXPECT_THAT(refusal(uav("rotor_x = [0.1, -0.1, 0.0]\nrotor_y = [0.1, 0.1, -0.2]\nspin = [1, -1, 1]\n")),
-              HasSubstr("has 3 rotors, expected 4 to 8"));
+  EXPECT_THAT(scenario_refusal(uav("spin = [1, 1, -1]\n")), HasSubstr("agent.uav.vehicle"));
+  EXPECT_THAT(
+      scenario_refusal(uav("rotor_x = [0.1, -0.1, 0.0]\nrotor_y = [0.1, 0.1, -0.2]\nspin = [1, -1, 1]\n")),
+      HasSubstr("has 3 rotors, expected 4 to 8"));
 }
 
 TEST(ReadVehicle, RefusesATableThatNobodyWouldLookAt) {
-  EXPECT_THAT(refusal(two + "\n[agent.rover.vehicle]\npreset = \"x500\"\n"),
+  EXPECT_THAT(scenario_refusal(two + "\n[agent.rover.vehicle]\npreset = \"x500\"\n"),
               testing::AllOf(HasSubstr("a.toml:12: agent.rover.vehicle = "),
                              HasSubstr("the robot omni_rover is no vehicle")));
   std::string on_models = uav("preset = \"x500\"\n");
   on_models.replace(on_models.find("rotors"), 6, "model");
   EXPECT_THAT(
-      refusal(on_models),
+      scenario_refusal(on_models),
       testing::AllOf(
           HasSubstr("agent.uav.vehicle = "),
           HasSubstr("expected no such table in the world \"model\", only with world.kind = \"rotors\"")));
 }
 
 TEST(ReadVehicle, RefusesAWorldThatCannotBe) {
-  EXPECT_THAT(refusal(two + "\n[horizon]\nperiod = 0.0125\n"),
+  EXPECT_THAT(scenario_refusal(two + "\n[horizon]\nperiod = 0.0125\n"),
               HasSubstr("the period is 0.0125 s, expected a whole number of steps"));
-  EXPECT_THAT(refusal(uav("rotor_drag = 0\n") + "\n[simulation.disturbance]\nwind = [1.0, 0.0, 0.0]\n"),
-              HasSubstr("expected one that wind, gusts and wakes can push"));
+  EXPECT_THAT(
+      scenario_refusal(uav("rotor_drag = 0\n") + "\n[simulation.disturbance]\nwind = [1.0, 0.0, 0.0]\n"),
+      HasSubstr("expected one that wind, gusts and wakes can push"));
   std::string below = two;
   below.replace(below.find("1.0]"), 4, "-1.0]");
-  EXPECT_EQ(refusal(below),
+  EXPECT_EQ(scenario_refusal(below),
             "a.toml:6: agent.uav.start.p[2] = -1, expected at least 0 m, the height of the ground");
 }
 

@@ -12,13 +12,15 @@
 #include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/scenario_text.hpp"
+#include "tests/support/tree.hpp"
 
 namespace sightline {
 namespace {
 
 using test::read_file;
-
-const std::filesystem::path tree = SIGHTLINE_SOURCE_DIR;
+using test::scenario_refusal;
+using test::tree;
 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
@@ -27,10 +29,6 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder)
   }
   std::sort(files.begin(), files.end());
   return files;
-}
-
-std::string refusal(const std::string& text) {
-  return refusal_of<ScenarioError>([&] { parse_scenario(text, "a.toml"); });
 }
 
 /// The i-th robot, i metres beside the first.
@@ -46,7 +44,8 @@ std::string robots(int count) {
 }
 
 TEST(Scenario, a_file_of_comments_alone_has_no_robot) {
-  EXPECT_EQ(refusal("# nothing\n\n"), "a.toml:1: agent is missing, expected at least one [agent.NAME]");
+  EXPECT_EQ(scenario_refusal("# nothing\n\n"),
+            "a.toml:1: agent is missing, expected at least one [agent.NAME]");
 }
 
 TEST(Scenario, bytes_that_are_no_text_are_refused) {
@@ -54,7 +53,7 @@ TEST(Scenario, bytes_that_are_no_text_are_refused) {
   for (int i = 0; i < 100; ++i) {
     std::string bytes(1000, '\0');
     for (char& c : bytes) c = static_cast<char>(random());
-    const std::string said = refusal(bytes);
+    const std::string said = scenario_refusal(bytes);
     EXPECT_EQ(said.find("a.toml:"), 0U);
     EXPECT_NE(said.find("expected"), std::string::npos);
   }
@@ -258,7 +257,7 @@ TEST(Scenario, a_thousand_robots_are_read_and_one_too_many_is_refused) {
   EXPECT_EQ(s.team.agents().size(), agents_max);
   EXPECT_EQ(s.team.name(BodyId{1023}), "r1023");
   EXPECT_EQ(s.team.couplings().size(), agents_max - 1);
-  EXPECT_EQ(refusal(robots(static_cast<int>(agents_max) + 1)),
+  EXPECT_EQ(scenario_refusal(robots(static_cast<int>(agents_max) + 1)),
             "a.toml:1: agent = {...}, expected at most 1024 robots");
 }
 
@@ -296,7 +295,7 @@ TEST(Scenario, a_spoilt_scenario_is_read_or_refused_in_one_line) {
           break;
       }
     }
-    const std::string said = refusal(text);
+    const std::string said = scenario_refusal(text);
     if (said.empty()) {
       ++read;
       continue;

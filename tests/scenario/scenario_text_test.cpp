@@ -21,11 +21,6 @@ std::filesystem::path scratch() {
   return folder;
 }
 
-template <class Read>
-std::string refusal(Read&& read) {
-  return refusal_of<ScenarioError>([&] { read(); });
-}
-
 TEST(ScenarioText, a_refusal_is_file_line_and_sentence) {
   EXPECT_STREQ(ScenarioError("a.toml", 7, "k = 1, expected 2").what(), "a.toml:7: k = 1, expected 2");
 }
@@ -58,7 +53,9 @@ TEST(ScenarioText, what_is_no_file_is_refused_without_waiting) {
   const auto folder = scratch();
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
   ASSERT_EQ(::symlink("loop", (folder / "loop").c_str()), 0);
-  const auto say = [](const std::filesystem::path& p) { return refusal([&] { read_text(p); }); };
+  const auto say = [](const std::filesystem::path& p) {
+    return refusal_of<ScenarioError>([&] { read_text(p); });
+  };
   EXPECT_EQ(say(folder), folder.string() + ":1: this is a directory, expected a scenario file");
   EXPECT_EQ(say(folder / "pipe"),
             (folder / "pipe").string() + ":1: this is a pipe, expected a scenario file");
@@ -75,14 +72,16 @@ TEST(ScenarioText, a_file_above_the_limit_is_refused_before_it_is_read) {
   const auto file = scratch() / "large.toml";
   std::ofstream(file).close();
   std::filesystem::resize_file(file, 100'000'000);
-  EXPECT_EQ(refusal([&] { read_text(file); }),
+  EXPECT_EQ(refusal_of<ScenarioError>([&] { read_text(file); }),
             file.string() + ":1: too large, expected at most 10000000 bytes");
   std::filesystem::resize_file(file, scenario_size_max);
   EXPECT_EQ(read_text(file).size(), scenario_size_max);
 }
 
 TEST(ScenarioText, what_is_no_text_is_refused_at_its_line) {
-  const auto say = [](const std::string& text) { return refusal([&] { check_text(text, "a"); }); };
+  const auto say = [](const std::string& text) {
+    return refusal_of<ScenarioError>([&] { check_text(text, "a"); });
+  };
   EXPECT_EQ(say(""), "a:1: the file is empty, expected at least one [agent.NAME]");
   EXPECT_EQ(say("# one\n# two \xff\n"), "a:2: the byte 0xff is not UTF-8, expected text");
   EXPECT_EQ(say("\xff\xfe[\0"), "a:1: the byte 0xff is not UTF-8, expected text");
@@ -99,7 +98,9 @@ TEST(ScenarioText, keys_have_at_most_sixteen_parts_wherever_they_hide) {
     for (int i = 1; i < parts; ++i) k += " . " + part;
     return k;
   };
-  const auto say = [](const std::string& text) { return refusal([&] { check_text(text, "a"); }); };
+  const auto say = [](const std::string& text) {
+    return refusal_of<ScenarioError>([&] { check_text(text, "a"); });
+  };
   const std::string refused = "the key has too many parts, expected at most 16";
   for (const std::string part : {"a", "\"=\"", "'#'", "\"\\\"[\"", "''"}) {
     const std::string longer = key(17, part);

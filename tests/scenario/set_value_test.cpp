@@ -4,11 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "sightline/scenario/scenario.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
-const std::string text = R"([agent.a]
+const std::string team_text = R"([agent.a]
 robot = "multirotor"
 start = { p = [0, 0, 1], heading = 0.0 }
 [agent.b]
@@ -20,39 +21,34 @@ between = ["a", "b"]
 weight = 0.4
 )";
 
-Scenario with(const std::vector<std::string>& set) {
-  return parse_scenario(text, "team.toml", parts_of_sightline(), {.files = {}, .set = set});
+Scenario with_set(const std::vector<std::string>& set) {
+  return parse_scenario(team_text, "team.toml", parts_of_sightline(), {.files = {}, .set = set});
 }
 
-std::string refusal(const std::string& assignment) {
-  try {
-    with({assignment});
-  } catch (const ScenarioError& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string set_refusal(const std::string& assignment) {
+  return refusal_of<ScenarioError>([&] { with_set({assignment}); });
 }
 
 TEST(SetValue, PutsAValueWhereAnotherStoodOrNoneDid) {
-  const Scenario scenario = with({"couple[0].weight=0.5", "horizon.stages = 7", "agent.b.start.p[2]=3",
-                                  "solver.name=\"cgmres\"", "agent.a.R=[1, 2, 3, 4]"});
+  const Scenario scenario = with_set({"couple[0].weight=0.5", "horizon.stages = 7", "agent.b.start.p[2]=3",
+                                      "solver.name=\"cgmres\"", "agent.a.R=[1, 2, 3, 4]"});
   EXPECT_EQ(scenario.team.couplings()[0].term.weight, 0.5);
   EXPECT_EQ(scenario.horizon.N, 7);
   EXPECT_EQ(scenario.x0[9], 3.0);
   EXPECT_EQ(scenario.solver.name, "cgmres");
   EXPECT_EQ(scenario.team.agents()[0].R, (std::vector<double>{1, 2, 3, 4}));
-  EXPECT_EQ(scenario.text, text) << "the text stays as it was read";
+  EXPECT_EQ(scenario.text, team_text) << "the text stays as it was read";
 }
 
 TEST(SetValue, TheLastOfSeveralHolds) {
-  EXPECT_EQ(with({"couple[0].weight=0.5", "couple[0].weight=0.7"}).team.couplings()[0].term.weight, 0.7);
+  EXPECT_EQ(with_set({"couple[0].weight=0.5", "couple[0].weight=0.7"}).team.couplings()[0].term.weight, 0.7);
 }
 
 TEST(SetValue, WhatIsNoAssignmentIsRefusedInOneLine) {
   for (const char* bad :
        {"", "=", "=1", "horizon.stages", "horizon..stages=1", "horizon.stages=", "a[=1", "a[x]=1", "a]=1",
         "horizon.stages=1\nb=2", "horizon.stages=[1", "couple[0]x=1", "a.\"b=1", "horizon.stages=1 2"}) {
-    const std::string sentence = refusal(bad);
+    const std::string sentence = set_refusal(bad);
     EXPECT_THAT(sentence, testing::StartsWith("team.toml")) << bad;
     EXPECT_THAT(sentence, testing::HasSubstr("expected")) << bad;
     EXPECT_THAT(sentence, testing::Not(testing::HasSubstr("\n"))) << bad;
@@ -60,15 +56,15 @@ TEST(SetValue, WhatIsNoAssignmentIsRefusedInOneLine) {
 }
 
 TEST(SetValue, PlacesThatCannotBeAreToldWithWhatCan) {
-  EXPECT_THAT(refusal("couple[1].weight=1"), testing::HasSubstr("a place in [0, 1)"));
-  EXPECT_THAT(refusal("horizon[0]=1"), testing::HasSubstr("a key that holds an array"));
-  EXPECT_THAT(refusal("couple[0].weight.x=1"), testing::HasSubstr("a key of a table"));
+  EXPECT_THAT(set_refusal("couple[1].weight=1"), testing::HasSubstr("a place in [0, 1)"));
+  EXPECT_THAT(set_refusal("horizon[0]=1"), testing::HasSubstr("a key that holds an array"));
+  EXPECT_THAT(set_refusal("couple[0].weight.x=1"), testing::HasSubstr("a key of a table"));
 }
 
 TEST(SetValue, WhatTheValueMeansIsCheckedAsInTheFile) {
-  EXPECT_EQ(refusal("couple[0].wieght=1"),
+  EXPECT_EQ(set_refusal("couple[0].wieght=1"),
             "team.toml: couple[0].wieght = 1, expected a known key, the nearest is \"weight\"");
-  EXPECT_THAT(refusal("horizon.stages=0"),
+  EXPECT_THAT(set_refusal("horizon.stages=0"),
               testing::HasSubstr("horizon.stages = 0, expected an integer, 1 to 1000"));
 }
 

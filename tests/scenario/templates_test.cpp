@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "sightline/scenario/scenario.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -24,13 +25,8 @@ std::vector<std::string> names(const TomlDocument& document, std::string_view se
   return TomlTable(document).table(section).keys();
 }
 
-std::string refusal_of(const std::string& text) {
-  try {
-    expanded(text);
-  } catch (const ScenarioError& error) {
-    return error.what();
-  }
-  return "";
+std::string template_refusal(const std::string& text) {
+  return refusal_of<ScenarioError>([&] { expanded(text); });
 }
 
 /// A robot's places, by its number.
@@ -125,27 +121,28 @@ reference = { waypoints = { times = [0.0, 9.0], p = [[0.0, 0.0, 1.0], { place = 
 }
 
 TEST(Templates, WhatIsWrongIsNamedAtItsLine) {
-  EXPECT_EQ(refusal_of("[template.base]\nR = [1.0]\n[agent.a]\nlike = \"bas\"\n"),
+  EXPECT_EQ(template_refusal("[template.base]\nR = [1.0]\n[agent.a]\nlike = \"bas\"\n"),
             "team.toml:4: agent.a.like = \"bas\", expected a template, the nearest is \"base\"");
-  EXPECT_EQ(refusal_of("[agent.a]\nlike = \"b\"\n"),
+  EXPECT_EQ(template_refusal("[agent.a]\nlike = \"b\"\n"),
             "team.toml:2: agent.a.like = \"b\", expected a template, there is none");
-  EXPECT_EQ(refusal_of("[template.a]\nlike = \"b\"\n[template.b]\nlike = \"a\"\n[agent.r]\nlike = \"a\"\n"),
-            "team.toml:4: template.b.like = \"a\", expected a template that is not like itself, a like b is");
   EXPECT_EQ(
-      refusal_of("[agent.r]\n[template.a]\nR = [1.0]\n"),
+      template_refusal("[template.a]\nlike = \"b\"\n[template.b]\nlike = \"a\"\n[agent.r]\nlike = \"a\"\n"),
+      "team.toml:4: template.b.like = \"a\", expected a template that is not like itself, a like b is");
+  EXPECT_EQ(
+      template_refusal("[agent.r]\n[template.a]\nR = [1.0]\n"),
       "team.toml:2: template.a = {...}, expected a robot, target, obstacle or template that is like it");
   EXPECT_EQ(
-      refusal_of("[agent.\"r{3..1}\"]\n"),
+      template_refusal("[agent.\"r{3..1}\"]\n"),
       "team.toml:1: agent.\"r{3..1}\" = {}, expected a name, or a range of at most 1024 as in \"uav{0..7}\"");
-  EXPECT_EQ(refusal_of("[agent.\"r{0..2}\"]\n[agent.r1]\n"),
+  EXPECT_EQ(template_refusal("[agent.\"r{0..2}\"]\n[agent.r1]\n"),
             "team.toml:1: agent.\"r{0..2}\" = {}, expected names of their own, r1 is there already");
-  EXPECT_EQ(refusal_of("[agent.\"r{0..2}\"]\nR = { each = [1.0, 2.0] }\n"),
+  EXPECT_EQ(template_refusal("[agent.\"r{0..2}\"]\nR = { each = [1.0, 2.0] }\n"),
             "team.toml:2: agent.r0.R.each = [1, 2], expected a list of 3, one for each robot");
-  EXPECT_EQ(refusal_of("[agent.r]\nstart = { p = { place = \"cirle\" } }\n"),
+  EXPECT_EQ(template_refusal("[agent.r]\nstart = { p = { place = \"cirle\" } }\n"),
             "team.toml:2: agent.r.start.p.place = \"cirle\", expected one of \"line\", \"circle\", \"grid\", "
             "the nearest is "
             "\"circle\"");
-  EXPECT_EQ(refusal_of("[agent.r]\nstart = { heading = { face = [0.0, 0.0] } }\n"),
+  EXPECT_EQ(template_refusal("[agent.r]\nstart = { heading = { face = [0.0, 0.0] } }\n"),
             "team.toml:2: agent.r.start.heading.face = [0, 0], expected a start.p of three numbers or a "
             "place, from which "
             "it is faced");

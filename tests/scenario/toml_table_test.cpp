@@ -11,7 +11,7 @@ namespace {
 
 /// What is said when `read` refuses the text.
 template <class Read>
-std::string refusal(const std::string& text, Read&& read) {
+std::string table_refusal(const std::string& text, Read&& read) {
   return refusal_of<ScenarioError>([&] {
     const TomlDocument document = parse_toml(text, "a");
     read(TomlTable(document));
@@ -19,7 +19,7 @@ std::string refusal(const std::string& text, Read&& read) {
 }
 
 TEST(TomlTable, what_is_no_toml_is_refused_at_its_line) {
-  const std::string said = refusal("a = 1\nb = \n", [](const TomlTable&) {});
+  const std::string said = table_refusal("a = 1\nb = \n", [](const TomlTable&) {});
   EXPECT_EQ(said.find("a:2: "), 0U) << said;
   EXPECT_NE(said.find(", expected TOML"), std::string::npos) << said;
 }
@@ -27,7 +27,7 @@ TEST(TomlTable, what_is_no_toml_is_refused_at_its_line) {
 TEST(TomlTable, keys_that_make_deep_tables_are_refused_before_the_parser_sees_them) {
   std::string text = "a";
   for (int i = 0; i < 1'000'000; ++i) text += ".a";
-  EXPECT_EQ(refusal(text + " = 1\n", [](const TomlTable&) {}),
+  EXPECT_EQ(table_refusal(text + " = 1\n", [](const TomlTable&) {}),
             "a:1: the key has too many parts, expected at most 16");
 }
 
@@ -37,13 +37,13 @@ TEST(TomlTable, the_deepest_tables_let_through_can_be_parsed) {
   for (int i = 0; i < 250; ++i) text += key + " = { ";
   text += "a = 1";
   for (int i = 0; i < 250; ++i) text += " }";
-  EXPECT_EQ(refusal(text + "\n", [](const TomlTable&) {}), "");
-  EXPECT_NE(refusal(text + " }\n", [](const TomlTable&) {}), "");
+  EXPECT_EQ(table_refusal(text + "\n", [](const TomlTable&) {}), "");
+  EXPECT_NE(table_refusal(text + " }\n", [](const TomlTable&) {}), "");
 }
 
 TEST(TomlTable, a_wrong_value_is_said_with_place_line_and_expectation) {
   const std::string text = "[t]\nx = \"5\"\ny = [1,\n 2, nan]\nz = 7\n[[l]]\n[[l]]\nw = true\n";
-  const auto say = [&](auto&& read) { return refusal(text, read); };
+  const auto say = [&](auto&& read) { return table_refusal(text, read); };
   EXPECT_EQ(say([](const TomlTable& r) { r.table("t").number("x", positive("> 0 m")); }),
             "a:2: t.x = \"5\", expected a number, > 0 m");
   EXPECT_EQ(say([](const TomlTable& r) { r.table("t").numbers("y", 3); }),
@@ -63,29 +63,29 @@ TEST(TomlTable, a_wrong_value_is_said_with_place_line_and_expectation) {
 }
 
 TEST(TomlTable, an_unknown_key_is_said_with_the_nearest) {
-  EXPECT_EQ(refusal("[t]\n\nzetta = 1\n",
-                    [](const TomlTable& r) {
-                      r.table("t").expect_only({"k_max", "zeta"});
-                    }),
+  EXPECT_EQ(table_refusal("[t]\n\nzetta = 1\n",
+                          [](const TomlTable& r) {
+                            r.table("t").expect_only({"k_max", "zeta"});
+                          }),
             "a:3: t.zetta = 1, expected a known key, the nearest is \"zeta\"");
 }
 
 TEST(TomlTable, where_no_key_is_known_none_is_the_nearest) {
-  EXPECT_EQ(refusal("[t]\nx = 1\n", [](const TomlTable& r) { r.table("t").expect_only({}); }),
+  EXPECT_EQ(table_refusal("[t]\nx = 1\n", [](const TomlTable& r) { r.table("t").expect_only({}); }),
             "a:2: t.x = 1, expected no key here");
 }
 
 TEST(TomlTable, messages_are_short_whatever_the_value) {
   const std::string huge(1'000'000, 'x');
   const auto length = [](const std::string& text, std::string_view key) {
-    return refusal(text, [&](const TomlTable& r) { r.number(key); }).size();
+    return table_refusal(text, [&](const TomlTable& r) { r.number(key); }).size();
   };
   EXPECT_LT(length("k = \"" + huge + "\"\n", "k"), 200U);
   EXPECT_LT(length(huge + " = true\n", huge), 200U);
   std::string array = "k = [1";
   for (int i = 0; i < 100'000; ++i) array += ", 1";
   EXPECT_LT(length(array + "]\n", "k"), 200U);
-  EXPECT_LT(refusal(huge + " = 1\n", [](const TomlTable& r) { r.expect_only({"a"}); }).size(), 200U);
+  EXPECT_LT(table_refusal(huge + " = 1\n", [](const TomlTable& r) { r.expect_only({"a"}); }).size(), 200U);
 }
 
 TEST(TomlTable, named_tables_come_in_the_order_of_the_file) {
@@ -98,7 +98,7 @@ TEST(TomlTable, named_tables_come_in_the_order_of_the_file) {
 
 TEST(TomlTable, a_sentence_about_a_field_gets_the_line_of_its_key) {
   const auto say = [](const char* sentence) {
-    return refusal("[t]\nx = 1\ny = 2\n", [&](const TomlTable& r) {
+    return table_refusal("[t]\nx = 1\ny = 2\n", [&](const TomlTable& r) {
       r.table("t").checked([&] { throw std::invalid_argument(sentence); });
     });
   };

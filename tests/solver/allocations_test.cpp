@@ -4,20 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <limits>
 
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
 using paper::Variant;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Calls of the heap by f; zero where the build does not count.
 template <class F>
@@ -44,7 +42,7 @@ TYPED_TEST(AllocationsOf, NoUpdateTakesMemoryFromTheFirstOnHoweverItEnds) {
   for (const JacobianProduct product : {JacobianProduct::exact, JacobianProduct::forward_difference}) {
     for (const Variant variant : {Variant::joint, Variant::masked}) {
       TypeParam mpc(paper::team(variant), {}, {.jacobian = product});
-      std::vector<double> x = paper::saturating_start(), bad(14, nan), huge = x;
+      std::vector<double> x = paper::saturating_start(), bad(14, not_a_number), huge = x;
       huge[0] = 1e200;
       std::array<bool, status_count> seen{};
       double t = 0.0;
@@ -74,7 +72,7 @@ TYPED_TEST(AllocationsOf, NoUpdateTakesMemoryFromTheFirstOnHoweverItEnds) {
 TEST(Allocations, NoNewtonUpdateTakesMemoryHoweverItEnds) {
   for (const Variant variant : {Variant::joint, Variant::masked}) {
     NewtonRiccati mpc(paper::team(variant), {}), hurried(paper::team(variant), {}, {.deadline = 1e-9});
-    std::vector<double> x = paper::saturating_start(), bad(14, nan), huge = x, far = x;
+    std::vector<double> x = paper::saturating_start(), bad(14, not_a_number), huge = x, far = x;
     huge[0] = 1e200;
     far[0] = 40.0, far[7] = -40.0;
     std::array<bool, status_count> seen{};
@@ -105,7 +103,7 @@ TEST(Allocations, GmresTakesNoneAfterItWasMade) {
   const int n = 100;
   Gmres gmres(n, 30);
   Rows rows(2, gmres.length());
-  for (const double scale : {1.0, 0.0, nan}) {
+  for (const double scale : {1.0, 0.0, not_a_number}) {
     for (int i = 0; i < n; ++i) rows[0][i] = scale * i;
     const auto product = [&](const double* v, double* out) {
       for (int i = 0; i < n; ++i) out[i] = (1.0 + 0.1 * i) * v[i];

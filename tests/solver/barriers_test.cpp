@@ -22,8 +22,6 @@ namespace {
 
 using paper::Variant;
 
-constexpr AgentId uav0{{0}};
-
 /// A user's own, over state and input: slow where it turns.
 struct SlowTurn {
   int states() const { return 7; }
@@ -54,7 +52,7 @@ double worst_of(Solver& solver, const Limit& limit, const std::vector<double>& s
   fly(solver, start, 500, [&](double, const std::vector<double>& x, const Solution& s) {
     EXPECT_TRUE(gives_plan(s.status)) << to_string(s.status);
     if (k++ < settle) return;
-    worst = std::max(worst, limit(team.model(uav0).sight(x.data(), s.u.data()), x, s.u));
+    worst = std::max(worst, limit(team.model(paper::uav0).sight(x.data(), s.u.data()), x, s.u));
   });
   return worst;
 }
@@ -62,14 +60,14 @@ double worst_of(Solver& solver, const Limit& limit, const std::vector<double>& s
 template <class S>
 class AnySolverWithBarriers : public testing::Test {};
 
-using Solvers = testing::Types<Cgmres, Cmscgmres, NewtonRiccati>;
-TYPED_TEST_SUITE(AnySolverWithBarriers, Solvers);
+using SolversWithBarriers = testing::Types<Cgmres, Cmscgmres, NewtonRiccati>;
+TYPED_TEST_SUITE(AnySolverWithBarriers, SolversWithBarriers);
 
 TYPED_TEST(AnySolverWithBarriers, ALimitIsKeptThatIsBrokenWithoutIt) {
   for (const Limit& limit :
        {Limit(SpeedLimit{.max = 0.5}), Limit(InputDisc{.radius = 0.6}), Limit(SlowTurn{})}) {
     Team free = hasty(), limited = hasty();
-    limited.constrain(RelaxedBarrier{.limit = limit, .mu = 0.05, .delta = 0.02}, uav0);
+    limited.constrain(RelaxedBarrier{.limit = limit, .mu = 0.05, .delta = 0.02}, paper::uav0);
     TypeParam without(free, {}), with(limited, {});
     EXPECT_GT(worst_of(without, limit, at_rest), 0.2) << limit.name();
     EXPECT_LE(worst_of(with, limit, at_rest), 0.03) << limit.name();
@@ -79,17 +77,17 @@ TYPED_TEST(AnySolverWithBarriers, ALimitIsKeptThatIsBrokenWithoutIt) {
 TYPED_TEST(AnySolverWithBarriers, FromFarBeyondALimitItComesBackAndStays) {
   Team team = hasty();
   const SpeedLimit limit{.max = 0.5};
-  team.constrain(RelaxedBarrier{.limit = limit, .mu = 0.05, .delta = 0.02}, uav0);
+  team.constrain(RelaxedBarrier{.limit = limit, .mu = 0.05, .delta = 0.02}, paper::uav0);
   TypeParam solver(team, {});
   std::vector<double> fast = at_rest;
   fast[5] = 1.5, fast[6] = -1.0;
-  EXPECT_GT(limit(team.model(uav0).sight(fast.data(), std::vector<double>(4).data())), 10.0);
+  EXPECT_GT(limit(team.model(paper::uav0).sight(fast.data(), std::vector<double>(4).data())), 10.0);
   EXPECT_LE(worst_of(solver, limit, fast, 200), 0.02);
 }
 
 TYPED_TEST(AnySolverWithBarriers, AWideLimitChangesNextToNothing) {
   Team free = hasty(), limited = hasty();
-  limited.constrain(RelaxedBarrier{.limit = SpeedLimit{.max = 100}, .mu = 0.01, .delta = 0.1}, uav0);
+  limited.constrain(RelaxedBarrier{.limit = SpeedLimit{.max = 100}, .mu = 0.01, .delta = 0.1}, paper::uav0);
   TypeParam without(free, {}), with(limited, {});
   fly(without, at_rest, 200, [&](double t, const std::vector<double>& x, const Solution& s) {
     const auto u = with.solve(t, x).u;
@@ -100,8 +98,8 @@ TYPED_TEST(AnySolverWithBarriers, AWideLimitChangesNextToNothing) {
 
 TYPED_TEST(AnySolverWithBarriers, NoUpdateTakesMemory) {
   Team team = hasty();
-  team.constrain(RelaxedBarrier{SpeedLimit{.max = 0.5}}, uav0);
-  team.constrain(RelaxedBarrier{SlowTurn{}}, uav0);
+  team.constrain(RelaxedBarrier{SpeedLimit{.max = 0.5}}, paper::uav0);
+  team.constrain(RelaxedBarrier{SlowTurn{}}, paper::uav0);
   TypeParam solver(team, {});
   std::vector<double> x = at_rest;
   x[5] = 1.5, x[6] = -1.0;
@@ -127,7 +125,7 @@ struct Four {
       agent.name.clear();
       const AgentId id = together.add(agent);
       if (i == barriers.size()) continue;
-      alone[i].constrain(barriers[i], uav0);
+      alone[i].constrain(barriers[i], paper::uav0);
       together.constrain(barriers[i], id);
     }
   }
@@ -197,10 +195,10 @@ TEST(Barriers, TheStageCostOfATeamHoldsThem) {
   for (int k = 0; k < 200; ++k) {
     Team team = free;
     const RelaxedBarrier a{.limit = SlowTurn{}, .mu = 0.3, .delta = 0.2}, b{.limit = InputDisc{}};
-    team.constrain(a, uav0), team.constrain(b, uav0);
+    team.constrain(a, paper::uav0), team.constrain(b, paper::uav0);
     const auto x = random_states(random, team, 2.0), u = random_numbers(random, 4, 1.0);
     const std::span<const double> at_x(x), at_u(u);
-    const Sight<double> sight = team.model(uav0).sight(x.data(), u.data());
+    const Sight<double> sight = team.model(paper::uav0).sight(x.data(), u.data());
     EXPECT_NEAR(stage_cost(team, 0, x, u) - stage_cost(free, 0, x, u),
                 a(sight, at_x, at_u) + b(sight, at_x, at_u), 1e-12);
   }
@@ -236,7 +234,7 @@ TEST(Barriers, NewtonRiccatiAgreesWithIpoptWhereLimitsAreActive) {
 TEST(Barriers, CompiledAndInterpretedFlyTheSameBits) {
   for (const Limit& limit : {Limit(SpeedLimit{.max = 0.5}), Limit(InputDisc{.radius = 0.6})}) {
     Team team = hasty();
-    team.constrain(RelaxedBarrier{.limit = limit, .mu = 0.03, .delta = 0.07}, uav0);
+    team.constrain(RelaxedBarrier{.limit = limit, .mu = 0.03, .delta = 0.07}, paper::uav0);
     NewtonRiccati compiled(team, {}), interpreted(team, {}, {.kernels = KernelChoice::interpreted});
     fly(compiled, at_rest, 100, [&](double t, const std::vector<double>& x, const Solution& s) {
       const auto u = interpreted.solve(t, x).u;

@@ -13,7 +13,7 @@ namespace {
 using paper::Variant;
 
 constexpr int steps = 30;
-constexpr double tolerance = 1e-6;
+constexpr double residual_reached = 1e-6;
 
 /// Whether `steps` Newton steps reach the optimum from there.
 bool reaches(const Team& team, const std::vector<double>& x) {
@@ -22,9 +22,9 @@ bool reaches(const Team& team, const std::vector<double>& x) {
     const Solution s = solver.solve(0.0, x);
     for (const double u : s.u) EXPECT_LE(std::fabs(u), 1.0);
     for (const double value : s.x) EXPECT_TRUE(std::isfinite(value));
-    EXPECT_EQ(s.status == Status::converged, s.residual <= tolerance);
+    EXPECT_EQ(s.status == Status::converged, s.residual <= residual_reached);
     EXPECT_TRUE(gives_plan(s.status));
-    if (solver.kkt(0.0, x) <= tolerance) return true;
+    if (solver.kkt(0.0, x) <= residual_reached) return true;
   }
   const Status last = solver.solve(0.0, x).status;
   EXPECT_TRUE(last == Status::stepped || last == Status::iteration_limit);

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
@@ -14,15 +13,13 @@
 #include "tests/support/error.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random_team.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
 using paper::Variant;
 using testing::HasSubstr;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
-                 inf = std::numeric_limits<double>::infinity();
 
 bool usable(std::span<const double> u) {
   return std::all_of(u.begin(), u.end(), [](double v) { return std::fabs(v) <= 1.0; });
@@ -45,14 +42,14 @@ using Continuations = testing::Types<Cmscgmres, Cgmres>;
 TYPED_TEST_SUITE(AnyContinuation, Continuations);
 
 TYPED_TEST(AnyContinuation, AnOptionOutOfRangeIsRefusedByItsKey) {
-  for (const double bad : {0.0, -1.0, nan, inf}) {
+  for (const double bad : {0.0, -1.0, not_a_number, infinite}) {
     EXPECT_THAT(refusal<TypeParam>({.zeta = bad}), HasSubstr("solver.zeta = "));
     EXPECT_THAT(refusal<TypeParam>({.alpha = bad}), HasSubstr("solver.alpha = "));
     EXPECT_THAT(refusal<TypeParam>({.difference_step = bad}), HasSubstr("solver.difference_step = "));
     EXPECT_THAT(refusal<TypeParam>({.slack_weight = bad}), HasSubstr("solver.slack_weight = "));
     EXPECT_THAT(refusal<TypeParam>({.tolerance = bad}), HasSubstr("solver.tolerance = "));
   }
-  for (const double bad : {-1e-9, nan, inf}) {
+  for (const double bad : {-1e-9, not_a_number, infinite}) {
     EXPECT_THAT(refusal<TypeParam>({.gmres_tolerance = bad}), HasSubstr("solver.gmres_tolerance = "));
   }
   for (const int bad : {0, -1, 1001})
@@ -217,7 +214,7 @@ TYPED_TEST(AnyContinuation, AfterAGapOfHalfASecondItFindsBack) {
   const auto last = mpc.solve(10.0, x).u;
   const std::vector<double> held(last.begin(), last.end());
   for (int k = 0; k < 50; ++k) advance(team, x, held, 0.01);
-  double residual = inf;
+  double residual = infinite;
   fly(
       mpc, x, 150,
       [&](double, const std::vector<double>&, const Solution& s) {
@@ -233,7 +230,7 @@ TYPED_TEST(AnyContinuation, AskingForTheKktResidualDoesNotDisturbTheFlight) {
   fly(asked, paper::start(), 100, [&](double t, const std::vector<double>& x, const Solution& s) {
     const std::vector<double> u(s.u.begin(), s.u.end());
     EXPECT_TRUE(std::isfinite(asked.kkt(t, x)));
-    EXPECT_EQ(asked.kkt(t, std::vector<double>(14, nan)), inf);
+    EXPECT_EQ(asked.kkt(t, std::vector<double>(14, not_a_number)), infinite);
     const auto expected = left.solve(t, x).u;
     for (std::size_t j = 0; j < u.size(); ++j) EXPECT_TRUE(same_bits(u[j], expected[j]));
   });

@@ -11,18 +11,18 @@
 namespace sightline {
 namespace {
 
-constexpr Horizon horizon{.T = 0.3, .N = 6, .dt = 0.01};
+constexpr Horizon short_horizon{.T = 0.3, .N = 6, .dt = 0.01};
 
 /// A team's potentials over random Sights, with what they need.
-struct Field {
+struct PotentialField {
   Ocp ocp;
   std::vector<BodyPotential> potentials;
   Groups groups;
   std::unique_ptr<Couplings> couplings;
   Rows s, c, z, y;
 
-  Field(Team team, Random& random, KernelChoice choice = KernelChoice::compiled_if_there)
-      : ocp(std::move(team), horizon),
+  PotentialField(Team team, Random& random, KernelChoice choice = KernelChoice::compiled_if_there)
+      : ocp(std::move(team), short_horizon),
         potentials(trace_potentials(ocp)),
         groups(ocp, potentials, choice),
         couplings(make_couplings(potentials, groups.layout(), ocp.team().bodies(), choice)),
@@ -68,7 +68,7 @@ struct Field {
 TEST(Couplings, TheGradientIsThatOfWhatTheAgentFeels) {
   Random random(1);
   for (int trial = 0; trial < 12; ++trial) {
-    Field field(random_team(random, 2 + static_cast<int>(random() % 4), Feeling::anyone), random);
+    PotentialField field(random_team(random, 2 + static_cast<int>(random() % 4), Feeling::anyone), random);
     field.couplings->evaluate(field.s[0], field.c[0]);
     field.each_seen([&](std::ptrdiff_t at, int a, int k, int i) {
       const double here = field.s[0][at], step = 1e-5;
@@ -83,7 +83,7 @@ TEST(Couplings, TheGradientIsThatOfWhatTheAgentFeels) {
 }
 
 /// The change of all gradients along z is what the own Hessians and the coupling blocks say.
-void expect_product_is_the_derivative(Field& field, Random& random) {
+void expect_product_is_the_derivative(PotentialField& field, Random& random) {
   field.each_seen([&](std::ptrdiff_t at, int, int, int) { field.z[0][at] = uniform(random, -1, 1); });
   const double step = 1e-5;
   std::vector<double> slope;
@@ -116,12 +116,12 @@ void expect_product_is_the_derivative(Field& field, Random& random) {
 TEST(Couplings, HessiansAndProductAreTheDerivativeOfTheGradients) {
   Random random(2);
   for (int trial = 0; trial < 12; ++trial) {
-    Field field(random_team(random, 2 + static_cast<int>(random() % 4), Feeling::anyone), random);
+    PotentialField field(random_team(random, 2 + static_cast<int>(random() % 4), Feeling::anyone), random);
     expect_product_is_the_derivative(field, random);
   }
 }
 
-Team chain(int agents, bool masked) {
+Team plain_chain(int agents, bool masked) {
   Team team;
   std::vector<AgentId> ids;
   for (int i = 0; i < agents; ++i) ids.push_back(team.add(Multirotor{}));
@@ -138,12 +138,12 @@ TEST(Couplings, LanesOfAgentsDoNotChangeTheLaws) {
   Random random(3);
   for (const int agents : {2, 3, 8, 19, 32}) {
     for (const bool masked : {false, true}) {
-      Field field(chain(agents, masked), random);
+      PotentialField field(plain_chain(agents, masked), random);
       expect_product_is_the_derivative(field, random);
       Random same_1(4), same_2(4);
-      Field compiled(chain(agents, masked), same_1),
-          interpreted(chain(agents, masked), same_2, KernelChoice::interpreted);
-      for (Field* f : {&compiled, &interpreted}) f->couplings->evaluate(f->s[0], f->c[0]);
+      PotentialField compiled(plain_chain(agents, masked), same_1),
+          interpreted(plain_chain(agents, masked), same_2, KernelChoice::interpreted);
+      for (PotentialField* f : {&compiled, &interpreted}) f->couplings->evaluate(f->s[0], f->c[0]);
       compiled.each_seen([&](std::ptrdiff_t, int a, int k, int i) {
         EXPECT_NEAR(compiled.gradient(a, k, i), interpreted.gradient(a, k, i), 1e-15);
       });

@@ -2,18 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr Horizon horizon{.T = 1.0, .N = 20, .dt = 0.01};
-
 TEST(Descent, WhatItsUnitsPayDoesNotRiseAndLimitsHold) {
   Random random(1);
   for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
-    const Ocp ocp(paper::team(variant), horizon);
+    const Ocp ocp(paper::team(variant), default_horizon);
     const auto potentials = trace_potentials(ocp);
     Groups groups(ocp, potentials, KernelChoice::compiled_if_there);
     const Layout& layout = groups.layout();

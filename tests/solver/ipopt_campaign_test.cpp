@@ -9,12 +9,12 @@
 
 #include "bench/ipopt.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/random_team.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr Horizon horizon{.T = 1.0, .N = 20, .dt = 0.01};
 constexpr double same = 1e-6;  // of every input of the horizon
 
 double difference(const std::vector<double>& a, const std::vector<double>& b) {
@@ -25,8 +25,8 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 
 std::vector<double> plan_of(const NewtonRiccati& solver) {
   const std::size_t nu = static_cast<std::size_t>(solver.ocp().nu());
-  std::vector<double> u(nu * static_cast<std::size_t>(horizon.N));
-  for (int k = 0; k < horizon.N; ++k)
+  std::vector<double> u(nu * static_cast<std::size_t>(default_horizon.N));
+  for (int k = 0; k < default_horizon.N; ++k)
     solver.plan(k, std::span(u).subspan(nu * static_cast<std::size_t>(k), nu));
   return u;
 }
@@ -45,7 +45,7 @@ struct Tally {
 void compare(Random& random, Tally& tally) {
   const Team team =
       random_team(random, 2 + static_cast<int>(random() % 5), Feeling::everyone, Fleet::any_size);
-  const Ocp ocp(team, horizon);
+  const Ocp ocp(team, default_horizon);
   std::vector<double> x = random_states(random, team, uniform(random, 1.0, 4.0));
   for (int i = 0; i < team.bodies(); ++i)
     (void)team.model(BodyId{i}).normalise(&x[static_cast<std::size_t>(team.state_offset(BodyId{i}))]);

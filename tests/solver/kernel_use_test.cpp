@@ -9,11 +9,10 @@
 #include "sightline/solver/continuation/cmscgmres.hpp"
 #include "sightline/solver/kernels/kernel_table.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
+#include "tests/support/default_horizon.hpp"
 
 namespace sightline {
 namespace {
-
-constexpr Horizon horizon{.T = 1.0, .N = 20, .dt = 0.01};
 
 std::vector<std::string> interpreted(const KernelUse& use) {
   std::vector<std::string> names;
@@ -32,7 +31,7 @@ struct Watched {
 
 TEST(KernelUse, RobotsAndPotentialsOfTheLibraryAreCompiled) {
   const Watched watched;
-  const KernelUse use = NewtonRiccati(watched.team, horizon).kernels();
+  const KernelUse use = NewtonRiccati(watched.team, default_horizon).kernels();
   EXPECT_EQ(use.formulas.size(), 3u);
   EXPECT_EQ(interpreted(use), std::vector<std::string>{});
   EXPECT_EQ(use.sentence(), "");
@@ -44,7 +43,7 @@ TEST(KernelUse, WhatWasNotPrintedIsNamed) {
   watched.team.couple(0.4 * Bearing{}, {odd, watched.a});
   watched.team.couple(0.4 * Region("range < 6 m"), {odd, watched.a});
   watched.team.couple(1.0 * Region("range < 6 m"), {watched.a, watched.c});
-  const KernelUse use = NewtonRiccati(watched.team, horizon).kernels();
+  const KernelUse use = NewtonRiccati(watched.team, default_horizon).kernels();
   EXPECT_EQ(interpreted(use), (std::vector<std::string>{"robot multirotor", "region"}));
   EXPECT_EQ(use.sentence(),
             "2 of 4 formulas are interpreted, several times slower than compiled, to the same bits: robot "
@@ -54,13 +53,13 @@ TEST(KernelUse, WhatWasNotPrintedIsNamed) {
 TEST(KernelUse, ASolverToldToInterpretSaysSo) {
   const Watched watched;
   const KernelUse use =
-      NewtonRiccati(watched.team, horizon, {.kernels = KernelChoice::interpreted}).kernels();
+      NewtonRiccati(watched.team, default_horizon, {.kernels = KernelChoice::interpreted}).kernels();
   EXPECT_EQ(interpreted(use).size(), use.formulas.size());
 }
 
 TEST(KernelUse, ASolverThatLooksForNoneHasNothingToSay) {
   const Watched watched;
-  EXPECT_EQ(Cmscgmres(Ocp(watched.team, horizon), {}).kernels().sentence(), "");
+  EXPECT_EQ(Cmscgmres(Ocp(watched.team, default_horizon), {}).kernels().sentence(), "");
 }
 
 }  // namespace

@@ -2,12 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/random_team.hpp"
 
 namespace sightline {
 namespace {
-
-constexpr Horizon horizon{.T = 1.0, .N = 20, .dt = 0.01};
 
 Team with(int agents, const std::vector<std::array<int, 3>>& couplings) {
   Team team;
@@ -25,7 +24,7 @@ Team with(int agents, const std::vector<std::array<int, 3>>& couplings) {
 }
 
 InfluenceGraph graph_of(const Team& team) {
-  const Ocp ocp(team, horizon);
+  const Ocp ocp(team, default_horizon);
   return influence_graph(trace_potentials(ocp), static_cast<int>(ocp.agent_bodies().size()));
 }
 
@@ -42,7 +41,7 @@ TEST(Krylov, TheInfluenceGraphIsNamedByItsArrows) {
 
 /// || ds + P^-1 C ds - ds_0 ||: zero for the step of the whole team.
 double defect(const Team& team, Random& random) {
-  const Ocp ocp(team, horizon);
+  const Ocp ocp(team, default_horizon);
   const std::vector<BodyPotential> potentials = trace_potentials(ocp);
   const int agents = static_cast<int>(ocp.agent_bodies().size());
   Groups groups(ocp, potentials, KernelChoice::compiled_if_there);

@@ -15,7 +15,7 @@
 namespace sightline {
 namespace {
 
-constexpr Horizon horizon{.T = 0.5, .N = 10, .dt = 0.01};
+constexpr Horizon half_horizon{.T = 0.5, .N = 10, .dt = 0.01};
 
 struct Options {
   int agents = 20;
@@ -25,7 +25,7 @@ struct Options {
 };
 
 /// A swarm, or the same potential between all its pairs by name, and random plans.
-struct Field {
+struct SwarmField {
   enum class Made { of_a_swarm, of_pairs };
 
   Ocp ocp;
@@ -34,8 +34,8 @@ struct Field {
   Groups groups;
   Rows s, c, z, y;
 
-  explicit Field(const Options& o, Made made = Made::of_a_swarm)
-      : ocp(team(o, made), horizon),
+  explicit SwarmField(const Options& o, Made made = Made::of_a_swarm)
+      : ocp(team(o, made), half_horizon),
         groups(ocp, potentials, KernelChoice::compiled_if_there),
         s(1, layout().s_length),
         c(1, layout().c_length),
@@ -98,7 +98,7 @@ Named names(const Neighbourhood& near) {
 TEST(Neighbourhood, AllPairsWhosePlansComeNearAreFoundAndNoOthers) {
   Random random(1);
   for (int trial = 0; trial < 300; ++trial) {
-    Field field({.agents = 2 + static_cast<int>(random() % 40)});
+    SwarmField field({.agents = 2 + static_cast<int>(random() % 40)});
     field.draw(random, std::exp(uniform(random, 0.0, 5.0)), std::exp(uniform(random, -3.0, 3.0)));
     Neighbourhood near(field.swarms[0], field.layout(), KernelChoice::compiled_if_there);
     near.find(field.s[0]);
@@ -117,7 +117,7 @@ TEST(Neighbourhood, OfMorePairsThanThereIsRoomForTheNearestCountAndTheOthersAreC
   Random random(2);
   for (int trial = 0; trial < 200; ++trial) {
     const int capacity = 1 + static_cast<int>(random() % 60);
-    Field all({}), some({.capacity = capacity});
+    SwarmField all({}), some({.capacity = capacity});
     all.draw(random, 3.0, 1.0);
     std::copy_n(all.s[0], all.layout().s_length, some.s[0]);
     Neighbourhood near_all(all.swarms[0], all.layout(), KernelChoice::compiled_if_there);
@@ -142,7 +142,7 @@ TEST(Neighbourhood, ASwarmIsWhatItsPairsAreOneByOne) {
     Options o{.agents = 2 + static_cast<int>(random() % 12), .radius = 6.0};
     if (trial % 3 == 0) o.term = 2.0 * KeepOut{};
     if (trial % 3 == 1) o.term = 2.0 * TooNear{};
-    Field swarm(o), pairs(o, Field::Made::of_pairs);
+    SwarmField swarm(o), pairs(o, SwarmField::Made::of_pairs);
     swarm.draw(random, 1.5, 0.5);
     const Layout& layout = swarm.layout();
     ASSERT_EQ(layout.s_length, pairs.layout().s_length);
@@ -150,7 +150,7 @@ TEST(Neighbourhood, ASwarmIsWhatItsPairsAreOneByOne) {
     std::copy_n(swarm.z[0], layout.s_length, pairs.z[0]);
     const auto of_swarm = swarm.couplings(), of_pairs = pairs.couplings();
     of_swarm->find_neighbours(swarm.s[0]);
-    for (Field* f : {&swarm, &pairs}) {
+    for (SwarmField* f : {&swarm, &pairs}) {
       Couplings& couplings = f == &swarm ? *of_swarm : *of_pairs;
       couplings.evaluate(f->s[0], f->c[0]);
       couplings.product(f->z[0], f->y[0]);
@@ -177,7 +177,7 @@ TEST(Neighbourhood, ASwarmIsWhatItsPairsAreOneByOne) {
 }
 
 TEST(Neighbourhood, APairThatComesOrGoesMakesNoStep) {
-  Field field({.agents = 2});
+  SwarmField field({.agents = 2});
   Neighbourhood near(field.swarms[0], field.layout(), KernelChoice::compiled_if_there);
   Random random(4);
   for (int trial = 0; trial < 200; ++trial) {
@@ -194,7 +194,7 @@ TEST(Neighbourhood, APairThatComesOrGoesMakesNoStep) {
       std::fill(field.c.all().begin(), field.c.all().end(), 0.0);
       near.evaluate(field.s[0], field.c[0]);
       double slope = 0.0;
-      for (const double c : field.c.all()) slope = std::fmax(slope, std::fabs(c) / horizon.h());
+      for (const double c : field.c.all()) slope = std::fmax(slope, std::fabs(c) / half_horizon.h());
       EXPECT_EQ(near.pairs().size(), distance < 2.5 ? 1U : 0U);
       if (before >= 0.0) {
         EXPECT_NEAR(slope, before, 0.02);  // curvature, kappa times the slope, is in it
@@ -206,7 +206,7 @@ TEST(Neighbourhood, APairThatComesOrGoesMakesNoStep) {
 
 TEST(Neighbourhood, TakesNoMemoryOnceItIsMade) {
   Random random(5);
-  Field field({.capacity = 40});
+  SwarmField field({.capacity = 40});
   Neighbourhood near(field.swarms[0], field.layout(), KernelChoice::compiled_if_there);
   std::vector<double> of_agents(20);
   for (int trial = 0; trial < 20; ++trial) {

@@ -15,6 +15,7 @@
 #include "sightline/solver/kernels/kernel_table.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random_team.hpp"
 
@@ -24,8 +25,6 @@ extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // GCC's head
 
 namespace sightline {
 namespace {
-
-constexpr Horizon horizon{.T = 1.0, .N = 20, .dt = 0.01};
 
 /// Newton to the end: as many steps and Krylov iterations as it takes.
 NewtonRiccatiOptions converging() {
@@ -81,7 +80,7 @@ std::size_t allocated() {
 TEST(NewtonRiccati, TakesLessThan64KiBOfMemoryForEachOf64Robots) {
   const Team team = chain(64, paper::Variant::joint);
   const std::size_t before = allocated();
-  const auto solver = std::make_unique<NewtonRiccati>(team, horizon);
+  const auto solver = std::make_unique<NewtonRiccati>(team, default_horizon);
   EXPECT_LE(allocated() - before, 64u * 64u * 1024u);
 }
 
@@ -89,7 +88,7 @@ TEST(NewtonRiccati, ItsKktIsThatOfTheHamiltonianForEveryTeam) {
   Random random(1);
   for (int trial = 0; trial < 40; ++trial) {
     const Team team = random_team(random, 1 + static_cast<int>(random() % 5), Feeling::anyone);
-    NewtonRiccati solver(team, horizon, {.start_steps = 1});
+    NewtonRiccati solver(team, default_horizon, {.start_steps = 1});
     const std::vector<double> x = normalised(team, random_states(random, team, 2.0));
     const double t = uniform(random, 0, 2);
     solver.solve(t, x);
@@ -104,7 +103,7 @@ TEST(NewtonRiccati, ConvergesToAStationaryPointOfEveryTeam) {
   for (int trial = 0; trial < trials; ++trial) {
     const Feeling feeling = trial % 2 == 0 ? Feeling::everyone : Feeling::anyone;
     const Team team = random_team(random, 1 + static_cast<int>(random() % 5), feeling);
-    NewtonRiccati solver(team, horizon, converging());
+    NewtonRiccati solver(team, default_horizon, converging());
     const std::vector<double> x = normalised(team, random_states(random, team, 2.0));
     const Solution s = solver.solve(0.3, x);
     if (s.status != Status::converged) continue;
@@ -118,10 +117,10 @@ TEST(NewtonRiccati, FliesThePairAtTheCostOfTheConvergedOptimum) {
   for (const auto& [variant, expected] :
        {std::pair{paper::Variant::joint, 75.755}, {paper::Variant::masked, 76.22}}) {
     const Team team = paper::team(variant);
-    NewtonRiccati solver(team, horizon);
+    NewtonRiccati solver(team, default_horizon);
     double cost = 0.0;
     fly(solver, paper::start(), 6000, [&](double t, const std::vector<double>& x, const Solution& s) {
-      cost += horizon.dt * stage_cost(team, t, x, s.u);
+      cost += default_horizon.dt * stage_cost(team, t, x, s.u);
     });
     EXPECT_NEAR(cost, expected, 0.01);
   }
@@ -130,7 +129,7 @@ TEST(NewtonRiccati, FliesThePairAtTheCostOfTheConvergedOptimum) {
 TEST(NewtonRiccati, OneStepAnUpdateFollowsTheOptimumOfAPairAndOfADeepCascade) {
   for (const auto& [team, start] : {std::pair{paper::team(paper::Variant::joint), paper::start()},
                                     std::pair{chain(8, paper::Variant::masked), chain_start(8)}}) {
-    NewtonRiccati solver(team, horizon), optimum(team, horizon, converging());
+    NewtonRiccati solver(team, default_horizon), optimum(team, default_horizon, converging());
     double worst = 0.0;
     fly(solver, start, 400, [&](double t, const std::vector<double>& x, const Solution& s) {
       const std::vector<double> u(s.u.begin(), s.u.end());
@@ -146,7 +145,7 @@ TEST(NewtonRiccati, APotentialOfOnesOwnBesideOthersIsFlownToTheOptimum) {
   for (const int robots : {2, 6}) {
     Team team = chain(robots, paper::Variant::joint);
     for (int i = 1; i < robots; ++i) team.couple(0.7 * Downwash{}, Between{AgentId{{i}}, AgentId{{i - 1}}});
-    NewtonRiccati solver(team, horizon, converging()), interpreted(team, horizon, [] {
+    NewtonRiccati solver(team, default_horizon, converging()), interpreted(team, default_horizon, [] {
       NewtonRiccatiOptions o = converging();
       o.kernels = KernelChoice::interpreted;
       return o;
@@ -160,7 +159,8 @@ TEST(NewtonRiccati, APotentialOfOnesOwnBesideOthersIsFlownToTheOptimum) {
 }
 
 TEST(NewtonRiccati, AnAgentThatFeelsNothingFliesAsIfAlone) {
-  NewtonRiccati together(paper::team(paper::Variant::masked), horizon), alone(paper::target_alone(), horizon);
+  NewtonRiccati together(paper::team(paper::Variant::masked), default_horizon),
+      alone(paper::target_alone(), default_horizon);
   fly(together, paper::start(), 1000, [&](double t, const std::vector<double>& x, const Solution& s) {
     const Solution single = alone.solve(t, std::span<const double>(x).subspan(7));
     for (std::size_t i = 0; i < 4; ++i) ASSERT_NEAR(s.u[4 + i], single.u[i], 1e-9) << t;
@@ -169,7 +169,7 @@ TEST(NewtonRiccati, AnAgentThatFeelsNothingFliesAsIfAlone) {
 
 TEST(NewtonRiccati, InputsStayWithinTheirLimits) {
   for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
-    NewtonRiccati solver(paper::team(variant, {-0.4, 0.8}), horizon);
+    NewtonRiccati solver(paper::team(variant, {-0.4, 0.8}), default_horizon);
     bool at_limit = false;
     fly(solver, paper::saturating_start(), 600, [&](double t, const std::vector<double>&, const Solution& s) {
       for (const double u : s.u) {
@@ -183,7 +183,7 @@ TEST(NewtonRiccati, InputsStayWithinTheirLimits) {
 
 TEST(NewtonRiccati, EveryStatusIsGivenWhereItIsDue) {
   const Team team = paper::team(paper::Variant::joint);
-  NewtonRiccati solver(team, horizon);
+  NewtonRiccati solver(team, default_horizon);
   std::vector<double> x = paper::start();
   EXPECT_EQ(solver.solve(0.0, x).status, Status::converged);
   x[0] += 0.05;
@@ -196,10 +196,11 @@ TEST(NewtonRiccati, EveryStatusIsGivenWhereItIsDue) {
   EXPECT_EQ(refused.status, Status::invalid_state);
   for (std::size_t i = 0; i < planned.size(); ++i) EXPECT_EQ(refused.u[i], planned[i]);
 
-  NewtonRiccati impatient(team, horizon, {.max_newton_steps = 2, .tolerance = 1e-12, .start_steps = 2});
+  NewtonRiccati impatient(team, default_horizon,
+                          {.max_newton_steps = 2, .tolerance = 1e-12, .start_steps = 2});
   EXPECT_EQ(impatient.solve(0.0, paper::start()).status, Status::iteration_limit) << "asked to converge";
 
-  NewtonRiccati hurried(team, horizon, {.deadline = 1e-9});
+  NewtonRiccati hurried(team, default_horizon, {.deadline = 1e-9});
   const Solution late = hurried.solve(0.0, paper::start());
   EXPECT_EQ(late.status, Status::deadline);
   EXPECT_TRUE(std::isfinite(late.residual));
@@ -215,12 +216,12 @@ TEST(NewtonRiccati, EveryStatusIsGivenWhereItIsDue) {
 
 TEST(NewtonRiccati, AFlightThatGoesWellStepsAndAStepThatWasShortenedSaysSo) {
   for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
-    NewtonRiccati solver(paper::team(variant), horizon);
+    NewtonRiccati solver(paper::team(variant), default_horizon);
     fly(solver, paper::start(), 600, [](double t, const std::vector<double>&, const Solution& s) {
       EXPECT_EQ(s.status, s.residual <= 1e-6 ? Status::converged : Status::stepped) << t;
     });
     // Far from the optimum a whole step overshoots: it is the first ones that are watched.
-    NewtonRiccati cold(paper::team(variant), horizon, {.step_cap = 1e-3, .start_steps = 1});
+    NewtonRiccati cold(paper::team(variant), default_horizon, {.step_cap = 1e-3, .start_steps = 1});
     int shortened = 0, whole = 0;
     fly(cold, paper::saturating_start(), 300, [&](double, const std::vector<double>&, const Solution& s) {
       shortened += s.status == Status::iteration_limit ? 1 : 0;
@@ -233,8 +234,8 @@ TEST(NewtonRiccati, AFlightThatGoesWellStepsAndAStepThatWasShortenedSaysSo) {
 
 // Before, an update that ended before its first step flew the first input of an old plan for ever.
 TEST(NewtonRiccati, AnUpdateThatIsAlwaysLateStillFlies) {
-  NewtonRiccati calm(paper::team(paper::Variant::masked), horizon);
-  NewtonRiccati hurried(paper::team(paper::Variant::masked), horizon, {.deadline = 1e-9});
+  NewtonRiccati calm(paper::team(paper::Variant::masked), default_horizon);
+  NewtonRiccati hurried(paper::team(paper::Variant::masked), default_horizon, {.deadline = 1e-9});
   const std::vector<double> there = fly(calm, paper::start(), 600);
   const std::vector<double> late =
       fly(hurried, paper::start(), 600, [](double t, const std::vector<double>&, const Solution& s) {
@@ -287,7 +288,7 @@ std::vector<double> flown_in_unit(double s, std::pair<double, double> limits, do
   couple(0.4 * SensorCone{.alpha = 0.5, .kappa_G = 0.01, .kappa_A = 2});
   couple(0.4 * KeepOut{.d_min = 1, .kappa_H = 4.5, .kappa_G = 0.001, .kappa_A = 3});
   couple(0.4 * Cohesion{.d_max = 2, .kappa_H = 1.5, .kappa_G = 0.001, .kappa_A = 3});
-  NewtonRiccati solver(team, horizon, {.step_cap = 1e-3, .start_steps = 1});
+  NewtonRiccati solver(team, default_horizon, {.step_cap = 1e-3, .start_steps = 1});
   std::vector<double> all;
   fly(solver, paper::saturating_start(), 300, [&](double, const std::vector<double>&, const Solution& u) {
     for (const double of : u.u) all.push_back(of / s);
@@ -321,7 +322,7 @@ TEST(NewtonRiccati, TheUnitOfAnInputChangesNothing) {
 
 TEST(NewtonRiccati, AStageOrALengthThatIsNotTheProblemsChangesNothing) {
   const Team team = paper::team(paper::Variant::masked);
-  NewtonRiccati solver(team, horizon), other(team, {.T = 1.0, .N = 7, .dt = 0.01});
+  NewtonRiccati solver(team, default_horizon), other(team, {.T = 1.0, .N = 7, .dt = 0.01});
   fly(solver, paper::start(), 20);
   (void)other.solve(0.0, paper::start());
   const auto plan = [&] {
@@ -348,7 +349,7 @@ TEST(NewtonRiccati, NoUpdateAllocates) {
     Random random(4);
     for (int trial = 0; trial < 6; ++trial) {
       const Team team = random_team(random, 3, trial % 2 == 0 ? Feeling::everyone : Feeling::anyone);
-      NewtonRiccati solver(team, horizon, {.kernels = kernels});
+      NewtonRiccati solver(team, default_horizon, {.kernels = kernels});
       for (int k = 0; k < 5; ++k) {
         std::vector<double> x = random_states(random, team, k < 3 ? 3.0 : 30.0);
         if (k == 4) x[0] = std::nan("");
@@ -362,11 +363,11 @@ TEST(NewtonRiccati, NoUpdateAllocates) {
 
 TEST(NewtonRiccati, AnotherPlanIsWhereTheNextUpdateBegins) {
   const Team team = paper::team(paper::Variant::joint);
-  NewtonRiccati from(team, horizon), to(team, horizon);
+  NewtonRiccati from(team, default_horizon), to(team, default_horizon);
   const std::vector<double> x = paper::start();
   from.solve(0.0, x);
   std::vector<double> u(8);
-  for (int k = 0; k < horizon.N; ++k) {
+  for (int k = 0; k < default_horizon.N; ++k) {
     from.plan(k, u);
     to.set_plan(k, u);
   }
@@ -409,11 +410,13 @@ TEST(NewtonRiccati, ARobotThatJoinsOrLeavesAChainIsTakenInWithinThreeUpdates) {
       x.resize(x.size() - 7);
       return x;
     };
-    NewtonRiccati a(chain(8, variant), horizon), nine(chain(9, variant), horizon, {.start_steps = 30});
+    NewtonRiccati a(chain(8, variant), default_horizon),
+        nine(chain(9, variant), default_horizon, {.start_steps = 30});
     const auto after_joining = kkt_after_change(a, nine, joined);
     EXPECT_LE(after_joining[0], 0.3);
     EXPECT_LE(after_joining[2], 1e-4);
-    NewtonRiccati b(chain(8, variant), horizon), seven(chain(7, variant), horizon, {.start_steps = 30});
+    NewtonRiccati b(chain(8, variant), default_horizon),
+        seven(chain(7, variant), default_horizon, {.start_steps = 30});
     const auto after_leaving = kkt_after_change(b, seven, left);
     EXPECT_LE(after_leaving[0], 0.3);
     EXPECT_LE(after_leaving[2], 1e-4);
@@ -422,10 +425,10 @@ TEST(NewtonRiccati, ARobotThatJoinsOrLeavesAChainIsTakenInWithinThreeUpdates) {
 
 TEST(NewtonRiccati, AnOptionOutOfItsRangeIsNamed) {
   const Team team = paper::target_alone();
-  EXPECT_THROW(NewtonRiccati(team, horizon, {.max_newton_steps = 0}), std::invalid_argument);
-  EXPECT_THROW(NewtonRiccati(team, horizon, {.tolerance = 0.0}), std::invalid_argument);
-  EXPECT_THROW(NewtonRiccati(team, horizon, {.step_cap = -1.0}), std::invalid_argument);
-  EXPECT_THROW(NewtonRiccati(team, horizon, {.deadline = std::nan("")}), std::invalid_argument);
+  EXPECT_THROW(NewtonRiccati(team, default_horizon, {.max_newton_steps = 0}), std::invalid_argument);
+  EXPECT_THROW(NewtonRiccati(team, default_horizon, {.tolerance = 0.0}), std::invalid_argument);
+  EXPECT_THROW(NewtonRiccati(team, default_horizon, {.step_cap = -1.0}), std::invalid_argument);
+  EXPECT_THROW(NewtonRiccati(team, default_horizon, {.deadline = std::nan("")}), std::invalid_argument);
 }
 
 }  // namespace

@@ -7,12 +7,11 @@
 
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/paper_team.hpp"
 
 namespace sightline {
 namespace {
-
-constexpr Horizon horizon{};
 
 TEST(NewtonUpdate, CompiledAndInterpretedFunctionsGiveTheSameBits) {
   const Team team = paper::team(paper::Variant::joint);
@@ -27,8 +26,8 @@ TEST(NewtonUpdate, CompiledAndInterpretedFunctionsGiveTheSameBits) {
 
 TEST(NewtonUpdate, IsAllThatNewtonRiccatiDoes) {
   const Team team = chain(3, paper::Variant::masked);
-  NewtonUpdate update(Ocp(team, horizon), {});
-  NewtonRiccati solver(team, horizon);
+  NewtonUpdate update(Ocp(team, default_horizon), {});
+  NewtonRiccati solver(team, default_horizon);
   fly(solver, chain_start(3), 50, [&](double t, const std::vector<double>& x, const Solution& s) {
     const Solution own = update.solve(t, x);
     ASSERT_TRUE(std::equal(s.u.begin(), s.u.end(), own.u.begin()));
@@ -39,10 +38,10 @@ TEST(NewtonUpdate, IsAllThatNewtonRiccatiDoes) {
 
 TEST(NewtonRiccati, MovedItFliesOnBitForBit) {
   const Team team = chain(5, paper::Variant::joint);
-  NewtonRiccati stays(team, horizon);
+  NewtonRiccati stays(team, default_horizon);
   std::vector<NewtonRiccati> solvers;
   const auto make = [&] {
-    NewtonRiccati made(team, horizon);
+    NewtonRiccati made(team, default_horizon);
     std::vector<double> x = chain_start(5);
     (void)made.solve(0.0, x);
     return std::optional<NewtonRiccati>(std::move(made));

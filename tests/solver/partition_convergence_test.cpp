@@ -7,22 +7,22 @@
 
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/even_parts.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr Horizon horizon{};
-
 /// The chain after a second of flight, and a partitioned solver that knows nothing yet.
 std::vector<FromOptimum> exchanges_of(paper::Variant variant, int parts, ExchangeOrder order, int count) {
   const Team team = chain(8, variant);
-  NewtonRiccati whole(team, horizon);
+  NewtonRiccati whole(team, default_horizon);
   const std::vector<double> x = fly(whole, chain_start(8), 100);
-  PartitionedSolver solver(team, even_parts(team, parts), newton_riccati_of(horizon), {.order = order});
+  PartitionedSolver solver(team, even_parts(team, parts), newton_riccati_of(default_horizon),
+                           {.order = order});
   std::vector<double> u(static_cast<std::size_t>(team.nu()));
-  for (int k = 0; k < horizon.N; ++k) {
+  for (int k = 0; k < default_horizon.N; ++k) {
     whole.plan(0, u);  // a plan that is not the optimum
     solver.set_plan(k, u);
   }
@@ -63,12 +63,13 @@ TEST(PartitionConvergence, TheCostOfAPlanIsTheIntegralOfItsStagesAndItsEnd) {
   options.Q = {2, 0, 0, 0, 0, 0, 0};
   options.R = {3, 1, 1, 1};
   team.add(Multirotor{}, options);
-  const Ocp ocp(team, horizon);
+  const Ocp ocp(team, default_horizon);
   const std::vector<double> rest = {0, 0, 0, 1, 0, 0, 0}, still(80, 0.0);
-  EXPECT_NEAR(horizon_cost(ocp, 0.0, rest, still), 2 * horizon.T + 1, 1e-12);
+  EXPECT_NEAR(horizon_cost(ocp, 0.0, rest, still), 2 * default_horizon.T + 1, 1e-12);
   std::vector<double> turning(80, 0.0);
   for (std::size_t k = 0; k < 20; ++k) turning[4 * k + 3] = 0.5;
-  EXPECT_NEAR(horizon_cost(ocp, 0.0, rest, turning), 2 * horizon.T + 1 + 0.25 * horizon.T, 1e-12);
+  EXPECT_NEAR(horizon_cost(ocp, 0.0, rest, turning), 2 * default_horizon.T + 1 + 0.25 * default_horizon.T,
+              1e-12);
 }
 
 }  // namespace

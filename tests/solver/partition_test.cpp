@@ -7,6 +7,7 @@
 #include "cli/allocations.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/even_parts.hpp"
 #include "tests/support/newton_riccati_of.hpp"
@@ -16,8 +17,7 @@
 namespace sightline {
 namespace {
 
-constexpr Horizon horizon{};
-const MakeSolver make_newton = newton_riccati_of(horizon);
+const MakeSolver make_newton = newton_riccati_of(default_horizon);
 constexpr ExchangeOrder orders[] = {ExchangeOrder::jacobi, ExchangeOrder::gauss_seidel};
 
 TEST(Partition, IsReadByTheNamesOfRobots) {
@@ -71,7 +71,7 @@ TEST(Partition, OptionsOutOfRangeAreRefusedInWords) {
 TEST(Partition, ATeamInOnePartFliesTheSameBitsAsUndivided) {
   for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
     const Team team = chain(5, variant);
-    NewtonRiccati whole(team, horizon);
+    NewtonRiccati whole(team, default_horizon);
     PartitionedSolver one(team, even_parts(team, 1), make_newton);
     fly(whole, chain_start(5), 200, [&](double t, const std::vector<double>& x, const Solution& s) {
       const Solution part = one.solve(t, x);
@@ -84,10 +84,10 @@ TEST(Partition, ATeamInOnePartFliesTheSameBitsAsUndivided) {
 TEST(Partition, ItsResidualIsThatOfTheWholeTeam) {
   const Team team = chain(4, paper::Variant::joint);
   PartitionedSolver parts(team, even_parts(team, 2), make_newton);
-  NewtonRiccati whole(team, horizon);
+  NewtonRiccati whole(team, default_horizon);
   std::vector<double> u(16);
   fly(parts, chain_start(4), 30, [&](double t, const std::vector<double>& x, const Solution& s) {
-    for (int k = 0; k < horizon.N; ++k) {
+    for (int k = 0; k < default_horizon.N; ++k) {
       parts.plan(k, u);
       whole.set_plan(k, u);
     }
@@ -101,7 +101,7 @@ TEST(Partition, ItsResidualIsThatOfTheWholeTeam) {
 double cost_of(Solver& solver, const std::vector<double>& start) {
   double cost = 0.0;
   fly(solver, start, 1000, [&](double t, const std::vector<double>& x, const Solution& s) {
-    cost += horizon.dt * stage_cost(solver.ocp().team(), t, x, s.u);
+    cost += default_horizon.dt * stage_cost(solver.ocp().team(), t, x, s.u);
   });
   return cost;
 }
@@ -110,7 +110,7 @@ TEST(Partition, AChainOfEightInPartsFliesWithinOnePercentOfTheCostOfTheWholeByOn
   for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
     const Team team = chain(8, variant);
     const std::vector<double> start = chain_start(8);
-    NewtonRiccati whole(team, horizon);
+    NewtonRiccati whole(team, default_horizon);
     const double best = cost_of(whole, start);
     for (const int parts : {2, 4}) {
       for (const ExchangeOrder order : orders) {
@@ -126,7 +126,7 @@ TEST(Partition, AChainOfEightInPartsFliesWithinOnePercentOfTheCostOfTheWholeByOn
 TEST(Partition, AMaskedChainSolvedFromItsHeadTakesOneExchangeToBeTheCascade) {
   const Team team = chain(6, paper::Variant::masked);
   PartitionedSolver parts(team, even_parts(team, 6), make_newton);
-  NewtonRiccati whole(team, horizon);
+  NewtonRiccati whole(team, default_horizon);
   double worst = 0.0;
   fly(whole, chain_start(6), 300, [&](double t, const std::vector<double>& x, const Solution& s) {
     const std::vector<double> expected(s.u.begin(), s.u.end());
@@ -139,17 +139,17 @@ TEST(Partition, AMaskedChainSolvedFromItsHeadTakesOneExchangeToBeTheCascade) {
 
 TEST(Partition, APlanPutInIsThePlanAndTheNextUpdateBeginsThere) {
   const Team team = chain(4, paper::Variant::joint);
-  NewtonRiccati whole(team, horizon,
+  NewtonRiccati whole(team, default_horizon,
                       {.max_newton_steps = 50, .tolerance = 1e-9, .max_krylov = 100, .krylov_stop = 0});
   const std::vector<double> x = chain_start(4);
   ASSERT_EQ(whole.solve(0.0, x).status, Status::converged);
   PartitionedSolver parts(team, even_parts(team, 2), make_newton);
   std::vector<double> u(16), v(16);
-  for (int k = 0; k < horizon.N; ++k) {
+  for (int k = 0; k < default_horizon.N; ++k) {
     whole.plan(k, u);
     parts.set_plan(k, u);
   }
-  for (int k = 0; k < horizon.N; ++k) {
+  for (int k = 0; k < default_horizon.N; ++k) {
     whole.plan(k, u);
     parts.plan(k, v);
     EXPECT_EQ(u, v);
@@ -164,7 +164,7 @@ TEST(Partition, NoUpdateAllocates) {
   for (int trial = 0; trial < 4; ++trial) {
     const Team team = random_team(random, 4, Feeling::anyone);
     Partition each;
-    const Ocp ocp(team, horizon);
+    const Ocp ocp(team, default_horizon);
     for (const BodyId body : ocp.agent_bodies()) each.push_back({AgentId{body}});
     PartitionedSolver solver(team, each, make_newton, {.order = orders[trial % 2], .exchanges = 2});
     for (int k = 0; k < 6; ++k) {

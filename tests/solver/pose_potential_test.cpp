@@ -6,18 +6,17 @@
 
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/random_team.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr double h = 0.05;
-
 PosePotential trace(const std::vector<Weighted>& terms, const Ends& ends = {},
                     Numbers numbers = Numbers::known) {
   std::vector<const Weighted*> pointers;
   for (const Weighted& t : terms) pointers.push_back(&t);
-  return trace_potential(pointers, h, ends, numbers);
+  return trace_potential(pointers, default_horizon.h(), ends, numbers);
 }
 
 TEST(PosePotential, WhatDependsOnTheRelativePositionIsFoundSo) {
@@ -37,7 +36,8 @@ TEST(PosePotential, ValueIsTheWeightedSumTimesH) {
     const Vec3<double> r = a.p - b.p;
     double l = 0.0;
     for (const Weighted& t : terms) l += t.weight * t.potential(a, b, 0.0);
-    EXPECT_NEAR(evaluate(p.value, std::array{r.x, r.y, r.z, a.d.x, a.d.y})[0], h * l, 1e-14 * (1 + l));
+    EXPECT_NEAR(evaluate(p.value, std::array{r.x, r.y, r.z, a.d.x, a.d.y})[0], default_horizon.h() * l,
+                1e-14 * (1 + l));
   }
 }
 

@@ -3,22 +3,22 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
-Sight<double> random_sight(Random& random) {
+Sight<double> any_sight(Random& random) {
   const double psi = uniform(random, -3.1, 3.1);
   return {{random_point(random, 3.0), {std::cos(psi), std::sin(psi)}}, random_point(random, 1.0)};
 }
 
 Prediction random_prediction(Random& random, int sights) {
   Prediction prediction{.who = {0}, .time = uniform(random, 0, 9), .h = uniform(random, 0.01, 0.2)};
-  for (int k = 0; k < sights; ++k) prediction.sights.push_back(random_sight(random));
+  for (int k = 0; k < sights; ++k) prediction.sights.push_back(any_sight(random));
   return prediction;
 }
 
@@ -39,7 +39,7 @@ TEST(Prediction, ABodyThatKeepsItsVelocityIsOnItsLineAtAnyTime) {
   Random random(2);
   for (int trial = 0; trial < 200; ++trial) {
     Prediction prediction{.who = {0}, .time = uniform(random, 0, 9), .h = 0.05};
-    const Sight<double> first = random_sight(random);
+    const Sight<double> first = any_sight(random);
     for (int k = 0; k <= 20; ++k) {
       prediction.sights.push_back(first);
       prediction.sights.back().p = first.p + (0.05 * k) * first.v;
@@ -93,17 +93,16 @@ TEST(Prediction, ANumberThatIsNotFiniteIsFoundWhereverItStands) {
   Random random(5);
   const Prediction prediction = random_prediction(random, 5);
   EXPECT_TRUE(prediction.is_finite());
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   Prediction bad = prediction;
-  bad.time = nan;
+  bad.time = not_a_number;
   EXPECT_FALSE(bad.is_finite());
   for (std::size_t k = 0; k < 5; ++k) {
     for (double Vec3<double>::*component : {&Vec3<double>::x, &Vec3<double>::y, &Vec3<double>::z}) {
       bad = prediction;
-      bad.sights[k].v.*component = nan;
+      bad.sights[k].v.*component = not_a_number;
       EXPECT_FALSE(bad.is_finite());
       bad = prediction;
-      bad.sights[k].p.*component = nan;
+      bad.sights[k].p.*component = not_a_number;
       EXPECT_FALSE(bad.is_finite());
     }
   }

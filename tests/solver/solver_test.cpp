@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <initializer_list>
-#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -17,14 +16,12 @@
 #include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random_team.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
 using paper::Variant;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
-                 inf = std::numeric_limits<double>::infinity();
 
 /// Every input finite and within the limits of its time.
 void expect_usable(const Team& team, double t, std::span<const double> u, const char* where) {
@@ -138,7 +135,7 @@ TYPED_TEST(AnySolver, AfterARestartItFliesItsFirstFlightAgainBitForBit) {
 TYPED_TEST(AnySolver, AfterARestartNothingIsLeftOfTheOldPlan) {
   const Team team = paper::team(Variant::masked);
   TypeParam solver(team, {}), fresh(team, {});
-  const std::vector<double> bad(14, nan), x = paper::saturating_start();
+  const std::vector<double> bad(14, not_a_number), x = paper::saturating_start();
   fly(solver, x, 100);
   (void)solver.solve(1.0, bad);  // refused: the old plan would go on
   solver.restart();
@@ -160,7 +157,7 @@ TYPED_TEST(AnySolver, HeadingsOfAnyLengthMeanTheSame) {
 TYPED_TEST(AnySolver, AStateThatIsNoStateIsRefusedAndTheLastPlanFliesOn) {
   const Team team = paper::team(Variant::masked);
   std::vector<std::vector<double>> refused;
-  for (const double bad : {nan, inf, -inf}) {
+  for (const double bad : {not_a_number, infinite, -infinite}) {
     for (std::size_t i = 0; i < 14; ++i) {
       refused.push_back(paper::start());
       refused.back()[i] = bad;
@@ -193,7 +190,7 @@ TYPED_TEST(AnySolver, RefusedFromTheFirstItGivesInputsWithinLimits) {
     const Team team = paper::team(Variant::masked, limits);
     TypeParam solver(team, {});
     for (int k = 0; k < 5; ++k) {
-      const Solution s = solver.solve(0.01 * k, std::vector<double>(14, nan));
+      const Solution s = solver.solve(0.01 * k, std::vector<double>(14, not_a_number));
       EXPECT_EQ(s.status, Status::invalid_state);
       expect_usable(team, 0.01 * k, s.u, "first");
     }
@@ -220,7 +217,7 @@ TYPED_TEST(AnySolver, APlanIsFlownStageByStageWhileStatesAreMissing) {
 
 TYPED_TEST(AnySolver, WhatIsPlannedIsWhatFliesWhenStatesAreMissing) {
   TypeParam solver(paper::team(Variant::masked), {});
-  std::vector<double> planned(8, nan);
+  std::vector<double> planned(8, not_a_number);
   solver.planned(0.0, planned);
   EXPECT_EQ(planned, std::vector<double>(8, 0.0)) << "before there is a plan";
   std::vector<double> x = fly(solver, paper::saturating_start(), 100);
@@ -241,7 +238,7 @@ TYPED_TEST(AnySolver, WhatIsPlannedIsWhatFliesWhenStatesAreMissing) {
 TYPED_TEST(AnySolver, ATimeThatIsNoTimeIsRefused) {
   const Team team = paper::team(Variant::joint);
   TypeParam solver(team, {});
-  for (const double t : {nan, inf, -inf}) {
+  for (const double t : {not_a_number, infinite, -infinite}) {
     const Solution s = solver.solve(t, paper::start());
     EXPECT_EQ(s.status, Status::invalid_state);
     expect_usable(team, 0.0, s.u, "no time");
@@ -381,19 +378,19 @@ TYPED_TEST(AnySolver, AResidualThatIsNotKnownIsInfinite) {
   TypeParam solver(at_the_brink(), {});
   fly(solver, x, 20);
   EXPECT_TRUE(std::isfinite(solver.kkt(0.2, x)));
-  EXPECT_EQ(solver.kkt(0.2, beyond), inf) << "a potential that is no number";
-  for (const double t : {nan, inf, -inf}) EXPECT_EQ(solver.kkt(t, x), inf) << t;
-  EXPECT_EQ(solver.kkt(0.2, std::vector<double>(14, nan)), inf);
-  EXPECT_EQ(solver.kkt(0.2, {}), inf);
-  EXPECT_EQ(solver.solve(0.2, std::vector<double>(14, nan)).residual, inf);
-  EXPECT_EQ(solver.solve(0.21, {}).residual, inf);
-  EXPECT_EQ(solver.solve(nan, x).residual, inf);
+  EXPECT_EQ(solver.kkt(0.2, beyond), infinite) << "a potential that is no number";
+  for (const double t : {not_a_number, infinite, -infinite}) EXPECT_EQ(solver.kkt(t, x), infinite) << t;
+  EXPECT_EQ(solver.kkt(0.2, std::vector<double>(14, not_a_number)), infinite);
+  EXPECT_EQ(solver.kkt(0.2, {}), infinite);
+  EXPECT_EQ(solver.solve(0.2, std::vector<double>(14, not_a_number)).residual, infinite);
+  EXPECT_EQ(solver.solve(0.21, {}).residual, infinite);
+  EXPECT_EQ(solver.solve(not_a_number, x).residual, infinite);
   int lost = 0;  // a trajectory of unknowns takes some updates to get there
   for (int k = 22; k < 72; ++k) {
     const Solution s = solver.solve(0.01 * k, beyond);
-    EXPECT_EQ(s.status == Status::not_finite, s.residual == inf);
+    EXPECT_EQ(s.status == Status::not_finite, s.residual == infinite);
     expect_usable(solver.ocp().team(), 0.01 * k, s.u, "beyond the brink");
-    lost += s.residual == inf ? 1 : 0;
+    lost += s.residual == infinite ? 1 : 0;
   }
   EXPECT_GE(lost, 3);
   (void)solver.solve(0.72, x);

@@ -17,14 +17,13 @@
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/potential/limits.hpp"
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/difference.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {
 namespace {
-
-constexpr double h = 0.05;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -64,7 +63,8 @@ struct Phi {
     Wide phi = 0.0;
     for (int i = 0; i < M::nx; ++i) {
       const Wide e = x[at(i)] - x_ref[at(i)];
-      phi = phi + 0.5 * weights[at(i)] * (e * e) + lambda[at(i)] * (x[at(i)] + h * f[at(i)]);
+      phi =
+          phi + 0.5 * weights[at(i)] * (e * e) + lambda[at(i)] * (x[at(i)] + default_horizon.h() * f[at(i)]);
     }
     for (int i = 0; i < M::nu; ++i) {
       const Wide e = u[at(i)] - weights[at(M::nx + M::nu + i)];
@@ -90,7 +90,7 @@ void expect_stage_is_the_dense_one(const M& model, Seen seen, Random& random) {
   constexpr int nx = M::nx, nu = M::nu;
   std::vector<double> scales(at(nu));
   for (double& s : scales) s = uniform(random, 0.4, 2);
-  const StagePrograms programs = trace_stage(model, h, seen, {}, scales);
+  const StagePrograms programs = trace_stage(model, default_horizon.h(), seen, {}, scales);
   const BlockProgram& back = programs.back;
   std::vector<double> in(at(size_of(back.inputs)));
   for (double& v : in) v = uniform(random, -1, 1);
@@ -135,7 +135,7 @@ void expect_stage_is_the_dense_one(const M& model, Seen seen, Random& random) {
       std::array<Wide, M::nu> u;
       std::copy_n(z.begin(), nx, x.begin());
       std::copy_n(z.begin() + nx, nu, u.begin());
-      return x[at(row)] + h * model.f(x, u)[at(row)];
+      return x[at(row)] + default_horizon.h() * model.f(x, u)[at(row)];
     };
     CentralDifference slope(flow, std::span<const double>(in).first(at(nx + nu)));
     for (int j = 0; j < nx + nu; ++j) F(row, j) = slope.first(at(j));
@@ -202,7 +202,7 @@ TEST(Stage, TheTracedRecursionIsTheDenseOne) {
 }
 
 TEST(Stage, APivotBelowItsFloorIsDoubted) {
-  const StagePrograms programs = trace_stage(Multirotor{}, h, Seen::pose);
+  const StagePrograms programs = trace_stage(Multirotor{}, default_horizon.h(), Seen::pose);
   const BlockProgram& back = programs.back;
   std::vector<double> in(at(size_of(back.inputs)), 0.0);
   for (const double R : {1.0, -1.0}) {
@@ -227,7 +227,7 @@ template <class Draw>
 void expect_one_structure(Draw&& draw) {
   Random random(7);
   for (const Seen seen : {Seen::pose, Seen::pose_and_motion}) {
-    const StagePrograms first = trace_stage(draw(random), h, seen);
+    const StagePrograms first = trace_stage(draw(random), default_horizon.h(), seen);
     for (int trial = 0; trial < 200; ++trial) {
       const StagePrograms other = trace_stage(draw(random), std::abs(any_number(random)), seen);
       ASSERT_EQ(structure(other), structure(first)) << trial;
@@ -260,8 +260,8 @@ TEST(Stage, NoParameterAndNoStageLengthChangesTheStructureOfAModel) {
 
 TEST(Stage, AMultirotorUnderVelocityCommandsWithoutFurtherLagsIsOneOfEquation24) {
   for (const Seen seen : {Seen::pose, Seen::pose_and_motion}) {
-    EXPECT_EQ(structure(trace_stage(LaggedMultirotor<Lags::plane>{}, h, seen)),
-              structure(trace_stage(Multirotor{}, h, seen)));
+    EXPECT_EQ(structure(trace_stage(LaggedMultirotor<Lags::plane>{}, default_horizon.h(), seen)),
+              structure(trace_stage(Multirotor{}, default_horizon.h(), seen)));
   }
 }
 
@@ -281,7 +281,9 @@ TEST(Stage, NoParameterOfABarrierChangesTheStructure) {
 }
 
 TEST(Stage, AParameterOfZeroIsOfAnotherShape) {
-  const auto of = [](const Model& model) { return structure(trace_stage(model, h, Seen::pose)); };
+  const auto of = [](const Model& model) {
+    return structure(trace_stage(model, default_horizon.h(), Seen::pose));
+  };
   EXPECT_NE(of(PointMass{}), of(PointMass{.drag = 0.1}));
   EXPECT_NE(of(Multirotor{}), of(Multirotor{.a_f = 0.0}));
   EXPECT_NE(of(Multirotor{}), of(AngleMultirotor{}));

@@ -17,9 +17,9 @@
 namespace sightline {
 namespace {
 
-constexpr Horizon horizon{.N = 12};
-const MakeSolver make_newton = newton_riccati_of(horizon);
-constexpr NewtonRiccatiOptions converging{
+constexpr Horizon twelve_stages{.N = 12};
+const MakeSolver make_subteam_solver = newton_riccati_of(twelve_stages);
+constexpr NewtonRiccatiOptions to_the_end{
     .max_newton_steps = 200, .tolerance = 1e-9, .max_krylov = 200, .krylov_stop = 0};
 
 AgentId robot(const Team& team, const std::string& name) { return AgentId{team.find(name)}; }
@@ -77,18 +77,18 @@ TEST(Subteam, GivenTheVelocityThatABodyHasItFliesTheSameBits) {
     Team team = random_team(random, 2, Feeling::anyone);
     team.add(Obstacle{.name = "ball"});
     team.couple(1.0 * KeepOut{}, Between{team.find("uav0"), team.find("ball")});
-    NewtonRiccati plain(team, horizon), predicted(team, horizon);
+    NewtonRiccati plain(team, twelve_stages), predicted(team, twelve_stages);
     const std::vector<double> x = random_states(random, team, 2.0);
     for (int update = 0; update < 5; ++update) {
       const double t = 0.01 * update;
       for (int b = 0; b < team.bodies(); ++b) {
         if (team.is_agent(BodyId{b})) continue;
-        Prediction prediction{.who = {b}, .time = t, .h = horizon.h()};
+        Prediction prediction{.who = {b}, .time = t, .h = twelve_stages.h()};
         Sight<double> s =
             team.model(BodyId{b}).sight(&x[static_cast<std::size_t>(team.state_offset(BodyId{b}))], nullptr);
-        for (int k = 0; k <= horizon.N; ++k) {
+        for (int k = 0; k <= twelve_stages.N; ++k) {
           prediction.sights.push_back(s);
-          s.p = s.p + horizon.h() * s.v;
+          s.p = s.p + twelve_stages.h() * s.v;
         }
         predicted.set_prediction(prediction);
       }
@@ -131,7 +131,7 @@ TEST(Subteam, GivenTheOthersOptimalTrajectoriesItsOptimumIsThatOfTheWhole) {
   for (int trial = 0; trial < 40; ++trial) {
     const Team team =
         random_team(random, 2 + trial % 3, trial % 2 == 0 ? Feeling::everyone : Feeling::anyone);
-    NewtonRiccati whole(team, horizon, converging);
+    NewtonRiccati whole(team, twelve_stages, to_the_end);
     const std::vector<double> x = random_states(random, team, 2.0);
     if (whole.solve(0.3, x).status != Status::converged) continue;
     ++converged;
@@ -142,13 +142,13 @@ TEST(Subteam, GivenTheOthersOptimalTrajectoriesItsOptimumIsThatOfTheWhole) {
 
 TEST(Subteam, WithoutWordFromTheOthersItsOptimumIsAnother) {
   const Team team = chain(3, paper::Variant::joint);
-  NewtonRiccati whole(team, horizon, converging);
+  NewtonRiccati whole(team, twelve_stages, to_the_end);
   const std::vector<double> x = chain_start(3);
   ASSERT_EQ(whole.solve(0.3, x).status, Status::converged);
   const auto subteams = subteams_at(whole, 0.3, x);
   subteams[1]->restart();
   std::vector<double> u(12);
-  for (int k = 0; k < horizon.N; ++k) {
+  for (int k = 0; k < twelve_stages.N; ++k) {
     whole.plan(k, u);
     subteams[1]->set_plan(k, std::span(u).subspan(4, 4));
   }
@@ -157,7 +157,7 @@ TEST(Subteam, WithoutWordFromTheOthersItsOptimumIsAnother) {
 
 TEST(Subteam, ItSendsWhereItsPlanLeads) {
   const Team team = chain(4, paper::Variant::joint);
-  Subteam subteam(team, std::vector{robot(team, "uav1"), robot(team, "uav2")}, make_newton);
+  Subteam subteam(team, std::vector{robot(team, "uav1"), robot(team, "uav2")}, make_subteam_solver);
   const std::vector<double> x = chain_start(4);
   ASSERT_TRUE(gives_plan(subteam.solve(0.2, x).status));
   ASSERT_EQ(subteam.predictions().size(), 2u);
@@ -177,7 +177,7 @@ TEST(Subteam, ItSendsWhereItsPlanLeads) {
       EXPECT_NEAR(sent.sights[static_cast<std::size_t>(k)].d.y, state[4], 1e-12);
       model.f(state.data(), &u[static_cast<std::size_t>(subteam.ocp().team().input_offset(here))],
               rate.data());
-      for (std::size_t q = 0; q < 7; ++q) state[q] += horizon.h() * rate[q];
+      for (std::size_t q = 0; q < 7; ++q) state[q] += twelve_stages.h() * rate[q];
     }
   }
   const double before = subteam.predictions()[0].sights[12].p.x;
@@ -189,10 +189,11 @@ TEST(Subteam, ItSendsWhereItsPlanLeads) {
 
 TEST(Subteam, AMessageThatCannotBeMeantForItIsLeft) {
   const Team team = chain(3, paper::Variant::joint);
-  Subteam subteam(team, std::vector{robot(team, "uav1")}, make_newton),
-      alone(team, std::vector{robot(team, "uav1")}, make_newton);
+  Subteam subteam(team, std::vector{robot(team, "uav1")}, make_subteam_solver),
+      alone(team, std::vector{robot(team, "uav1")}, make_subteam_solver);
   const Sight<double> elsewhere = {{{0.3, 0.2, 0.6}, {1, 0}}, {1, 1, 1}};
-  const Prediction good{.who = robot(team, "uav0"), .time = 0.0, .h = horizon.h(), .sights = {13, elsewhere}};
+  const Prediction good{
+      .who = robot(team, "uav0"), .time = 0.0, .h = twelve_stages.h(), .sights = {13, elsewhere}};
   std::vector<Prediction> bad(6, good);
   bad[0].who = robot(team, "uav1");
   bad[1].who = BodyId{3};
@@ -211,8 +212,8 @@ TEST(Subteam, AMessageThatCannotBeMeantForItIsLeft) {
 
 TEST(Subteam, SolvingSendingAndReceivingAllocateNothing) {
   const Team team = chain(4, paper::Variant::joint);
-  Subteam a(team, std::vector{robot(team, "uav0"), robot(team, "uav2")}, make_newton),
-      b(team, std::vector{robot(team, "uav1"), robot(team, "uav3")}, make_newton);
+  Subteam a(team, std::vector{robot(team, "uav0"), robot(team, "uav2")}, make_subteam_solver),
+      b(team, std::vector{robot(team, "uav1"), robot(team, "uav3")}, make_subteam_solver);
   const std::vector<double> x = chain_start(4);
   const std::int64_t before = cli::allocations();
   for (int k = 0; k < 20; ++k) {

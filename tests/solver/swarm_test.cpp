@@ -8,13 +8,12 @@
 #include "sightline/solver/continuation/cmscgmres.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/swap_team.hpp"
 
 namespace sightline {
 namespace {
-
-constexpr Horizon horizon{.T = 1.0, .N = 20, .dt = 0.01};
 
 TEST(SwarmSolver, PlansWhatPairsOneByOneWould) {
   Random random(1);
@@ -29,7 +28,7 @@ TEST(SwarmSolver, PlansWhatPairsOneByOneWould) {
     }
     const NewtonRiccatiOptions options{
         .max_newton_steps = 40, .tolerance = 1e-9, .max_krylov = 60, .krylov_stop = 1e-12, .start_steps = 40};
-    NewtonRiccati solver(swap.team, horizon, options), other(by_pairs, horizon, options);
+    NewtonRiccati solver(swap.team, default_horizon, options), other(by_pairs, default_horizon, options);
     const Solution u = solver.solve(0.0, swap.x0), v = other.solve(0.0, swap.x0);
     if (u.status != Status::converged || v.status != Status::converged) continue;
     for (std::size_t i = 0; i < u.u.size(); ++i) EXPECT_NEAR(u.u[i], v.u[i], 1e-3) << trial;
@@ -40,14 +39,14 @@ TEST(SwarmSolver, PlansWhatPairsOneByOneWould) {
 TEST(SwarmSolver, ContinuationIsRefusedATeamThatKeepsApart) {
   const Swap swap(3);
   const std::string expected = "this solver knows no keep_apart, expected newton_riccati";
-  EXPECT_EQ(refusal_of([&] { Cgmres(Ocp(swap.team, horizon), {}); }), expected);
-  EXPECT_EQ(refusal_of([&] { Cmscgmres(Ocp(swap.team, horizon), {}); }), expected);
+  EXPECT_EQ(refusal_of([&] { Cgmres(Ocp(swap.team, default_horizon), {}); }), expected);
+  EXPECT_EQ(refusal_of([&] { Cmscgmres(Ocp(swap.team, default_horizon), {}); }), expected);
 }
 
 TEST(SwarmSolver, SwapsOfTwoFourAndEightNeverStandStillNorComeTooNear) {
   for (const int robots : {2, 4, 8}) {
     const Swap swap(robots);
-    NewtonRiccati solver(swap.team, horizon);
+    NewtonRiccati solver(swap.team, default_horizon);
     std::vector<double> slow_since(static_cast<std::size_t>(robots), 0.0);
     double least = 1e9, longest = 0.0;
     std::vector<double> end;
@@ -69,7 +68,7 @@ TEST(SwarmSolver, SwapsOfTwoFourAndEightNeverStandStillNorComeTooNear) {
 TEST(SwarmSolver, HeadOnBothPassOnTheirRightAndWithoutDeltaNothingButRoundingPartsThem) {
   for (const double delta : {0.25, 0.0}) {
     const Swap swap(2, 4.0, delta);
-    NewtonRiccati solver(swap.team, horizon);
+    NewtonRiccati solver(swap.team, default_horizon);
     double aside = 0.0;  // of the first, which flies along -x: its right is +y
     fly(solver, swap.x0, 900, [&](double, const std::vector<double>& x, const Solution&) { aside = x[1]; });
     EXPECT_EQ(aside > 0.3, delta > 0.0) << aside;
@@ -79,7 +78,7 @@ TEST(SwarmSolver, HeadOnBothPassOnTheirRightAndWithoutDeltaNothingButRoundingPar
 
 TEST(SwarmSolver, SaysHowManyPairsCountAndHowManyFoundNoRoom) {
   Swap swap(12, 1.6);
-  NewtonRiccati solver(swap.team, horizon);
+  NewtonRiccati solver(swap.team, default_horizon);
   const Solution all = solver.solve(0.0, swap.x0);
   EXPECT_GE(all.neighbours.pairs, swap.pairs_within(swap.x0, Swap::radius));
   EXPECT_EQ(all.neighbours.left_out, 0);
@@ -87,7 +86,7 @@ TEST(SwarmSolver, SaysHowManyPairsCountAndHowManyFoundNoRoom) {
   std::vector<AgentId> robots;
   for (const Agent& agent : swap.team.agents()) robots.push_back(cramped.add(agent));
   cramped.keep_apart(swap.team.swarms()[0].term, robots, Swap::radius, 10);
-  NewtonRiccati other(cramped, horizon);
+  NewtonRiccati other(cramped, default_horizon);
   const Solution some = other.solve(0.0, swap.x0);
   EXPECT_EQ(some.neighbours.pairs, 10);
   EXPECT_GE(some.neighbours.left_out, swap.pairs_within(swap.x0, Swap::radius) - 10);
@@ -95,7 +94,7 @@ TEST(SwarmSolver, SaysHowManyPairsCountAndHowManyFoundNoRoom) {
 
 TEST(SwarmSolver, NoUpdateTakesMemoryAndTheSameStatesGiveTheSameBits) {
   const Swap swap(16, 4.0);
-  NewtonRiccati solver(swap.team, horizon), same(swap.team, horizon);
+  NewtonRiccati solver(swap.team, default_horizon), same(swap.team, default_horizon);
   fly(solver, swap.x0, 800, [&](double t, const std::vector<double>& x, const Solution& s) {
     const std::int64_t before = cli::allocations();
     const Solution again = same.solve(t, x);

@@ -9,14 +9,13 @@
 #include "sightline/solver/distributed/partition.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/default_horizon.hpp"
 #include "tests/support/gradient_planner.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
-
-constexpr Horizon horizon{};
 
 /// Robots of a team in pieces of two, or fewer.
 Partition in_twos(const Team& team) {
@@ -29,17 +28,17 @@ Partition in_twos(const Team& team) {
 }
 
 struct Newton {
-  static std::unique_ptr<Solver> make(const Team& team, const Horizon& over = horizon) {
+  static std::unique_ptr<Solver> make(const Team& team, const Horizon& over = default_horizon) {
     return newton_riccati_of(over)(team);
   }
 };
 struct Partitioned {
-  static std::unique_ptr<Solver> make(const Team& team, const Horizon& over = horizon) {
+  static std::unique_ptr<Solver> make(const Team& team, const Horizon& over = default_horizon) {
     return std::make_unique<PartitionedSolver>(team, in_twos(team), newton_riccati_of(over));
   }
 };
 struct Gradient {
-  static std::unique_ptr<Solver> make(const Team& team, const Horizon& over = horizon) {
+  static std::unique_ptr<Solver> make(const Team& team, const Horizon& over = default_horizon) {
     return gradient_planner_of(over)(team);
   }
 };
@@ -63,7 +62,7 @@ TYPED_TEST(AnyTeamPlanner, ThePlanThatWasSetIsThePlanAndWhatFitsNowhereChangesNo
   const auto solver = TypeParam::make(chain(3, paper::Variant::masked));
   TeamPlanner& planner = *solver->team_planner();
   std::vector<double> u(12), wrong(11, 0.9);
-  for (int k = 0; k < horizon.N; ++k) {
+  for (int k = 0; k < default_horizon.N; ++k) {
     for (std::size_t i = 0; i < u.size(); ++i) u[i] = 0.01 * k - 0.05 * static_cast<double>(i);
     planner.set_plan(k, u);
   }
@@ -71,7 +70,7 @@ TYPED_TEST(AnyTeamPlanner, ThePlanThatWasSetIsThePlanAndWhatFitsNowhereChangesNo
   for (std::size_t i = 0; i < whole.size(); ++i)
     EXPECT_EQ(whole[i], 0.01 * static_cast<double>(i / 12) - 0.05 * static_cast<double>(i % 12));
   planner.set_plan(-1, u);
-  planner.set_plan(horizon.N, u);
+  planner.set_plan(default_horizon.N, u);
   planner.set_plan(0, wrong);
   planner.take_over(planner.ocp().team(), std::span(whole).first(whole.size() - 12));
   EXPECT_EQ(planner.whole_plan(), whole);
@@ -85,9 +84,9 @@ TYPED_TEST(AnyTeamPlanner, APlanIsTakenOverByNameWhateverTheOrderAndOthersKeepTh
   (void)from->solve(0.0, chain_start(3));
   TeamPlanner &before = *from->team_planner(), &after = *to->team_planner();
   std::vector<double> u(12), v(16, 0.125);
-  for (int k = 0; k < horizon.N; ++k) after.set_plan(k, v);
+  for (int k = 0; k < default_horizon.N; ++k) after.set_plan(k, v);
   after.take_over(from->ocp().team(), before.whole_plan());
-  for (int k = 0; k < horizon.N; ++k) {
+  for (int k = 0; k < default_horizon.N; ++k) {
     before.plan(k, u);
     after.plan(k, v);
     for (std::size_t i = 0; i < 4; ++i) {
@@ -112,7 +111,7 @@ double cost_of(Solver& solver) {
   double cost = 0.0;
   fly(solver, chain_start(4), 300, [&](double t, const std::vector<double>& x, const Solution& s) {
     EXPECT_TRUE(gives_plan(s.status)) << t;
-    cost += horizon.dt * stage_cost(solver.ocp().team(), t, x, s.u);
+    cost += default_horizon.dt * stage_cost(solver.ocp().team(), t, x, s.u);
   });
   return cost;
 }
@@ -120,8 +119,8 @@ double cost_of(Solver& solver) {
 TEST(TeamPlanner, ASolverOfOnesOwnPlansInPartsWithinOnePercentOfTheCostOfTheWhole) {
   for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
     const Team team = chain(4, variant);
-    GradientPlanner whole(team, horizon);
-    PartitionedSolver parts(team, in_twos(team), gradient_planner_of(horizon));
+    GradientPlanner whole(team, default_horizon);
+    PartitionedSolver parts(team, in_twos(team), gradient_planner_of(default_horizon));
     const double best = cost_of(whole);
     EXPECT_NEAR(cost_of(parts), best, 0.01 * best);
   }
@@ -129,16 +128,17 @@ TEST(TeamPlanner, ASolverOfOnesOwnPlansInPartsWithinOnePercentOfTheCostOfTheWhol
 
 TEST(TeamPlanner, ASolverWithoutTheCapabilityIsRefusedWithItsNameAndTheNeed) {
   const Team team = chain(2, paper::Variant::masked);
-  Cgmres cgmres(team, horizon);
-  Cmscgmres cmscgmres(team, horizon);
+  Cgmres cgmres(team, default_horizon);
+  Cmscgmres cmscgmres(team, default_horizon);
   EXPECT_EQ(cgmres.team_planner(), nullptr);
   EXPECT_EQ(refusal_of([&] { (void)team_planner_of(cgmres, "a test"); }),
             "the solver cgmres cannot hand over its plan, which a test needs, expected one that can, such as "
             "newton_riccati");
   EXPECT_EQ(
       refusal_of([&] {
-        PartitionedSolver(team, in_twos(team),
-                          [](const Team& part) { return std::make_unique<Cmscgmres>(part, horizon); });
+        PartitionedSolver(team, in_twos(team), [](const Team& part) {
+          return std::make_unique<Cmscgmres>(part, default_horizon);
+        });
       }),
       "the solver cmscgmres cannot hand over its plan, which a team that plans in parts needs, expected one "
       "that can, such as newton_riccati");
@@ -150,8 +150,8 @@ TEST(TeamPlanner, APartitionedOneUsesWhatIsPredictedOfBodiesAndForgetsIt) {
   team.couple(1.0 * KeepOut{}, Between{team.find("uav0"), ball});
   std::vector<double> x = chain_start(3);
   x.insert(x.end(), {0.2, 0.4, 1.0, 0.0, 0.0, 0.0});
-  Prediction coming{.who = ball, .time = 0.0, .h = horizon.h()};
-  for (int k = 0; k <= horizon.N; ++k)
+  Prediction coming{.who = ball, .time = 0.0, .h = default_horizon.h()};
+  for (int k = 0; k <= default_horizon.N; ++k)
     coming.sights.push_back({{{0.2, 0.4 - 0.05 * k, 1.0}, {1, 0}}, {0, -1, 0}});
   const auto inputs_after = [&](std::initializer_list<Prediction> predictions) {
     const auto solver = Partitioned::make(team);
@@ -159,7 +159,7 @@ TEST(TeamPlanner, APartitionedOneUsesWhatIsPredictedOfBodiesAndForgetsIt) {
     const Solution s = solver->solve(0.0, x);
     return std::vector<double>(s.u.begin(), s.u.end());
   };
-  const Prediction none{.who = ball, .time = 0.0, .h = horizon.h()};
+  const Prediction none{.who = ball, .time = 0.0, .h = default_horizon.h()};
   Prediction of_robot = coming;
   of_robot.who = team.find("uav2");
   EXPECT_NE(inputs_after({coming}), inputs_after({}));

@@ -12,4 +12,7 @@ inline bool whole_campaign() {
   return form != nullptr && std::string_view(form) == "whole";
 }
 
+/// So many runs, or in the short form one of `part`.
+inline int runs(int whole, int part) { return whole_campaign() ? whole : whole / part; }
+
 }  // namespace sightline

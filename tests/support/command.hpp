@@ -3,6 +3,7 @@
 
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -23,6 +24,8 @@ inline std::string read_file(const std::filesystem::path& file) {
   text << std::ifstream(file, std::ios::binary).rdbuf();
   return text.str();
 }
+
+inline long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
 /// Runs `command` in a shell from the root of the tree; its streams go through files in `folder`.
 inline CommandResult shell(const std::string& command, const std::filesystem::path& folder) {

@@ -26,6 +26,11 @@ struct Encirclement {
   double d_hard = 0.6, floor = 0.3, duration = 12.0, dt = 0.01;
 };
 
+/// The filter that meets them.
+inline Barrier barrier_of_encirclements() {
+  return Barrier(Multirotor{}, lowest, highest, 0.01, {.floor = 0.3, .ceiling = 10.0, .world = 100.0});
+}
+
 /// 2 to 6 pursuers of 0.3 to 1.5 m/s around a robot, from 0.8 to 4 m, 0.3 to 2.5 m high.
 inline Encirclement any_encirclement(std::uint64_t seed) {
   Random random(seed);

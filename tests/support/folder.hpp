@@ -31,11 +31,16 @@ class Folder {
   std::filesystem::path path_;
 };
 
+/// A path in the process's own folder, the same whenever it is asked for.
+inline std::filesystem::path place(std::string_view name) {
+  static const Folder folder("sightline_test");
+  return folder.path() / name;
+}
+
 /// An empty folder for the running test, within the process's own.
 inline std::filesystem::path fresh_folder() {
-  static const Folder folder("sightline_test");
   const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-  auto path = folder.path() / info->test_suite_name() / info->name();
+  auto path = place(info->test_suite_name()) / info->name();
   std::filesystem::remove_all(path);
   std::filesystem::create_directories(path);
   return path;

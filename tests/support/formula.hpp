@@ -9,6 +9,9 @@
 
 namespace sightline {
 
+/// Inputs of a formula in most tests.
+inline constexpr int input_count = 3;
+
 /// A random formula, drawn so that no part of it exceeds `limit` in size at the given point.
 ///
 /// Later operations use earlier results, several times over: the formula is a graph, not only a tree.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "sightline/world/vehicle.hpp"
 
@@ -21,6 +22,13 @@ inline Vehicle hexacopter() {
   }
   v.check();
   return v;
+}
+
+/// The hexacopter and the vehicles that a scenario may name.
+inline std::vector<Vehicle> all_vehicles() {
+  std::vector<Vehicle> all = {hexacopter()};
+  for (const auto& preset : Vehicle::presets()) all.push_back(preset.part);
+  return all;
 }
 
 }  // namespace sightline

@@ -15,7 +15,7 @@ using test::two_robots;
 using Numbers = std::vector<double>;
 
 // The true state of both robots in period k.
-Numbers state(int k) {
+Numbers state_at(int k) {
   const double s = 0.01 * k;
   return {s, 2 * s, 1, 1, 0, 1, 0, /**/ -s, s, 2, 0, 1, 0.5, 0};
 }
@@ -30,7 +30,7 @@ std::vector<Seen> seen(const std::vector<Fault>& faults, int periods, const Nois
   Sensor sensor(two_robots(), {.seed = 5, .noise = noise, .delay = delay, .faults = faults});
   std::vector<Seen> all;
   for (int k = 0; k < periods; ++k) {
-    const auto x = sensor.measure(0.01 * k, state(k));
+    const auto x = sensor.measure(0.01 * k, state_at(k));
     all.push_back({{x.begin(), x.end()}, {sensor.stamps().begin(), sensor.stamps().end()}});
   }
   return all;
@@ -81,7 +81,7 @@ TEST(Fault, ADelayGivesPastStatesWithTheirTimesBesidesTheSensorsOwn) {
   const auto all = seen({{.kind = FaultKind::delay, .from = 0.5, .delay = 0.2}}, 100, {}, 0.03);
   for (int k = 0; k < 100; ++k) {
     const int at = k < 50 ? std::max(0, k - 3) : k - 23;
-    EXPECT_EQ(all[static_cast<std::size_t>(k)].x, state(at)) << k;
+    EXPECT_EQ(all[static_cast<std::size_t>(k)].x, state_at(at)) << k;
     EXPECT_EQ(all[static_cast<std::size_t>(k)].stamps, Numbers(2, 0.01 * at));
   }
 }
@@ -115,7 +115,7 @@ TEST(Fault, ANumberThatIsNoneIsTheOneThatIsNamedOrAnyOne) {
 
 TEST(Fault, AJumpMovesThePositionAlone) {
   for (const Seen& one : seen({{.kind = FaultKind::jump, .body = BodyId{0}, .offset = {1, -2, 3}}}, 1)) {
-    Numbers expected = state(0);
+    Numbers expected = state_at(0);
     expected[0] += 1, expected[1] -= 2, expected[2] += 3;
     EXPECT_EQ(one.x, expected);
   }

@@ -9,9 +9,12 @@
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
+#include "tests/support/wrench.hpp"
 
 namespace sightline {
 namespace {
+
+using test::Wrench;
 
 RigidBody body_of(const Vehicle& v) { return {.mass = v.mass, .inertia = v.inertia, .p = {0, 0, 1}}; }
 Quaternion turned(const Vec3<double>& axis, double angle) {
@@ -19,19 +22,9 @@ Quaternion turned(const Vec3<double>& axis, double angle) {
   return {std::cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
 }
 
-struct Wrench {
-  double thrust = 0.0;
-  Vec3<double> torque{};
-};
 Wrench asked(const Vehicle& v, FlightController& controller, const RigidBody& body,
              const std::array<double, 4>& u) {
-  const Thrusts f = controller.update(body, rotation(body.q), u);
-  Wrench w;
-  for (std::size_t i = 0; i < v.rotors(); ++i) {
-    w.thrust += f[i];
-    w.torque = w.torque + f[i] * Vec3<double>{v.rotor_y[i], -v.rotor_x[i], -v.spin[i] * v.k_m};
-  }
-  return w;
+  return test::wrench(v, controller.update(body, rotation(body.q), u));
 }
 
 TEST(FlightController, KnowsWhatTheInputsOfEachMultirotorCommandAndOfNoOtherRobot) {

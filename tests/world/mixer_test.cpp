@@ -7,27 +7,16 @@
 #include <random>
 
 #include "tests/support/hexacopter.hpp"
+#include "tests/support/wrench.hpp"
 
 namespace sightline {
 namespace {
 
-struct Wrench {
-  double thrust = 0.0;
-  Vec3<double> torque{};
-};
+using test::Wrench;
+using test::wrench;
 
-Wrench wrench(const Vehicle& v, const Thrusts& f) {
-  Wrench w;
-  for (std::size_t i = 0; i < v.rotors(); ++i) {
-    w.thrust += f[i];
-    w.torque = w.torque + f[i] * Vec3<double>{v.rotor_y[i], -v.rotor_x[i], -v.spin[i] * v.k_m};
-  }
-  return w;
-}
-
-std::vector<Vehicle> vehicles() {
-  std::vector<Vehicle> all = {hexacopter()};
-  for (const auto& preset : Vehicle::presets()) all.push_back(preset.part);
+std::vector<Vehicle> mixed_vehicles() {
+  std::vector<Vehicle> all = all_vehicles();
   // Neither symmetric nor on a circle.
   Vehicle odd = Vehicle::x500();
   odd.rotor_x = {0.3, -0.2, 0.1, -0.2}, odd.rotor_y = {-0.25, 0.2, 0.2, -0.15};
@@ -39,7 +28,7 @@ std::vector<Vehicle> vehicles() {
 TEST(Mixer, GivesTheThrustAndTheTorqueWhereNoRotorIsAtItsEnd) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> within(-1, 1);
-  for (const Vehicle& v : vehicles()) {
+  for (const Vehicle& v : mixed_vehicles()) {
     const Mixer mix(v);
     const double f = v.weight() / static_cast<double>(v.rotors()), arm = 0.2 * v.radius;
     for (int k = 0; k < 1000; ++k) {
@@ -56,7 +45,7 @@ TEST(Mixer, GivesTheThrustAndTheTorqueWhereNoRotorIsAtItsEnd) {
 TEST(Mixer, KeepsTheTiltWhateverYawIsAskedForAndGivesYawWhatIsLeft) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> within(-1, 1);
-  for (const Vehicle& v : vehicles()) {
+  for (const Vehicle& v : mixed_vehicles()) {
     const Mixer mix(v);
     const double most = v.thrust_max() / static_cast<double>(v.rotors());
     for (int k = 0; k < 1000; ++k) {
@@ -93,7 +82,7 @@ TEST(Mixer, MovesTheCollectiveToMakeRoomForTheTilt) {
 }
 
 TEST(Mixer, ATiltBeyondAllRotorsIsScaledAndKeepsItsDirection) {
-  for (const Vehicle& v : vehicles()) {
+  for (const Vehicle& v : mixed_vehicles()) {
     const Vec3<double> tilt = {100.0, 50.0, 0.0};
     const Wrench w = wrench(v, Mixer(v)(v.weight(), tilt));
     EXPECT_GT(w.torque.x, 0.0);

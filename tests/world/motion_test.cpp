@@ -8,14 +8,15 @@
 
 #include "sightline/world/plant.hpp"
 #include "sightline/world/sensor.hpp"
+#include "tests/support/period.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
+using test::control_period;
 using Numbers = std::vector<double>;
-constexpr double dt = 0.01;
 constexpr int p_O = 7, v_O = 10;  // of the obstacle in the state
 
 Team robot_and_obstacle() {
@@ -37,17 +38,17 @@ Vec3<double> obstacle_of(std::span<const double> x) { return at(x, p_O); }
 Numbers start_with(const Vec3<double>& p) { return {0, 0, 1, 1, 0, 0, 0, p.x, p.y, p.z, 0, 0, 0}; }
 
 /// A plant whose obstacle moves; the robot flies a curve, up and down.
-struct World {
+struct MovingObstacle {
   Plant plant;
 
-  World(const Motion& motion, const Vec3<double>& p, std::uint64_t seed = 1)
+  MovingObstacle(const Motion& motion, const Vec3<double>& p, std::uint64_t seed = 1)
       : plant(robot_and_obstacle(), start_with(start_of(motion).value_or(p)),
               {.seed = seed, .motions = {{obstacle, motion}}}) {}
 
   void step() {
     const double t = plant.time();
     const Numbers u = {0.4, 0.2 * std::sin(t), 0.3 * std::cos(0.7 * t), 0.5};
-    ASSERT_TRUE(plant.step(u, dt));
+    ASSERT_TRUE(plant.step(u, control_period));
   }
   Vec3<double> p() const { return obstacle_of(plant.x()); }
   Vec3<double> v() const { return at(plant.x(), v_O); }
@@ -66,13 +67,13 @@ const std::vector<Motion> all_motions = {
 
 TEST(Motions, TheVelocityShownIsTheOneHeldOverTheNextStepAndNeverAboveTheTopSpeed) {
   for (const Motion& motion : all_motions) {
-    World world(motion, {3, 1, 0.5});
+    MovingObstacle world(motion, {3, 1, 0.5});
     for (int k = 0; k < 3000; ++k) {
       const Vec3<double> p = world.p(), v = world.v();
       ASSERT_LE(norm(v), top_speed(motion) + 1e-9) << "motion " << motion.index() << " step " << k;
       world.step();
       const bool enters = std::holds_alternative<HandMotion>(motion) && k == 199;
-      const Vec3<double> moved = world.p() - (p + dt * v);
+      const Vec3<double> moved = world.p() - (p + control_period * v);
       if (!enters) {
         ASSERT_LE(norm(moved), 1e-12) << "motion " << motion.index() << " step " << k;
       }
@@ -89,8 +90,8 @@ TEST(Motions, ABodyWithoutMotionFliesTheSameBesideOneThatHas) {
   Plant alone(team, x0), beside(team, x0, {.motions = {{BodyId{2}, all_motions.back()}}});
   for (int k = 0; k < 500; ++k) {
     const Numbers u = {0.1, 0.2, 0.3, 0.4};
-    alone.step(u, dt);
-    beside.step(u, dt);
+    alone.step(u, control_period);
+    beside.step(u, control_period);
     const auto first = [](const Plant& plant) {
       return Numbers(plant.x().begin(), plant.x().begin() + p_O + 6);
     };
@@ -100,9 +101,9 @@ TEST(Motions, ABodyWithoutMotionFliesTheSameBesideOneThatHas) {
 
 TEST(Motions, OnACircleTheBodyIsWhereTheFormulaSaysForAsLongAsOneFlies) {
   const CircleMotion circle{.centre = {0.2, -0.3, 1}, .radius = 1, .rate = -1.0, .phase = 0.5};
-  World world(circle, {});
+  MovingObstacle world(circle, {});
   for (int k = 0; k <= 20000; ++k) {
-    const double a = circle.phase + circle.rate * dt * k;
+    const double a = circle.phase + circle.rate * control_period * k;
     const Vec3<double> expected = circle.centre + Vec3<double>{std::cos(a), std::sin(a), 0};
     ASSERT_LE(norm(world.p() - expected), 1e-9) << k;
     world.step();
@@ -111,12 +112,12 @@ TEST(Motions, OnACircleTheBodyIsWhereTheFormulaSaysForAsLongAsOneFlies) {
 
 TEST(Motions, APathIsWalkedAtItsSpeedToItsEndOrRoundAndRound) {
   PathMotion path{.points = {{3, 0, 1}, {3, 2, 1}, {3, 2, 2}}, .speed = 0.5};
-  World once(path, {});
+  MovingObstacle once(path, {});
   path.end = PathMotion::End::round;
-  World round(path, {});
+  MovingObstacle round(path, {});
   const double length = 3 + std::sqrt(5.0);
   for (int k = 0; k <= 4000; ++k) {
-    const double s = 0.5 * dt * k, once_s = std::min(s, 3.0);
+    const double s = 0.5 * control_period * k, once_s = std::min(s, 3.0);
     const auto place = [](double along) {
       if (along <= 2) return Vec3<double>{3, along, 1};
       if (along <= 3) return Vec3<double>{3, 2, along - 1};
@@ -132,16 +133,16 @@ TEST(Motions, APathIsWalkedAtItsSpeedToItsEndOrRoundAndRound) {
 
 TEST(Motions, AChaseHeadsForTheRobotAndRestsAtTheStandoff) {
   const ChaseMotion chase{.agent = uav0, .speed = 2.0, .standoff = 0.8};
-  World world(chase, {6, -2, 3});
+  MovingObstacle world(chase, {6, -2, 3});
   bool stood = false;
   for (int k = 0; k < 2000; ++k) {
     const Vec3<double> way = world.to_robot(), v = world.v();
     const double gap = norm(way) - chase.standoff;
-    if (gap > chase.speed * dt) {
+    if (gap > chase.speed * control_period) {
       EXPECT_NEAR(norm(v), chase.speed, 1e-9);
     } else {
       stood = true;
-      EXPECT_NEAR(norm(v), std::max(0.0, gap) / dt, 1e-6);
+      EXPECT_NEAR(norm(v), std::max(0.0, gap) / control_period, 1e-6);
     }
     EXPECT_NEAR(dot(v, way), norm(v) * norm(way), 1e-9);
     world.step();
@@ -168,7 +169,7 @@ TEST(Motions, ACrossingBodyMeetsARobotThatKeepsItsVelocityOrMissesItBySoMuch) {
         ASSERT_EQ(norm(at(plant.x(), v_O)), 0.0);
       }
       nearest = std::min(nearest, norm(robot_of(plant.x()) - obstacle_of(plant.x())));
-      plant.step(Numbers(4, 0.0), dt);
+      plant.step(Numbers(4, 0.0), control_period);
     }
     EXPECT_NEAR(norm(at(plant.x(), v_O)), 1.2, 1e-12);
     if (miss == 0.0) {
@@ -182,7 +183,7 @@ TEST(Motions, ACrossingBodyMeetsARobotThatKeepsItsVelocityOrMissesItBySoMuch) {
 TEST(Motions, AHandWaitsElsewhereThenIsThereAllAtOnceAndFollowsUpToItsStandoff) {
   const HandMotion hand{.agent = uav0, .at = 2, .from = {-4, 1.5, 1.2}, .speed = 0.9, .standoff = 0.9};
   const Vec3<double> waits = {-30, 0, 1};
-  World world(hand, waits);
+  MovingObstacle world(hand, waits);
   double nearest = 1e9;
   for (int k = 0; k < 3000; ++k) {
     if (k < 200) {
@@ -203,12 +204,13 @@ TEST(Motions, AHandWaitsElsewhereThenIsThereAllAtOnceAndFollowsUpToItsStandoff) 
 
 TEST(Motions, AnAdversaryTurnsOnlyAtItsTimesSeededInItsPlaneAndAimsAsOftenAsItSays) {
   AdversaryMotion adversary{.agent = uav0, .speed = 1.5, .every = 0.5, .aim = 0.3};
-  World world(adversary, {4, 0, 0.5}), same(adversary, {4, 0, 0.5}), other(adversary, {4, 0, 0.5}, 2);
+  MovingObstacle world(adversary, {4, 0, 0.5}), same(adversary, {4, 0, 0.5}),
+      other(adversary, {4, 0, 0.5}, 2);
   int turns = 0, aimed = 0, full = 0;
   bool differs = false;
   for (int k = 0; k < 50 * 2000; ++k) {
     const Vec3<double> before = world.v();
-    for (World* one : {&world, &same, &other}) one->step();
+    for (MovingObstacle* one : {&world, &same, &other}) one->step();
     const Vec3<double> v = world.v(), way = world.to_robot();
     ASSERT_EQ(norm(v - same.v()), 0.0);
     ASSERT_EQ(world.p().z, 0.5);
@@ -228,7 +230,7 @@ TEST(Motions, AnAdversaryTurnsOnlyAtItsTimesSeededInItsPlaneAndAimsAsOftenAsItSa
 }
 
 TEST(Motions, InSpaceAnAdversarysWaysSpreadEvenlyOverTheSphere) {
-  World world(AdversaryMotion{uav0, 1.5, 0.01, 0.0, AdversaryMotion::Within::space}, {4, 0, 0.5});
+  MovingObstacle world(AdversaryMotion{uav0, 1.5, 0.01, 0.0, AdversaryMotion::Within::space}, {4, 0, 0.5});
   Vec3<double> sum{}, squares{};
   const int n = 20000;
   for (int k = 0; k < n; ++k) {

@@ -7,17 +7,18 @@
 #include <random>
 #include <stdexcept>
 
+#include "tests/support/period.hpp"
 #include "tests/support/two_robots.hpp"
 
 namespace sightline {
 namespace {
 
+using test::control_period;
 using test::two_robots;
 using Numbers = std::vector<double>;
-constexpr double dt = 0.01;
 
 // A team of both robot models and an obstacle, so that offsets matter.
-Team mixed() {
+Team both_models() {
   Team team;
   team.add(AngleMultirotor{});
   team.add(Obstacle{.name = "wall"});
@@ -40,7 +41,7 @@ Numbers fly(const Team& team, const Numbers& x0, const PlantOptions& options, in
   Plant plant(team, x0, options);
   Numbers trajectory;
   for (int k = 0; k < steps; ++k) {
-    plant.step(command(k, static_cast<std::size_t>(team.nu())), dt);
+    plant.step(command(k, static_cast<std::size_t>(team.nu())), control_period);
     trajectory.insert(trajectory.end(), plant.x().begin(), plant.x().end());
   }
   return trajectory;
@@ -55,14 +56,14 @@ double largest_difference(const Numbers& a, const Numbers& b) {
 const Numbers apart = {-0.6, -0.3, 0.6, 1, 0, 0, 0, /**/ 0.9, -0.3, 0.6, 1, 0, 0, 0};
 
 TEST(Plant, UndisturbedIsOneRungeKuttaStepOfEachModelBitForBit) {
-  const Team team = mixed();
+  const Team team = both_models();
   Plant plant(team, mixed_start);
   Numbers x = mixed_start, scratch(5 * 7);
   for (int i = 0; i < team.bodies(); ++i)
     ASSERT_TRUE(team.model(BodyId{i}).normalise(&x[0] + team.state_offset({i})));
   for (int k = 0; k < 500; ++k) {
     const Numbers u = command(k, 8);
-    ASSERT_TRUE(plant.step(u, dt));
+    ASSERT_TRUE(plant.step(u, control_period));
     for (int i = 0; i < team.bodies(); ++i) {
       const Model& model = team.model(BodyId{i});
       double* const part = &x[0] + team.state_offset(BodyId{i});
@@ -70,7 +71,7 @@ TEST(Plant, UndisturbedIsOneRungeKuttaStepOfEachModelBitForBit) {
       const auto f = [&](std::span<const double> at, std::span<double> rate) {
         model.f(at.data(), input, rate.data());
       };
-      rk4_step(f, {part, static_cast<std::size_t>(model.nx())}, dt, {scratch});
+      rk4_step(f, {part, static_cast<std::size_t>(model.nx())}, control_period, {scratch});
       ASSERT_TRUE(model.normalise(part));
     }
     ASSERT_EQ(Numbers(plant.x().begin(), plant.x().end()), x) << "after step " << k;
@@ -100,9 +101,9 @@ TEST(Plant, HeadingsStayOnTheCircleUnderAnyDisturbance) {
                                               .airflow = {.amplitude = 0.5},
                                               .input_delay = 0.055,
                                               .yaw_lag = 0.2}};
-  Plant plant(mixed(), mixed_start, options);
+  Plant plant(both_models(), mixed_start, options);
   for (int k = 0; k < 2000; ++k) {
-    ASSERT_TRUE(plant.step(command(k, 8), dt));
+    ASSERT_TRUE(plant.step(command(k, 8), control_period));
     ASSERT_NEAR(std::hypot(plant.x()[15], plant.x()[16]), 1.0, 1e-15);
     ASSERT_LE(std::abs(plant.x()[3]), std::numbers::pi);
   }
@@ -125,9 +126,9 @@ TEST(Plant, OneDisturbanceMoreLeavesTheOthersNumbersAsTheyWere) {
 }
 
 TEST(Plant, ASteadyWindBlowsTheRobotToItsTerminalVelocityAndNoObstacle) {
-  Plant plant(mixed(), mixed_start, {.disturbances = {.wind = {0.1, 0, 0}}});
+  Plant plant(both_models(), mixed_start, {.disturbances = {.wind = {0.1, 0, 0}}});
   const Numbers still(8, 0.0);
-  for (int k = 0; k < 4000; ++k) plant.step(still, dt);
+  for (int k = 0; k < 4000; ++k) plant.step(still, control_period);
   const Multirotor robot;
   const auto v = plant.team().model(BodyId{2}).sight(&plant.x()[12], still.data()).v;
   EXPECT_NEAR(v.x, 0.1 / -robot.a_f, 1e-6);
@@ -142,8 +143,8 @@ TEST(Plant, AnInputDelayShiftsTheResponseByTheDelayWhereverItFalls) {
     Plant late(two_robots(), apart, {.disturbances = {.input_delay = delay}});
     const Numbers climb = {0, 0, 1, 0, 0, 0, 1, 0};
     for (int k = 0; k < 100; ++k) {
-      late.step(climb, dt);
-      const double expected = 0.6 + std::max(0.0, (k + 1) * dt - delay);
+      late.step(climb, control_period);
+      const double expected = 0.6 + std::max(0.0, (k + 1) * control_period - delay);
       ASSERT_NEAR(late.x()[2], expected, 1e-12) << "delay " << delay << ", step " << k;
     }
   }
@@ -153,10 +154,10 @@ TEST(Plant, ADelayOfWholeStepsIsTheUndelayedFlightThatManyStepsLater) {
   Plant late(two_robots(), apart, {.disturbances = {.input_delay = 0.06}});
   Plant prompt(two_robots(), apart);
   const Numbers still(8, 0.0);
-  for (int k = 0; k < 6; ++k) prompt.step(still, dt);
+  for (int k = 0; k < 6; ++k) prompt.step(still, control_period);
   for (int k = 0; k < 300; ++k) {
-    if (k >= 6) prompt.step(command(k - 6, 8), dt);
-    late.step(command(k, 8), dt);
+    if (k >= 6) prompt.step(command(k - 6, 8), control_period);
+    late.step(command(k, 8), control_period);
     if (k < 6) continue;
     ASSERT_THAT(late.x(), testing::ElementsAreArray(prompt.x())) << "step " << k;
   }
@@ -170,8 +171,8 @@ TEST(Plant, ALaggingYawCommandApproachesExponentially) {
     Plant plant(team, {0, 0, 0, 0, 0, 0}, {.disturbances = {.yaw_lag = lag}});
     const Numbers turn = {0, 0, 0, 0.5};
     for (int k = 1; k <= 150; ++k) {
-      plant.step(turn, dt);
-      const double t = k * dt, psi = robot.b_psi * 0.5 * (t - lag * (1 - std::exp(-t / lag)));
+      plant.step(turn, control_period);
+      const double t = k * control_period, psi = robot.b_psi * 0.5 * (t - lag * (1 - std::exp(-t / lag)));
       ASSERT_NEAR(plant.x()[3], psi, 1e-4 * lag) << "lag " << lag << ", t = " << t;
     }
   }
@@ -183,8 +184,8 @@ TEST(Plant, TheInputGainScalesWhatTheInputsDo) {
   Numbers u = {0.5, 0.25, 1, -0.75, 0, 0, 0, 0}, scaled = u;
   for (double& v : scaled) v *= 0.8;
   for (int k = 0; k < 100; ++k) {
-    weak.step(u, dt);
-    model.step(scaled, dt);
+    weak.step(u, control_period);
+    model.step(scaled, control_period);
   }
   EXPECT_THAT(weak.x(), testing::ElementsAreArray(model.x()));
 }
@@ -198,12 +199,12 @@ TEST(Plant, WhatIsAbsentRestsWhereItIsAndDisturbsNobody) {
   for (int k = 0; k < 100; ++k) {
     Numbers u(8, 0.0);
     u[4] = 1.0;
-    ASSERT_TRUE(alone.step(u, dt));
+    ASSERT_TRUE(alone.step(u, control_period));
   }
   for (std::size_t i = 0; i < near.size(); ++i)
     EXPECT_NEAR(alone.x()[i], near[i], 1e-100) << "no wake, no motion";
   alone.set_presence(std::vector<Presence>(2, Presence::steered));
-  ASSERT_TRUE(alone.step(Numbers(8, 0.0), dt));
+  ASSERT_TRUE(alone.step(Numbers(8, 0.0), control_period));
   EXPECT_NE(alone.x()[7], near[7]);
   EXPECT_NE(alone.x()[0], near[0]);
 }
@@ -236,8 +237,8 @@ TEST(Plant, OtherDynamicsMoveTheirRobotWithTheCommandsDelaysAndDisturbancesOfThe
   Plant models(two_robots(), apart,
                {.disturbances = {.wind = {0.5, 0, 0}, .input_delay = 0.014, .input_gain = 2.0}});
   for (int k = 0; k < 3; ++k) {
-    ASSERT_TRUE(plant.step(Numbers(8, 0.1 * (k + 1)), dt));
-    models.step(Numbers(8, 0.1 * (k + 1)), dt);
+    ASSERT_TRUE(plant.step(Numbers(8, 0.1 * (k + 1)), control_period));
+    models.step(Numbers(8, 0.1 * (k + 1)), control_period);
   }
   // The first command comes into force at 14 ms, the second at 24 ms.
   EXPECT_EQ(strides.begun, Numbers{0.0});
@@ -255,7 +256,7 @@ TEST(Plant, OtherDynamicsBeginAnewWhenTheirRobotJoinsAndAreNotAskedWhileItIsAway
   Plant plant(two_robots(), apart, {.dynamics = &strides});
   const auto presence = [&](Presence second) {
     plant.set_presence(std::vector<Presence>{Presence::steered, second});
-    ASSERT_TRUE(plant.step(Numbers(8, 0.5), dt));
+    ASSERT_TRUE(plant.step(Numbers(8, 0.5), control_period));
   };
   presence(Presence::steered), presence(Presence::absent), presence(Presence::absent);
   EXPECT_EQ(strides.until.size(), 1u);
@@ -268,9 +269,9 @@ TEST(Plant, OtherDynamicsBeginAnewWhenTheirRobotJoinsAndAreNotAskedWhileItIsAway
 TEST(Plant, AStateThatIsNoLongerFiniteIsTold) {
   Plant plant(two_robots(), apart);
   Numbers u(8, 0.0);
-  EXPECT_TRUE(plant.step(u, dt));
+  EXPECT_TRUE(plant.step(u, control_period));
   u[0] = std::numeric_limits<double>::infinity();
-  EXPECT_FALSE(plant.step(u, dt));
+  EXPECT_FALSE(plant.step(u, control_period));
 }
 
 TEST(Plant, AStepThatCannotBeIsToldAndLeavesTheWorldAsItWas) {
@@ -279,10 +280,11 @@ TEST(Plant, AStepThatCannotBeIsToldAndLeavesTheWorldAsItWas) {
                infinite = std::numeric_limits<double>::infinity();
   for (const double no_time : {0.0, -0.01, bad, infinite, 1e300})
     EXPECT_FALSE(plant.step(Numbers(8, 0.5), no_time)) << no_time;
-  for (const std::size_t inputs : {0U, 7U, 9U}) EXPECT_FALSE(plant.step(Numbers(inputs, 0.5), dt)) << inputs;
+  for (const std::size_t inputs : {0U, 7U, 9U})
+    EXPECT_FALSE(plant.step(Numbers(inputs, 0.5), control_period)) << inputs;
   EXPECT_EQ(Numbers(plant.x().begin(), plant.x().end()), apart);
   EXPECT_EQ(plant.time(), 0.0);
-  EXPECT_TRUE(plant.step(Numbers(8, 0.5), dt));
+  EXPECT_TRUE(plant.step(Numbers(8, 0.5), control_period));
 }
 
 TEST(Plant, RefusesAStartOrADisturbanceThatCannotBe) {

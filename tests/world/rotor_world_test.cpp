@@ -8,17 +8,19 @@
 
 #include "sightline/model/ground_robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
+#include "tests/support/copied.hpp"
 #include "tests/support/hexacopter.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
+using test::copied;
 using Numbers = std::vector<double>;
 using testing::HasSubstr;
 
 /// Two vehicles, a rover, a target.
-Team mixed() {
+Team mixed_fleet() {
   Team team;
   team.add(Multirotor{}, {.name = "uav"});
   team.add(OmniRover{}, {.name = "rover"});
@@ -26,16 +28,17 @@ Team mixed() {
   team.add(Obstacle{.name = "target"});
   return team;
 }
-const Numbers x0 = {0, 0, 2, 0.6, 0.8, 0.3, 0.1, /**/ 3, 0,   0,      1, 0, 0.2, 0, /**/
-                    6, 0, 3, 1,   0,   0,   0,   0.2,    0.1, /**/ 9, 0, 1, 0.1, 0, 0};
+const Numbers fleet_start = {0, 0, 2, 0.6, 0.8, 0.3, 0.1, /**/ 3, 0,   0,      1, 0, 0.2, 0, /**/
+                             6, 0, 3, 1,   0,   0,   0,   0.2,    0.1, /**/ 9, 0, 1, 0.1, 0, 0};
 const std::vector<RobotVehicle> fleet = {{BodyId{0}, Vehicle::x500(), "x500"},
                                          {BodyId{2}, Vehicle::crazyflie(), "crazyflie"}};
-const Numbers u = {0.3, -0.2, 0.1, 0.4, /**/ 0.5, 0.1, -0.2, /**/ 0.4, 0.3, 0.2, 0.3};
+const Numbers fleet_input = {0.3, -0.2, 0.1, 0.4, /**/ 0.5, 0.1, -0.2, /**/ 0.4, 0.3, 0.2, 0.3};
 
-Numbers copy(std::span<const double> x) { return {x.begin(), x.end()}; }
-Numbers part(std::span<const double> x, std::size_t from, std::size_t n) { return copy(x.subspan(from, n)); }
+Numbers part(std::span<const double> x, std::size_t from, std::size_t n) {
+  return copied(x.subspan(from, n));
+}
 
-Numbers fly(RotorWorld& world, int periods, const Numbers& inputs = u) {
+Numbers fly(RotorWorld& world, int periods, const Numbers& inputs = fleet_input) {
   Numbers seen;
   for (int k = 0; k < periods; ++k) {
     const Measured now = world.measure(0.01 * k);
@@ -47,8 +50,8 @@ Numbers fly(RotorWorld& world, int periods, const Numbers& inputs = u) {
 }
 
 TEST(RotorWorld, WhoIsNoVehicleMovesAsInTheModelWorldBitForBit) {
-  RotorWorld rotors(mixed(), x0, fleet);
-  ModelWorld models(mixed(), x0);
+  RotorWorld rotors(mixed_fleet(), fleet_start, fleet);
+  ModelWorld models(mixed_fleet(), fleet_start);
   for (int k = 0; k < 100; ++k) {
     const Measured seen = rotors.measure(0.01 * k), expected = models.measure(0.01 * k);
     EXPECT_EQ(part(seen.truth, 7, 7), part(expected.truth, 7, 7));
@@ -56,16 +59,16 @@ TEST(RotorWorld, WhoIsNoVehicleMovesAsInTheModelWorldBitForBit) {
     if (k > 10) {
       EXPECT_NE(part(seen.truth, 0, 7), part(expected.truth, 0, 7));
     }
-    ASSERT_TRUE(rotors.apply(0.01 * k, {}, u, 0.01, 1));
-    ASSERT_TRUE(models.apply(0.01 * k, {}, u, 0.01, 1));
+    ASSERT_TRUE(rotors.apply(0.01 * k, {}, fleet_input, 0.01, 1));
+    ASSERT_TRUE(models.apply(0.01 * k, {}, fleet_input, 0.01, 1));
   }
 }
 
 TEST(RotorWorld, MeasuresTheStateOfThePlanningModelAsTheBodyShowsIt) {
-  RotorWorld world(mixed(), x0, fleet);
-  EXPECT_EQ(copy(world.measure(0.0).truth), copy(world.start()));
+  RotorWorld world(mixed_fleet(), fleet_start, fleet);
+  EXPECT_EQ(copied(world.measure(0.0).truth), copied(world.start()));
   fly(world, 80);
-  const Numbers x = copy(world.measure(0.8).truth);
+  const Numbers x = copied(world.measure(0.8).truth);
   for (const auto& [robot, from] : {std::pair{BodyId{0}, 0}, std::pair{BodyId{2}, 14}}) {
     const Rotorcraft* const craft = world.rotorcraft(robot);
     ASSERT_NE(craft, nullptr);
@@ -102,7 +105,7 @@ TEST(RotorWorld, AnAngleMultirotorShowsItsAngle) {
 TEST(RotorWorld, TheSameSeedGivesTheSameBytesAndAnotherOthers) {
   const auto flown = [](std::uint64_t seed) {
     RotorWorld world(
-        mixed(), x0, fleet,
+        mixed_fleet(), fleet_start, fleet,
         {.seed = seed, .disturbances = {.wind = {0.3, 0, 0}, .gust_sigma = 0.2, .input_delay = 0.03}},
         {.seed = seed, .noise = {.position = 0.01}, .delay = 0.02});
     return fly(world, 200);
@@ -113,25 +116,25 @@ TEST(RotorWorld, TheSameSeedGivesTheSameBytesAndAnotherOthers) {
 }
 
 TEST(RotorWorld, PeriodsThatWereMissedPassUnderTheInputsThatWentOn) {
-  RotorWorld at_once(mixed(), x0, fleet), one_by_one(mixed(), x0, fleet);
-  ASSERT_TRUE(at_once.apply(0.0, {}, u, 0.01, 25));
-  for (int k = 0; k < 25; ++k) ASSERT_TRUE(one_by_one.apply(0.01 * k, {}, u, 0.01, 1));
-  EXPECT_EQ(copy(at_once.measure(0.25).truth), copy(one_by_one.measure(0.25).truth));
+  RotorWorld at_once(mixed_fleet(), fleet_start, fleet), one_by_one(mixed_fleet(), fleet_start, fleet);
+  ASSERT_TRUE(at_once.apply(0.0, {}, fleet_input, 0.01, 25));
+  for (int k = 0; k < 25; ++k) ASSERT_TRUE(one_by_one.apply(0.01 * k, {}, fleet_input, 0.01, 1));
+  EXPECT_EQ(copied(at_once.measure(0.25).truth), copied(one_by_one.measure(0.25).truth));
 }
 
 TEST(RotorWorld, ADelayedCommandIsTheCommandSoMuchLater) {
-  const Numbers rest(u.size());
-  Numbers start = x0;
+  const Numbers rest(fleet_input.size());
+  Numbers start = fleet_start;
   start[5] = start[6] = start[21] = start[22] = start[12] = 0;
-  RotorWorld late(mixed(), start, fleet, {.disturbances = {.input_delay = 0.05}}),
-      prompt(mixed(), start, fleet);
-  for (int k = 0; k < 5; ++k) ASSERT_TRUE(late.apply(0.01 * k, {}, u, 0.01, 1));
+  RotorWorld late(mixed_fleet(), start, fleet, {.disturbances = {.input_delay = 0.05}}),
+      prompt(mixed_fleet(), start, fleet);
+  for (int k = 0; k < 5; ++k) ASSERT_TRUE(late.apply(0.01 * k, {}, fleet_input, 0.01, 1));
   for (int k = 0; k < 60; ++k) {
     const double* const a = &late.measure(0.05 + 0.01 * k).truth[0];
     const double* const b = &prompt.measure(0.01 * k).truth[0];
     for (int i = 0; i < 7; ++i) EXPECT_NEAR(a[i], b[i], 1e-9);
-    ASSERT_TRUE(late.apply(0.05 + 0.01 * k, {}, u, 0.01, 1));
-    ASSERT_TRUE(prompt.apply(0.01 * k, {}, u, 0.01, 1));
+    ASSERT_TRUE(late.apply(0.05 + 0.01 * k, {}, fleet_input, 0.01, 1));
+    ASSERT_TRUE(prompt.apply(0.01 * k, {}, fleet_input, 0.01, 1));
   }
 }
 
@@ -153,20 +156,20 @@ TEST(RotorWorld, WindDriftsAVehicleThatHoldsItsTilt) {
 }
 
 TEST(RotorWorld, WhoIsAbsentRestsAndWhoJoinsBeginsAtTheStart) {
-  RotorWorld world(mixed(), x0, fleet);
+  RotorWorld world(mixed_fleet(), fleet_start, fleet);
   using enum Presence;
   world.set_presence(std::array{steered, steered, absent, hold});
   for (int k = 0; k < 100; ++k) {
     EXPECT_EQ(part(world.measure(0.01 * k).truth, 14, 9), part(world.start(), 14, 9));
-    ASSERT_TRUE(world.apply(0.01 * k, {}, u, 0.01, 1));
+    ASSERT_TRUE(world.apply(0.01 * k, {}, fleet_input, 0.01, 1));
   }
   world.set_presence(std::array{steered, steered, steered, hold});
   EXPECT_EQ(part(world.measure(1.0).truth, 14, 9), part(world.start(), 14, 9));
   // It flies as from the beginning.
-  RotorWorld fresh(mixed(), x0, fleet);
+  RotorWorld fresh(mixed_fleet(), fleet_start, fleet);
   for (int k = 0; k < 50; ++k) {
-    ASSERT_TRUE(world.apply(1.0 + 0.01 * k, {}, u, 0.01, 1));
-    ASSERT_TRUE(fresh.apply(0.01 * k, {}, u, 0.01, 1));
+    ASSERT_TRUE(world.apply(1.0 + 0.01 * k, {}, fleet_input, 0.01, 1));
+    ASSERT_TRUE(fresh.apply(0.01 * k, {}, fleet_input, 0.01, 1));
   }
   EXPECT_EQ(part(world.measure(1.5).truth, 14, 9), part(fresh.measure(0.5).truth, 14, 9));
 }
@@ -215,8 +218,8 @@ TEST(RotorWorld, ATouchOfTwoBodiesEndsItWhenTheyHaveBeenApart) {
 }
 
 TEST(RotorWorld, AStateThatIsNoLongerFiniteEndsItWithoutASentence) {
-  RotorWorld world(mixed(), x0, fleet);
-  Numbers spoilt = u;
+  RotorWorld world(mixed_fleet(), fleet_start, fleet);
+  Numbers spoilt = fleet_input;
   spoilt[4] = std::numeric_limits<double>::infinity();  // of the rover
   EXPECT_FALSE(world.apply(0.0, {}, spoilt, 0.01, 1));
   EXPECT_EQ(world.ended(), "");
@@ -225,9 +228,9 @@ TEST(RotorWorld, AStateThatIsNoLongerFiniteEndsItWithoutASentence) {
 TEST(RotorWorld, RefusesWhatItCannotFly) {
   const auto refused = [](const std::vector<RobotVehicle>& vehicles, const PlantOptions& plant,
                           double z = 2.0) {
-    Numbers x = x0;
+    Numbers x = fleet_start;
     x[2] = z;
-    return refusal_of([&] { RotorWorld(mixed(), x, vehicles, plant); });
+    return refusal_of([&] { RotorWorld(mixed_fleet(), x, vehicles, plant); });
   };
   const RobotVehicle x500 = fleet[0];
   EXPECT_EQ(refused(fleet, {}), "");

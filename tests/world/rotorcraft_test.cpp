@@ -23,12 +23,6 @@ Rotorcraft hovering(const Vehicle& vehicle, Commands commands = Commands::tilt, 
   return craft;
 }
 
-std::vector<Vehicle> vehicles() {
-  std::vector<Vehicle> all = {hexacopter()};
-  for (const auto& preset : Vehicle::presets()) all.push_back(preset.part);
-  return all;
-}
-
 /// Tilt along the heading, as the acceleration g tan(tilt) of a thrust that carries the weight.
 double forward_tilt(const Rotorcraft& craft) {
   const Vec3<double> z = craft.attitude().z;
@@ -37,7 +31,7 @@ double forward_tilt(const Rotorcraft& craft) {
 }
 
 TEST(Rotorcraft, HoversWithTheThrustOfItsWeightAndStaysWithFourRotorsAndSix) {
-  for (const Vehicle& v : vehicles()) {
+  for (const Vehicle& v : all_vehicles()) {
     for (const Commands commands : {Commands::tilt, Commands::velocity}) {
       Rotorcraft craft = hovering(v, commands);
       for (int k = 0; k < 20000; ++k) craft.step({}, {});
@@ -51,7 +45,7 @@ TEST(Rotorcraft, HoversWithTheThrustOfItsWeightAndStaysWithFourRotorsAndSix) {
 TEST(Rotorcraft, ComesBackToHoverFromAnyTumble) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> within(-1, 1);
-  for (const Vehicle& v : vehicles()) {
+  for (const Vehicle& v : all_vehicles()) {
     for (int k = 0; k < 20; ++k) {
       Rotorcraft craft = hovering(v, Commands::velocity);
       craft.begin({0, 0, 100}, {1, 0}, {3 * within(random), 3 * within(random), within(random)},
@@ -187,7 +181,7 @@ TEST(Rotorcraft, TheArDroneMovesBy24) {
 }
 
 TEST(Rotorcraft, VelocityCommandsAreReachedWithoutOffsetInWindToo) {
-  for (const Vehicle& v : vehicles()) {
+  for (const Vehicle& v : all_vehicles()) {
     Rotorcraft craft = hovering(v, Commands::velocity);
     const Vec3<double> air = v.air({0.5, -0.5, 0});
     for (int k = 0; k < 30000; ++k) craft.step({0.8, -0.4, 0.3, 0}, air);
@@ -196,7 +190,7 @@ TEST(Rotorcraft, VelocityCommandsAreReachedWithoutOffsetInWindToo) {
 }
 
 TEST(Rotorcraft, AirThatMovesAcceleratesItInHoverAsTheWindIsMeant) {
-  for (const Vehicle& v : vehicles()) {
+  for (const Vehicle& v : all_vehicles()) {
     Rotorcraft craft = hovering(v);
     const Vec3<double> a = {0.4, -0.3, 0.0}, air = v.air(a);
     for (int k = 0; k < 10; ++k) craft.step({}, air);
