@@ -21,8 +21,8 @@ enum class HoverLags { none, all };
 ///
 ///   tau a_f' = b_f u_f - a_f,   tau a_s' = -b_s u_s - a_s,   tau_z v_z' = b_z u_z - v_z,   tau_psi r' = b_psi u_psi - r
 ///
-/// and (1 + v_z' / g) a_f and (1 + v_z' / g) a_s stand in place of b_f u_f and -b_s u_s: a thrust that lifts more also pushes more.
-/// The states a_f and a_s are accelerations, the parameters of these names are drag, as in (24).
+/// and (1 + v_z' / g) a_f and (1 + v_z' / g) a_s stand in place of b_f u_f and -b_s u_s: a thrust that lifts more also
+/// pushes more. The states a_f and a_s are accelerations, the parameters of these names are drag, as in (24).
 ///
 ///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s, a_f, a_s, v_z, r]  position [m], heading, velocity forward and to the left in V [m/s];
 ///                                                              with lags acceleration of the tilt forward and to the left
@@ -68,8 +68,9 @@ struct LaggedHoverMultirotor {
         parameter("tau_psi", &M::tau_psi, "s", lag_or_none, "lag of the yaw rate")};
   }
 
-  /// The vehicles of world/vehicle.hpp as `sightline identify` finds them for tilt_max = 0.2 rad. Without lags they are behind a
-  /// delay of 0.16 s, 0.114 s and 0.139 s, with lags behind 0.036 s, 0.028 s and 0.025 s. ar_drone() has the numbers of (16).
+  /// The vehicles of world/vehicle.hpp as `sightline identify` finds them for tilt_max = 0.2 rad. Without lags they are
+  /// behind a delay of 0.16 s, 0.114 s and 0.139 s, with lags behind 0.036 s, 0.028 s and 0.025 s. ar_drone() has the
+  /// numbers of (16).
   static constexpr LaggedHoverMultirotor x500() { return {}; }
   static constexpr LaggedHoverMultirotor crazyflie() {
     return {.b_z = 1.0,
