@@ -64,7 +64,7 @@ TEST(IdentificationText, TableJsonAndPageSayTheSame) {
   const auto json = nlohmann::json::parse(to_json(found));
   EXPECT_EQ(json.at("robot"), "uav");
   EXPECT_EQ(json.at("candidates").size(), 8U);
-  EXPECT_EQ(json.at("best").at("numbers").size(), 10U);
+  EXPECT_EQ(json.at("best").at("numbers").size(), 12U);
   EXPECT_NEAR(json.at("error").at("r2").get<double>(), found.error().r2, 1e-12);
   EXPECT_THAT(table, HasSubstr(json.at("template").get<std::string>()));
   const std::string page = identification_html(found, motion);

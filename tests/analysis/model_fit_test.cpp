@@ -28,6 +28,16 @@ TEST(ModelFit, WithoutNoiseFindsTheNumbersOfTheRobot) {
   for (const FoundNumber& one : model.found) EXPECT_TRUE(one.known()) << one.number.key;
 }
 
+TEST(ModelFit, ASteadyWindIsFoundBesideTheNumbersOfTheVehicle) {
+  const Scenario scenario = alone(robot, 11, "input_delay = 0.073\nwind = [0.5, -0.3, 0.0]");
+  const FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
+  EXPECT_NEAR(number(model, "w_x"), 0.5, 2e-3);
+  EXPECT_NEAR(number(model, "w_y"), -0.3, 2e-3);
+  EXPECT_NEAR(number(model, "b_f"), 1.8, 5e-3);
+  EXPECT_NEAR(number(model, "a_s"), -0.5, 2e-3);
+}
+
 TEST(ModelFit, ItsIntervalsShrinkWithTheRootOfTheTime) {
   const Scenario scenario = alone(robot, 11, std::string(test::usual_noise));
   const FlownMotion motion = fly_excitation(scenario, uav(scenario), {.seconds = 80});

@@ -109,8 +109,11 @@ inline FlownMotion task_flight(std::string_view preset, const std::string& robot
   return written.motion();
 }
 
+/// On another flight, in calm air.
 inline PredictionError judged_on(const FlownMotion& motion, const FittedModel& model) {
-  return prediction_error(motion, {0, motion.size()}, model.structure, model.numbers);
+  ModelNumbers numbers = model.numbers;
+  numbers.w_x = numbers.w_y = 0.0;
+  return prediction_error(motion, {0, motion.size()}, model.structure, numbers);
 }
 
 }  // namespace sightline::test

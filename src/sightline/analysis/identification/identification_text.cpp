@@ -71,6 +71,7 @@ std::string template_text(const Identification& found, const FittedModel& model,
   std::string numbers;
   double delay = 0.0;
   for (const FoundNumber& one : model.found) {
+    if (one.number.of_flight) continue;
     if (one.number.key == "delay") {
       delay = one.value;
       continue;

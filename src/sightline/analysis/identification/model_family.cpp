@@ -42,6 +42,8 @@ std::vector<FittedNumber> fitted_numbers(const ModelStructure& structure) {
     all.push_back({"tau_psi", "s", &N::tau_psi, 0.005, 2, 3, "lag of the yaw rate"});
   }
   if (structure.delay) all.push_back({"delay", "s", &N::delay, 0, 0.5, 4, "of the commands"});
+  all.push_back({"w_x", "m/s^2", &N::w_x, -5, 5, 4, "wind of this flight, along x of G", true});
+  all.push_back({"w_y", "m/s^2", &N::w_y, -5, 5, 4, "wind of this flight, along y of G", true});
   return all;
 }
 

@@ -38,6 +38,7 @@ struct ModelNumbers {
   double tau_f = 0.5, tau_s = 0.5;
   double delay = 0.0;
   double tau = 0.1, tau_z = 0.25, tau_psi = 0.18;
+  double w_x = 0.0, w_y = 0.0;  ///< steady acceleration in G: wind, or a vehicle that is trimmed badly
 };
 
 /// A number that is fitted, and the inputs that must move for it to be known.
@@ -47,11 +48,12 @@ struct FittedNumber {
   double low, high;   ///< between which it is looked for
   std::size_t input;  ///< 0 u_f, 1 u_s, 2 u_z, 3 u_psi; 4: u_f or u_s
   std::string_view meaning;
+  bool of_flight = false;  ///< and not of the vehicle
 };
 
 inline constexpr std::array<std::string_view, 4> command_names = {"u_f", "u_s", "u_z", "u_psi"};
 
-/// Those of a structure, in the order of the robot's parameters; the delay last.
+/// Those of a structure, in the order of the robot's parameters; then the delay, and what is of the flight.
 std::vector<FittedNumber> fitted_numbers(const ModelStructure& structure);
 
 }  // namespace sightline

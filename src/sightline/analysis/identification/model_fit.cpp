@@ -333,6 +333,7 @@ class Fit {
 }  // namespace
 
 bool FoundNumber::known() const {
+  if (number.of_flight) return true;
   if (!moved) return false;
   constexpr double share = 0.25, shortest = 0.02;  // [s]
   return interval <= share * std::abs(value) || (number.unit == "s" && interval <= shortest);

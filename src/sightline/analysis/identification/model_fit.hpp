@@ -22,7 +22,8 @@ struct FoundNumber {
 
   double low() const { return value - interval; }
   double high() const { return value + interval; }
-  /// Whether the interval is at most a quarter of the value either way; of a lag or a delay also where it is at most 20 ms.
+  /// Whether the interval is at most a quarter of the value either way; of a lag or a delay also where it is at most 20 ms. What
+  /// is of the flight need not be known.
   bool known() const;
 };
 

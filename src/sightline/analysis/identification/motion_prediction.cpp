@@ -48,6 +48,7 @@ MotionPrediction::MotionPrediction(const FlownMotion& motion, const ModelStructu
     : structure_(structure),
       a_f_(n.a_f),
       a_s_(n.a_s),
+      wind_{n.w_x, n.w_y},
       parts_(static_cast<std::size_t>(std::max(1.0, std::ceil(motion.period / longest_step - 1e-9)))),
       h_(motion.period / static_cast<double>(parts_)) {
   const bool tilts = structure.commands == Commands::tilt;
@@ -86,15 +87,17 @@ MotionPrediction::MotionPrediction(const FlownMotion& motion, const ModelStructu
 }
 
 void MotionPrediction::step(const Forced& forced, SeenMotion& m) const {
-  const double turn = structure_.coriolis ? forced.rate : 0.0;
+  const double turn = structure_.coriolis ? forced.rate : 0.0, psi = m.psi + 0.5 * h_ * forced.rate;
+  const Vec2<double> d = {std::cos(psi), std::sin(psi)};
+  const Vec2<double> wind = rotate<double>({d.x, -d.y}, wind_);
   const auto change = [&](double v_f, double v_s) {
-    return Vec2<double>{a_f_ * v_f + forced.push_f + turn * v_s, a_s_ * v_s + forced.push_s - turn * v_f};
+    return Vec2<double>{a_f_ * v_f + forced.push_f + turn * v_s + wind.x,
+                        a_s_ * v_s + forced.push_s - turn * v_f + wind.y};
   };
   const Vec2<double> first = change(m.v_f, m.v_s);
   const Vec2<double> middle = {m.v_f + 0.5 * h_ * first.x, m.v_s + 0.5 * h_ * first.y};
   const Vec2<double> second = change(middle.x, middle.y);
-  const double psi = m.psi + 0.5 * h_ * forced.rate;
-  const Vec2<double> v = rotate<double>({std::cos(psi), std::sin(psi)}, middle);
+  const Vec2<double> v = rotate<double>(d, middle);
   m.p = m.p + h_ * Vec3<double>{v.x, v.y, forced.climb};
   m.psi += h_ * forced.rate;
   m.v_f += h_ * second.x;

@@ -39,6 +39,7 @@ class MotionPrediction {
 
   ModelStructure structure_;
   double a_f_, a_s_;
+  Vec2<double> wind_;  // acceleration in G [m/s^2]
   std::size_t parts_;  // steps of a period
   double h_;           // of a step [s]
   std::vector<Forced> forced_;
