@@ -45,6 +45,26 @@ Arguments::Arguments()
       ->allow_extra_args(false);
   replay_command->add_flag("--json", replay.json, "JSON instead of a table");
 
+  identify_command = app.add_subcommand(
+      "identify", "Fit the model of a multirotor to a flight that excites it, or to a run");
+  identify_command->add_option("SCENARIO", identify.of, "Scenario file (TOML), or the folder of a run")
+      ->required();
+  identify_command->add_option("--agent", identify.agent, "Robot [the only multirotor]");
+  identify_command
+      ->add_option("--excitation", identify.excitation, "steps, chirp, 3211 or bang_bang, in a scenario")
+      ->capture_default_str();
+  identify_command->add_option("--seconds", identify.seconds, "Time of the excitation [s]")
+      ->capture_default_str();
+  identify_command->add_option("--height", identify.height,
+                               "Where it begins [m]; the scenario's, but at least 2 m");
+  identify_command->add_option("--radius", identify.radius, "Farthest from the start, level [m]")
+      ->capture_default_str();
+  identify_command->add_option("--seed", identify.seed, "Seed of steps and noise, instead of the scenario's")
+      ->check(CLI::Range(std::uint64_t{0}, seed_max));
+  identify_command->add_option("-o,--output", identify.output,
+                               "Folder for the results [out/NAME/identify; of a run, its own]");
+  identify_command->add_flag("--json", identify.json, "JSON instead of a table");
+
   potential_command =
       app.add_subcommand("potential", "Draw and judge the potentials of a scenario's couplings");
   potential_command->add_option("SCENARIO", potential.scenario, "Scenario file (TOML)")->required();

@@ -18,11 +18,13 @@ struct Arguments {
   std::filesystem::path scenario, folder;
   bool expanded = false, parts_as_json = false;
   ReplayCommand replay;
+  IdentifyCommand identify;
   PotentialOptions potential;
   CampaignCommand campaign;
   BenchCommand bench;
-  CLI::App *run_command, *check_command, *report_command, *replay_command, *potential_command,
-      *explain_command, *campaign_command, *parts_command, *version_command, *bench_command;
+  CLI::App *run_command, *check_command, *report_command, *replay_command, *identify_command,
+      *potential_command, *explain_command, *campaign_command, *parts_command, *version_command,
+      *bench_command;
 };
 
 }  // namespace sightline::cli

@@ -26,6 +26,7 @@ int execute(int argc, char** argv, const Parts& parts) {
   if (words.check_command->parsed()) return check(words.scenario, words.expanded, parts);
   if (words.report_command->parsed()) return report(words.folder);
   if (words.replay_command->parsed()) return replay(words.replay, parts);
+  if (words.identify_command->parsed()) return identify(words.identify, parts);
   if (words.potential_command->parsed()) return potential(words.potential, parts);
   if (words.explain_command->parsed()) return explain(words.scenario, parts);
   if (words.campaign_command->parsed()) return campaign(words.campaign, parts);

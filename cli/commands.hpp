@@ -46,6 +46,17 @@ struct ReplayCommand {
   bool json = false;
 };
 
+struct IdentifyCommand {
+  std::filesystem::path of;      ///< a scenario, or the folder of a run
+  std::filesystem::path output;  ///< empty: out/NAME/identify, of a run its own folder
+  std::string agent;             ///< empty: the only multirotor there is
+  std::string excitation = "steps";
+  double seconds = 20.0, radius = 3.0;
+  std::optional<double> height;       ///< none: the scenario's, at least 2 m
+  std::optional<std::uint64_t> seed;  ///< none: the scenario's
+  bool json = false;
+};
+
 struct CampaignCommand {
   std::filesystem::path scenario;
   std::filesystem::path output;  ///< empty: out/NAME/campaign
@@ -85,6 +96,8 @@ int report(const std::filesystem::path& folder);
 /// Feeds the measurements of a run through its loop again and compares each command, bit for bit: 1 where one differs.
 /// With another solver or other values, says how far the commands are from the recorded ones.
 int replay(const ReplayCommand& command, const Parts& parts);
+/// Fits models of a multirotor to a flight that excites it, or to the log of a run: identify.json and identify.html.
+int identify(const IdentifyCommand& command, const Parts& parts);
 /// Draws and judges the potentials of a scenario: index.html and verdict.json.
 int potential(const PotentialOptions& options, const Parts& parts);
 /// Says which limits of a scenario can hold together and what each is worth.

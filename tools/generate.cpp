@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
@@ -72,6 +73,9 @@ int main(int argc, char** argv) {
       stages_of("angle_multirotor", {AngleMultirotor{}}, both),
       stages_of("velocity_multirotor", {VelocityMultirotor{}}, {Seen::pose}),
       stages_of("velocity_multirotor_motion", {VelocityMultirotor{}}, {Seen::pose_and_motion}),
+      stages_of("hover_multirotor", {HoverMultirotor{}, LaggingHoverMultirotor{}}, {Seen::pose}),
+      stages_of("hover_multirotor_motion", {HoverMultirotor{}, LaggingHoverMultirotor{}},
+                {Seen::pose_and_motion}),
       stages_of("ground_robots", {OmniRover{}, Unicycle{}}, both),
       stages_of("point_mass", {PointMass{}, PointMass{.drag = 0.3}}, both),
       potentials(),

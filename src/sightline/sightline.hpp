@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/text_robot.hpp"
 #include "sightline/model/velocity_multirotor.hpp"

@@ -10,6 +10,7 @@
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
@@ -59,9 +60,10 @@ class RobotLaws : public testing::Test {
   Random random_{1};
 };
 
-using Robots = testing::Types<Multirotor, AngleMultirotor, OmniRover, Unicycle, PointMass, VelocityMultirotor,
-                              LaggedMultirotor<Lags::plane>, LaggedMultirotor<Lags::climb>,
-                              LaggedMultirotor<Lags::yaw>, Body, PosedBody>;
+using Robots =
+    testing::Types<Multirotor, AngleMultirotor, OmniRover, Unicycle, PointMass, VelocityMultirotor,
+                   LaggedMultirotor<Lags::plane>, LaggedMultirotor<Lags::climb>, LaggedMultirotor<Lags::yaw>,
+                   HoverMultirotor, LaggingHoverMultirotor, Body, PosedBody>;
 TYPED_TEST_SUITE(RobotLaws, Robots);
 
 /// Whether the state says where a robot heads; the others head along x of G.
@@ -252,6 +254,7 @@ Vec3<double> taken(const Vec2<double>& d, const Vec3<double>& a) {
   if constexpr (std::same_as<M, Body> || std::same_as<M, PosedBody>) return {};
   if constexpr (std::same_as<M, PointMass>) return a;
   if constexpr (requires { M::climb_lags; }) return {a.x, a.y, M::climb_lags ? a.z : 0.0};
+  if constexpr (requires { M::lagging; }) return {a.x, a.y, M::lagging ? a.z : 0.0};
   if constexpr (std::same_as<M, Unicycle>) {
     const double along = d.x * a.x + d.y * a.y;
     return {along * d.x, along * d.y, 0.0};

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/model.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
@@ -35,7 +36,8 @@ StateRoles by_name(const Model& model) {
 
 TEST(StateRoles, OfTheLibrarySRobotsAreWhatTheirNamesSay) {
   for (const Model& model : {Model(Multirotor{}), Model(AngleMultirotor{}), Model(OmniRover{}),
-                             Model(Unicycle{}), Model(PointMass{}), Model(VelocityMultirotor::px4())}) {
+                             Model(Unicycle{}), Model(PointMass{}), Model(VelocityMultirotor::px4()),
+                             Model(HoverMultirotor{}), Model(LaggingHoverMultirotor{})}) {
     const StateRoles found = roles_of(model), named = by_name(model);
     EXPECT_EQ(found.position, named.position) << model.name();
     EXPECT_EQ(found.direction, named.direction) << model.name();

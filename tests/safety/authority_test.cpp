@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
 #include "tests/support/adversary.hpp"
@@ -91,6 +92,16 @@ TEST(Authority, CanBeHadInEveryDirectionAtEverySpeed) {
   }
 }
 
+TEST(Authority, OfAMultirotorWhoseVelocityStaysInGWhileItYawsIsThatOfEquation24) {
+  const HoverMultirotor hover;
+  const Multirotor paper{hover.b_z, hover.b_psi, hover.a_f, hover.b_f, hover.a_s, hover.b_s};
+  const Authority own = authority_of(hover, low, high), known = authority_of(paper, low, high);
+  EXPECT_NEAR(own.climb, known.climb, 1e-6);
+  EXPECT_NEAR(own.drag, known.drag, 1e-3);
+  EXPECT_GE(own.acceleration, known.acceleration - 1e-3)
+      << "the paper's has to hold its velocity up against the yaw";
+}
+
 TEST(Authority, IsRefusedWhereARobotCannotFleeAnyWay) {
   EXPECT_EQ(refusal_of([] {
               authority_of(test::Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2));
@@ -111,6 +122,9 @@ TEST(Authority, IsRefusedWhereARobotCannotFleeAnyWay) {
       "expected a robot that can flee any way");
   EXPECT_EQ(of_limits(VelocityMultirotor{}),
             "barrier: the height of \"velocity_multirotor\" does not follow its commands at once, expected a "
+            "vertical velocity that is commanded");
+  EXPECT_EQ(of_limits(LaggingHoverMultirotor{}),
+            "barrier: the height of \"hover_multirotor\" does not follow its commands at once, expected a "
             "vertical velocity that is commanded");
   const std::array<double, 4> one_sided = {0, -1, -1, -1};
   EXPECT_THROW(authority_of(Multirotor{}, one_sided, highest), std::invalid_argument);

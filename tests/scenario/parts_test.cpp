@@ -162,7 +162,7 @@ TEST(Parts, every_one_of_ours_describes_its_parameters_with_unit_range_default_a
   };
   described(parts.robots), described(parts.potentials), described(parts.references), described(parts.limits);
   EXPECT_THAT(parts.robots.names(), ElementsAre("multirotor", "angle_multirotor", "omni_rover", "unicycle",
-                                                "point_mass", "velocity_multirotor"));
+                                                "point_mass", "velocity_multirotor", "hover_multirotor"));
   EXPECT_EQ(parts.potentials.names().size(), 10U);
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "tests/support/random.hpp"
@@ -59,6 +60,21 @@ TEST(ReadRobot, ARobotAsTextIsTheRobotOfItsFormulas) {
     const std::vector<double> z(x.begin(), x.end());
     EXPECT_EQ(rates(text, z), rates(model, z));
   }
+}
+
+TEST(ReadRobot, LagsMakeAHoverMultirotorOneWithTheirStates) {
+  const auto read = [](const std::string& parameters) {
+    return robot("robot = \"hover_multirotor\"\nparameters = { " + parameters + " }\n");
+  };
+  EXPECT_EQ(read("").nx(), 7);
+  EXPECT_EQ(read("preset = \"crazyflie\"").nx(), 7);
+  const Model lagging = read("preset = \"crazyflie\", tau = 0.07, tau_z = 0.229, tau_psi = 0.136");
+  EXPECT_EQ(lagging.nx(), 11);
+  const std::vector<double> x = {0, 0, 0, 1, 0, 0.3, 0.2, 0.5, -0.5, 0.1, 0.4};
+  EXPECT_EQ(rates(lagging, x), rates(LaggingHoverMultirotor::crazyflie(), x));
+  EXPECT_EQ(refusal("robot = \"hover_multirotor\"\nparameters = { tau = 0.1 }\n"),
+            "a:2: parameters: hover_multirotor.tau, tau_z, tau_psi = 0.1, 0, 0 s, expected all three above 0 "
+            "s, or none");
 }
 
 TEST(ReadRobot, APresetSetsWhatIsNotSaidBesideIt) {

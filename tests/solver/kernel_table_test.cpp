@@ -8,6 +8,7 @@
 
 #include "examples/own_potential.hpp"
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
@@ -79,6 +80,9 @@ TEST(KernelTable, CompiledAndInterpretedGroupsGiveTheSameBits) {
     expect_same_bits(PointMass{.drag = 0.7}, seen);
     expect_same_bits(VelocityMultirotor{}, seen);
     expect_same_bits(LaggedMultirotor<Lags::plane>{}, seen);
+    expect_same_bits(HoverMultirotor{}, seen);
+    expect_same_bits(LaggingHoverMultirotor{}, seen);
+    expect_same_bits(LaggingHoverMultirotor::crazyflie(), seen);
     expect_same_bits(VelocityMultirotor{.tau_f = 0.4, .tau_s = 0.45, .tau_z = 0.6, .tau_psi = 0.15}, seen);
   }
 }

@@ -13,6 +13,7 @@
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
@@ -197,6 +198,8 @@ TEST(Stage, TheTracedRecursionIsTheDenseOne) {
       expect_stage_is_the_dense_one(Unicycle{}, seen, random);
       expect_stage_is_the_dense_one(PointMass{.drag = 0.31}, seen, random);
       expect_stage_is_the_dense_one(VelocityMultirotor{}, seen, random);
+      expect_stage_is_the_dense_one(HoverMultirotor{}, seen, random);
+      expect_stage_is_the_dense_one(LaggingHoverMultirotor{}, seen, random);
     }
   }
 }
@@ -252,6 +255,14 @@ TEST(Stage, NoParameterAndNoStageLengthChangesTheStructureOfAModel) {
   expect_one_structure([](Random& r) { return PointMass{a_positive(r)}; });
   expect_one_structure([](Random& r) {
     return VelocityMultirotor{a_positive(r), a_positive(r), a_positive(r), a_positive(r)};
+  });
+  expect_one_structure([](Random& r) {
+    return HoverMultirotor{any_number(r), any_number(r), any_number(r),
+                           any_number(r), any_number(r), any_number(r)};
+  });
+  expect_one_structure([](Random& r) {
+    return LaggingHoverMultirotor{any_number(r), any_number(r), any_number(r), any_number(r), any_number(r),
+                                  any_number(r), a_positive(r), a_positive(r), a_positive(r)};
   });
   expect_one_structure([](Random& r) {
     return LaggedMultirotor<Lags::climb>{a_positive(r), a_positive(r), a_positive(r)};

@@ -29,6 +29,7 @@ inline const std::vector<DrawnKind>& drawn_kinds() {
   static const Words plane = {"p_x", "p_y", "p_z", "d_x", "d_y", "v_f", "v_s"},
                      angle = {"p_x", "p_y", "p_z", "psi", "v_f", "v_s"},
                      lagged = {"p_x", "p_y", "p_z", "d_x", "d_y", "v_f", "v_s", "v_z", "r"},
+                     hovering = {"p_x", "p_y", "p_z", "d_x", "d_y", "v_f", "v_s", "a_f", "a_s", "v_z", "r"},
                      turning = {"p_x", "p_y", "p_z", "d_x", "d_y", "v_f", "v_s", "r"},
                      drive = {"p_x", "p_y", "p_z", "d_x", "d_y", "v_f"},
                      point = {"p_x", "p_y", "p_z", "v_x", "v_y", "v_z"},
@@ -46,6 +47,10 @@ inline const std::vector<DrawnKind>& drawn_kinds() {
        plane, ar_drone, copter},
       {"robot = \"velocity_multirotor\"\nparameters = { preset = \"ar_drone\", tau_z = 0.0 }", turning,
        ar_drone, "flies heads fast"},
+      {"robot = \"hover_multirotor\"", plane, one, copter},
+      {"robot = \"hover_multirotor\"\nparameters = { preset = \"crazyflie\", tau = 0.07, tau_z = 0.2, "
+       "tau_psi = 0.1 }",
+       hovering, one, "flies heads fast"},
       {"robot = \"omni_rover\"", plane, {1, 1, 1}, "heads filtered fast"},
       {"robot = \"unicycle\"", drive, {1, 1}, "heads"},
       {"robot = \"point_mass\"\nparameters = { drag = 0.6 }", point, {1, 1, 1}, "flies fast"},

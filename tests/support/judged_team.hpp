@@ -197,8 +197,9 @@ class JudgedTeam {
       const double v = p["v_max"].value_or(ar_drone ? 2.863 : 3.0);
       most = {v, v, p["climb_max"].value_or(1.0), p["yaw_max"].value_or(ar_drone ? 1.6 : 0.78)};
     } else {
-      const std::map<std::string, std::size_t> inputs = {
-          {"multirotor", 4}, {"angle_multirotor", 4}, {"omni_rover", 3}, {"unicycle", 2}, {"point_mass", 3}};
+      const std::map<std::string, std::size_t> inputs = {{"multirotor", 4},       {"angle_multirotor", 4},
+                                                         {"hover_multirotor", 4}, {"omni_rover", 3},
+                                                         {"unicycle", 2},         {"point_mass", 3}};
       most.assign(inputs.contains(robot) ? inputs.at(robot) : 2, 1.0);  // else a robot that is text
     }
     std::vector<double> least;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
@@ -30,6 +31,8 @@ Wrench asked(const Vehicle& v, FlightController& controller, const RigidBody& bo
 TEST(FlightController, KnowsWhatTheInputsOfEachMultirotorCommandAndOfNoOtherRobot) {
   EXPECT_EQ(commands_of(Multirotor{}), Commands::tilt);
   EXPECT_EQ(commands_of(AngleMultirotor{}), Commands::tilt);
+  EXPECT_EQ(commands_of(HoverMultirotor{}), Commands::tilt);
+  EXPECT_EQ(commands_of(LaggingHoverMultirotor{}), Commands::tilt);
   EXPECT_EQ(commands_of(VelocityMultirotor{}), Commands::velocity);
   EXPECT_EQ(commands_of(LaggedMultirotor<Lags::plane>{}), Commands::velocity);
   EXPECT_EQ(commands_of(OmniRover{}), std::nullopt);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
 #include "tests/support/copied.hpp"
 #include "tests/support/hexacopter.hpp"
@@ -100,6 +101,20 @@ TEST(RotorWorld, AnAngleMultirotorShowsItsAngle) {
     before = psi;
   }
   EXPECT_NEAR(turned, 0.8 * 3, 0.25);
+}
+
+TEST(RotorWorld, ALaggingHoverMultirotorShowsTheAccelerationOfItsTiltTheClimbAndTheYawRate) {
+  Team team;
+  team.add(LaggingHoverMultirotor{}, {.name = "uav"});
+  RotorWorld world(std::move(team), {0, 0, 3, 0.6, 0.8, 0, 0, 0, 0, 0, 0},
+                   {{BodyId{0}, Vehicle::x500(), "x500"}});
+  fly(world, 150, {0.5, -1.0, 0.0, 0.0});
+  const Numbers x = copy(world.measure(1.5).truth);
+  const Rotorcraft* const craft = world.rotorcraft(BodyId{0});
+  EXPECT_NEAR(x[7], gravity * std::tan(0.5 * 0.2), 0.02);
+  EXPECT_NEAR(x[8], gravity * std::tan(0.2), 0.02) << "u_s > 0 is to the right";
+  EXPECT_EQ(x[9], craft->body().v.z);
+  EXPECT_EQ(x[10], craft->heading_rate());
 }
 
 TEST(RotorWorld, TheSameSeedGivesTheSameBytesAndAnotherOthers) {

@@ -7,6 +7,7 @@
 
 #include "sightline/base/refuse.hpp"
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
@@ -30,6 +31,7 @@ Parts::Parts() {
   robots.add<Unicycle>();
   robots.add<PointMass>();
   robots.add<VelocityMultirotor>();
+  robots.add<HoverMultirotor>();
 
   potentials.add<SensorCone>();
   potentials.add<KeepOut>();

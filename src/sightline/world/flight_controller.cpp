@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
 
@@ -16,8 +17,9 @@ struct Commanded {
   std::string_view robot;
   Commands commands;
 };
-constexpr std::array<Commanded, 3> commanded = {{{Multirotor::name, Commands::tilt},
+constexpr std::array<Commanded, 4> commanded = {{{Multirotor::name, Commands::tilt},
                                                  {AngleMultirotor::name, Commands::tilt},
+                                                 {HoverMultirotor::name, Commands::tilt},
                                                  {VelocityMultirotor::name, Commands::velocity}}};
 
 constexpr double steepest = 1.2;             // tilt that is asked for, where inputs are beyond 1 [rad]

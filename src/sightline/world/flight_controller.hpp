@@ -17,7 +17,7 @@ enum class Commands {
   velocity,  ///< forward, to the left and up [m/s], yaw rate [rad/s], in the heading frame V
 };
 
-/// Those of a robot that a vehicle can be: multirotor, angle_multirotor, velocity_multirotor; none of any other.
+/// Those of a robot that a vehicle can be: multirotor, angle_multirotor, hover_multirotor, velocity_multirotor; none of any other.
 std::optional<Commands> commands_of(const Model& robot);
 /// The robots that a vehicle can be, in words.
 std::string robots_with_vehicles();

@@ -15,8 +15,8 @@ namespace sightline {
 namespace {
 
 /// What the states of planning models show of a vehicle.
-constexpr std::array<std::string_view, 10> shown_names = {"p_x", "p_y", "p_z", "d_x", "d_y",
-                                                          "psi", "v_f", "v_s", "v_z", "r"};
+constexpr std::array<std::string_view, 12> shown_names = {"p_x", "p_y", "p_z", "d_x", "d_y", "psi",
+                                                          "v_f", "v_s", "v_z", "r",   "a_f", "a_s"};
 using ShownNumbers = std::array<double, shown_names.size()>;
 
 /// Of each state of the model, which of them it is.
@@ -77,7 +77,7 @@ class RotorWorld::Fleet final : public RobotDynamics {
     Craft& craft = *crafts_[at(robot)];
     ShownNumbers n{};
     for (std::size_t i = 0; i < craft.shown.size(); ++i) n[craft.shown[i]] = x[i];
-    const auto [p_x, p_y, p_z, d_x, d_y, psi, v_f, v_s, v_z, r] = n;
+    const auto [p_x, p_y, p_z, d_x, d_y, psi, v_f, v_s, v_z, r, a_f, a_s] = n;
     const bool has_angle = d_x == 0 && d_y == 0;
     const Vec2<double> d = has_angle ? Vec2<double>{cos(psi), sin(psi)} : Vec2<double>{d_x, d_y};
     const Vec2<double> v = rotate<double>(d, {v_f, v_s});
@@ -112,8 +112,15 @@ class RotorWorld::Fleet final : public RobotDynamics {
   static void show(const Craft& craft, double* x) noexcept {
     const RigidBody& body = craft.flown.body();
     const Vec2<double> d = craft.flown.heading(), v = rotate<double>({d.x, -d.y}, {body.v.x, body.v.y});
-    const ShownNumbers n = {body.p.x,        body.p.y, body.p.z, d.x,      d.y,
-                            atan2(d.y, d.x), v.x,      v.y,      body.v.z, craft.flown.heading_rate()};
+    const Vec3<double> thrust = craft.flown.attitude().z;
+    const double lean = gravity / std::max(thrust.z, 0.1);  // finite, however it tumbles
+    const Vec2<double> a = rotate<double>({d.x, -d.y}, {lean * thrust.x, lean * thrust.y});
+    const ShownNumbers n = {body.p.x, body.p.y,
+                            body.p.z, d.x,
+                            d.y,      atan2(d.y, d.x),
+                            v.x,      v.y,
+                            body.v.z, craft.flown.heading_rate(),
+                            a.x,      a.y};
     for (std::size_t i = 0; i < craft.shown.size(); ++i) x[i] = n[craft.shown[i]];
   }
 

@@ -18,6 +18,7 @@ namespace sightline {
 ///   p            of the centre of mass
 ///   d or psi     of the body's x axis, seen from above
 ///   v_f, v_s     velocity along d and to its left, level;   v_z   upward;   r   rate of psi
+///   a_f, a_s     g tan(tilt) along d and to its left: the acceleration of a thrust that holds the height
 ///
 /// Targets, obstacles and robots that are no vehicles move as in a ModelWorld; delays, noise, faults and presence are those of one.
 /// Wind, gusts and wakes are air that moves: an acceleration a is air at Vehicle::air(a), whose drag accelerates the hovering vehicle by

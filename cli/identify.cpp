@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "cli/commands.hpp"
+#include "cli/output.hpp"
+#include "sightline/analysis/identification/identification_text.hpp"
+#include "sightline/record/folder_lock.hpp"
+#include "sightline/record/replay.hpp"
+#include "sightline/record/text_file.hpp"
+#include "sightline/scenario/scenario.hpp"
+
+namespace sightline::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+ExcitationKind kind_of(const std::string& name) {
+  const auto found = std::find(excitation_names.begin(), excitation_names.end(), name);
+  if (found == excitation_names.end()) {
+    throw std::invalid_argument(
+        fmt::format("--excitation = {}, expected one of {}", name, fmt::join(excitation_names, ", ")));
+  }
+  return static_cast<ExcitationKind>(found - excitation_names.begin());
+}
+
+/// What `make` gives; what it refuses is refused with its place.
+template <class Make>
+auto in(const fs::path& place, Make&& make) {
+  try {
+    return make();
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: {}", place.native(), error.what()));
+  }
+}
+
+/// What the log of a run has of the robot.
+FlownMotion flown(const IdentifyCommand& command, const Parts& parts) {
+  const fs::path log = command.of / "run.mcap";
+  if (!fs::is_regular_file(log))
+    throw std::invalid_argument(
+        fmt::format("{}: no run.mcap, expected a scenario or the folder of a run", command.of.native()));
+  const FlownAs flight = flown_as(log);
+  const Scenario scenario = parse_scenario(flight.text, log, parts, {.files = flight.files});
+  const RecordedFlight recorded(log, scenario.team, scenario.x0, scenario.horizon.dt);
+  return in(command.of, [&] { return motion_of(recorded, scenario.horizon.dt, command.agent); });
+}
+
+}  // namespace
+
+int identify(const IdentifyCommand& command, const Parts& parts) {
+  const bool of_log = fs::is_directory(command.of);
+  std::optional<FolderLock> lock;
+  FlownMotion motion;
+  std::optional<Identification> found;
+  const auto lock_in = [&](const fs::path& otherwise) {
+    lock.emplace(command.output.empty() ? otherwise : command.output,
+                 std::initializer_list<std::string_view>{"identify.json", "identify.html"});
+  };
+  try {
+    if (of_log) {
+      motion = flown(command, parts);
+      lock_in(command.of);
+      found = in(command.of, [&] { return sightline::identify(motion); });
+    } else {
+      const Scenario scenario = read_scenario(command.of, parts);
+      const AgentId robot = in(command.of, [&] { return identified_robot(scenario.team, command.agent); });
+      const ExcitationOptions options{.kind = kind_of(command.excitation),
+                                      .seconds = command.seconds,
+                                      .seed = command.seed.value_or(scenario.simulation.seed),
+                                      .height = command.height,
+                                      .radius = command.radius};
+      options.check();
+      lock_in(fs::path("out") / scenario.name / "identify");
+      motion = fly_excitation(scenario, robot, options);
+      found = in(command.of, [&] { return sightline::identify(motion, options.kind); });
+    }
+  } catch (const std::exception& error) {
+    tell("{}\n", error.what());
+    return 2;
+  }
+
+  const std::string json = to_json(*found);
+  if (command.json) {
+    print("{}", json);
+  } else {
+    print("{}\n", to_string(*found));
+  }
+  const fs::path& folder = lock->folder();
+  write_text(folder / "identify.json", json);
+  if (!command.json) print("{}\n", (folder / "identify.json").native());
+  try {
+    write_text(folder / "identify.html", identification_html(*found, motion));
+    if (!command.json) print("{}\n", (folder / "identify.html").native());
+  } catch (const std::runtime_error& error) {
+    say(fmt::format("no identify.html: {}", error.what()));
+  }
+  return 0;
+}
+
+}  // namespace sightline::cli

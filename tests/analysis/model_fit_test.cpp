@@ -1,0 +1,109 @@
+#include "sightline/analysis/identification/model_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/identified.hpp"
+
+namespace sightline {
+namespace {
+
+using test::alone;
+using test::number;
+using test::uav;
+
+const std::string robot =
+    "robot = \"hover_multirotor\"\nparameters = { b_z = 1.2, b_psi = 1.3, a_f = -0.4, b_f = 1.8, a_s = -0.5, "
+    "b_s = 1.6, tau = 0.11, tau_z = 0.3, tau_psi = 0.2 }";
+constexpr ModelStructure whole{Commands::tilt, true, true, true};
+
+TEST(ModelFit, WithoutNoiseFindsTheNumbersOfTheRobot) {
+  const Scenario scenario = alone(robot, 11, "input_delay = 0.073");
+  const FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
+  for (const auto& [key, value] :
+       {std::pair{"b_z", 1.2}, std::pair{"b_psi", 1.3}, std::pair{"a_f", -0.4}, std::pair{"b_f", 1.8},
+        std::pair{"a_s", -0.5}, std::pair{"b_s", 1.6}, std::pair{"tau", 0.11}, std::pair{"tau_z", 0.3},
+        std::pair{"tau_psi", 0.2}, std::pair{"delay", 0.073}})
+    EXPECT_NEAR(number(model, key), value, 2e-3 * std::abs(value) + 2e-4) << key;
+  for (const FoundNumber& one : model.found) EXPECT_TRUE(one.known()) << one.number.key;
+}
+
+TEST(ModelFit, ASteadyWindIsFoundBesideTheNumbersOfTheVehicle) {
+  const Scenario scenario = alone(robot, 11, "input_delay = 0.073\nwind = [0.5, -0.3, 0.0]");
+  const FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
+  EXPECT_NEAR(number(model, "w_x"), 0.5, 2e-3);
+  EXPECT_NEAR(number(model, "w_y"), -0.3, 2e-3);
+  EXPECT_NEAR(number(model, "b_f"), 1.8, 5e-3);
+  EXPECT_NEAR(number(model, "a_s"), -0.5, 2e-3);
+}
+
+TEST(ModelFit, ItsIntervalsShrinkWithTheRootOfTheTime) {
+  const Scenario scenario = alone(robot, 11, std::string(test::usual_noise));
+  const FlownMotion motion = fly_excitation(scenario, uav(scenario), {.seconds = 80});
+  const FittedModel some = fit_model(motion, {0, motion.size() / 4}, whole),
+                    all = fit_model(motion, {0, motion.size()}, whole);
+  for (std::size_t i = 0; i < all.found.size(); ++i) {
+    EXPECT_LT(all.found[i].interval, 0.8 * some.found[i].interval) << all.found[i].number.key;
+    EXPECT_GT(all.found[i].interval, 0.15 * some.found[i].interval) << all.found[i].number.key;
+  }
+}
+
+TEST(ModelFit, OfAnInputThatRestsNothingIsFound) {
+  const Scenario scenario = alone(robot, 11);
+  FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  for (auto& u : motion.u) u[2] = 0.2;
+  const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
+  EXPECT_EQ(inputs_moved(motion, {0, motion.size()}), (std::array<bool, 4>{true, true, false, true}));
+  for (const FoundNumber& one : model.found) {
+    const bool of_climb = one.number.key == "b_z" || one.number.key == "tau_z";
+    EXPECT_EQ(one.moved, !of_climb) << one.number.key;
+    EXPECT_TRUE(one.moved || !one.known());
+  }
+}
+
+TEST(ModelFit, MeasurementsThatAreMissingAreSteppedOver) {
+  const Scenario scenario = alone(robot, 11, "input_delay = 0.073");
+  FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    if (k % 7 < 3) motion.measured[k].psi = std::numeric_limits<double>::quiet_NaN();
+  }
+  const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
+  EXPECT_NEAR(number(model, "b_f"), 1.8, 5e-3);
+  EXPECT_NEAR(number(model, "delay"), 0.073, 1e-3);
+}
+
+TEST(ModelFit, TheLumpedDelayIsAboutTheDelayAndTheLagOfTheTilt) {
+  const Scenario scenario = alone(robot, 11, "input_delay = 0.073");
+  const FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  const Stretch all{0, motion.size()};
+  const FittedModel with = fit_model(motion, all, whole), lumped = fit_lumped(motion, all, with);
+  EXPECT_NEAR(number(lumped, "delay"), 0.073 + 0.11, 0.03);
+  EXPECT_EQ(number(lumped, "b_f"), number(with, "b_f"));
+  EXPECT_FALSE(lumped.structure.lags);
+}
+
+TEST(ModelFit, AStartIsFoundFromTheMeasurementsAfterIt) {
+  const Scenario scenario = alone(robot, 11, std::string(test::usual_noise));
+  const FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  const MotionPrediction prediction(motion, whole,
+                                    {.b_z = 1.2,
+                                     .b_psi = 1.3,
+                                     .a_f = -0.4,
+                                     .b_f = 1.8,
+                                     .a_s = -0.5,
+                                     .b_s = 1.6,
+                                     .tau = 0.11,
+                                     .tau_z = 0.3,
+                                     .tau_psi = 0.2});
+  for (const std::size_t k : {100U, 500U, 1200U}) {
+    const SeenMotion found = fitted_start(motion, prediction, k, 100), truth = motion.truth[k];
+    EXPECT_LE(norm(found.p - truth.p), 0.01);
+    EXPECT_NEAR(found.psi, truth.psi, 0.01);
+    EXPECT_NEAR(found.v_f, truth.v_f, 0.03);
+    EXPECT_NEAR(found.v_s, truth.v_s, 0.03);
+  }
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,108 @@
+#include "sightline/analysis/identification/motion_prediction.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sightline/model/hover_multirotor.hpp"
+#include "sightline/model/robots.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
+#include "tests/support/random.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr std::size_t periods = 300, late = 4;
+
+/// A flight of that robot under random steps, each command `late` periods after it was given.
+FlownMotion flight(const Model& model, double size) {
+  Random random(3);
+  FlownMotion motion;
+  motion.commands = *commands_of(model);
+  std::vector<double> x(static_cast<std::size_t>(model.nx()));
+  model.at_rest({{0, 0, 2}, {0.6, 0.8}}, x.data());
+  std::array<double, 4> u{};
+  for (std::size_t k = 0; k < periods; ++k) {
+    if (k % 37 == 0) u = uniform_array<4>(random, -size, size);
+    motion.add(model, x.data(), 0.0, x.data(), u);
+    const std::array<double, 4> in_force = k < late ? std::array<double, 4>{} : motion.u[k - late];
+    for (int part = 0; part < 10; ++part) {
+      model.step(x.data(), in_force.data(), 0.001);
+      EXPECT_TRUE(model.normalise(x.data()));
+    }
+  }
+  return motion;
+}
+
+void expect_prediction(const FlownMotion& motion, const ModelStructure& structure,
+                       const ModelNumbers& numbers, double tolerance) {
+  const MotionPrediction prediction(motion, structure, numbers);
+  for (const std::size_t from : {std::size_t{0}, std::size_t{60}, std::size_t{171}}) {
+    prediction.run(from, 100, motion.truth[from], [&](std::size_t j, const SeenMotion& m) {
+      const SeenMotion& y = motion.truth[from + j];
+      EXPECT_LE(norm(m.p - y.p), tolerance) << j;
+      EXPECT_NEAR(m.psi, y.psi, tolerance) << j;
+      EXPECT_NEAR(m.v_f, y.v_f, tolerance) << j;
+      EXPECT_NEAR(m.v_s, y.v_s, tolerance) << j;
+    });
+  }
+}
+
+TEST(MotionPrediction, IsTheMotionOfTheRobotThatHasTheStructure) {
+  const double delay = 0.01 * late;
+  const HoverMultirotor h;
+  const LaggingHoverMultirotor l;
+  const Multirotor p;
+  expect_prediction(flight(p, 1), {Commands::tilt, true, false, false},
+                    {.b_z = p.b_z,
+                     .b_psi = p.b_psi,
+                     .a_f = p.a_f,
+                     .b_f = p.b_f,
+                     .a_s = p.a_s,
+                     .b_s = p.b_s,
+                     .delay = delay},
+                    1e-4);
+  expect_prediction(flight(h, 1), {Commands::tilt, true, true, false},
+                    {.b_z = h.b_z,
+                     .b_psi = h.b_psi,
+                     .a_f = h.a_f,
+                     .b_f = h.b_f,
+                     .a_s = h.a_s,
+                     .b_s = h.b_s,
+                     .delay = delay},
+                    1e-4);
+  expect_prediction(flight(l, 1), {Commands::tilt, true, true, true},
+                    {.b_z = l.b_z,
+                     .b_psi = l.b_psi,
+                     .a_f = l.a_f,
+                     .b_f = l.b_f,
+                     .a_s = l.a_s,
+                     .b_s = l.b_s,
+                     .delay = delay,
+                     .tau = l.tau,
+                     .tau_z = l.tau_z,
+                     .tau_psi = l.tau_psi},
+                    1e-3);
+  const VelocityMultirotor v;
+  expect_prediction(
+      flight(v, 0.7), {Commands::velocity, true, false, true},
+      {.tau_f = v.tau_f, .tau_s = v.tau_s, .delay = delay, .tau_z = v.tau_z, .tau_psi = v.tau_psi}, 1e-4);
+}
+
+TEST(MotionPrediction, MovesSmoothlyWithTheDelay) {
+  const FlownMotion motion = flight(HoverMultirotor{}, 1);
+  const auto end = [&](double delay) {
+    SeenMotion last;
+    MotionPrediction(motion, {Commands::tilt, true, true, false}, {.delay = delay})
+        .run(60, 100, motion.truth[60], [&](std::size_t, const SeenMotion& m) { last = m; });
+    return last.p.x;
+  };
+  for (double delay = 0.02; delay < 0.2; delay += 0.0037) {
+    const double slope = (end(delay + 1e-6) - end(delay)) / 1e-6,
+                 wide = (end(delay + 1e-3) - end(delay)) / 1e-3;
+    EXPECT_NEAR(slope, wide, 0.02) << delay;
+  }
+}
+
+}  // namespace
+}  // namespace sightline

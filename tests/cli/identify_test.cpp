@@ -1,0 +1,78 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "tests/support/command.hpp"
+
+namespace sightline::test {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+/// cooperative_localization in the world of vehicles, for so long.
+fs::path scenario(const fs::path& folder, const std::string& seconds = "12.0") {
+  std::string text = read_file(fs::path(SIGHTLINE_SOURCE_DIR) / "scenarios/cooperative_localization.toml");
+  text = std::regex_replace(text, std::regex("\nduration = 60.0"), "\nduration = " + seconds);
+  text = std::regex_replace(text, std::regex("\ncompare = [^\n]*"), "");
+  const fs::path file = folder / "rotors.toml";
+  std::ofstream(file) << text << "\n[world]\nkind = \"rotors\"\n";
+  return file;
+}
+
+TEST(IdentifyCommand, FliesAnExcitationAndPrintsATemplate) {
+  const fs::path folder = fresh_folder();
+  const auto done = sightline(
+      "identify " + scenario(folder).string() + " --agent uav0 -o " + (folder / "out").string(), folder);
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("\n[template.uav0]\nrobot = \"hover_multirotor\"\nparameters = { b_z = "));
+  EXPECT_THAT(done.out, HasSubstr("\ncommand_delay = 0.1"));
+  const json told = json::parse(read_file(folder / "out/identify.json"));
+  EXPECT_EQ(told.at("best").at("structure"), "(24) + delay + Coriolis + lags");
+  EXPECT_THAT(read_file(folder / "out/identify.html"), HasSubstr("<svg"));
+}
+
+TEST(IdentifyCommand, ReadsTheLogOfARun) {
+  const fs::path folder = fresh_folder(), out = folder / "out";
+  ASSERT_NE(sightline("run " + scenario(folder).string() + " -o " + out.string(), folder).code, 2);
+  const auto done = sightline("identify " + out.string() + " --agent uav0 --json", folder);
+  EXPECT_EQ(done.code, 0) << done.err;
+  const json told = json::parse(done.out);
+  EXPECT_EQ(told.at("robot"), "uav0");
+  EXPECT_NEAR(told.at("seconds").get<double>(), 12.0, 0.02);
+  EXPECT_FALSE(told.at("missing").empty()) << "a task is no excitation";
+  EXPECT_EQ(read_file(out / "identify.json"), done.out);
+}
+
+TEST(IdentifyCommand, RefusesInOneSentence) {
+  const fs::path folder = fresh_folder();
+  const std::string rotors = scenario(folder, "3.0").string();
+  const auto refused = [&](const std::string& command) {
+    const auto done = sightline("identify " + command, folder);
+    EXPECT_EQ(done.code, 2) << command;
+    EXPECT_EQ(done.out, "") << command;
+    EXPECT_EQ(std::count(done.err.begin(), done.err.end(), '\n'), 1) << done.err;
+    return done.err;
+  };
+  EXPECT_THAT(refused(rotors), HasSubstr("rotors.toml: --agent is missing, expected one of uav0, uav1"));
+  EXPECT_THAT(refused(rotors + " --agent uav7"), HasSubstr("--agent = uav7, expected one of uav0, uav1"));
+  EXPECT_THAT(refused(rotors + " --agent uav0 --excitation doublet"),
+              HasSubstr("--excitation = doublet, expected one of steps, chirp, 3211, bang_bang"));
+  EXPECT_THAT(refused(rotors + " --agent uav0 --seconds 2"), HasSubstr("--seconds = 2, expected 5 to 600 s"));
+  EXPECT_THAT(refused("scenarios/ground_and_air.toml --agent rover"), HasSubstr("expected"));
+  EXPECT_THAT(refused(folder.string() + " --agent uav0"),
+              HasSubstr("no run.mcap, expected a scenario or the folder of a run"));
+  const std::string out = (folder / "out").string();
+  ASSERT_NE(sightline("run " + rotors + " -o " + out, folder).code, 2);
+  EXPECT_THAT(refused(out + " --agent uav0"),
+              AllOf(HasSubstr("/out: uav0: 3"), HasSubstr(" s of flight, expected at least 5 s")));
+}
+
+}  // namespace
+}  // namespace sightline::test
