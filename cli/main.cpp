@@ -1,3 +1,13 @@
 #include "sightline/command_line.hpp"
 
-int main(int argc, char** argv) { return sightline::command_line(argc, argv); }
+#ifdef SIGHTLINE_MUJOCO
+#include "sightline/mujoco.hpp"
+#endif
+
+int main(int argc, char** argv) {
+  sightline::Parts parts;
+#ifdef SIGHTLINE_MUJOCO
+  sightline::add_mujoco(parts);
+#endif
+  return sightline::command_line(argc, argv, parts);
+}

@@ -30,6 +30,8 @@ endmacro()
 set(least_CLI11 2.1)
 set(least_Eigen3 3.4)
 set(least_GTest 1.11)
+set(least_MuJoCo 2.2.2...<3)  # 3 has other calls for files in memory
 set(least_SQLite3 3.37)
 set(least_nlohmann_json 3.10)
 set(least_tomlplusplus 3.0)
+list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR})

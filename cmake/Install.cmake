@@ -1,4 +1,4 @@
-# What find_package(sightline COMPONENTS core sightline cli) and pkg-config need; pages; and the package of `cpack -G DEB`.
+# What find_package(sightline COMPONENTS core sightline cli mujoco) and pkg-config need; pages; and the package of `cpack -G DEB`.
 include(CMakePackageConfigHelpers)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/sightline)
 
@@ -20,10 +20,16 @@ if(TARGET sightline_command_line)
   install(TARGETS sightline_command_line EXPORT sightline_cli)
   install(TARGETS sightline_cli)
 endif()
+if(TARGET sightline_mujoco)
+  list(APPEND headers mujoco.hpp)
+  list(APPEND components mujoco)
+  install(TARGETS sightline_mujoco EXPORT sightline_mujoco)
+  install(FILES cmake/FindMuJoCo.cmake DESTINATION ${config_dir})
+endif()
 list(TRANSFORM headers PREPEND sightline/)
 install(CODE "
 set(headers \"${headers}\")
-set(folders \"${PROJECT_SOURCE_DIR}/src;${generated}\")
+set(folders \"${PROJECT_SOURCE_DIR}/src;${PROJECT_SOURCE_DIR}/worlds/mujoco/include;${generated}\")
 set(destination \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")")
 install(SCRIPT cmake/InstallHeaders.cmake)
 
@@ -93,5 +99,5 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS gnuplot-nox)
 # Who links the libraries needs what they are linked with.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-  "cmake, g++, libfmt-dev, libsqlite3-dev, libtomlplusplus-dev, libzstd-dev, pkg-config, zlib1g-dev")
+  "cmake, g++, libfmt-dev, libmujoco-dev, libsqlite3-dev, libtomlplusplus-dev, libzstd-dev, pkg-config, zlib1g-dev")
 include(CPack)

@@ -11,13 +11,13 @@ using test::alone;
 using test::number;
 using test::uav;
 
-const std::string robot =
+const std::string drawn_numbers =
     "robot = \"hover_multirotor\"\nparameters = { b_z = 1.2, b_psi = 1.3, a_f = -0.4, b_f = 1.8, a_s = -0.5, "
     "b_s = 1.6, tau = 0.11, tau_z = 0.3, tau_psi = 0.2 }";
 constexpr ModelStructure whole{Commands::tilt, true, true, true};
 
 TEST(ModelFit, WithoutNoiseFindsTheNumbersOfTheRobot) {
-  const Scenario scenario = alone(robot, 11, "input_delay = 0.073");
+  const Scenario scenario = alone(drawn_numbers, 11, "input_delay = 0.073");
   const FlownMotion motion = fly_excitation(scenario, uav(scenario));
   const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
   for (const auto& [key, value] :
@@ -29,7 +29,7 @@ TEST(ModelFit, WithoutNoiseFindsTheNumbersOfTheRobot) {
 }
 
 TEST(ModelFit, ASteadyWindIsFoundBesideTheNumbersOfTheVehicle) {
-  const Scenario scenario = alone(robot, 11, "input_delay = 0.073\nwind = [0.5, -0.3, 0.0]");
+  const Scenario scenario = alone(drawn_numbers, 11, "input_delay = 0.073\nwind = [0.5, -0.3, 0.0]");
   const FlownMotion motion = fly_excitation(scenario, uav(scenario));
   const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
   EXPECT_NEAR(number(model, "w_x"), 0.5, 2e-3);
@@ -39,7 +39,7 @@ TEST(ModelFit, ASteadyWindIsFoundBesideTheNumbersOfTheVehicle) {
 }
 
 TEST(ModelFit, ItsIntervalsShrinkWithTheRootOfTheTime) {
-  const Scenario scenario = alone(robot, 11, std::string(test::usual_noise));
+  const Scenario scenario = alone(drawn_numbers, 11, std::string(test::usual_noise));
   const FlownMotion motion = fly_excitation(scenario, uav(scenario), {.seconds = 80});
   const FittedModel some = fit_model(motion, {0, motion.size() / 4}, whole),
                     all = fit_model(motion, {0, motion.size()}, whole);
@@ -50,7 +50,7 @@ TEST(ModelFit, ItsIntervalsShrinkWithTheRootOfTheTime) {
 }
 
 TEST(ModelFit, OfAnInputThatRestsNothingIsFound) {
-  const Scenario scenario = alone(robot, 11);
+  const Scenario scenario = alone(drawn_numbers, 11);
   FlownMotion motion = fly_excitation(scenario, uav(scenario));
   for (auto& u : motion.u) u[2] = 0.2;
   const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
@@ -63,7 +63,7 @@ TEST(ModelFit, OfAnInputThatRestsNothingIsFound) {
 }
 
 TEST(ModelFit, MeasurementsThatAreMissingAreSteppedOver) {
-  const Scenario scenario = alone(robot, 11, "input_delay = 0.073");
+  const Scenario scenario = alone(drawn_numbers, 11, "input_delay = 0.073");
   FlownMotion motion = fly_excitation(scenario, uav(scenario));
   for (std::size_t k = 0; k < motion.size(); ++k) {
     if (k % 7 < 3) motion.measured[k].psi = std::numeric_limits<double>::quiet_NaN();
@@ -74,7 +74,7 @@ TEST(ModelFit, MeasurementsThatAreMissingAreSteppedOver) {
 }
 
 TEST(ModelFit, TheLumpedDelayIsAboutTheDelayAndTheLagOfTheTilt) {
-  const Scenario scenario = alone(robot, 11, "input_delay = 0.073");
+  const Scenario scenario = alone(drawn_numbers, 11, "input_delay = 0.073");
   const FlownMotion motion = fly_excitation(scenario, uav(scenario));
   const Stretch all{0, motion.size()};
   const FittedModel with = fit_model(motion, all, whole), lumped = fit_lumped(motion, all, with);
@@ -84,7 +84,7 @@ TEST(ModelFit, TheLumpedDelayIsAboutTheDelayAndTheLagOfTheTilt) {
 }
 
 TEST(ModelFit, AStartIsFoundFromTheMeasurementsAfterIt) {
-  const Scenario scenario = alone(robot, 11, std::string(test::usual_noise));
+  const Scenario scenario = alone(drawn_numbers, 11, std::string(test::usual_noise));
   const FlownMotion motion = fly_excitation(scenario, uav(scenario));
   const MotionPrediction prediction(motion, whole,
                                     {.b_z = 1.2,

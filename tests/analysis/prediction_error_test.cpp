@@ -7,7 +7,7 @@
 namespace sightline {
 namespace {
 
-const std::string robot = "robot = \"hover_multirotor\"\nparameters = { preset = \"crazyflie\" }";
+const std::string crazyflie = "robot = \"hover_multirotor\"\nparameters = { preset = \"crazyflie\" }";
 constexpr ModelStructure structure{Commands::tilt, false, true, false};
 ModelNumbers numbers() {
   const HoverMultirotor m = HoverMultirotor::crazyflie();
@@ -15,7 +15,7 @@ ModelNumbers numbers() {
 }
 
 FlownMotion flight(std::string_view disturbance) {
-  const Scenario scenario = test::alone(robot, 7, std::string(disturbance));
+  const Scenario scenario = test::alone(crazyflie, 7, std::string(disturbance));
   return fly_excitation(scenario, test::uav(scenario));
 }
 

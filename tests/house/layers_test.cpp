@@ -16,8 +16,8 @@ namespace {
 using sightline::test::tree;
 namespace fs = std::filesystem;
 
-const std::vector<std::string> code_folders = {"src",      "bridges", "cli",  "python",
-                                               "examples", "bench",   "tests"};
+const std::vector<std::string> code_folders = {"src",    "worlds",   "bridges", "cli",
+                                               "python", "examples", "bench",   "tests"};
 constexpr long longest_file = 500;  // lines
 
 /// Height of each layer; those of one height do not know each other.
@@ -132,6 +132,31 @@ TEST(Layers, a_dds_header_occurs_in_bridges_alone) {
   }
 }
 
+// A world of its own is told to the library by the program (Parts::worlds), as that of a user.
+TEST(Layers, a_world_of_its_own_is_known_to_programs_and_tests_alone_and_its_engine_to_it_alone) {
+  const std::string own = "worlds/", engine = "mujoco/";
+  int files = 0;
+  for (const fs::path& file : all_files()) {
+    const bool in_world = name(file).starts_with(own);
+    files += in_world ? 1 : 0;
+    for (const std::string& included : includes(file)) {
+      if (included.starts_with(engine)) {
+        EXPECT_TRUE(name(file).starts_with("worlds/mujoco/"))
+            << name(file) << " includes " << included << ", expected in worlds/mujoco/ alone";
+      }
+      if (included == "sightline/mujoco.hpp" || included.starts_with(own)) {
+        EXPECT_TRUE(in_world || name(file) == "cli/main.cpp" || name(file).starts_with("tests/mujoco/") ||
+                    name(file).starts_with("bench/"))
+            << name(file) << " includes " << included;
+      }
+      if (in_world && included.starts_with(own)) {
+        EXPECT_TRUE(fs::exists(tree / included)) << name(file) << " includes " << included;
+      }
+    }
+  }
+  EXPECT_GT(files, 0);
+}
+
 TEST(Layers, every_public_header_has_a_test_of_its_name) {
   for (const fs::path& file : files_of("src/sightline")) {
     if (file.extension() != ".hpp" || layer_of(file).empty()) continue;
@@ -140,6 +165,12 @@ TEST(Layers, every_public_header_has_a_test_of_its_name) {
     const bool found =
         std::any_of(tests.begin(), tests.end(), [&](const fs::path& t) { return t.filename() == test; });
     EXPECT_TRUE(found) << name(file) << " has no test, expected tests/" << layer_of(file) << "/" << test;
+  }
+  for (const fs::path& file : files_of("worlds")) {
+    if (name(file).find("/include/") == std::string::npos) continue;
+    const fs::path test =
+        "tests" / *std::next(fs::relative(file, tree).begin(), 1) / (file.stem().string() + "_test.cpp");
+    EXPECT_TRUE(fs::exists(tree / test)) << name(file) << " has no test, expected " << test;
   }
 }
 

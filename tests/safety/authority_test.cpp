@@ -95,7 +95,7 @@ TEST(Authority, CanBeHadInEveryDirectionAtEverySpeed) {
 TEST(Authority, OfAMultirotorWhoseVelocityStaysInGWhileItYawsIsThatOfEquation24) {
   const HoverMultirotor hover;
   const Multirotor paper{hover.b_z, hover.b_psi, hover.a_f, hover.b_f, hover.a_s, hover.b_s};
-  const Authority own = authority_of(hover, low, high), known = authority_of(paper, low, high);
+  const Authority own = authority_of(hover, lowest, highest), known = authority_of(paper, lowest, highest);
   EXPECT_NEAR(own.climb, known.climb, 1e-6);
   EXPECT_NEAR(own.drag, known.drag, 1e-3);
   EXPECT_GE(own.acceleration, known.acceleration - 1e-3)

@@ -64,7 +64,7 @@ TEST(ReadRobot, ARobotAsTextIsTheRobotOfItsFormulas) {
 
 TEST(ReadRobot, LagsMakeAHoverMultirotorOneWithTheirStates) {
   const auto read = [](const std::string& parameters) {
-    return robot("robot = \"hover_multirotor\"\nparameters = { " + parameters + " }\n");
+    return robot_of("robot = \"hover_multirotor\"\nparameters = { " + parameters + " }\n");
   };
   EXPECT_EQ(read("").nx(), 7);
   EXPECT_EQ(read("preset = \"crazyflie\"").nx(), 7);
@@ -72,7 +72,7 @@ TEST(ReadRobot, LagsMakeAHoverMultirotorOneWithTheirStates) {
   EXPECT_EQ(lagging.nx(), 11);
   const std::vector<double> x = {0, 0, 0, 1, 0, 0.3, 0.2, 0.5, -0.5, 0.1, 0.4};
   EXPECT_EQ(rates(lagging, x), rates(LaggingHoverMultirotor::crazyflie(), x));
-  EXPECT_EQ(refusal("robot = \"hover_multirotor\"\nparameters = { tau = 0.1 }\n"),
+  EXPECT_EQ(robot_refusal("robot = \"hover_multirotor\"\nparameters = { tau = 0.1 }\n"),
             "a:2: parameters: hover_multirotor.tau, tau_z, tau_psi = 0.1, 0, 0 s, expected all three above 0 "
             "s, or none");
 }

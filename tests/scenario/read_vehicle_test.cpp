@@ -10,10 +10,13 @@
 #include <limits>
 #include <sstream>
 
+#include "sightline/base/refuse.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/world/rotor_world.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -88,6 +91,63 @@ TEST(ReadVehicle, AWorldOfOnesOwnIsGivenTheVehiclesWhereItSaysThatItHasThem) {
   };
   EXPECT_EQ(vehicles_in("arena"), 1u);
   EXPECT_EQ(vehicles_in("basin"), 0u);
+}
+
+TEST(ReadVehicle, AWorldThatReadsModelFilesIsGivenTheirTextsAndSaysMassAndInertia) {
+  const auto folder = test::fresh_folder();
+  std::filesystem::create_directories(folder / "models");
+  std::ofstream(folder / "models/quad.txt") << "1.25";
+  const auto weighed = [](const Vehicle& vehicle, const ModelBody& model) {
+    if (model.body != "hull") refuse("body = \"{}\", expected \"hull\"", model.body);
+    Vehicle read = vehicle;
+    read.mass = std::stod(model.file.text);
+    read.inertia = {0.01, 0.02, 0.025};
+    read.k_f = 1.0;
+    return read;
+  };
+  int made = 0;
+  Parts parts;
+  const MakeWorld rotors = *parts.worlds.find("rotors");
+  parts.worlds.add(
+      "arena", [&](const Scenario& scenario) { return ++made, rotors(scenario); }, MovedBy::vehicles,
+      weighed);
+  const auto read_in_arena = [&](const std::string& world, const std::string& vehicle,
+                                 const ScenarioChanges& changes = {}) {
+    std::string text = uav(vehicle);
+    text.replace(text.find("kind = \"rotors\""), 15, "kind = \"arena\"" + world);
+    return parse_scenario(text, folder / "a.toml", parts, changes);
+  };
+  const std::string hull = "model = \"models/quad.txt\"\nbody = \"hull\"\n";
+  const Scenario scenario = read_in_arena("\nmodel = \"models/quad.txt\"", hull);
+  const Vehicle& v = scenario.vehicles.at(0).vehicle;
+  EXPECT_EQ(v.mass, 1.25);
+  EXPECT_EQ(v.inertia.y, 0.02);
+  EXPECT_EQ(v.k_f, Vehicle::x500().k_f);
+  EXPECT_EQ(scenario.model->text, "1.25");
+  EXPECT_EQ(scenario.model->folder, folder / "models");
+  EXPECT_EQ(scenario.files.size(), 1u) << "a log keeps it";
+  EXPECT_EQ(made, 1);
+  EXPECT_EQ(read_in_arena("", hull + "mass = 1.5\n").vehicles[0].vehicle.mass, 1.5);
+  EXPECT_FALSE(read_in_arena("", "mass = 1.5\n").vehicles[0].model.has_value());
+
+  // A log's scenario is read without the world and its files.
+  std::filesystem::remove_all(folder / "models");
+  made = 0;
+  EXPECT_EQ(read_in_arena("", hull, {.files = FileTexts{{"models/quad.txt", "no number"}}}).vehicles.size(),
+            1u);
+  EXPECT_EQ(made, 0);
+  const auto refused = [&](const std::string& vehicle) {
+    std::ofstream(folder / "quad.txt") << "1.25";
+    return refusal_of<ScenarioError>([&] { read_in_arena("", vehicle); });
+  };
+  EXPECT_THAT(refused("model = \"quad.txt\"\nbody = \"wing\"\n"),
+              HasSubstr("a.toml:14: agent.uav.vehicle.body = \"wing\", expected \"hull\""));
+  EXPECT_THAT(refused("body = \"hull\"\n"), HasSubstr("agent.uav.vehicle.model is missing"));
+  EXPECT_THAT(refused("model = \"\"\n"),
+              HasSubstr("a.toml:13: agent.uav.vehicle.model = \"\", expected the name"));
+  EXPECT_THAT(scenario_refusal(uav(hull)),
+              HasSubstr("agent.uav.vehicle.body = \"hull\", expected a known key"))
+      << "the world of rotors reads none";
 }
 
 TEST(ReadVehicle, RefusesWithFileLineAndKeyWhatCannotFly) {

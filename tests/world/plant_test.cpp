@@ -215,18 +215,26 @@ class Strides final : public RobotDynamics {
   explicit Strides(BodyId robot) : robot_(robot) {}
   bool moves(BodyId robot) const noexcept override { return robot == robot_; }
   void begin(BodyId, double t, const double*) noexcept override { begun.push_back(t); }
-  void move(BodyId robot, double t, const double* u, const Vec3<double>& acceleration,
-            double* x) noexcept override {
+  void steer(BodyId robot, const double* u, const Vec3<double>& acceleration) noexcept override {
     EXPECT_EQ(robot, robot_);
-    x[0] += 1.0;
-    until.push_back(t);
+    ++asked_;
     told.push_back(u[0]);
     pushed.push_back(acceleration.x);
+  }
+  void move(double t) noexcept override {
+    if (asked_ == 0) return;
+    EXPECT_EQ(std::exchange(asked_, 0), 1) << "it is told once, then moved";
+    until.push_back(t);
+  }
+  void show(BodyId robot, double* x) const noexcept override {
+    EXPECT_EQ(robot, robot_);
+    x[0] += 1.0;
   }
   Numbers begun, until, told, pushed;
 
  private:
   BodyId robot_;
+  int asked_ = 0;
 };
 
 TEST(Plant, OtherDynamicsMoveTheirRobotWithTheCommandsDelaysAndDisturbancesOfThePlant) {

@@ -109,7 +109,7 @@ TEST(RotorWorld, ALaggingHoverMultirotorShowsTheAccelerationOfItsTiltTheClimbAnd
   RotorWorld world(std::move(team), {0, 0, 3, 0.6, 0.8, 0, 0, 0, 0, 0, 0},
                    {{BodyId{0}, Vehicle::x500(), "x500"}});
   fly(world, 150, {0.5, -1.0, 0.0, 0.0});
-  const Numbers x = copy(world.measure(1.5).truth);
+  const Numbers x = copied(world.measure(1.5).truth);
   const Rotorcraft* const craft = world.rotorcraft(BodyId{0});
   EXPECT_NEAR(x[7], gravity * std::tan(0.5 * 0.2), 0.02);
   EXPECT_NEAR(x[8], gravity * std::tan(0.2), 0.02) << "u_s > 0 is to the right";

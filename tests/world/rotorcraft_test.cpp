@@ -42,6 +42,23 @@ TEST(Rotorcraft, HoversWithTheThrustOfItsWeightAndStaysWithFourRotorsAndSix) {
   }
 }
 
+TEST(Rotorcraft, ItsTwoHalvesAroundAnotherRigidBodyAreItsStep) {
+  const Inputs u = {0.4, -0.3, 0.2, 0.5};
+  for (const Vehicle& v : all_vehicles()) {
+    Rotorcraft whole = hovering(v), halves = hovering(v);
+    RigidBody body = halves.body();
+    for (int k = 0; k < 2000; ++k) {
+      whole.step(u, {0.5, 0.2, 0});
+      const Wrench wrench = halves.push(u, {0.5, 0.2, 0});
+      body.step(wrench.force + Vec3<double>{0, 0, -v.weight()}, wrench.torque, h);
+      halves.moved_to(body.p, body.q, body.v, body.w);
+    }
+    EXPECT_EQ(norm(whole.body().p - halves.body().p), 0.0);
+    EXPECT_EQ(norm(whole.body().w - halves.body().w), 0.0);
+    EXPECT_GT(norm(whole.body().v), 0.1);
+  }
+}
+
 TEST(Rotorcraft, ComesBackToHoverFromAnyTumble) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> within(-1, 1);

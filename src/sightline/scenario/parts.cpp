@@ -63,10 +63,10 @@ Parts::Parts() {
   worlds.add("rotors", rotors, MovedBy::vehicles);
 }
 
-WorldList& WorldList::add(std::string_view name, MakeWorld make, MovedBy robots) {
+WorldList& WorldList::add(std::string_view name, MakeWorld make, MovedBy robots, VehicleOfModel of_model) {
   check_part_name("world", name, {}, names());
   if (!make) refuse("the world \"{}\" has no function, expected one that makes it of a scenario", name);
-  worlds_.push_back({std::string(name), std::move(make), robots});
+  worlds_.push_back({std::string(name), std::move(make), robots, std::move(of_model)});
   return *this;
 }
 
@@ -84,11 +84,21 @@ std::vector<std::string_view> WorldList::with_vehicles() const {
   return all;
 }
 
-const MakeWorld* WorldList::find(std::string_view name) const {
+const WorldList::Entry* WorldList::entry(std::string_view name) const {
   for (const Entry& world : worlds_) {
-    if (world.name == name) return &world.make;
+    if (world.name == name) return &world;
   }
   return nullptr;
+}
+
+const MakeWorld* WorldList::find(std::string_view name) const {
+  const Entry* const found = entry(name);
+  return found != nullptr ? &found->make : nullptr;
+}
+
+VehicleOfModel WorldList::of_model(std::string_view name) const {
+  const Entry* const found = entry(name);
+  return found != nullptr ? found->of_model : VehicleOfModel();
 }
 
 const Parts& parts_of_sightline() {

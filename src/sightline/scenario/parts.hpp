@@ -24,6 +24,7 @@
 #include "sightline/potential/potential.hpp"
 #include "sightline/potential/reference.hpp"
 #include "sightline/potential/relaxed_barrier.hpp"
+#include "sightline/world/vehicle.hpp"
 
 namespace sightline {
 
@@ -130,24 +131,36 @@ using MakeWorld = std::function<std::unique_ptr<World>(const Scenario&)>;
 /// What moves the robots of a world: their models, or vehicles, which `[agent.NAME.vehicle]` says.
 enum class MovedBy { models, vehicles };
 
+/// What a vehicle is by the body of a model file, in the form that a world reads: of the numbers of `vehicle`, mass and inertia are
+/// those of the body.
+/// @throws std::invalid_argument for a file or a body that cannot be it; a sentence that begins with "model = " or "body = "
+using VehicleOfModel = std::function<Vehicle(const Vehicle& vehicle, const ModelBody& model)>;
+
 /// Worlds by the names that `[world] kind` gives them.
 class WorldList {
  public:
+  /// @param of_model  where the world reads model files: then `[world] model` and `[agent.NAME.vehicle] model, body` name them
   /// @throws std::invalid_argument for a name that is no word, or that another world has, and for no function
-  WorldList& add(std::string_view name, MakeWorld make, MovedBy robots = MovedBy::models);
+  WorldList& add(std::string_view name, MakeWorld make, MovedBy robots = MovedBy::models,
+                 VehicleOfModel of_model = {});
   /// In the order in which they were added; the first is what a scenario flies in that names none.
   std::vector<std::string_view> names() const;
   /// The function of that name, or none.
   const MakeWorld* find(std::string_view name) const;
   /// Those whose robots are vehicles.
   std::vector<std::string_view> with_vehicles() const;
+  /// How that world reads a vehicle of a model file; empty where it reads none.
+  VehicleOfModel of_model(std::string_view name) const;
 
  private:
   struct Entry {
     std::string name;
     MakeWorld make;
     MovedBy robots;
+    VehicleOfModel of_model;
   };
+  const Entry* entry(std::string_view name) const;
+
   std::vector<Entry> worlds_;
 };
 

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 
 #include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/read_part.hpp"
@@ -27,11 +28,28 @@ std::optional<RobotVehicle> read_vehicle(const TomlTable& agent, const Model& mo
   if (!has_vehicles || !can_be_one) return std::nullopt;
 
   const TomlTable at = agent.table_or_empty(key);
+  const VehicleOfModel of_model = agent.parts().worlds.of_model(world);
+  const std::array<std::string_view, 2> of_file = {"model", "body"};
   RobotVehicle read;
-  read.vehicle = read_part<Vehicle>(TableSource(at));
-  at.checked([&] { read.vehicle.check(); });
+  read.vehicle = read_part<Vehicle>(TableSource(at), std::span(of_file).first(of_model ? 2 : 0));
   if (at.has("preset")) read.preset = at.text("preset", "a preset");
+  if (at.has("body") && !at.has("model")) at.refuse("model", "the file that body is of");
+  if (at.has("model")) {
+    read.model = ModelBody{read_model_file(at), at.has("body") ? at.text("body", "the name of a body") : ""};
+    // A log is flown again without the world, and without the files that its models name.
+    if (!at.from_disk()) return read;
+    const Vehicle body = at.checked([&] { return of_model(read.vehicle, *read.model); });
+    if (!at.has("mass")) read.vehicle.mass = body.mass;
+    if (!at.has("inertia")) read.vehicle.inertia = body.inertia;
+  }
+  at.checked([&] { read.vehicle.check(); });
   return read;
+}
+
+ModelFile read_model_file(const TomlTable& at) {
+  const std::string name = at.text("model", "the name of a file");
+  if (name.empty()) at.refuse("model", "the name of a file");
+  return {.name = name, .text = at.file_text(name), .folder = at.file_folder(name)};
 }
 
 }  // namespace sightline

@@ -9,6 +9,9 @@
 
 namespace sightline {
 
+/// The file that `model` names, in a world that reads such files.
+ModelFile read_model_file(const TomlTable& at);
+
 /// The vehicle that a robot is; an x500 where nothing is said of it. None in a world without vehicles, and of a robot that cannot be
 /// one; a table that would not be looked at is refused.
 /// @param agent  [agent.NAME]

@@ -59,7 +59,9 @@ class Reader {
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
     scenario_.script = read_events(root_, scenario_, observers_);
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
-    if (!scenario_.vehicles.empty()) root_.table("world").checked([&] { return make_world(scenario_); });
+    // A log is flown again without the world.
+    if ((!scenario_.vehicles.empty() || scenario_.model) && root_.from_disk())
+      root_.table("world").checked([&] { return make_world(scenario_); });
   }
 
  private:
@@ -74,9 +76,11 @@ class Reader {
 
   void read_world() {
     const TomlTable at = root_.table_or_empty("world");
-    at.expect_only({"kind"});
-    const auto known = root_.parts().worlds.names();
-    if (at.has("kind")) scenario_.world = at.word("kind", known);
+    const WorldList& worlds = root_.parts().worlds;
+    if (at.has("kind")) scenario_.world = at.word("kind", worlds.names());
+    if (!worlds.of_model(scenario_.world)) return at.expect_only({"kind"});
+    at.expect_only({"kind", "model"});
+    if (at.has("model")) scenario_.model = read_model_file(at);
   }
 
   void read_simulation() {
@@ -412,7 +416,8 @@ std::string summary(const Scenario& scenario) {
   line("scenario    {}", scenario.name);
   line("horizon     {} s, {} stages, period {} s", horizon.T, horizon.N, horizon.dt);
   line("solver      {}", scenario.solver.name);
-  if (scenario.world != "model") line("world       {}", scenario.world);
+  if (scenario.world != "model")
+    line("world       {}{}", scenario.world, scenario.model ? " with " + scenario.model->name : "");
   line("simulation  {} s, {:.0f} updates, seed {}", simulation.duration,
        std::round(simulation.duration / horizon.dt), simulation.seed);
   line("team        {} states, {} inputs", team.nx(), team.nu());

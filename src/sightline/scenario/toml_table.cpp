@@ -102,6 +102,10 @@ std::string TomlTable::file_text(const std::string& name) const {
   return document_->files[name] = read_text(path);
 }
 
+std::filesystem::path TomlTable::file_folder(const std::string& name) const {
+  return (std::filesystem::path(file()).parent_path() / name).parent_path();
+}
+
 void TomlTable::expect_only(std::span<const std::string_view> known) const {
   for (const auto& [key, node] : *table_) {
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;

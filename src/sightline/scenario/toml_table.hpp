@@ -145,6 +145,10 @@ class TomlTable {
 
   /// The text of a file that this one names, relative to it. @throws ScenarioError as read_text()
   std::string file_text(const std::string& name) const;
+  /// The folder that such a file lies in.
+  std::filesystem::path file_folder(const std::string& name) const;
+  /// Whether files that it names are there; those of a log's scenario need not be any more.
+  bool from_disk() const { return document_->from_disk; }
   /// What it may call by name.
   const Parts& parts() const;
   /// The file, as its refusals name it.

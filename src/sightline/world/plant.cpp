@@ -131,13 +131,18 @@ void Plant::set_accelerations() noexcept {
 void Plant::move_by_dynamics(double t) noexcept {
   // A yaw rate that lags is held over the step.
   for (const YawLag& lag : lags_) u_[lag.input] = z_[lag.state];
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const Part& part = parts_[i];
-    if (!part.moved || !part.there) continue;
+  const auto each = [&](const auto& act) {
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (parts_[i].moved && parts_[i].there) act(BodyId{static_cast<int>(i)}, parts_[i]);
+    }
+  };
+  each([&](BodyId robot, const Part& part) {
     const Vec3<double> none{};
-    dynamics_->move(BodyId{static_cast<int>(i)}, t, u_.data() + part.u,
-                    pushed_ ? acceleration_[static_cast<std::size_t>(part.robot)] : none, &z_[part.x]);
-  }
+    dynamics_->steer(robot, u_.data() + part.u,
+                     pushed_ ? acceleration_[static_cast<std::size_t>(part.robot)] : none);
+  });
+  dynamics_->move(t);
+  each([&](BodyId robot, const Part& part) { dynamics_->show(robot, &z_[part.x]); });
 }
 
 void Plant::integrate(std::span<const double> u, double from, double s) noexcept {

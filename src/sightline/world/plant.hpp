@@ -15,6 +15,8 @@ namespace sightline {
 
 /// Moves robots of a plant in place of their models: rigid bodies with rotors, another simulation. Nothing here
 /// allocates, locks or throws.
+///
+/// A step: steer() for each robot that is there, move() once for all of them, show() for each.
 class RobotDynamics {
  public:
   virtual ~RobotDynamics() = default;
@@ -22,10 +24,12 @@ class RobotDynamics {
   virtual bool moves(BodyId robot) const noexcept = 0;
   /// From t [s] on the robot is in the state x of its model: at first, and whenever it joins again.
   virtual void begin(BodyId robot, double t, const double* x) noexcept = 0;
-  /// Moves the robot on to t [s] under its inputs u, held, and the acceleration of G [m/s^2] that wind, gusts and wakes
-  /// give its model; writes the state x of its model.
-  virtual void move(BodyId robot, double t, const double* u, const Vec3<double>& acceleration,
-                    double* x) noexcept = 0;
+  /// The robot's inputs u, and the acceleration of G [m/s^2] that wind, gusts and wakes give its model, held over the next move().
+  virtual void steer(BodyId robot, const double* u, const Vec3<double>& acceleration) noexcept = 0;
+  /// Moves the robots that were steered on to t [s]; the others rest.
+  virtual void move(double t) noexcept = 0;
+  /// Writes the state x of the robot's model.
+  virtual void show(BodyId robot, double* x) const noexcept = 0;
 };
 
 struct PlantOptions {

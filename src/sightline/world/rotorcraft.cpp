@@ -39,6 +39,12 @@ void Rotorcraft::begin(const Vec3<double>& p, const Vec2<double>& d, const Vec3<
 }
 
 void Rotorcraft::step(const std::array<double, 4>& u, const Vec3<double>& air) noexcept {
+  const Wrench wrench = push(u, air);
+  body_.step(wrench.force + Vec3<double>{0, 0, -vehicle_.weight()}, wrench.torque, rotorcraft_step);
+  meet_ground();
+}
+
+Wrench Rotorcraft::push(const std::array<double, 4>& u, const Vec3<double>& air) noexcept {
   const Rotation R = attitude();
   if (ticks_++ % ticks_per_control == 0) wanted_ = controller_.update(body_, R, u);
   spin_up(wanted_);
@@ -56,8 +62,7 @@ void Rotorcraft::step(const std::array<double, 4>& u, const Vec3<double>& air) n
   const double in_plane = vehicle_.rotor_drag * speeds;
   const Vec3<double> force = {-(drag.x + in_plane) * wind.x, -(drag.y + in_plane) * wind.y,
                               lift - drag.z * wind.z};
-  body_.step(R.to_G(force) + Vec3<double>{0, 0, -vehicle_.weight()}, torque, rotorcraft_step);
-  meet_ground();
+  return {R.to_G(force), torque};
 }
 
 void Rotorcraft::spin_up(const Thrusts& wanted) noexcept {

@@ -15,6 +15,12 @@ inline constexpr double rotorcraft_step = 0.001;  // [s]
 /// Faster than this, a touch of the ground is an accident [m/s].
 inline constexpr double landing_speed_max = 0.5;
 
+/// What acts on a rigid body.
+struct Wrench {
+  Vec3<double> force{};   ///< on the centre of mass, in G [N]
+  Vec3<double> torque{};  ///< about it, in B [N m]
+};
+
 /// A vehicle by steps of 1 ms; its flight controller acts at every second one. The rotors' speeds follow with first-order lags, in
 /// their exact step for commands that are held,
 ///
@@ -35,6 +41,14 @@ class Rotorcraft {
   /// @param u    the robot's inputs, as Commands says
   /// @param air  velocity of the air in G [m/s]
   void step(const std::array<double, 4>& u, const Vec3<double>& air) noexcept;
+
+  /// The first half of a step, where another simulation moves the body: what rotors and air do to it over rotorcraft_step.
+  Wrench push(const std::array<double, 4>& u, const Vec3<double>& air) noexcept;
+  /// The second half: where and how the body is now.
+  void moved_to(const Vec3<double>& p, const Quaternion& q, const Vec3<double>& v,
+                const Vec3<double>& w) noexcept {
+    body_.p = p, body_.q = q, body_.v = v, body_.w = w;
+  }
 
   const Vehicle& vehicle() const { return vehicle_; }
   const RigidBody& body() const { return body_; }

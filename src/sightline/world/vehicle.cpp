@@ -127,8 +127,10 @@ void Vehicle::check() const {
 
 std::string in_words(const RobotVehicle& vehicle) {
   const Vehicle& v = vehicle.vehicle;
-  return fmt::format("{}, {} kg, {} rotors, thrust to weight {:.2f}", vehicle.preset, v.mass, v.rotors(),
-                     v.thrust_max() / v.weight());
+  const std::string body =
+      vehicle.model ? fmt::format(" as {} of {}", vehicle.model->body, vehicle.model->file.name) : "";
+  return fmt::format("{}{}, {:.6g} kg, {} rotors, thrust to weight {:.2f}", vehicle.preset, body, v.mass,
+                     v.rotors(), v.thrust_max() / v.weight());
 }
 
 }  // namespace sightline

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -114,11 +116,25 @@ struct Vehicle {
   void check() const;
 };
 
+/// A file of a world's own form that describes bodies.
+struct ModelFile {
+  std::string name;                ///< as the scenario has it
+  std::string text;                ///< as it was read
+  std::filesystem::path folder{};  ///< that it lies in, and what it names lies beside
+};
+
+/// A body of such a file.
+struct ModelBody {
+  ModelFile file;
+  std::string body;  ///< its name there
+};
+
 /// A robot of a team that is a vehicle.
 struct RobotVehicle {
   BodyId robot{};
   Vehicle vehicle{};
-  std::string preset = "x500";  ///< that its numbers began with
+  std::string preset = "x500";       ///< that its numbers began with
+  std::optional<ModelBody> model{};  ///< that has its mass, inertia and shape
 };
 
 /// "x500, 2.06 kg, 4 rotors, thrust to weight 1.69"

@@ -1,0 +1,64 @@
+// What a vehicle's step of 1 ms costs in each world of vehicles:  build/release/bin/bench_worlds
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <vector>
+
+#include "sightline/mujoco.hpp"
+#include "sightline/world/rotor_world.hpp"
+
+namespace {
+
+using namespace sightline;
+
+/// Vehicles that hover on a grid, this far from each other [m], each on its own swinging command.
+struct Grid {
+  Team team;
+  std::vector<double> x0;
+  std::vector<RobotVehicle> vehicles;
+
+  Grid(int n, double distance) {
+    const int side = static_cast<int>(std::ceil(std::sqrt(n)));
+    for (int i = 0; i < n; ++i) {
+      const AgentId robot = team.add(Multirotor{}, {.name = fmt::format("uav{}", i)});
+      x0.insert(x0.end(), {distance * (i % side), distance * (i / side), 5.0, 1, 0, 0, 0});
+      vehicles.push_back({robot, Vehicle::x500()});
+    }
+  }
+};
+
+/// Processor time of a step of the world, the best of five runs of 3 s [us]; less than 0 where it ended.
+double microseconds(World& world, int n) {
+  constexpr int periods = 300, steps_per_period = 10;
+  std::vector<double> u(4 * static_cast<std::size_t>(n));
+  double best = 1e300;
+  for (int run = 0, k = 0; run < 5; ++run) {
+    const std::clock_t begin = std::clock();
+    for (int i = 0; i < periods; ++i, ++k) {
+      // All swing alike, so that none meets another.
+      for (std::size_t j = 0; j < u.size(); j += 4)
+        u[j] = 0.3 * std::sin(0.05 * k), u[j + 1] = 0.3 * std::cos(0.05 * k);
+      if (!world.apply(0.01 * k, {}, u, 0.01, 1)) return -1.0;
+    }
+    const double passed = 1e6 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    best = std::min(best, passed / (periods * steps_per_period));
+  }
+  return best;
+}
+
+}  // namespace
+
+int main() {
+  fmt::print("| vehicles | apart | rotors [us a step] | mujoco [us a step] |\n|---|---|---|---|\n");
+  for (const auto& [n, distance] :
+       {std::pair{1, 3.0}, {2, 3.0}, {8, 3.0}, {8, 1.0}, {32, 3.0}, {32, 1.0}, {64, 3.0}}) {
+    const Grid grid(n, distance);
+    RotorWorld rotors(grid.team, grid.x0, grid.vehicles);
+    MujocoWorld mujoco(grid.team, grid.x0, grid.vehicles);
+    fmt::print("| {} | {} m | {:.2f} | {:.2f} |\n", n, distance, microseconds(rotors, n),
+               microseconds(mujoco, n));
+  }
+}

@@ -1,0 +1,95 @@
+#include "sightline/world/fleet.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "sightline/base/index.hpp"
+#include "sightline/base/refuse.hpp"
+
+namespace sightline {
+namespace {
+
+/// What the states of planning models show of a vehicle.
+constexpr std::array<std::string_view, 12> shown_names = {"p_x", "p_y", "p_z", "d_x", "d_y", "psi",
+                                                          "v_f", "v_s", "v_z", "r",   "a_f", "a_s"};
+using ShownNumbers = std::array<double, shown_names.size()>;
+
+/// Of each state of the model, which of them it is.
+std::vector<std::size_t> shown_by(const Model& model) {
+  std::vector<std::size_t> all;
+  for (const std::string_view state : model.states()) {
+    const auto found = std::find(shown_names.begin(), shown_names.end(), state);
+    if (found == shown_names.end())
+      refuse("the state {} of {} is none that a vehicle shows", state, model.name());
+    all.push_back(static_cast<std::size_t>(found - shown_names.begin()));
+  }
+  return all;
+}
+
+}  // namespace
+
+Fleet::Fleet(const Team& team, const std::vector<RobotVehicle>& vehicles)
+    : craft_of_(size(team.bodies()), -1) {
+  for (const RobotVehicle& one : vehicles) {
+    if (one.robot.index < 0 || one.robot.index >= team.bodies() || !team.is_agent(one.robot))
+      refuse("a vehicle is of body {}, expected a robot of the team", one.robot.index);
+    const Model& model = team.model(one.robot);
+    const std::optional<Commands> commands = commands_of(model);
+    if (!commands)
+      refuse("{} is of the kind {}, expected one that a vehicle can be: {}", team.name(one.robot),
+             model.name(), robots_with_vehicles());
+    int& craft = craft_of_[at(one.robot)];
+    if (craft >= 0) refuse("{} is two vehicles, expected one", team.name(one.robot));
+    craft = static_cast<int>(crafts_.size());
+    crafts_.push_back(
+        {.robot = one.robot, .flown = Rotorcraft(one.vehicle, *commands), .shown = shown_by(model)});
+  }
+}
+
+const Rotorcraft* Fleet::rotorcraft(BodyId robot) const noexcept {
+  if (robot.index < 0 || at(robot) >= craft_of_.size() || craft_of_[at(robot)] < 0) return nullptr;
+  return &crafts_[size(craft_of_[at(robot)])].flown;
+}
+
+void Fleet::begin(BodyId robot, double, const double* x) noexcept {
+  Craft& craft = crafts_[size(craft_of_[at(robot)])];
+  ShownNumbers n{};
+  for (std::size_t i = 0; i < craft.shown.size(); ++i) n[craft.shown[i]] = x[i];
+  const auto [p_x, p_y, p_z, d_x, d_y, psi, v_f, v_s, v_z, r, a_f, a_s] = n;
+  const bool has_angle = d_x == 0 && d_y == 0;
+  const Vec2<double> d = has_angle ? Vec2<double>{cos(psi), sin(psi)} : Vec2<double>{d_x, d_y};
+  const Vec2<double> v = rotate<double>(d, {v_f, v_s});
+  craft.flown.begin({p_x, p_y, p_z}, d, {v.x, v.y, v_z}, r);
+}
+
+void Fleet::steer(BodyId robot, const double* u, const Vec3<double>& acceleration) noexcept {
+  Craft& craft = crafts_[size(craft_of_[at(robot)])];
+  std::copy_n(u, craft.commands.size(), craft.commands.begin());
+  craft.air = craft.flown.vehicle().air(acceleration);
+  craft.steered = true;
+}
+
+void Fleet::move(double t) noexcept {
+  const std::int64_t until = std::llround(t / rotorcraft_step);
+  if (until > tick_) advance(until - tick_);
+  tick_ = until;
+  for (Craft& craft : crafts_) craft.steered = false;
+}
+
+void Fleet::show(BodyId robot, double* x) const noexcept {
+  const Craft& craft = crafts_[size(craft_of_[at(robot)])];
+  const RigidBody& body = craft.flown.body();
+  const Vec2<double> d = craft.flown.heading(), v = rotate<double>({d.x, -d.y}, {body.v.x, body.v.y});
+  const Vec3<double> thrust = craft.flown.attitude().z;
+  const double lean = gravity / std::max(thrust.z, 0.1);  // finite, however it tumbles
+  const Vec2<double> a = rotate<double>({d.x, -d.y}, {lean * thrust.x, lean * thrust.y});
+  const ShownNumbers n = {
+      body.p.x, body.p.y, body.p.z, d.x, d.y, atan2(d.y, d.x), v.x, v.y, body.v.z, craft.flown.heading_rate(),
+      a.x,      a.y};
+  for (std::size_t i = 0; i < craft.shown.size(); ++i) x[i] = n[craft.shown[i]];
+}
+
+}  // namespace sightline

@@ -1,0 +1,146 @@
+#include "worlds/mujoco/engine.hpp"
+
+#include <algorithm>
+#include <array>
+#include <csetjmp>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+#include <stdexcept>
+
+namespace sightline::mujoco {
+namespace {
+
+constexpr std::size_t message_size = 1000;
+
+// Of the call that is under way in this thread. MuJoCo's handler for errors must not return.
+thread_local std::jmp_buf* way_back = nullptr;
+thread_local std::array<char, message_size> message{};
+
+void (*errors_before)(const char*) = nullptr;
+void (*warnings_before)(const char*) = nullptr;
+
+void on_error(const char* text) {
+  if (way_back == nullptr) {  // a call of the program's own
+    if (errors_before != nullptr) return errors_before(text);
+    std::fprintf(stderr, "%s\n", text);
+    std::exit(1);
+  }
+  std::strncpy(message.data(), text, message_size - 1);
+  std::longjmp(*way_back, 1);
+}
+
+void on_warning(const char* text) {
+  if (way_back != nullptr) return;  // the data have it
+  if (warnings_before != nullptr) return warnings_before(text);
+  std::fprintf(stderr, "%s\n", text);
+}
+
+/// Once for the process. MuJoCo's own would write MUJOCO_LOG.TXT.
+void take_over_messages() {
+  static const bool done = [] {
+    errors_before = mju_user_error;
+    warnings_before = mju_user_warning;
+    mju_user_error = on_error;
+    mju_user_warning = on_warning;
+    return true;
+  }();
+  (void)done;
+}
+
+/// Whether a call of C functions came to its end.
+template <class Call>
+bool came_back(const Call& call) noexcept {
+  std::jmp_buf here;
+  std::jmp_buf* const outer = way_back;
+  if (setjmp(here) != 0) {  // NOLINT: the one way out of MuJoCo, over C frames alone
+    way_back = outer;
+    return false;
+  }
+  way_back = &here;
+  call();
+  way_back = outer;
+  return true;
+}
+
+constexpr std::array fatal = {mjWARN_INERTIA, mjWARN_CONTACTFULL, mjWARN_CNSTRFULL,
+                              mjWARN_BADQPOS, mjWARN_BADQVEL,     mjWARN_BADQACC};
+
+/// Files in memory, as MuJoCo reads them before those of the disk.
+class Files {
+ public:
+  Files() : vfs_(std::make_unique<mjVFS>()) { mj_defaultVFS(vfs_.get()); }
+  ~Files() { mj_deleteVFS(vfs_.get()); }
+  Files(const Files&) = delete;
+  Files& operator=(const Files&) = delete;
+
+  void add(const std::string& name, const std::string& text) {
+    const auto bytes = static_cast<int>(text.size());
+    if (mj_makeEmptyFileVFS(vfs_.get(), name.c_str(), bytes) != 0)
+      throw std::invalid_argument("MuJoCo has no place for the file " + name);
+    const int i = mj_findFileVFS(vfs_.get(), name.c_str());
+    std::copy(text.begin(), text.end(), static_cast<char*>(vfs_->filedata[i]));
+  }
+  const mjVFS* get() const { return vfs_.get(); }
+
+ private:
+  std::unique_ptr<mjVFS> vfs_;
+};
+
+}  // namespace
+
+ModelPointer load(const std::string& mjcf, const ModelFile* beside) {
+  take_over_messages();
+  static std::mutex one_at_a_time;  // the compiler of MuJoCo keeps the last model
+  const std::lock_guard lock(one_at_a_time);
+  Files files;
+  const std::string own = "made of the team.xml";
+  files.add(own, mjcf);
+  if (beside != nullptr) files.add(std::filesystem::path(beside->name).filename(), beside->text);
+  const std::string path = beside != nullptr ? (beside->folder / own).string() : own;
+  std::array<char, message_size> error{};
+  mjModel* made = nullptr;
+  message.fill(0);
+  if (!came_back([&] { made = mj_loadXML(path.c_str(), files.get(), error.data(), message_size); }))
+    throw std::invalid_argument(on_one_line(last_error()));
+  if (made == nullptr) throw std::invalid_argument(on_one_line(error.data()));
+  return ModelPointer(made);
+}
+
+DataPointer data_of(const mjModel& model) {
+  mjData* made = nullptr;
+  if (!came_back([&] { made = mj_makeData(&model); }) || made == nullptr)
+    throw std::invalid_argument("MuJoCo has no memory for the model: " + on_one_line(last_error()));
+  return DataPointer(made);
+}
+
+bool step_1(const mjModel& model, mjData& data) noexcept {
+  return came_back([&] { mj_step1(&model, &data); });
+}
+
+bool step_2(const mjModel& model, mjData& data) noexcept {
+  return came_back([&] { mj_step2(&model, &data); });
+}
+
+bool find_contacts(const mjModel& model, mjData& data) noexcept {
+  return came_back([&] { mj_fwdPosition(&model, &data); });
+}
+
+const char* last_error() noexcept { return message.data(); }
+
+const char* warning(const mjData& data) noexcept {
+  for (const int kind : fatal) {
+    const mjWarningStat& told = data.warning[kind];
+    if (told.number > 0) return mju_warningText(kind, told.lastinfo);
+  }
+  return nullptr;
+}
+
+std::string on_one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+}  // namespace sightline::mujoco

@@ -1,0 +1,68 @@
+#include <fmt/format.h>
+
+#include "sightline/mujoco.hpp"
+#include "sightline/scenario/scenario.hpp"
+#include "worlds/mujoco/bodies.hpp"
+#include "worlds/mujoco/shape.hpp"
+
+namespace sightline {
+
+MujocoWorld::MujocoWorld(const Team& team, std::vector<double> x0, const std::vector<RobotVehicle>& vehicles,
+                         const PlantOptions& plant, const SensorOptions& sensor,
+                         const std::optional<ModelFile>& surroundings)
+    : VehicleWorld("mujoco", team, std::move(x0), vehicles,
+                   std::make_unique<Bodies>(team, vehicles, surroundings), plant, sensor) {
+  before(0.0);
+  bodies().check_start(team);
+}
+
+MujocoWorld::Bodies& MujocoWorld::bodies() const noexcept { return static_cast<Bodies&>(fleet()); }
+
+bool MujocoWorld::apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+                        std::int64_t periods) noexcept {
+  return VehicleWorld::apply(t, believed, u, period, periods) && !bodies().failed();
+}
+
+void MujocoWorld::before(double) noexcept {
+  for (int i = 0; i < team().bodies(); ++i) {
+    const BodyId body{i};
+    if (rotorcraft(body) != nullptr) continue;
+    const Sight<double> seen = sight(body);
+    bodies().place(body, seen.p, seen.v);
+  }
+}
+
+std::optional<VehicleWorld::Touch> MujocoWorld::touch(double) noexcept {
+  const auto& met = bodies().met();
+  if (!met) return std::nullopt;
+  return Touch{.a = met->a,
+               .b = met->b,
+               .t = static_cast<double>(met->tick) * rotorcraft_step,
+               .speed = met->speed,
+               .surface = met->surface};
+}
+
+void MujocoWorld::came(BodyId body) noexcept { bodies().set_there(body, true); }
+void MujocoWorld::left(BodyId body) noexcept { bodies().set_there(body, false); }
+
+std::string MujocoWorld::ended() const {
+  return bodies().failed() ? bodies().failure() : VehicleWorld::ended();
+}
+
+Vehicle vehicle_of_mjcf(const Vehicle& vehicle, const ModelBody& model) {
+  const mujoco::Shape shape = mujoco::shape_of(model);
+  Vehicle read = vehicle;
+  read.mass = shape.mass;
+  read.inertia = shape.inertia;
+  return read;
+}
+
+void add_mujoco(Parts& parts) {
+  const auto make = [](const Scenario& scenario) -> std::unique_ptr<World> {
+    return std::make_unique<MujocoWorld>(scenario.team, scenario.x0, scenario.vehicles,
+                                         plant_options(scenario), sensor_options(scenario), scenario.model);
+  };
+  parts.worlds.add("mujoco", make, MovedBy::vehicles, vehicle_of_mjcf);
+}
+
+}  // namespace sightline
