@@ -1,4 +1,5 @@
 // What another project gets: from an installed prefix, as a subproject, by pkg-config, and as a Debian package.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -108,7 +109,7 @@ TEST_F(Install,
 
 TEST_F(Install, a_command_line_with_parts_of_its_own_is_built_from_the_prefix_and_flies_them) {
   for (const std::string name : {"own_command_line.cpp", "own_parts.hpp", "own_parts.toml"})
-    write(folder_ / "source" / name, read_file(tree + "/examples/" + name));
+    write(folder_ / "source" / name, read_file(fmt::format("{}/examples/{}", tree, name)));
   const auto done = configured(
       "find_package(sightline REQUIRED COMPONENTS cli)\n"
       "add_executable(own own_command_line.cpp)\n"

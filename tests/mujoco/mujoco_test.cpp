@@ -16,8 +16,6 @@ namespace sightline {
 namespace {
 
 using namespace test;
-using testing::AllOf;
-using testing::HasSubstr;
 using testing::StartsWith;
 
 template <class W>
@@ -201,7 +199,7 @@ TEST(Mujoco, RefusesWhatTheWorldOfRotorsRefuses) {
   const auto refused = [](const auto& vehicles, const PlantOptions& plant, double z) {
     Numbers x = mixed_start;
     x[2] = z;
-    const std::string said = refusal_of([&] { MujocoWorld(mixed(), x, vehicles, plant); });
+    std::string said = refusal_of([&] { MujocoWorld(mixed(), x, vehicles, plant); });
     std::string as = refusal_of([&] { RotorWorld(mixed(), x, vehicles, plant); });
     if (const auto at = as.find("\"rotors\""); at != std::string::npos) as.replace(at, 8, "\"mujoco\"");
     EXPECT_EQ(said, as);
