@@ -42,8 +42,8 @@ TEST(Mujoco, WhereNothingTouchesItFliesAsTheWorldOfRotorsTo1e9) {
       .disturbances = {.wind = {0.4, -0.2, 0}, .gust_sigma = 0.2, .input_delay = 0.013}};
   for (const Vehicle& v : all_vehicles()) {
     for (const PlantOptions& plant : {PlantOptions{}, gusty}) {
-      MujocoWorld mujoco(mixed(), mixed_start, fleet_of(v, v), plant);
-      RotorWorld rotors(mixed(), mixed_start, fleet_of(v, v), plant);
+      MujocoWorld mujoco(mixed_fleet(), mixed_start, fleet_of(v, v), plant);
+      RotorWorld rotors(mixed_fleet(), mixed_start, fleet_of(v, v), plant);
       const Numbers flown = fly(mujoco, 3000, swinging), expected = fly(rotors, 3000, swinging);
       EXPECT_LT(apart(flown, expected), 1e-9) << "mass " << v.mass << ": " << mujoco.ended();
       EXPECT_GT(norm(mujoco.rotorcraft(BodyId{0})->body().p - Vec3<double>{0, 0, 40}), 0.1) << "it moves";
@@ -53,7 +53,7 @@ TEST(Mujoco, WhereNothingTouchesItFliesAsTheWorldOfRotorsTo1e9) {
 
 TEST(Mujoco, TheSameSeedGivesTheSameBytesAndAnotherOthers) {
   const auto flown = [](std::uint64_t seed) {
-    MujocoWorld world(mixed(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::crazyflie()),
+    MujocoWorld world(mixed_fleet(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::crazyflie()),
                       {.seed = seed, .disturbances = {.gust_sigma = 0.2}},
                       {.seed = seed, .noise = {.position = 0.01}, .delay = 0.02});
     return fly(world, 300, swinging);
@@ -70,8 +70,8 @@ TEST(Mujoco, TheSameSeedGivesTheSameBytesAndAnotherOthers) {
 }
 
 TEST(Mujoco, WhoIsAbsentRestsAndWhoJoinsBeginsAtTheStart) {
-  MujocoWorld mujoco(mixed(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::x500()));
-  RotorWorld rotors(mixed(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::x500()));
+  MujocoWorld mujoco(mixed_fleet(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::x500()));
+  RotorWorld rotors(mixed_fleet(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::x500()));
   using enum Presence;
   int k = 0;
   for (const auto& presence :
@@ -86,7 +86,7 @@ TEST(Mujoco, WhoIsAbsentRestsAndWhoJoinsBeginsAtTheStart) {
 
 TEST(Mujoco, PeriodsThatWereMissedPassUnderTheInputsThatWentOn) {
   const auto fleet = fleet_of(Vehicle::x500(), Vehicle::crazyflie());
-  MujocoWorld at_once(mixed(), mixed_start, fleet), one_by_one(mixed(), mixed_start, fleet);
+  MujocoWorld at_once(mixed_fleet(), mixed_start, fleet), one_by_one(mixed_fleet(), mixed_start, fleet);
   ASSERT_TRUE(at_once.apply(0.0, {}, swinging(1.0), 0.01, 25));
   for (int k = 0; k < 25; ++k) ASSERT_TRUE(one_by_one.apply(0.01 * k, {}, swinging(1.0), 0.01, 1));
   EXPECT_EQ(copy(at_once.measure(0.25).truth), copy(one_by_one.measure(0.25).truth));
@@ -170,13 +170,13 @@ TEST(Mujoco, AMovingTargetTouchesWhereItIsByThen) {
 }
 
 TEST(Mujoco, ATeamWithoutVehiclesMovesAsInTheModelWorld) {
-  MujocoWorld mujoco(mixed(), mixed_start, {});
-  ModelWorld models(mixed(), mixed_start);
+  MujocoWorld mujoco(mixed_fleet(), mixed_start, {});
+  ModelWorld models(mixed_fleet(), mixed_start);
   EXPECT_EQ(fly(mujoco, 50, swinging), fly(models, 50, swinging));
 }
 
 TEST(Mujoco, AStateThatIsNoLongerFiniteEndsIt) {
-  MujocoWorld world(mixed(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::crazyflie()));
+  MujocoWorld world(mixed_fleet(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::crazyflie()));
   Numbers spoilt = swinging(0.0);
   spoilt[4] = std::numeric_limits<double>::infinity();  // of the rover
   EXPECT_FALSE(world.apply(0.0, {}, spoilt, 0.01, 1));
@@ -184,7 +184,7 @@ TEST(Mujoco, AStateThatIsNoLongerFiniteEndsIt) {
 
 TEST(Mujoco, AFlightAllocatesNothing) {
   if (!cli::counts_allocations()) return;
-  MujocoWorld world(mixed(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::crazyflie()));
+  MujocoWorld world(mixed_fleet(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::crazyflie()));
   auto landing = world_of<MujocoWorld>(scene(Vehicle::x500(), 0.2, Other::vehicle, 0.1));
   const Numbers u = swinging(0.3), down = {0, 0, -0.2, 0, 0, 0, -0.2, 0};
   const std::int64_t before = cli::allocations();
@@ -199,8 +199,8 @@ TEST(Mujoco, RefusesWhatTheWorldOfRotorsRefuses) {
   const auto refused = [](const auto& vehicles, const PlantOptions& plant, double z) {
     Numbers x = mixed_start;
     x[2] = z;
-    std::string said = refusal_of([&] { MujocoWorld(mixed(), x, vehicles, plant); });
-    std::string as = refusal_of([&] { RotorWorld(mixed(), x, vehicles, plant); });
+    std::string said = refusal_of([&] { MujocoWorld(mixed_fleet(), x, vehicles, plant); });
+    std::string as = refusal_of([&] { RotorWorld(mixed_fleet(), x, vehicles, plant); });
     if (const auto at = as.find("\"rotors\""); at != std::string::npos) as.replace(at, 8, "\"mujoco\"");
     EXPECT_EQ(said, as);
     return said;

@@ -6,24 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/mujoco.hpp"
 #include "sightline/world/rotor_world.hpp"
+#include "tests/support/mixed_fleet.hpp"
 
 namespace sightline::test {
 
 using Numbers = std::vector<double>;
 
-/// A vehicle under tilt commands, a rover, one under velocity commands, a target; far from each other.
-inline Team mixed() {
-  Team team;
-  team.add(Multirotor{}, {.name = "uav"});
-  team.add(OmniRover{}, {.name = "rover"});
-  team.add(VelocityMultirotor{}, {.name = "scout"});
-  team.add(Obstacle{.name = "target"});
-  return team;
-}
+/// Where a mixed_fleet() starts: far from each other.
 inline const Numbers mixed_start = {0,  0,  40, 0.6, 0.8, 0.3, 0.1, /**/ 300, 0,   0,      1, 0, 0.2, 0, /**/
                                     60, 60, 43, 1,   0,   0,   0,   0.2,      0.1, /**/ 9, 0, 1, 0.1, 0, 0};
 inline std::vector<RobotVehicle> fleet_of(const Vehicle& first, const Vehicle& second) {

@@ -10,8 +10,6 @@
 namespace sightline {
 namespace {
 
-constexpr auto nothing = [](std::span<const double>) {};
-
 TEST(Carry, under_a_constant_push_a_point_goes_as_half_its_square_of_time) {
   const Model point(PointMass{});
   const std::array<double, 3> none{};
@@ -19,7 +17,7 @@ TEST(Carry, under_a_constant_push_a_point_goes_as_half_its_square_of_time) {
   std::vector<double> x(static_cast<std::size_t>(point.nx())),
       rows(RungeKuttaScratch::rows_needed * x.size());
   point.at_rest({{1, 2, 3}, {1, 0}}, x.data());
-  carry(point, x, history, 0, 0.0, 0.73, {2.0, -1.0, 0.5}, rows, nothing);
+  carry(point, x, history, 0, 0.0, 0.73, {2.0, -1.0, 0.5}, rows);
   const double s = 0.5 * 0.73 * 0.73;
   EXPECT_NEAR(x[0], 1 + 2 * s, 1e-12);
   EXPECT_NEAR(x[1], 2 - s, 1e-12);
@@ -36,16 +34,15 @@ TEST(Carry, in_two_parts_is_what_it_is_in_one) {
   }
   std::vector<double> whole = {0, 0, 1, 0.6, 0.8, 0.2, 0.1}, parts = whole,
                       rows(RungeKuttaScratch::rows_needed * whole.size());
-  double last = -1.0;
-  carry(robot, whole, history, 0, 0.05, 0.95, {0.5, 0, 0}, rows,
-        [&](std::span<const double> in_force) { last = in_force[0]; });
-  EXPECT_EQ(last, u[0]);
-  carry(robot, parts, history, 0, 0.05, 0.4, {0.5, 0, 0}, rows, nothing);
-  carry(robot, parts, history, 0, 0.4, 0.95, {0.5, 0, 0}, rows, nothing);
+  const auto last = carry(robot, whole, history, 0, 0.05, 0.95, {0.5, 0, 0}, rows);
+  ASSERT_EQ(last.size(), u.size());
+  EXPECT_EQ(last[0], u[0]);
+  carry(robot, parts, history, 0, 0.05, 0.4, {0.5, 0, 0}, rows);
+  carry(robot, parts, history, 0, 0.4, 0.95, {0.5, 0, 0}, rows);
   for (std::size_t i = 0; i < whole.size(); ++i) EXPECT_NEAR(whole[i], parts[i], 1e-12);
   // No time is no step.
   const std::vector<double> before = parts;
-  carry(robot, parts, history, 0, 0.5, 0.5, {}, rows, nothing);
+  EXPECT_TRUE(carry(robot, parts, history, 0, 0.5, 0.5, {}, rows).empty());
   EXPECT_EQ(parts, before);
 }
 

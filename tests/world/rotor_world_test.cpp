@@ -11,24 +11,17 @@
 #include "sightline/model/velocity_multirotor.hpp"
 #include "tests/support/copied.hpp"
 #include "tests/support/hexacopter.hpp"
+#include "tests/support/mixed_fleet.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
 using test::copied;
+using test::mixed_fleet;
 using Numbers = std::vector<double>;
 using testing::HasSubstr;
 
-/// Two vehicles, a rover, a target.
-Team mixed_fleet() {
-  Team team;
-  team.add(Multirotor{}, {.name = "uav"});
-  team.add(OmniRover{}, {.name = "rover"});
-  team.add(VelocityMultirotor{}, {.name = "scout"});
-  team.add(Obstacle{.name = "target"});
-  return team;
-}
 const Numbers fleet_start = {0, 0, 2, 0.6, 0.8, 0.3, 0.1, /**/ 3, 0,   0,      1, 0, 0.2, 0, /**/
                              6, 0, 3, 1,   0,   0,   0,   0.2,    0.1, /**/ 9, 0, 1, 0.1, 0, 0};
 const std::vector<RobotVehicle> fleet = {{BodyId{0}, Vehicle::x500(), "x500"},

@@ -8,27 +8,12 @@
 #include <string_view>
 
 #include "sightline/base/index.hpp"
+#include "sightline/plot/page.hpp"
 #include "sightline/world/rigid_body.hpp"
 #include "sightline/world/rotorcraft.hpp"
 
 namespace sightline::mujoco {
 namespace {
-
-std::string escaped(std::string_view text) {
-  std::string all;
-  for (const char c : text) {
-    if (c == '&') {
-      all += "&amp;";
-    } else if (c == '<') {
-      all += "&lt;";
-    } else if (c == '"') {
-      all += "&quot;";
-    } else {
-      all += c;
-    }
-  }
-  return all;
-}
 
 std::string include(const ModelFile& file) {
   const std::string name = std::filesystem::path(file.name).filename().string();

@@ -6,7 +6,7 @@
 
 #include "sightline/base/parameter.hpp"
 #include "sightline/base/refuse.hpp"
-#include "sightline/model/frames.hpp"
+#include "sightline/model/robots.hpp"
 
 namespace sightline {
 
@@ -41,7 +41,7 @@ struct LaggedHoverMultirotor {
     if constexpr (lagging) all[7] = "a_f", all[8] = "a_s", all[9] = "v_z", all[10] = "r";
     return all;
   }();
-  static constexpr std::array<std::string_view, nu> inputs = {"u_f", "u_s", "u_z", "u_psi"};
+  static constexpr std::array<std::string_view, nu> inputs = Multirotor::inputs;
 
   double b_z = 1.08;
   double b_psi = 1.6;
@@ -56,16 +56,12 @@ struct LaggedHoverMultirotor {
   static constexpr auto parameters() {
     using M = LaggedHoverMultirotor;
     constexpr Bounds lag_or_none = {1e-3, 1e3, "0 or 0.001 to 1000", true};
-    return std::tuple{
-        parameter("b_z", &M::b_z, "m/s", any_finite, "climb per command"),
-        parameter("b_psi", &M::b_psi, "rad/s", any_finite, "yaw rate per command"),
-        parameter("a_f", &M::a_f, "1/s", any_finite, "forward drag"),
-        parameter("b_f", &M::b_f, "m/s^2", any_finite, "forward acceleration per command"),
-        parameter("a_s", &M::a_s, "1/s", any_finite, "sideward drag"),
-        parameter("b_s", &M::b_s, "m/s^2", any_finite, "sideward acceleration per command"),
-        parameter("tau", &M::tau, "s", lag_or_none, "lag of the tilt; 0 with the other two: no state lags"),
-        parameter("tau_z", &M::tau_z, "s", lag_or_none, "lag of the climb"),
-        parameter("tau_psi", &M::tau_psi, "s", lag_or_none, "lag of the yaw rate")};
+    return std::tuple_cat(
+        detail::multirotor_parameters<M>(),
+        std::tuple{parameter("tau", &M::tau, "s", lag_or_none,
+                             "lag of the tilt; 0 with the other two: no state lags"),
+                   parameter("tau_z", &M::tau_z, "s", lag_or_none, "lag of the climb"),
+                   parameter("tau_psi", &M::tau_psi, "s", lag_or_none, "lag of the yaw rate")});
   }
 
   /// The vehicles of world/vehicle.hpp as `sightline identify` finds them for tilt_max = 0.2 rad. Without lags they are

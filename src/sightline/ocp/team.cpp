@@ -253,4 +253,10 @@ BodyId Team::find(std::string_view name) const {
   return found == bodies_.end() ? BodyId{} : BodyId{static_cast<int>(found - bodies_.begin())};
 }
 
+std::vector<double> resting_inputs(const Team& team) {
+  std::vector<double> u;
+  for (const Agent& agent : team.agents()) u.insert(u.end(), agent.u_ref.begin(), agent.u_ref.end());
+  return u;
+}
+
 }  // namespace sightline

@@ -253,4 +253,7 @@ class Team {
   int nx_ = 0, nu_ = 0;
 };
 
+/// u* of all robots, in the order of the team (nu): what they are told before anybody tells them something.
+std::vector<double> resting_inputs(const Team& team);
+
 }  // namespace sightline

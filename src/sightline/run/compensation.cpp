@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/refuse.hpp"
@@ -18,14 +17,8 @@ constexpr double longest_gap = 0.5;    // between two measurements that an estim
 constexpr double oldest = 1.0;         // measurement that one uses [s]
 constexpr double largest_rate = 20.0;  // of a velocity that is believed [m/s^2]
 
-std::vector<double> resting_inputs(const Team& team) {
-  std::vector<double> u;
-  for (const Agent& agent : team.agents()) u.insert(u.end(), agent.u_ref.begin(), agent.u_ref.end());
-  return u;
-}
-
-/// The states that are neither a place, a heading nor a velocity.
-std::vector<std::size_t> inner_states(const Model& model) {
+/// Whether each state is a place, a heading or a velocity.
+std::vector<char> shown_states(const Model& model) {
   const StateRoles roles = roles_of(model);
   std::vector<char> shown(size(model.nx()));
   const auto mark = [&](int state) {
@@ -35,11 +28,7 @@ std::vector<std::size_t> inner_states(const Model& model) {
   for (const int state : roles.direction) mark(state);
   for (const int state : roles.velocities) mark(state);
   mark(roles.angle);
-  std::vector<std::size_t> inner;
-  for (std::size_t i = 0; i < shown.size(); ++i) {
-    if (shown[i] == 0) inner.push_back(i);
-  }
-  return inner;
+  return shown;
 }
 
 /// What a robot at rest, heading along x, comes to under a constant input while it is kept in place.
@@ -48,15 +37,16 @@ struct Settled {
   Vec3<double> acceleration;
 };
 
-Settled settle(const Model& model, const std::vector<std::size_t>& inner, const std::vector<double>& u) {
+Settled settle(const Model& model, const std::vector<char>& shown, const std::vector<double>& u) {
   constexpr double step = 1e-3, longest = 5.0, difference = 1e-6;  // [s]
   Settled settled{std::vector<double>(size(model.nx())), {}};
   std::vector<double>& x = settled.x;
   model.at_rest({{0, 0, 1}, {1, 0}}, x.data());
   std::vector<double> rate(x.size());
-  for (double t = 0; !inner.empty() && t < longest; t += step) {
+  const bool all_shown = std::find(shown.begin(), shown.end(), 0) == shown.end();
+  for (double t = 0; !all_shown && t < longest; t += step) {
     model.f(x.data(), u.data(), rate.data());
-    for (const std::size_t i : inner) x[i] += step * rate[i];
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += shown[i] ? 0.0 : step * rate[i];
   }
   model.f(x.data(), u.data(), rate.data());
   std::vector<double> later = x;
@@ -86,8 +76,7 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
   const auto add = [&](BodyId body, double delay, double time) {
     member_of_[at(body.index)] = static_cast<int>(members_.size());
     const Model& model = team.model(body);
-    members_.push_back({.body = body,
-                        .x = size(team.state_offset(body)),
+    members_.push_back({.x = size(team.state_offset(body)),
                         .u = team.is_agent(body) ? size(team.input_offset(body)) : 0,
                         .nx = size(model.nx()),
                         .nu = size(model.nu()),
@@ -96,7 +85,7 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
                         .time = time,
                         .counter = {},
                         .held = {},
-                        .inner = {},
+                        .shown = {},
                         .reach = {},
                         .last = std::vector<double>(size(model.nx())),
                         .steady = std::vector<double>(size(model.nu())),
@@ -123,7 +112,7 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
 
 void Compensation::find_counter(Member& member, const Agent& agent) {
   const std::vector<double>&u_min = agent.limits.u_min().front(), &u_max = agent.limits.u_max().front();
-  member.inner = inner_states(member.model);
+  member.shown = shown_states(member.model);
   member.counter.resize(3 * member.nu);
   member.held.resize(member.nu * member.nx);
   std::vector<Vec3<double>> columns;
@@ -132,9 +121,9 @@ void Compensation::find_counter(Member& member, const Agent& agent) {
     const double half = 0.5 * (u_max[k] - u_min[k]), by = 0.5 * half;
     std::vector<double> up = agent.u_ref, down = agent.u_ref;
     up[k] += by, down[k] -= by;
-    const Settled more = settle(member.model, member.inner, up),
-                  less = settle(member.model, member.inner, down);
-    for (const std::size_t i : member.inner)
+    const Settled more = settle(member.model, member.shown, up),
+                  less = settle(member.model, member.shown, down);
+    for (std::size_t i = 0; i < member.nx; ++i)
       member.held[k * member.nx + i] = (more.x[i] - less.x[i]) / (2 * by);
     const Vec3<double> b = (half / (2 * by)) * (more.acceleration - less.acceleration);
     gram[0] = gram[0] + b.x * b, gram[1] = gram[1] + b.y * b, gram[2] = gram[2] + b.z * b;
@@ -158,9 +147,9 @@ void Compensation::find_counter(Member& member, const Agent& agent) {
 }
 
 void Compensation::look(BodyId robot, std::span<const double> measured, double stamp) noexcept {
-  const int i = member_of_[at(robot.index)];
-  if (i < 0) return;
-  Member& member = members_[at(i)];
+  const int place = member_of_[at(robot.index)];
+  if (place < 0) return;
+  Member& member = members_[at(place)];
   if (member.time == 0 || !(stamp > member.stamp)) return;
   const std::span<const double> x = measured.subspan(member.x, member.nx);
   if (!all_finite(x)) return;
@@ -168,21 +157,17 @@ void Compensation::look(BodyId robot, std::span<const double> measured, double s
   if (s > longest_gap) {
     std::copy(x.begin(), x.end(), member.last.begin());
   } else {
-    Vec3<double> v{}, predicted{};
-    std::span<double> last = member.last;
-    carry(member.model, last, history_, member.u, member.stamp - member.delay, stamp - member.delay, member.w,
-          scratch_, [&](std::span<const double> u) {
-            predicted = member.model.sight(last.data(), u.data()).v;
-            v = member.model.sight(x.data(), u.data()).v;
-          });
-    Vec3<double> r = (1 / s) * (v - predicted);  // that w lacks
+    const auto u = carry(member.model, member.last, history_, member.u, member.stamp - member.delay,
+                         stamp - member.delay, member.w, scratch_);
+    if (u.empty()) return;  // no time between them
+    Vec3<double> r =        // that w lacks
+        (1 / s) *
+        (member.model.sight(x.data(), u.data()).v - member.model.sight(member.last.data(), u.data()).v);
     const double length = norm(r);
     if (length > largest_rate) r = (largest_rate / length) * r;
     member.w = member.w + (1 - std::exp(-s / member.time)) * r;
-    for (std::size_t k = 0, next = 0; k < member.nx; ++k) {
-      const bool own = next < member.inner.size() && member.inner[next] == k;
-      if (own) ++next;
-      if (!own) member.last[k] = x[k];
+    for (std::size_t i = 0; i < member.nx; ++i) {
+      if (member.shown[i]) member.last[i] = x[i];
     }
   }
   member.stamp = stamp;
@@ -192,11 +177,10 @@ std::span<const double> Compensation::ahead(double t, std::span<const double> be
   std::copy(believed.begin(), believed.end(), x_.begin());
   for (Member& member : members_) {
     const std::span<double> x = std::span(x_).subspan(member.x, member.nx);
-    carry(member.model, x, history_, member.u, t - member.delay, t, member.w, scratch_,
-          [](std::span<const double>) {});
+    carry(member.model, x, history_, member.u, t - member.delay, t, member.w, scratch_);
     if (member.time == 0) continue;
     find_steady(member, x);
-    for (const std::size_t i : member.inner) {
+    for (std::size_t i = 0; i < member.nx; ++i) {
       for (std::size_t k = 0; k < member.nu; ++k) x[i] -= member.held[k * member.nx + i] * member.steady[k];
     }
   }

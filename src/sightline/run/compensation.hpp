@@ -73,14 +73,13 @@ class Compensation {
  private:
   /// A body, compensated or carried on.
   struct Member {
-    BodyId body;
     std::size_t x, u, nx, nu;  // offsets and lengths
     Model model;
     double delay, time;
-    std::vector<double> counter;       // u_w over reach, of 1 m/s^2 along x, y, z of V, or else of G: 3 x nu
-    std::vector<double> held;          // what a unit of an input holds of each state in the end: nu x nx
-    std::vector<std::size_t> inner;    // states that are neither pose nor velocity
-    std::vector<double> reach;         // what each input can do either way
+    std::vector<double> counter;  // u_w over reach, of 1 m/s^2 along x, y, z of V, or else of G: 3 x nu
+    std::vector<double> held;     // what a unit of an input holds of each state in the end: nu x nx
+    std::vector<char> shown;    // whether each state is a pose or a velocity; the others follow from commands
+    std::vector<double> reach;  // what each input can do either way
     std::vector<double> last, steady;  // measured before, with own inner states; u_w
     double stamp;                      // of last; minus infinity: none
     Vec3<double> w{};

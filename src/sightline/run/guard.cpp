@@ -71,7 +71,6 @@ Guard::Guard(const Team& team, const GuardOptions& options)
       options_(completed(team, options)),
       supervisor_(supervisor_of(team, options)),
       believed_(static_cast<std::size_t>(team.nx())),
-      met_(believed_),
       ages_(options_.bodies.size()),
       before_(static_cast<std::size_t>(team.nu())),
       presence_(options_.bodies.size(), Presence::steered),
@@ -127,9 +126,8 @@ void Guard::follow(const Membership& now, double t, std::span<const double> x) n
 
 void Guard::filter(double t, std::span<const double> x, std::span<const double> plan_ages,
                    std::span<double> u) noexcept {
-  std::copy(x.begin(), x.end(), met_.begin());
   if (supervisor_) {
-    supervisor_->command(t, met_, plan_ages, u);
+    supervisor_->command(t, x, plan_ages, u);
     for (const Notice& notice : supervisor_->notices()) {
       tell({t, kind_of(notice), 0, static_cast<double>(notice.body.index)});
     }
@@ -138,7 +136,7 @@ void Guard::filter(double t, std::span<const double> x, std::span<const double> 
       if (team_.is_agent(body)) levels_[at(body)] = supervisor_->level(body);
     }
   }
-  for (std::size_t i = 0; i < robots_.size(); ++i) keep_distance(i, t, u);
+  for (std::size_t i = 0; i < robots_.size(); ++i) keep_distance(i, t, x, u);
   std::copy(u.begin(), u.end(), before_.begin());
 }
 
@@ -148,11 +146,12 @@ void Guard::record(double t, std::span<const double> u) noexcept {
 
 /// Another body as a robot sees it; u are the inputs of the period before. A robot of the team is where the commands in
 /// flight will have brought it; any other body is where it was seen, so much longer ago.
-Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double> u) const noexcept {
+Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double> x,
+                              std::span<const double> u) const noexcept {
   const Model& model = team_.model(other);
-  const std::vector<double>& x = team_.is_agent(other) ? met_ : believed_;
-  const Sight<double> sight = model.sight(&x[static_cast<std::size_t>(team_.state_offset(other))],
-                                          u.data() + (team_.is_agent(other) ? team_.input_offset(other) : 0));
+  const Sight<double> sight = model.sight(
+      &(team_.is_agent(other) ? x : believed_)[static_cast<std::size_t>(team_.state_offset(other))],
+      u.data() + (team_.is_agent(other) ? team_.input_offset(other) : 0));
   const BodySafety& safety = options_.bodies[at(other)];
   Neighbour neighbour{
       .p = sight.p,
@@ -171,7 +170,8 @@ Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double
   return neighbour;
 }
 
-void Guard::keep_distance(std::size_t robot, double t, std::span<double> u) noexcept {
+void Guard::keep_distance(std::size_t robot, double t, std::span<const double> x,
+                          std::span<double> u) noexcept {
   Robot& of = robots_[robot];
   const FallbackLevel level = supervisor_ ? supervisor_->level(of.body) : FallbackLevel::valid;
   BarrierRecord& record = records_[robot];
@@ -183,7 +183,7 @@ void Guard::keep_distance(std::size_t robot, double t, std::span<double> u) noex
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId other{i};
     if (other != of.body && is_there(other) && std::isfinite(ages_[at(other)])) {
-      neighbours_[count++] = neighbour_of(of.body, other, before_);
+      neighbours_[count++] = neighbour_of(of.body, other, x, before_);
     }
   }
   of.limits->at(t, of.u_min, of.u_max);
@@ -191,9 +191,9 @@ void Guard::keep_distance(std::size_t robot, double t, std::span<double> u) noex
   std::copy(applied.begin(), applied.end(), of.reported.begin());
   const bool lands = level == FallbackLevel::land || presence_[at(of.body)] == Presence::land;
   const Barrier& barrier = lands ? of.landing : of.barrier;
-  const BarrierResult result = barrier.filter(
-      std::span(met_).subspan(of.x, of.nx), std::span(neighbours_).first(count), of.u_min, of.u_max,
-      options_.barrier == BarrierMode::on ? applied : std::span(of.reported), of.way_out);
+  const BarrierResult result =
+      barrier.filter(x.subspan(of.x, of.nx), std::span(neighbours_).first(count), of.u_min, of.u_max,
+                     options_.barrier == BarrierMode::on ? applied : std::span(of.reported), of.way_out);
   record = {result.active, result.conflict, result.reserve};
   if (result.conflict && !was_in_conflict) {
     tell({t, EventKind::barrier_conflict, 0, static_cast<double>(of.body.index)});

@@ -96,15 +96,16 @@ class Guard {
   double delay_of(BodyId body) const noexcept {
     return options_.command_delays.empty() ? 0.0 : options_.command_delays[at(body)];
   }
-  Neighbour neighbour_of(BodyId robot, BodyId other, std::span<const double> u) const noexcept;
-  void keep_distance(std::size_t robot, double t, std::span<double> u) noexcept;
+  Neighbour neighbour_of(BodyId robot, BodyId other, std::span<const double> x,
+                         std::span<const double> u) const noexcept;
+  void keep_distance(std::size_t robot, double t, std::span<const double> x, std::span<double> u) noexcept;
   void tell(const Event& event) noexcept;
 
   Team team_;
   GuardOptions options_;
   std::optional<Supervisor> supervisor_;
   std::vector<Robot> robots_;  // none without a barrier
-  std::vector<double> believed_, met_, ages_, before_;
+  std::vector<double> believed_, ages_, before_;
   std::vector<Presence> presence_;
   std::vector<FallbackLevel> levels_;
   double oldest_;  // age that the barrier reckons with [s]

@@ -13,13 +13,15 @@
 namespace sightline {
 
 /// Carries x (nx) over the inputs that the history has from `from` to `to` [s], under an acceleration w of G [m/s^2], in
-/// Runge-Kutta steps of at most 0.05 s. Calls then(u) with the last input that was in force, if any.
+/// Runge-Kutta steps of at most 0.05 s.
 /// @param input_at  where the body's input stands in the history's rows
 /// @param rows      RungeKuttaScratch::rows_needed * nx numbers of work space
-template <class Then>
-void carry(const Model& model, std::span<double> x, const InputHistory& history, std::size_t input_at,
-           double from, double to, const Vec3<double>& w, std::span<double> rows, Then&& then) noexcept {
+/// @return the input that was in force last, in the history; empty where `to` is not after `from`
+inline std::span<const double> carry(const Model& model, std::span<double> x, const InputHistory& history,
+                                     std::size_t input_at, double from, double to, const Vec3<double>& w,
+                                     std::span<double> rows) noexcept {
   constexpr double longest_step = 0.05;
+  std::span<const double> last;
   const bool pushed = w.x != 0 || w.y != 0 || w.z != 0;
   history.visit(from, to, [&](double begin, double end, std::span<const double> u) {
     const auto steps = std::max(1.0, std::ceil((end - begin) / longest_step));
@@ -31,8 +33,9 @@ void carry(const Model& model, std::span<double> x, const InputHistory& history,
       rk4_step(f, x, (end - begin) / steps, {rows});
       static_cast<void>(model.normalise(x.data()));
     }
-    then(u.subspan(input_at));
+    last = u.subspan(input_at);
   });
+  return last;
 }
 
 }  // namespace sightline

@@ -56,7 +56,7 @@ void SupervisorOptions::check() const {
 Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
     : team_(team),
       options_(checked(options)),
-      history_(entries(options), resting_input(team)),
+      history_(entries(options), resting_inputs(team)),
       robot_of_(static_cast<std::size_t>(team.bodies())),
       presence_(robot_of_.size(), Presence::steered),
       believed_(static_cast<std::size_t>(team.nx())) {
@@ -93,12 +93,6 @@ Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
     robots_.back().partners.reserve(robot_of_.size());
   }
   notices_.reserve(2 * tracks_.size());
-}
-
-std::vector<double> Supervisor::resting_input(const Team& team) {
-  std::vector<double> u;
-  for (const Agent& agent : team.agents()) u.insert(u.end(), agent.u_ref.begin(), agent.u_ref.end());
-  return u;
 }
 
 std::vector<BodyId> Supervisor::partners_of(const Team& team, BodyId robot) {

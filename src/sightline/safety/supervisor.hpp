@@ -89,7 +89,6 @@ class Supervisor {
     FallbackLevel level;
   };
   bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
-  static std::vector<double> resting_input(const Team& team);
   static std::vector<BodyId> partners_of(const Team& team, BodyId robot);
 
   Ages ages_of(const Robot& robot, std::span<const double> plan_ages) const noexcept;

@@ -133,8 +133,7 @@ void Track::predict(double now, const InputHistory& history) noexcept {
 
 void Track::carry(std::vector<double>& x, double from, double to, const InputHistory& history) noexcept {
   const double late = limits_.command_delay;
-  sightline::carry(model_, x, history, input_at_, from - late, to - late, {}, scratch_,
-                   [](std::span<const double>) {});
+  sightline::carry(model_, x, history, input_at_, from - late, to - late, {}, scratch_);
 }
 
 }  // namespace sightline

@@ -18,13 +18,6 @@ const PlantOptions& checked(const PlantOptions& options) {
   return options;
 }
 
-/// What the robots are told before anybody tells them something.
-std::vector<double> resting_input(const Team& team) {
-  std::vector<double> u;
-  for (const Agent& agent : team.agents()) u.insert(u.end(), agent.u_ref.begin(), agent.u_ref.end());
-  return u;
-}
-
 }  // namespace
 
 Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
@@ -33,7 +26,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
       nx_(static_cast<std::size_t>(team_.nx())),
       z_(std::move(x0)),
       u_(static_cast<std::size_t>(team_.nu())),
-      delay_(disturbances_.input_delay, options.period, resting_input(team_)),
+      delay_(disturbances_.input_delay, options.period, resting_inputs(team_)),
       motions_(team_, options.motions, options.seed),
       dynamics_(options.dynamics),
       steered_for_(options.period) {

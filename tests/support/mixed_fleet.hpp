@@ -1,0 +1,20 @@
+/// A vehicle under tilt commands, a rover, a vehicle under velocity commands, a target.
+#pragma once
+
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/robots.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/ocp/team.hpp"
+
+namespace sightline::test {
+
+inline Team mixed_fleet() {
+  Team team;
+  team.add(Multirotor{}, {.name = "uav"});
+  team.add(OmniRover{}, {.name = "rover"});
+  team.add(VelocityMultirotor{}, {.name = "scout"});
+  team.add(Obstacle{.name = "target"});
+  return team;
+}
+
+}  // namespace sightline::test
