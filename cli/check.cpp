@@ -36,7 +36,7 @@ int check(const std::filesystem::path& scenario, bool expanded, const Parts& par
 
 std::string version_text() { return fmt::format("sightline {}\n{}", sightline::version, compiler); }
 
-int version() {
+int show_version() {
   print("{}\n", version_text());
   return 0;
 }

@@ -104,7 +104,7 @@ int potential(const PotentialOptions& options, const Parts& parts);
 int explain(const std::filesystem::path& scenario, const Parts& parts);
 /// Says which parts a scenario may call by name, with their parameters: tables of Markdown, or JSON.
 int list_parts(bool json, const Parts& parts);
-int version();
+int show_version();
 /// Of the library, and of the compiler that built it.
 std::string version_text();
 /// Flies the benchmark's cases and prints times, errors and costs, as a table or as JSON.

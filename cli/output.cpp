@@ -9,12 +9,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <system_error>
+
+#include "sightline/base/reason.hpp"
 
 namespace sightline::cli {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using WallClock = std::chrono::steady_clock;
 constexpr std::size_t piece = 4096;  // a pipe that has room takes as much at once [B]
 
 /// Writes to one of the standard streams without ever waiting longer than it may.
@@ -47,7 +48,7 @@ class Stream {
     return 0;
   }
 
-  void wait_at_most(Clock::duration time) { left_ = time; }
+  void wait_at_most(WallClock::duration time) { left_ = time; }
 
  private:
   static constexpr std::chrono::milliseconds look{100};
@@ -55,20 +56,20 @@ class Stream {
   int await(bool wait) noexcept {
     for (;;) {
       pollfd room = {file_, POLLOUT, 0};
-      const auto begin = Clock::now();
-      const auto most = wait ? std::clamp<Clock::duration>(left_, {}, look) : Clock::duration(0);
+      const auto begin = WallClock::now();
+      const auto most = wait ? std::clamp<WallClock::duration>(left_, {}, look) : WallClock::duration(0);
       const auto ms = std::chrono::ceil<std::chrono::milliseconds>(most);
       const int ready = ::poll(&room, 1, static_cast<int>(ms.count()));
       if (ready > 0 || (ready < 0 && errno != EINTR)) return 0;  // what is wrong, the writing tells
       if (!wait) return ETIMEDOUT;
-      if (left_ != Clock::duration::max()) left_ -= Clock::now() - begin;
-      if (left_ <= Clock::duration(0)) return ETIMEDOUT;
+      if (left_ != WallClock::duration::max()) left_ -= WallClock::now() - begin;
+      if (left_ <= WallClock::duration(0)) return ETIMEDOUT;
     }
   }
 
   int file_;
   bool is_socket_ = false;
-  Clock::duration left_ = Clock::duration::max();
+  WallClock::duration left_ = WallClock::duration::max();
 };
 
 /// Both streams and what became of the results.
@@ -114,7 +115,7 @@ void say(std::string_view sentence) { tell("sightline: {}\n", sentence); }
 int finish(int code) {
   const int lost = streams().lost;
   if (lost == 0) return code;
-  say(fmt::format("stdout: {}, the results could not be shown there", std::generic_category().message(lost)));
+  say(fmt::format("stdout: {}, the results could not be shown there", reason(lost)));
   return code == 0 ? 1 : code;
 }
 

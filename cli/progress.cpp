@@ -16,13 +16,15 @@
 namespace sightline::cli {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using WallClock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds interval{100};
 constexpr std::chrono::seconds farewell{1};  // how long the last line may take
 
 bool on_a_terminal() { return ::isatty(STDERR_FILENO) == 1; }
 
-double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double since(WallClock::time_point begin) {
+  return std::chrono::duration<double>(WallClock::now() - begin).count();
+}
 
 }  // namespace
 
@@ -68,7 +70,7 @@ void ProgressThread::end() {
 
 struct Progress::Flight {
   double duration;
-  Clock::time_point begin = Clock::now();
+  WallClock::time_point begin = WallClock::now();
   std::atomic<double> simulated{-1.0};
   double shown = -1.0;
 
@@ -103,7 +105,7 @@ struct CampaignProgress::Runs {
   std::string name;
   int all, first;
   bool terminal = on_a_terminal();
-  Clock::time_point begin = Clock::now();
+  WallClock::time_point begin = WallClock::now();
   std::atomic<int> done, recovered;
   int shown = first;
 

@@ -14,7 +14,7 @@
 namespace sightline {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double nearest = 0.05, farthest = 200.0;  // distances that are looked at [m]
 constexpr int distances = 200;
 constexpr double a_tenth_more = 1.1;

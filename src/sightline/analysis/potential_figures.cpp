@@ -18,7 +18,7 @@ using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
 using Grid = Drawing::Grid;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double window = 3.0;                    // half the width of a picture [m]
 constexpr double worth = 0.5;                     // whose border is drawn, Figs. 14 and 16
 constexpr int map_side = 268;                     // of two side by side [px]

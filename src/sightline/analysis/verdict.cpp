@@ -12,7 +12,7 @@
 namespace sightline {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double bin = 0.1;           // of distances [m]
 constexpr double sector = pi / 36;    // of angles [rad]
 constexpr double bias_reach = 1.0;    // how far a moved limit is looked for [m]
@@ -45,9 +45,9 @@ struct Share {
   double value() const { return all > 0 ? static_cast<double>(of) / static_cast<double>(all) : 0.0; }
 };
 
-class Judge {
+class TermJudge {
  public:
-  Judge(const Potential& potential, const VerdictOptions& options)
+  TermJudge(const Potential& potential, const VerdictOptions& options)
       : potential_(potential), field_(potential), mount_(potential.mount()) {
     v_.name = potential.name();
     v_.options = options;
@@ -305,7 +305,7 @@ std::optional<Cure> cure_of(const Potential& potential, const VerdictOptions& op
   if (!rounding) return {};
   for (const double smooth : {0.003, 0.01, 0.03, 0.1}) {
     if (smooth <= rounding->width) continue;
-    const double left = Judge(potential.smoothed_over(smooth), options).verdict().curvature_worst;
+    const double left = TermJudge(potential.smoothed_over(smooth), options).verdict().curvature_worst;
     if (left <= stiff / 2) return Cure{smooth, left};
   }
   return {};
@@ -315,10 +315,10 @@ std::optional<Cure> cure_of(const Potential& potential, const VerdictOptions& op
 
 Verdict judge(const Potential& potential, const VerdictOptions& options) {
   constexpr double wider = 3.0, widest = 60.0;  // m
-  Verdict verdict = Judge(potential, options).verdict();
+  Verdict verdict = TermJudge(potential, options).verdict();
   VerdictOptions next = options;
   while ((verdict.outside == 0 || verdict.outside == 1) && (next.reach *= wider) <= widest) {
-    if (Verdict other = Judge(potential, next).verdict(); other.outside > 0 && other.outside < 1)
+    if (Verdict other = TermJudge(potential, next).verdict(); other.outside > 0 && other.outside < 1)
       verdict = std::move(other);
   }
   if (verdict.curvature_worst > stiff) verdict.cure = cure_of(potential, verdict.options);

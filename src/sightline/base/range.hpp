@@ -24,6 +24,8 @@ constexpr Range positive(std::string_view expected) {
   return {std::numeric_limits<double>::min(), largest_number, expected};
 }
 
+inline constexpr Range time_range = not_negative(">= 0 s");
+
 /// Finite, not negative.
 inline bool at_least_zero(double value) { return value >= 0 && std::isfinite(value); }
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double same_distance = 1e-9;  // [m]
 
 }  // namespace
@@ -136,20 +136,20 @@ void Judge::publish() noexcept {
 RunResult Judge::result(const LoopOutcome& outcome) const {
   RunResult result = result_;
   const auto periods = std::llround(plan_.duration / period_);
-  if (!std::isfinite(result.min_distance)) result.min_distance = none;
-  double first = views_.empty() ? none : 0.0;
+  if (!std::isfinite(result.min_distance)) result.min_distance = no_value;
+  double first = views_.empty() ? no_value : 0.0;
   bool at_end = true;
   for (const View& view : views_) {
     first = std::max(first, view.first);
     at_end = at_end && view.seen;
   }
   const bool in_time = views_.empty() || first <= plan_.view_within;
-  result.time_to_first_view = std::isfinite(first) ? first : none;
+  result.time_to_first_view = std::isfinite(first) ? first : no_value;
   result.fraction_in_view =
-      views_.empty() || updates_ == 0 ? none : static_cast<double>(seen_) / static_cast<double>(updates_);
+      views_.empty() || updates_ == 0 ? no_value : static_cast<double>(seen_) / static_cast<double>(updates_);
   result.chatter = chatter_.worst_share();
   const auto drift = drift_.found();
-  result.drift = !drift ? none : drift->empty() ? 0.0 : norm(drift->front().v);
+  result.drift = !drift ? no_value : drift->empty() ? 0.0 : norm(drift->front().v);
   for (const PlanGaps& gaps : gaps_)
     result.longest_without_plan = std::max(result.longest_without_plan, gaps.any().longest);
   const auto& walls = safety_.bounds();

@@ -13,7 +13,7 @@ namespace sightline {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double radius = 150, middle = 175;  // of the map, and where its centre is [px]
+constexpr double radius = 150, centre = 175;  // of the map, and where its centre is [px]
 
 /// From nothing recovered to all, in steps that tell apart for all kinds of sight.
 std::string colour(double share) {
@@ -35,8 +35,8 @@ std::string colour(double share) {
 
 /// A place of the picture: bearing 0 is up, to the left is to the left.
 std::string place(double distance, double bearing) {
-  return fmt::format("{:.2f} {:.2f}", middle - distance * std::sin(bearing),
-                     middle - distance * std::cos(bearing));
+  return fmt::format("{:.2f} {:.2f}", centre - distance * std::sin(bearing),
+                     centre - distance * std::cos(bearing));
 }
 
 std::string words(const SuccessMap::Cell& cell) {
@@ -69,8 +69,8 @@ std::string to_svg(const SuccessMap& map, const std::string& title) {
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
       "aria-label=\"{2}\" font-family=\"system-ui, sans-serif\" font-size=\"12\" fill=\"currentColor\">\n"
-      "<text x=\"{3}\" y=\"12\" text-anchor=\"middle\">{2}</text>\n",
-      2 * middle, 2 * middle + 20, escaped(title), middle);
+      "<text x=\"{3}\" y=\"12\" text-anchor=\"centre\">{2}</text>\n",
+      2 * centre, 2 * centre + 20, escaped(title), centre);
   for (int ring = 0; ring < map.rings; ++ring) {
     for (int sector = 0; sector < map.sectors; ++sector) {
       const SuccessMap::Cell& cell = map.cells[cell_of(ring, sector)];
@@ -95,12 +95,12 @@ std::string to_svg(const SuccessMap& map, const std::string& title) {
     svg += fmt::format(
         "<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"#fff\" stroke=\"#000\" stroke-width=\"2.5\" "
         "stroke-opacity=\"0.6\" paint-order=\"stroke\">{:.3g} m</text>\n",
-        middle + 4, middle - radius * ring / map.rings + 13, map.range_max * ring / map.rings);
+        centre + 4, centre - radius * ring / map.rings + 13, map.range_max * ring / map.rings);
   }
   svg += fmt::format(
       "<path d=\"M {} L {} L {} Z\"><title>nose up</title></path>\n"
-      "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">behind</text>\n</svg>",
-      place(9, 0), place(7, 2.5), place(7, -2.5), middle, 2 * middle + 4);
+      "<text x=\"{}\" y=\"{}\" text-anchor=\"centre\">behind</text>\n</svg>",
+      place(9, 0), place(7, 2.5), place(7, -2.5), centre, 2 * centre + 4);
   return svg;
 }
 

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/plot/gnuplot.hpp"
 
 namespace sightline {
@@ -22,7 +23,6 @@ using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
 using View = Drawing::Grid::View;
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<std::string_view, Drawing::colours + 2> colours = {
     "#3b82d6", "#e07b1a", "#2a9d5c", "#a05cd0", "#d64a8b", "#1aa3b5", "#d8322f", "#8a8f98"};
 constexpr int width = 900, left = 102, axes_width = 780;  // [px]
@@ -78,7 +78,7 @@ void prune(std::vector<Drawing>& drawings) {
         for (std::size_t i = 0; i < curve.x.size(); ++i) {
           const bool shown = std::isfinite(curve.x[i]) && std::isfinite(curve.y[i]) &&
                              (!panel.log_x || curve.x[i] > 0) && (!panel.log_y || curve.y[i] > 0);
-          if (!shown) curve.y[i] = none;
+          if (!shown) curve.y[i] = no_value;
         }
       }
       std::erase_if(panel.curves, [](const Curve& curve) { return !any_finite(curve.y); });

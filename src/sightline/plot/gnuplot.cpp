@@ -11,11 +11,13 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "sightline/base/reason.hpp"
+
 namespace sightline {
 namespace {
 
 [[noreturn]] void fail(std::string_view what, int error) {
-  throw std::runtime_error(fmt::format("{}: {}", what, std::generic_category().message(error)));
+  throw std::runtime_error(fmt::format("{}: {}", what, reason(error)));
 }
 
 /// A file without a name.

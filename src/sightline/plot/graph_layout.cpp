@@ -8,7 +8,7 @@
 namespace sightline {
 namespace {
 
-constexpr double width = 900.0, side = 170.0;  // of the picture; of the names beside the nodes [px]
+constexpr double picture_width = 900.0, side = 170.0;  // of the picture; of the names beside the nodes [px]
 constexpr double apart_max = 340.0, row = 36.0, top = 40.0, letter = 8.0;
 constexpr double turned_top = 120.0;  // room for a name that is turned
 constexpr std::size_t columns_max = 9, rows_max = 18, side_name = 18, turned_name = 12;
@@ -44,10 +44,10 @@ GraphLayout in_columns(const NodeGraph& graph, const std::vector<Column>& column
   std::size_t longest = 0;
   for (const Column& column : columns) longest = std::max(longest, column.size());
   const double apart =
-      std::min(apart_max, (width - 2 * side) / static_cast<double>(std::max<std::size_t>(last, 1)));
-  const double left = 0.5 * (width - apart * static_cast<double>(last));
+      std::min(apart_max, (picture_width - 2 * side) / static_cast<double>(std::max<std::size_t>(last, 1)));
+  const double left = 0.5 * (picture_width - apart * static_cast<double>(last));
   GraphLayout layout{
-      GraphLayout::Kind::columns, std::vector<GraphLayout::Node>(graph.nodes), width,
+      GraphLayout::Kind::columns, std::vector<GraphLayout::Node>(graph.nodes), picture_width,
       2 * top + row * static_cast<double>(longest - 1),
       last > 1 ? std::clamp<std::size_t>(static_cast<std::size_t>(apart / letter), 4, side_name) : side_name};
   for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -74,18 +74,18 @@ GraphLayout in_a_circle(const NodeGraph& graph, const std::vector<std::size_t>& 
                      [&](std::size_t a, std::size_t b) { return depths[a] < depths[b]; });
   }
   const double turn = 2 * std::numbers::pi / static_cast<double>(std::max<std::size_t>(graph.nodes, 1));
-  const double radius = graph.nodes < 3 ? 110.0 : std::clamp(row / turn, 80.0, 0.5 * width - side);
+  const double radius = graph.nodes < 3 ? 110.0 : std::clamp(row / turn, 80.0, 0.5 * picture_width - side);
   const bool crowded = graph.nodes > crowd;
   GraphLayout layout{GraphLayout::Kind::circle,
                      std::vector<GraphLayout::Node>(graph.nodes),
-                     width,
+                     picture_width,
                      graph.nodes < 3 ? 2 * top : 2 * (radius + (crowded ? turned_top : top)),
                      crowded ? turned_name : side_name,
                      crowded};
   for (std::size_t i = 0; i < order.size(); ++i) {
     const double angle = std::numbers::pi + turn * static_cast<double>(i);
     const double x = std::cos(angle), y = graph.nodes < 3 ? 0.0 : std::sin(angle);
-    layout.nodes[order[i]] = {0.5 * width + radius * x, 0.5 * layout.height + radius * y, x, y};
+    layout.nodes[order[i]] = {0.5 * picture_width + radius * x, 0.5 * layout.height + radius * y, x, y};
   }
   return layout;
 }

@@ -13,14 +13,13 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/base/reason.hpp"
 #include "sightline/record/text_file.hpp"
 
 namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string reason() { return std::generic_category().message(errno); }
 
 /// Who wrote the lock's file, " (process 4711)"; empty where it says nothing.
 std::string holder(int file) {
@@ -72,8 +71,8 @@ void FolderLock::lock() {
   for (;;) {
     lock_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, 0666);
     if (lock_ < 0) {
-      throw std::invalid_argument(
-          fmt::format("{}: cannot be written ({}), expected a folder that can", folder_.native(), reason()));
+      throw std::invalid_argument(fmt::format("{}: cannot be written ({}), expected a folder that can",
+                                              folder_.native(), reason(errno)));
     }
     if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
       const std::string sentence =
@@ -83,7 +82,7 @@ void FolderLock::lock() {
                     "it, or give another folder by -o",
                     folder_.native(), holder(lock_))
               : fmt::format("{}: cannot be locked ({}), expected a folder that can", folder_.native(),
-                            reason());
+                            reason(errno));
       ::close(lock_);
       throw std::invalid_argument(sentence);
     }

@@ -23,7 +23,7 @@ inline constexpr std::uint64_t record_head = 9;                          // kind
 inline constexpr std::uint64_t record_limit = std::uint64_t{128} << 20;  // no record of ours is longer [B]
 
 /// Kinds of records.
-enum Kind : std::uint8_t {
+enum RecordKind : std::uint8_t {
   header = 0x01,
   footer = 0x02,
   schema_record = 0x03,
@@ -38,6 +38,11 @@ enum Kind : std::uint8_t {
   summary_offset = 0x0E,
   data_end = 0x0F,
 };
+
+using Span = std::span<const std::byte>;
+
+/// CRC-32 of bytes that follow those of crc.
+std::uint32_t crc32_of(std::uint32_t crc, Span bytes);
 
 }  // namespace mcap
 

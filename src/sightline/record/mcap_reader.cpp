@@ -11,21 +11,15 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/base/reason.hpp"
 #include "sightline/record/mcap.hpp"
 
 namespace sightline {
 namespace {
 
 using namespace mcap;
-using Span = std::span<const std::byte>;
 
 constexpr std::uint64_t window_bytes = 64 << 10;  // least piece read from the file
-
-std::uint32_t crc32_of(std::uint32_t crc, Span bytes) {
-  return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
-
-std::string reason(int error_number) { return std::generic_category().message(error_number); }
 
 // Reading: never past the end; once short, everything after is zero and good() says so.
 class Cursor {

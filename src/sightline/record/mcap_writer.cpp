@@ -12,24 +12,23 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/base/reason.hpp"
 #include "sightline/record/mcap.hpp"
 
 namespace sightline {
+
+std::uint32_t mcap::crc32_of(std::uint32_t crc, Span bytes) {
+  return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
 namespace {
 
 using namespace mcap;
 using Bytes = std::vector<std::byte>;
-using Span = std::span<const std::byte>;
 
 constexpr std::uint64_t chunk_limit = 4 << 20;     // a longer chunk closes by itself [B]
 constexpr std::uint64_t message_limit = 64 << 20;  // [B]
 constexpr int zstd_level = 1;
-
-std::uint32_t crc32_of(std::uint32_t crc, Span bytes) {
-  return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
-
-std::string reason(int error_number) { return std::generic_category().message(error_number); }
 
 // Writing: little-endian numbers, and strings and lists behind their lengths.
 
@@ -62,7 +61,7 @@ void put_words(Bytes& to, const McapWords& words) {
 }
 
 // Opens a record whose length close_record() fills in; returns its place.
-std::size_t open_record(Bytes& to, Kind kind) {
+std::size_t open_record(Bytes& to, RecordKind kind) {
   const std::size_t at = to.size();
   put(to, static_cast<std::uint8_t>(kind));
   put(to, std::uint64_t{0});
@@ -274,7 +273,7 @@ void McapWriter::write_summary() {
   close_record(counts, record);
 
   Bytes offsets;
-  const auto group = [&](Kind kind, const Bytes& records) {
+  const auto group = [&](RecordKind kind, const Bytes& records) {
     if (records.empty()) return;
     const std::size_t offset = open_record(offsets, summary_offset);
     put(offsets, static_cast<std::uint8_t>(kind));

@@ -5,15 +5,12 @@
 #include <limits>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/potential/protection.hpp"
 
 namespace sightline {
-namespace {
-
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
+namespace {}  // namespace
 
 std::vector<Observation> observations(std::span<const Coupling> couplings) {
   std::vector<Observation> found;
@@ -26,15 +23,15 @@ std::vector<Observation> observations(std::span<const Coupling> couplings) {
     if (std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); }))
       continue;
     const SensorMount mount = potential.mount() != nullptr ? *potential.mount() : SensorMount{};
-    found.push_back({a, b, potential, mount, potential.alpha().value_or(none), none, none});
+    found.push_back({a, b, potential, mount, potential.alpha().value_or(no_value), no_value, no_value});
   }
   // A distance has no direction. fmax and fmin pass over what is not a number.
   for (const Coupling& c : couplings) {
     const BodyId a = c.between.first, b = c.between.second;
     for (Observation& o : found) {
       if (!same(o, a, b) && !same(o, b, a)) continue;
-      o.d_min = std::fmax(o.d_min, c.term.potential.d_min().value_or(none));
-      o.d_max = std::fmin(o.d_max, c.term.potential.d_max().value_or(none));
+      o.d_min = std::fmax(o.d_min, c.term.potential.d_min().value_or(no_value));
+      o.d_max = std::fmin(o.d_max, c.term.potential.d_max().value_or(no_value));
     }
   }
   return found;

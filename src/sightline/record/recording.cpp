@@ -16,6 +16,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/mcap.hpp"
 
@@ -24,17 +25,17 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
 template <class... Args>
 [[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
   throw std::runtime_error(fmt::format(sentence, std::forward<Args>(args)...));
 }
 
 // null stands for a number that was not finite.
-double number(const json& value) { return value.is_null() ? none : value.get<double>(); }
+double or_no_value(const json& value) { return value.is_null() ? no_value : value.get<double>(); }
 
-Vec3<double> point(const json& list) { return {number(list.at(0)), number(list.at(1)), number(list.at(2))}; }
+Vec3<double> point(const json& list) {
+  return {or_no_value(list.at(0)), or_no_value(list.at(1)), or_no_value(list.at(2))};
+}
 
 void read_team(const json& team, Recording& run) {
   for (const json& entry : team.at("bodies")) {
@@ -51,9 +52,12 @@ void read_team(const json& team, Recording& run) {
     run.bodies.push_back(std::move(body));
   }
   for (const json& entry : team.at("pairs")) {
-    const Recording::Pair pair{
-        entry.at("observer"),      entry.at("target"),        {entry.at("pitch"), entry.at("offset")},
-        number(entry.at("alpha")), number(entry.at("d_min")), number(entry.at("d_max"))};
+    const Recording::Pair pair{entry.at("observer"),
+                               entry.at("target"),
+                               {entry.at("pitch"), entry.at("offset")},
+                               or_no_value(entry.at("alpha")),
+                               or_no_value(entry.at("d_min")),
+                               or_no_value(entry.at("d_max"))};
     if (pair.observer >= run.bodies.size() || pair.target >= run.bodies.size()) {
       refuse("a pair names body {}, expected one of {}", std::max(pair.observer, pair.target),
              run.bodies.size());
@@ -77,15 +81,15 @@ void read_team(const json& team, Recording& run) {
     run.couplings.push_back(coupled);
   }
   run.d_hard = team.value("d_hard", std::vector<double>{});
-  run.floor = team.value("floor", none);
-  run.ceiling = team.value("ceiling", none);
+  run.floor = team.value("floor", no_value);
+  run.ceiling = team.value("ceiling", no_value);
   run.script = team.value("events", std::vector<std::string>{});
 }
 
 // Each step is the shorter way round; what is not a number is stepped over.
 void unwrap(std::vector<double>& psi) {
   constexpr double turn = 2 * std::numbers::pi;
-  double last = none;
+  double last = no_value;
   for (double& value : psi) {
     if (std::isnan(value)) continue;
     if (!std::isnan(last)) value -= turn * std::round((value - last) / turn);
@@ -95,9 +99,9 @@ void unwrap(std::vector<double>& psi) {
 
 // Puts each message where it belongs. State and solver messages begin a row; what may be missing behind
 // them, where a number was not finite, stays not a number.
-class Rows {
+class RowReader {
  public:
-  Rows(Recording& run, std::size_t controllers) : run_(run) {
+  RowReader(Recording& run, std::size_t controllers) : run_(run) {
     for (Recording::Body& body : run.bodies) {
       const std::string topic = "/" + body.name + "/";
       places_[topic + "state"] = [this, &body](const McapMessage& m) { state(body, m); };
@@ -160,9 +164,9 @@ class Rows {
 
   void state(Recording::Body& body, const McapMessage& message) {
     if (&body == &run_.bodies.front()) run_.time.push_back(parsed(message).at("time"));
-    body.p.push_back({none, none, none});
-    body.heading.push_back(none);
-    body.v.push_back({none, none, none});
+    body.p.push_back({no_value, no_value, no_value});
+    body.heading.push_back(no_value);
+    body.v.push_back({no_value, no_value, no_value});
   }
   static void pose(Recording::Body& body, const McapMessage& message) {
     const auto pose = decode_pose(message.bytes);
@@ -180,34 +184,35 @@ class Rows {
     if (values.size() != body.u.size()) {
       refuse("{} holds {} inputs, expected {}", message.topic, values.size(), body.u.size());
     }
-    for (std::size_t i = 0; i < body.u.size(); ++i) body.u[i].push_back(number(values[i]));
+    for (std::size_t i = 0; i < body.u.size(); ++i) body.u[i].push_back(or_no_value(values[i]));
   }
   static void barrier(Recording::Body& body, const McapMessage& message) {
     const json values = parsed(message);
     body.barrier.push_back(values.at("active").get<bool>() ? 1.0 : 0.0);
-    body.reserve.push_back(number(values.at("reserve")));
+    body.reserve.push_back(or_no_value(values.at("reserve")));
   }
   static void reference(Recording::Body& body, const McapMessage& message) {
     const json values = parsed(message);
     body.reference_time.push_back(values.at("time"));
     if (values.contains("p")) body.reference_p.push_back(point(values["p"]));
     if (values.contains("d")) {
-      body.reference_heading.push_back(std::atan2(number(values["d"].at(1)), number(values["d"].at(0))));
+      body.reference_heading.push_back(
+          std::atan2(or_no_value(values["d"].at(1)), or_no_value(values["d"].at(0))));
     }
   }
   void solver(std::size_t index, const McapMessage& message) {
     const json values = parsed(message);
     Recording::Controller& controller = run_.controllers[index];
     controller.status.push_back(values.at("status"));
-    controller.residual.push_back(number(values.at("residual")));
+    controller.residual.push_back(or_no_value(values.at("residual")));
     controller.iterations.push_back(values.at("iterations"));
-    if (values.contains("pairs")) controller.pairs.push_back(number(values["pairs"]));
-    if (index == 0) run_.cost.push_back(number(values.at("cost")));
+    if (values.contains("pairs")) controller.pairs.push_back(or_no_value(values["pairs"]));
+    if (index == 0) run_.cost.push_back(or_no_value(values.at("cost")));
   }
   void event(const McapMessage& message) {
     const json values = parsed(message);
-    run_.events.push_back(
-        {number(values.at("time")), values.at("kind"), values.at("controller"), number(values.at("value"))});
+    run_.events.push_back({or_no_value(values.at("time")), values.at("kind"), values.at("controller"),
+                           or_no_value(values.at("value"))});
   }
 
   Recording& run_;
@@ -300,7 +305,7 @@ Recording read_recording(const std::filesystem::path& folder) {
     run.seed = number_of<std::uint64_t>(words, "seed");
     run.period = number_of<double>(words, "period");
     read_team(json::parse(words.at("team")), run);
-    Rows rows(run, number_of<std::size_t>(words, "controllers"));
+    RowReader rows(run, number_of<std::size_t>(words, "controllers"));
     log.visit([&](const McapMessage& message) { rows.take(message); });
     rows.trim();
   } catch (const std::exception& e) {

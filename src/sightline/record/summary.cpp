@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/base/quantile.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/potential/protection.hpp"
@@ -17,7 +18,6 @@
 namespace sightline {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double raw_tolerance = 1e-9;    // of a raw input beyond its limit
 constexpr double lost_after = 2.0;        // out of view at the end for so long is a failure [s]
@@ -41,11 +41,11 @@ bool same_limit(const Potential& a, const Potential& b) {
 }
 
 double share(std::int64_t part, std::int64_t whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : none;
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : no_value;
 }
 
 // An extreme starts at infinity and stays there where nothing was counted.
-double counted(double value) { return std::isfinite(value) ? value : none; }
+double counted(double value) { return std::isfinite(value) ? value : no_value; }
 
 }  // namespace
 
@@ -83,7 +83,7 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
 }
 
 void Summary::add_view(const Observation& pair) {
-  views_.push_back({pair, infinity, -infinity, -infinity, none, none});
+  views_.push_back({pair, infinity, -infinity, -infinity, no_value, no_value});
 }
 
 void Summary::add_limit(const Potential& potential, BodyId a, BodyId b) {
@@ -91,7 +91,7 @@ void Summary::add_limit(const Potential& potential, BodyId a, BodyId b) {
   const Team& team = scenario_.team;
   const std::string who =
       a == b ? std::string(team.name(a)) : fmt::format("{}-{}", team.name(a), team.name(b));
-  limits_.push_back({fmt::format("{} {}", potential.name(), who), potential, a, b, none});
+  limits_.push_back({fmt::format("{} {}", potential.name(), who), potential, a, b, no_value});
 }
 
 /// Views and limits of what is not in force do not count.
@@ -112,7 +112,7 @@ void Summary::find_what_is_in_force() {
     });
     const bool was_in_force = std::exchange(view.in_force, now != observed.end());
     if (view.in_force) view.pair.potential = now->potential;
-    if (view.in_force && !was_in_force) view.in_since = view.out_since = none;
+    if (view.in_force && !was_in_force) view.in_since = view.out_since = no_value;
   }
   find_limits_in_force(couplings, constraints);
   const std::vector<BodyId> asked = present_.observers();
@@ -151,7 +151,7 @@ void Summary::find_limits_in_force(const std::vector<Coupling>& couplings,
     return take(s, [&](const Limit& limit) { return same_limit(limit.potential, *s.potential); });
   });
   for (Limit& limit : limits_) {
-    if (!limit.in_force && !keeps_apart(limit.potential)) limit.broken_since = none;
+    if (!limit.in_force && !keeps_apart(limit.potential)) limit.broken_since = no_value;
   }
   // What is new follows one of its kind that ended, or begins.
   for (const Stated& s : stated) {
@@ -252,7 +252,7 @@ void Summary::add_views(double time) {
     const bool seen = view.pair.potential.violation(observer, target, time) <= 0;
     double &begun = seen ? view.in_since : view.out_since, &over = seen ? view.out_since : view.in_since;
     if (std::isnan(begun)) begun = time;
-    over = none;
+    over = no_value;
     if (time < scenario_.simulation.settle - same_time) continue;
     const double distance = norm(observer.p - target.p);
     view.nearest = std::min(view.nearest, distance);
@@ -268,7 +268,7 @@ void Summary::add_limits(double time) {
     if (!limit.in_force && (std::isnan(limit.broken_since) || !is_there(limit.a) || !is_there(limit.b)))
       continue;
     const double excess = limit.potential.violation(sight(limit.a), sight(limit.b), time);
-    if (excess <= 0) limit.broken_since = none;
+    if (excess <= 0) limit.broken_since = no_value;
     if (excess <= 0 && !limit.in_force) continue;
     ++limit.counted;
     limit.time.count(time, period_);
@@ -372,7 +372,8 @@ SummaryValues Summary::values() const {
   }
   for (const Robot& robot : robots_) {
     const double mean_square = robot.squared_error / static_cast<double>(robot.errors);
-    v.robots.push_back({name(robot.body), robot.errors > 0 ? std::sqrt(mean_square) : none, robot.energy});
+    v.robots.push_back(
+        {name(robot.body), robot.errors > 0 ? std::sqrt(mean_square) : no_value, robot.energy});
     if (robot.idle.total > 0) v.idle_observers.push_back({name(robot.body), robot.idle});
   }
   for (const Limit& limit : limits_) {

@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/base/reason.hpp"
+
 namespace sightline {
 
 std::filesystem::path beside(const std::filesystem::path& file) { return file.native() + ".part"; }
@@ -43,7 +45,7 @@ void TextFile::close() {
 }
 
 void TextFile::fail(std::string_view what) {
-  error_ = fmt::format("{} cannot be {}: {}", path_.native(), what, std::generic_category().message(errno));
+  error_ = fmt::format("{} cannot be {}: {}", path_.native(), what, reason(errno));
   if (file_ >= 0) ::close(std::exchange(file_, -1));
   if (now_ != path_) ::unlink(now_.c_str());
 }

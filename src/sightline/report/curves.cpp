@@ -8,7 +8,6 @@
 namespace sightline {
 namespace {
 
-constexpr std::size_t rows_max = 2000;       // of a curve
 constexpr std::size_t rows_min = 24;         // of a curve
 constexpr std::size_t rows_of_all = 16'000;  // of a curve times the bodies: a large team's page stays small
 

@@ -11,6 +11,8 @@
 
 namespace sightline {
 
+inline constexpr std::size_t rows_max = 2000;  ///< of a curve
+
 /// A name short enough for a legend: cut between two characters, and then it ends by an ellipsis.
 std::string label(std::string_view name, std::size_t size = 18);
 

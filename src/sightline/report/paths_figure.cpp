@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "sightline/base/no_value.hpp"
+
 namespace sightline {
 namespace {
 
@@ -16,7 +18,6 @@ using Mark = Drawing::Mark;
 using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double apart = 1.67;           // between two simultaneous positions of Fig. 20 [s]
 constexpr std::size_t places_max = 600;  // that are joined by a line
 constexpr std::size_t names_max = 32;    // that stand beside the paths
@@ -26,7 +27,7 @@ constexpr double footprint_max = 2.0;      // [m], where no d_max is stated
 
 /// The extent of one coordinate of all paths.
 struct Extent {
-  double low = none, high = none;
+  double low = no_value, high = no_value;
 
   explicit Extent(const Recording& r, double Vec3<double>::*axis) {
     for (const Recording::Body& body : r.bodies) {
@@ -110,8 +111,8 @@ Drawing paths_drawing(const Recording& r, const Curves& curves) {
     const bool is_new = observers.insert(pair.observer).second;
     const auto &from = r.bodies.at(pair.observer).p, &to = r.bodies.at(pair.target).p;
     for (std::size_t k = 0; k < std::min(from.size(), to.size()); k += stride) {
-      joined.x.insert(joined.x.end(), {from[k].x, to[k].x, none});
-      joined.y.insert(joined.y.end(), {from[k].y, to[k].y, none});
+      joined.x.insert(joined.x.end(), {from[k].x, to[k].x, no_value});
+      joined.y.insert(joined.y.end(), {from[k].y, to[k].y, no_value});
     }
     Curve cone = footprint(r, pair);
     if (cone.x.empty() || !is_new) continue;

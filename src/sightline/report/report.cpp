@@ -16,6 +16,8 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/base/no_value.hpp"
+#include "sightline/base/reason.hpp"
 #include "sightline/plot/page.hpp"
 #include "sightline/record/event_words.hpp"
 #include "sightline/record/summary.hpp"
@@ -35,7 +37,6 @@ using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
 using Numbers = std::vector<double>;
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double two_pi = 2 * std::numbers::pi;
 constexpr double paper_update_ms = 2.5;     // of CMSCGMRES on the paper's machine, section 7.2
 constexpr std::size_t robots_a_figure = 4;  // with a panel each
@@ -66,7 +67,7 @@ std::vector<std::vector<std::size_t>> groups_of(std::size_t size, const std::vec
 // Floor, and the ceiling where somebody came near it.
 bool add_bounds(const Recording& r, const Curves& curves, Panel& panel) {
   if (!std::isfinite(r.floor)) return false;
-  double highest = none;
+  double highest = no_value;
   for (const Curve& curve : panel.curves) {
     for (const double z : curve.y) highest = std::fmax(highest, z);
   }
@@ -216,7 +217,7 @@ void add_solver(const Recording& r, const Curves& curves, std::vector<Drawing>& 
 
 Numbers in_ms(const Numbers& us) {
   Numbers ms;
-  for (const double value : us) ms.push_back(std::isfinite(value) && value > 0 ? value / 1000 : none);
+  for (const double value : us) ms.push_back(std::isfinite(value) && value > 0 ? value / 1000 : no_value);
   return ms;
 }
 
@@ -255,7 +256,7 @@ void add_times(const Recording& r, const Curves& curves, std::vector<Drawing>& d
       sum += value, ++measured;
       bars.y[std::min(bins - 1, static_cast<std::size_t>(std::log(value / low) / ratio))] += 1;
     }
-    const double mean = measured > 0 ? sum / static_cast<double>(measured) : none;
+    const double mean = measured > 0 ? sum / static_cast<double>(measured) : no_value;
     time.curves.push_back(curves.curve(
         fmt::format("{}: mean {:.3g} ms{}", label(name), mean,
                     name == "cmscgmres" ? fmt::format(" (the paper reports {} ms)", paper_update_ms) : ""),
@@ -430,8 +431,7 @@ std::string read_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in.is_open() || in.bad()) {
-    throw std::runtime_error(
-        fmt::format("{} cannot be read: {}", file.string(), std::generic_category().message(errno)));
+    throw std::runtime_error(fmt::format("{} cannot be read: {}", file.string(), reason(errno)));
   }
   return text;
 }

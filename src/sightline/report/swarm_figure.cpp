@@ -12,8 +12,6 @@ using Mark = Drawing::Mark;
 using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
 
-constexpr std::size_t rows_max = 2000;  // of a curve
-
 Curve over_time(const Recording& r, std::string title, std::size_t colour, const std::vector<double>& y) {
   Curve curve{std::move(title), colour, Mark::line, {}, {}};
   const std::array columns = {std::span(y).first(std::min(y.size(), r.time.size()))};

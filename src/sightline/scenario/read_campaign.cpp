@@ -14,8 +14,6 @@
 namespace sightline {
 namespace {
 
-constexpr std::size_t shown_size = 60;  // of a key in a message [bytes]
-
 constexpr std::array<std::string_view, 6> distribution_keys = {"uniform", "normal",  "choice",
                                                                "shares",  "exactly", "share"};
 constexpr std::array<std::string_view, 3> distribution_kinds = {"uniform", "normal", "choice"};
@@ -155,7 +153,7 @@ EvasionColumns read_columns(const TomlTable& at) {
 EvasionPlan read_evasion(const TomlTable& at, const Team& team) {
   EvasionPlan plan;
   constexpr Range length = positive("> 0 m");
-  at.read({{"from", &plan.from, not_negative(">= 0 s")},
+  at.read({{"from", &plan.from, time_range},
            {"d_obstacle", &plan.d_obstacle, length},
            {"d_min", &plan.d_min, length},
            {"d_max", &plan.d_max, length},
@@ -172,7 +170,7 @@ CampaignPlan read_campaign(const TomlDocument& document, const Team& team) {
   CampaignPlan plan;
   const TomlTable at = TomlTable(document).table("campaign");
   at.read({{"duration", &plan.duration, positive("> 0 s")},
-           {"view_within", &plan.view_within, not_negative(">= 0 s")},
+           {"view_within", &plan.view_within, time_range},
            {"d_hard", &plan.d_hard, not_negative(">= 0 m")},
            {"braking", &plan.braking, positive("> 0 m/s^2")}},
           {"start", "draw", "evasion"});

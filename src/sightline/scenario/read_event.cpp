@@ -52,7 +52,7 @@ TeamEvent read_event(const TomlTable& at, const EventScope& scope, const Script&
   if (at.has("stage")) event.stage = read_label(at, "stage");
   if (at.has("enter")) event.enter = read_label(at, "enter");
   if (at.has("repeat")) event.repeat = at.boolean("repeat");
-  if (at.has("ramp")) event.ramp = at.number("ramp", not_negative(">= 0 s"));
+  if (at.has("ramp")) event.ramp = at.number("ramp", time_range);
   for (const std::string& key : at.keys()) {
     if (!is_action(key)) continue;
     for (Action& action : read_actions(at, key, scope)) event.actions.push_back(std::move(action));
@@ -102,7 +102,7 @@ std::vector<TimedSignal> read_signals(const TomlTable& simulation) {
     at.expect_only({"at", "name"});
     TimedSignal& signal = signals.emplace_back();
     signal.name = read_label(at, "name");
-    signal.at = at.has("at") ? at.number("at", not_negative(">= 0 s")) : never;
+    signal.at = at.has("at") ? at.number("at", time_range) : never;
   }
   std::stable_sort(signals.begin(), signals.end(),
                    [](const TimedSignal& a, const TimedSignal& b) { return a.at < b.at; });

@@ -13,7 +13,6 @@ using FindAgent = std::function<AgentId(const TomlTable&)>;
 
 constexpr Range speed_range = positive("> 0 m/s");
 constexpr Range length_range = not_negative(">= 0 m");
-constexpr Range time_range = not_negative(">= 0 s");
 
 Motion read_path(const TomlTable& at, const FindAgent&) {
   PathMotion path;

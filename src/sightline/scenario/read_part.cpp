@@ -18,7 +18,7 @@ SensorMount mount_of(const TomlTable& at, const Observer& observer) {
   return *observer.mount;
 }
 
-Potential read_text(const TomlTable& at, const Observer& observer) {
+Potential read_text_potential(const TomlTable& at, const Observer& observer) {
   Region region = read_region(at);
   if (region.is_view()) (void)mount_of(at, observer);
   if (observer.mount) region = region.seen_from(*observer.mount);
@@ -36,7 +36,7 @@ std::vector<std::string_view> potential_names(const Parts& parts) {
 Potential read_choice(const TomlTable& choice, std::string_view name, const Observer& observer) {
   const TomlTable at = choice.table(name);
   const PartList<Potential>& list = choice.parts().potentials;
-  if (list.find(name) == nullptr) return read_text(at, observer);
+  if (list.find(name) == nullptr) return read_text_potential(at, observer);
   const Potential potential = read_named(list, name, at);
   if (potential.mount() == nullptr) return potential;
   const SensorMount mount = mount_of(at, observer);

@@ -48,7 +48,7 @@ std::vector<std::string> read_heading(const TomlTable& at, const TextRobot& robo
   return list;
 }
 
-Model read_text(const TomlTable& at, const TomlTable& parameters) {
+Model read_text_robot(const TomlTable& at, const TomlTable& parameters) {
   at.expect_only({"states", "inputs", "f", "position", "heading", "u_min", "u_max"});
   TextRobot robot;
   robot.states = read_names(at, "states", text_states_max);
@@ -93,7 +93,7 @@ Model read_robot(const TomlTable& agent) {
   if (agent.has("robot") && agent.value("robot", "a robot").is_table()) {
     const TomlTable own = agent.table("robot");
     own.expect_only({"text"});
-    return read_text(own.table("text", "a robot as text"), parameters);
+    return read_text_robot(own.table("text", "a robot as text"), parameters);
   }
   const PartList<Model>& robots = agent.parts().robots;
   return read_named(robots, agent.word("robot", robots.names()), parameters);

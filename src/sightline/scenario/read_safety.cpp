@@ -10,8 +10,6 @@
 namespace sightline {
 namespace {
 
-constexpr Range time_range = not_negative(">= 0 s");
-
 SupervisorOptions read_supervisor(const TomlTable& at) {
   SupervisorOptions o;
   LadderTimes& times = o.times;

@@ -83,7 +83,7 @@ void read_relay(const TomlTable& shape, const TermsOf& terms_of, Team& team, Scr
   RelayOptions options{.name = shape.has("name") ? read_label(shape, "name") : "nearest"};
   at.read({{"margin", &options.margin, not_negative(">= 0 m")},
            {"dwell", &options.dwell, positive("> 0 s")},
-           {"ramp", &options.ramp, not_negative(">= 0 s")}},
+           {"ramp", &options.ramp, time_range}},
           {"target", "observers"});
   const BodyId target =
       team.find(read_name(at, "target", team, Among::bodies, "a robot, target or obstacle"));

@@ -30,6 +30,7 @@ std::string one_line(std::string_view text);
 
 /// At most `size` bytes of the text, cut between two characters and marked with "...".
 std::string shortened(std::string_view text, std::size_t size);
+inline constexpr std::size_t shown_size = 60;  ///< of a key or a value in a message [bytes]
 
 /// The content of a regular file; never waits on a pipe or a device.
 /// @throws ScenarioError where it is none, cannot be read or is too large

@@ -13,8 +13,6 @@
 namespace sightline {
 namespace {
 
-constexpr std::size_t shown_size = 60;  // of a key or a value in a message [bytes]
-
 std::size_t line_of(const toml::node& node) { return std::max<std::size_t>(node.source().begin.line, 1); }
 
 std::string shown_key(std::string_view key) {
@@ -118,12 +116,12 @@ void TomlTable::expect_only(std::span<const std::string_view> known) const {
   }
 }
 
-void TomlTable::read(std::initializer_list<Field> fields,
+void TomlTable::read(std::initializer_list<NumberKey> fields,
                      std::initializer_list<std::string_view> others) const {
   std::vector<std::string_view> known(others);
-  for (const Field& field : fields) known.push_back(field.key);
+  for (const NumberKey& field : fields) known.push_back(field.key);
   expect_only(known);
-  for (const Field& field : fields) {
+  for (const NumberKey& field : fields) {
     if (has(field.key)) *field.value = number(field.key, field.range);
   }
 }

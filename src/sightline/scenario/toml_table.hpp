@@ -23,7 +23,7 @@
 namespace sightline {
 
 /// A key and the number it sets; without the key the number stays what it is.
-struct Field {
+struct NumberKey {
   std::string_view key;
   double* value;
   Range range = any_number();
@@ -81,7 +81,8 @@ class TomlTable {
   void expect_only(std::span<const std::string_view> known) const;
   void expect_only(std::initializer_list<std::string_view> known) const { expect_only(std::span(known)); }
   /// Reads numbers that have defaults; refuses keys that are neither in `fields` nor in `others`.
-  void read(std::initializer_list<Field> fields, std::initializer_list<std::string_view> others = {}) const;
+  void read(std::initializer_list<NumberKey> fields,
+            std::initializer_list<std::string_view> others = {}) const;
   /// The only key of a table that chooses one of several; `others` may stand beside it.
   std::string_view choice(std::span<const std::string_view> known,
                           std::span<const std::string_view> others = {}) const;

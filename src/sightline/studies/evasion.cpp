@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/record/summary.hpp"
 
 namespace sightline {
@@ -20,7 +21,6 @@ using Panel = Drawing::Panel;
 using Column = std::vector<double>;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double row_time = 0.1;       // [s]
 constexpr double apart = 4.2;          // between two simultaneous positions of Fig. 26 [s]
 constexpr double arrow = 0.25;         // length of a heading's arrow [m]
@@ -55,14 +55,14 @@ Column along(const std::vector<Vec3<double>>& p, Axis axis) {
 /// An angle over time without lines from pi to -pi.
 Column with_gaps(Column angle) {
   for (std::size_t i = angle.size(); i-- > 1;) {
-    if (std::fabs(angle[i] - angle[i - 1]) > std::numbers::pi) angle[i] = none;
+    if (std::fabs(angle[i] - angle[i - 1]) > std::numbers::pi) angle[i] = no_value;
   }
   return angle;
 }
 
 /// Only from a time on.
 Column since(double from, const Column& time, Column values) {
-  for (std::size_t k = 0; k < values.size(); ++k) values[k] = time[k] < from ? none : values[k];
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = time[k] < from ? no_value : values[k];
   return values;
 }
 
@@ -113,14 +113,14 @@ Panel paths_panel(const EvasionTrace& run, std::size_t number, double from) {
     robot.x.push_back(p.x), robot.y.push_back(p.y);
     if (there) obstacle.x.push_back(o.x), obstacle.y.push_back(o.y);
     if (k % stride != 0) continue;
-    sight.x.insert(sight.x.end(), {p.x, t.x, none});
-    sight.y.insert(sight.y.end(), {p.y, t.y, none});
+    sight.x.insert(sight.x.end(), {p.x, t.x, no_value});
+    sight.y.insert(sight.y.end(), {p.y, t.y, no_value});
     headings.x.insert(headings.x.end(), {p.x, p.x + arrow * std::cos(s.heading[k])});
     headings.y.insert(headings.y.end(), {p.y, p.y + arrow * std::sin(s.heading[k])});
     targets.x.push_back(t.x), targets.y.push_back(t.y);
     if (!there) continue;
-    gap.x.insert(gap.x.end(), {p.x, o.x, none});
-    gap.y.insert(gap.y.end(), {p.y, o.y, none});
+    gap.x.insert(gap.x.end(), {p.x, o.x, no_value});
+    gap.y.insert(gap.y.end(), {p.y, o.y, no_value});
     places.x.push_back(o.x), places.y.push_back(o.y);
   }
   panel.curves = {std::move(sight),    std::move(gap),    std::move(obstacle), std::move(robot),

@@ -9,13 +9,13 @@
 #include <numbers>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/no_value.hpp"
 #include "sightline/base/refuse.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
-constexpr SeenMotion unseen = {{none, none, none}, none, none, none};
+constexpr SeenMotion unseen = {{no_value, no_value, no_value}, no_value, no_value, no_value};
 
 /// @param before  the last of this kind that was seen, for the turns of the heading
 SeenMotion seen(const Model& model, const double* x, const std::array<double, 4>& u,

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <limits>
+
+namespace sightline {
+
+/// Stands for a figure that does not exist.
+inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace sightline

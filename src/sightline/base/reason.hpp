@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string>
+#include <system_error>
+
+namespace sightline {
+
+/// The system's words for what went wrong, by its errno.
+inline std::string reason(int error_number) { return std::generic_category().message(error_number); }
+
+}  // namespace sightline
