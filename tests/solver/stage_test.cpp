@@ -190,7 +190,7 @@ void expect_stage_is_the_dense_one(const M& model, Seen seen, Random& random) {
 
 TEST(Stage, TheTracedRecursionIsTheDenseOne) {
   Random random(1);
-  for (const Seen seen : {Seen::pose, Seen::pose_and_motion}) {
+  for (const Seen seen : {Seen::pose, Seen::pose_and_motion, Seen::all}) {
     for (int trial = 0; trial < 5; ++trial) {
       expect_stage_is_the_dense_one(Multirotor{}, seen, random);
       expect_stage_is_the_dense_one(AngleMultirotor{}, seen, random);
@@ -229,7 +229,7 @@ double a_positive(Random& random) { return std::abs(any_number(random)); }
 template <class Draw>
 void expect_one_structure(Draw&& draw) {
   Random random(7);
-  for (const Seen seen : {Seen::pose, Seen::pose_and_motion}) {
+  for (const Seen seen : {Seen::pose, Seen::pose_and_motion, Seen::all}) {
     const StagePrograms first = trace_stage(draw(random), default_horizon.h(), seen);
     for (int trial = 0; trial < 200; ++trial) {
       const StagePrograms other = trace_stage(draw(random), std::abs(any_number(random)), seen);

@@ -1,11 +1,9 @@
 /// One rigid body: position and attitude in G, and how forces and torques move them.
 #pragma once
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/model/frames.hpp"
 
 namespace sightline {
-
-inline constexpr double gravity = 9.81;  // [m/s^2]
 
 inline Vec3<double> cross(const Vec3<double>& a, const Vec3<double>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

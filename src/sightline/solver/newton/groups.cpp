@@ -20,14 +20,39 @@ struct Kind {
   std::vector<int> agents;
 };
 
+/// What the potentials see of each agent. Where they see one lean, its like are taken to lean too: they share its lanes.
+std::vector<Seen> seen_of_agents(const Ocp& ocp, std::span<const BodyPotential> potentials) {
+  const double h = ocp.horizon().h();
+  std::vector<Seen> seen(ocp.agent_bodies().size(), Seen::pose);
+  for (const BodyPotential& p : potentials) {
+    if (p.a >= 0) seen[at(p.a)] = std::max(seen[at(p.a)], p.potential.sees(false));
+    if (p.b >= 0) seen[at(p.b)] = std::max(seen[at(p.b)], p.potential.sees(true));
+  }
+  std::vector<BlockProgram> leaning;
+  const auto step = [&](std::size_t a) {
+    return trace_step(ocp.team().model(ocp.agent_bodies()[a]), h, Seen::all);
+  };
+  const auto leans = [&](const BlockProgram& of) {
+    return std::any_of(leaning.begin(), leaning.end(),
+                       [&](const BlockProgram& p) { return p.program == of.program; });
+  };
+  for (std::size_t a = 0; a < seen.size(); ++a) {
+    if (seen[a] != Seen::all) continue;
+    BlockProgram own = step(a);
+    if (!leans(own)) leaning.push_back(std::move(own));
+  }
+  for (std::size_t a = 0; a < seen.size() && !leaning.empty(); ++a) {
+    if (seen[a] != Seen::all && leans(step(a))) seen[a] = Seen::all;
+  }
+  return seen;
+}
+
 std::vector<Kind> sort_into_kinds(const Ocp& ocp, std::span<const BodyPotential> potentials) {
   std::vector<Kind> kinds;
+  const std::vector<Seen> seen_by = seen_of_agents(ocp, potentials);
   const double h = ocp.horizon().h();
   for (int a = 0; a < static_cast<int>(ocp.agent_bodies().size()); ++a) {
-    const bool moving = std::any_of(potentials.begin(), potentials.end(), [&](const BodyPotential& p) {
-      return (p.a == a && p.potential.sees_motion(false)) || (p.b == a && p.potential.sees_motion(true));
-    });
-    const Seen seen = moving ? Seen::pose_and_motion : Seen::pose;
+    const Seen seen = seen_by[at(a)];
     const Model& model = ocp.team().model(ocp.agent_bodies()[at(a)]);
     const std::vector<RelaxedBarrier> limits = ocp.team().barriers(ocp.agent_bodies()[at(a)]);
     BlockProgram step = trace_step(model, h, seen);
