@@ -18,6 +18,7 @@
 
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/mcap.hpp"
+#include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
 namespace {
@@ -51,8 +52,10 @@ void read_team(const json& team, Recording& run) {
     run.bodies.push_back(std::move(body));
   }
   for (const json& entry : team.at("pairs")) {
+    const MountFrame frame =
+        entry.value("frame", "level") == mount_frames[1] ? MountFrame::body : MountFrame::level;
     const Recording::Pair pair{
-        entry.at("observer"),      entry.at("target"),        {entry.at("pitch"), entry.at("offset")},
+        entry.at("observer"),      entry.at("target"),        {entry.at("pitch"), entry.at("offset"), frame},
         number(entry.at("alpha")), number(entry.at("d_min")), number(entry.at("d_max"))};
     if (pair.observer >= run.bodies.size() || pair.target >= run.bodies.size()) {
       refuse("a pair names body {}, expected one of {}", std::max(pair.observer, pair.target),
@@ -103,6 +106,7 @@ class Rows {
       places_[topic + "state"] = [this, &body](const McapMessage& m) { state(body, m); };
       places_[topic + "pose"] = [&body](const McapMessage& m) { pose(body, m); };
       places_[topic + "twist"] = [&body](const McapMessage& m) { twist(body, m); };
+      places_[topic + "attitude"] = [&body](const McapMessage& m) { attitude(body, m); };
       places_[topic + "input"] = [&body](const McapMessage& m) { input(body, m); };
       places_[topic + "barrier"] = [&body](const McapMessage& m) { barrier(body, m); };
       places_[topic + "reference"] = [&body](const McapMessage& m) { reference(body, m); };
@@ -136,6 +140,7 @@ class Rows {
       body.p.resize(rows);
       body.heading.resize(rows);
       body.v.resize(rows);
+      body.lean.resize(rows);
       for (auto& row : body.u) row.resize(rows);
       if (!body.barrier.empty()) body.barrier.resize(rows), body.reserve.resize(rows);
       // A heading that is free at times is no line to draw.
@@ -163,6 +168,7 @@ class Rows {
     body.p.push_back({none, none, none});
     body.heading.push_back(none);
     body.v.push_back({none, none, none});
+    body.lean.push_back({0.0, 0.0});
   }
   static void pose(Recording::Body& body, const McapMessage& message) {
     const auto pose = decode_pose(message.bytes);
@@ -174,6 +180,12 @@ class Rows {
     const auto twist = decode_twist(message.bytes);
     if (!twist || body.v.empty()) refuse("a message of {} is no twist of a state", message.topic);
     body.v.back() = {twist->linear[0], twist->linear[1], twist->linear[2]};
+  }
+  static void attitude(Recording::Body& body, const McapMessage& message) {
+    const auto attitude = decode_attitude(message.bytes);
+    if (!attitude || body.lean.empty()) refuse("a message of {} is no attitude of a state", message.topic);
+    const auto& [x, y, z, w] = attitude->q;
+    body.lean.back() = lean(rotation({w, x, y, z}));
   }
   static void input(Recording::Body& body, const McapMessage& message) {
     const json values = parsed(message).at("u");
