@@ -92,7 +92,12 @@ Seen PosePotential::sees(bool of_b) const {
     return std::any_of(variables.begin(), variables.end(),
                        [&](int v) { return v >= from + seen_size(seen) && v < from + sight_size; });
   };
-  return beyond(Seen::pose_and_motion) ? Seen::all : beyond(Seen::pose) ? Seen::pose_and_motion : Seen::pose;
+  if (!beyond(Seen::pose_and_motion)) return beyond(Seen::pose) ? Seen::pose_and_motion : Seen::pose;
+  const bool multiplied = std::any_of(own.begin(), own.end(), [&](const Second& h) {
+    return h.row >= from + seen_size(Seen::pose) && h.row < from + seen_size(Seen::pose_and_motion) &&
+           h.column >= from + seen_size(Seen::pose_and_motion) && h.column < from + sight_size;
+  });
+  return multiplied ? Seen::all : Seen::leaning;
 }
 
 PosePotential trace_potential(std::span<const Weighted* const> given, double h, const Ends& ends,

@@ -20,7 +20,8 @@ namespace sightline {
 enum class Seen {
   pose,             ///< p, d: 5 numbers
   pose_and_motion,  ///< p, d, v: 8 numbers; v depends on u
-  all,              ///< p, d, v and the lean, which may depend on u: 10 numbers
+  leaning,  ///< p, d, v and the lean, which may depend on u: 10 numbers; no potential multiplies v by the lean
+  all,      ///< the same, whatever the potentials are
 };
 
 constexpr int seen_size(Seen seen) {

@@ -13,6 +13,7 @@ namespace {
 /// Agents of one model with equal barriers and input scales that are seen alike.
 struct Kind {
   std::string_view robot;
+  Seen seen;
   BlockProgram step;
   Program barriers;
   std::vector<double> scales;
@@ -28,22 +29,19 @@ std::vector<Seen> seen_of_agents(const Ocp& ocp, std::span<const BodyPotential> 
     if (p.a >= 0) seen[at(p.a)] = std::max(seen[at(p.a)], p.potential.sees(false));
     if (p.b >= 0) seen[at(p.b)] = std::max(seen[at(p.b)], p.potential.sees(true));
   }
-  std::vector<BlockProgram> leaning;
-  const auto step = [&](std::size_t a) {
-    return trace_step(ocp.team().model(ocp.agent_bodies()[a]), h, Seen::all);
+  std::vector<std::pair<BlockProgram, Seen>> leaning;
+  const auto like = [&](std::size_t a) {
+    const BlockProgram own = trace_step(ocp.team().model(ocp.agent_bodies()[a]), h, Seen::leaning);
+    const auto found = std::find_if(leaning.begin(), leaning.end(),
+                                    [&](const auto& other) { return other.first.program == own.program; });
+    return found == leaning.end() ? leaning.insert(found, {own, Seen::pose}) : found;
   };
-  const auto leans = [&](const BlockProgram& of) {
-    return std::any_of(leaning.begin(), leaning.end(),
-                       [&](const BlockProgram& p) { return p.program == of.program; });
-  };
+  const auto leans = [](Seen s) { return s >= Seen::leaning; };
   for (std::size_t a = 0; a < seen.size(); ++a) {
-    if (seen[a] != Seen::all) continue;
-    BlockProgram own = step(a);
-    if (!leans(own)) leaning.push_back(std::move(own));
+    if (leans(seen[a])) like(a)->second = std::max(like(a)->second, seen[a]);
   }
-  for (std::size_t a = 0; a < seen.size() && !leaning.empty(); ++a) {
-    if (seen[a] != Seen::all && leans(step(a))) seen[a] = Seen::all;
-  }
+  for (std::size_t a = 0; a < seen.size() && !leaning.empty(); ++a)
+    seen[a] = std::max(seen[a], like(a)->second);
   return seen;
 }
 
@@ -59,15 +57,19 @@ std::vector<Kind> sort_into_kinds(const Ocp& ocp, std::span<const BodyPotential>
     Program barriers = trace_barriers(model, limits);
     std::vector<double> scales = input_scales(ocp.team().agents()[at(a)]);
     const auto same = [&](const Kind& k) {
-      return k.step.program == step.program && k.step.inputs == step.inputs &&
+      return k.seen == seen && k.step.program == step.program && k.step.inputs == step.inputs &&
              k.step.outputs == step.outputs && k.barriers == barriers && k.scales == scales;
     };
     auto kind = std::find_if(kinds.begin(), kinds.end(), same);
     if (kind == kinds.end()) {
       auto programs = std::make_shared<const StagePrograms>(trace_stage(model, h, seen, limits, scales));
-      kind = kinds.insert(
-          kinds.end(),
-          {model.name(), std::move(step), std::move(barriers), std::move(scales), std::move(programs), {}});
+      kind = kinds.insert(kinds.end(), {model.name(),
+                                        seen,
+                                        std::move(step),
+                                        std::move(barriers),
+                                        std::move(scales),
+                                        std::move(programs),
+                                        {}});
     }
     kind->agents.push_back(a);
   }
