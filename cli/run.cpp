@@ -10,6 +10,7 @@
 #include "cli/progress.hpp"
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/record/log.hpp"
+#include "sightline/record/planned_view.hpp"
 #include "sightline/report/report.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/scenario.hpp"
@@ -20,7 +21,8 @@ namespace {
 /// Samples that may wait for the log: a second of flight at 100 Hz and more, within this much memory.
 std::size_t ring_capacity(const Sample& sample) {
   constexpr std::size_t memory = 256'000'000;  // bytes
-  const std::size_t numbers = 2 * sample.x.size() + 2 * sample.u.size() + sample.path.size();
+  const std::size_t numbers =
+      2 * sample.x.size() + 2 * sample.u.size() + sample.path.size() + sample.path_u.size();
   return std::clamp<std::size_t>(memory / (sizeof(Sample) + sizeof(double) * numbers), 8, 1024);
 }
 
@@ -72,7 +74,8 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
                   const McapWords& flown = {}) {
   // All memory is taken here, before the first period.
   const auto world = make_world(scenario);
-  const Sample prototype = sized_sample(*world, controllers);
+  Sample prototype = sized_sample(*world, controllers);
+  make_room_for_plans(scenario, prototype);
   Ring<Sample> ring(ring_capacity(prototype), prototype);
   ClosedLoop loop(scenario, *world, controllers, clock, ring, allocations, team_switcher);
 

@@ -52,6 +52,14 @@ Generator potentials() {
   generator.add({bearing, near, far, with});
   generator.add({bearing, near, far});
   for (const Weighted& one : {bearing, near, far, with}) generator.add({one});
+  // Of a camera that leans with the body.
+  constexpr SensorMount body = {.frame = MountFrame::body};
+  const Weighted leaning_bearing = 0.4 * Bearing{.mount = body},
+                 leaning_cone = 0.4 * SensorCone{.mount = body};
+  for (const Weighted& one : {leaning_bearing, leaning_cone}) generator.add({one});
+  generator.add({leaning_bearing, near, far, with});
+  generator.add({leaning_bearing, near, far});
+  generator.add({leaning_cone, keep_out, cohesion});
   for (const Weighted& one : {keep_out, near, 0.4 * PassRight{}}) generator.add_swarm(one);
   return generator;
 }
@@ -76,6 +84,9 @@ int main(int argc, char** argv) {
       stages_of("hover_multirotor", {HoverMultirotor{}, LaggingHoverMultirotor{}}, {Seen::pose}),
       stages_of("hover_multirotor_motion", {HoverMultirotor{}, LaggingHoverMultirotor{}},
                 {Seen::pose_and_motion}),
+      stages_of("leaning_multirotor", {Multirotor{}}, {Seen::leaning}),
+      stages_of("leaning_velocity_multirotor", {VelocityMultirotor{}}, {Seen::leaning}),
+      stages_of("leaning_hover_multirotor", {HoverMultirotor{}, LaggingHoverMultirotor{}}, {Seen::leaning}),
       stages_of("ground_robots", {OmniRover{}, Unicycle{}}, both),
       stages_of("point_mass", {PointMass{}, PointMass{.drag = 0.3}}, both),
       potentials(),

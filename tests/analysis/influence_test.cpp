@@ -15,9 +15,12 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST(Reach, IsWhatTheInputsOfARobotChange) {
-  EXPECT_THAT(reach_of(Model(Multirotor{})), ElementsAre(true, true, true, true, true, true, true, true));
-  EXPECT_THAT(reach_of(Model(OmniRover{})), ElementsAre(true, true, false, true, true, true, true, false));
-  EXPECT_THAT(reach_of(Model(PointMass{})), ElementsAre(true, true, true, false, false, true, true, true));
+  EXPECT_THAT(reach_of(Model(Multirotor{})),
+              ElementsAre(true, true, true, true, true, true, true, true, true, true));
+  EXPECT_THAT(reach_of(Model(OmniRover{})),
+              ElementsAre(true, true, false, true, true, true, true, false, false, false));
+  EXPECT_THAT(reach_of(Model(PointMass{})),
+              ElementsAre(true, true, true, false, false, true, true, true, true, true));
 }
 
 /// Two robots on the ground and in the air, with a limit between them that some feel.

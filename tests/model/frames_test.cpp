@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -42,6 +44,13 @@ Transform sensor_from_global(const SensorMount& mount, const Pose<double>& robot
   const Transform T_VG = about_z(robot.d) * translation(-robot.p.x, -robot.p.y, -robot.p.z);
   const Transform T_SV = about_y(mount.pitch) * translation(-mount.offset, 0, 0);
   return T_SV * T_VG;
+}
+
+/// The same pose with another velocity and lean.
+Sight<double> random_sight_at(Random& random, const Pose<double>& pose) {
+  Sight<double> seen = random_sight(random, 3);
+  static_cast<Pose<double>&>(seen) = pose;
+  return seen;
 }
 
 SensorMount random_mount(Random& random) { return {uniform(random, -1.5, 1.5), uniform(random, -0.5, 0.5)}; }
@@ -116,6 +125,58 @@ TEST(SensorMount, WhereRobotAndPointMoveTogetherNothingChanges) {
   }
 }
 
+TEST(SensorMount, ARobotThatDoesNotLeanIsSeenFromAlikeInBothFrames) {
+  Random random(20);
+  for (int k = 0; k < 20'000; ++k) {
+    const SensorMount level = random_mount(random);
+    const SensorMount body = {level.pitch, level.offset, MountFrame::body};
+    const Sight<double> upright = {random_pose(random, 3), random_point(random, 1)};
+    const Vec3<double> point = random_point(random, 3);
+    const Vec3<double> expected = level(static_cast<const Pose<double>&>(upright), point);
+    for (const Vec3<double>& p_S : {body(upright, point), level(random_sight_at(random, upright), point)})
+      EXPECT_EQ((std::array{p_S.x, p_S.y, p_S.z}), (std::array{expected.x, expected.y, expected.z}));
+    EXPECT_EQ(view_angle(body, upright, point), view_angle(level, upright, point));
+  }
+}
+
+TEST(SensorMount, TheBodyFrameIsThatOfTheAnglesYawPitchRoll) {
+  Random random(21);
+  for (int k = 0; k < 20'000; ++k) {
+    const double psi = uniform(random, -3.1, 3.1), theta = uniform(random, -1.2, 1.2),
+                 phi = uniform(random, -1.2, 1.2);
+    const Eigen::Matrix3d tilt = (Eigen::AngleAxisd(theta, Eigen::Vector3d::UnitY()) *
+                                  Eigen::AngleAxisd(phi, Eigen::Vector3d::UnitX()))
+                                     .toRotationMatrix();  // V from B
+    const Eigen::Vector3d thrust = tilt.col(2);
+    const Sight<double> robot = {{random_point(random, 3), {std::cos(psi), std::sin(psi)}},
+                                 {},
+                                 {thrust.x() / thrust.z(), thrust.y() / thrust.z()}};
+    SensorMount mount = random_mount(random);
+    mount.frame = MountFrame::body;
+    const Vec3<double> point = random_point(random, 3), p_S = mount(robot, point);
+    // A sensor that is fixed to the body, by transforms: T_SB T_BV T_VG.
+    Transform T_BV = Transform::Identity();
+    T_BV.topLeftCorner<3, 3>() = tilt.transpose();
+    const Transform T_SB = about_y(mount.pitch) * translation(-mount.offset, 0, 0);
+    const Transform T_VG = about_z(robot.d) * translation(-robot.p.x, -robot.p.y, -robot.p.z);
+    const Eigen::Vector4d expected = T_SB * T_BV * T_VG * Eigen::Vector4d(point.x, point.y, point.z, 1.0);
+    EXPECT_LE(norm(p_S - Vec3<double>{expected[0], expected[1], expected[2]}), 2e-14);
+    EXPECT_NEAR(view_angle(mount, robot, point),
+                std::acos(std::clamp(expected[0] / expected.head<3>().norm(), -1.0, 1.0)), 1e-7);
+  }
+}
+
+TEST(SensorMount, WhoLeansForwardLooksDownAndWhoLeansLeftSeesTheTargetGoRight) {
+  const SensorMount camera = {.pitch = 0.0, .offset = 0.0, .frame = MountFrame::body};
+  const auto seen = [&](Vec2<double> lean) {
+    return camera(Sight<double>{{{}, {1, 0}}, {}, lean}, Vec3<double>{2, 0, 0});
+  };
+  EXPECT_GT(seen({0.3, 0}).z, 0.1) << "the target ahead is above the axis";
+  EXPECT_EQ(seen({0.3, 0}).y, 0.0);
+  const Vec3<double> below = camera(Sight<double>{{{}, {1, 0}}, {}, {0, 0.3}}, Vec3<double>{2, 0, -1});
+  EXPECT_GT(below.y, 0.1) << "to the left, the side to which the top leans, rises: what is below goes there";
+}
+
 TEST(SensorMount, EveryScalarSeesTheSamePoint) {
   Random random(6);
   for (int k = 0; k < 1000; ++k) {
@@ -174,11 +235,11 @@ TEST(ViewAngle, KeepsItsDigitsNearTheAxis) {
   EXPECT_EQ(view_angle({}, {{-0.17, 0.0, 0.0}, {1.0, 0.0}}, {}), 0.0);  // at the sensor itself
 }
 
-TEST(Sight, WhatIsWrittenIsReadInTheOrderPositionHeadingVelocity) {
+TEST(Sight, WhatIsWrittenIsReadInTheOrderPositionHeadingVelocityLean) {
   std::array<double, sight_size> row;
   for (std::size_t i = 0; i < row.size(); ++i) row[i] = 1.0 + static_cast<double>(i);
   const auto s = sight_from<double>(row);
-  EXPECT_EQ((std::array{s.p.x, s.p.y, s.p.z, s.d.x, s.d.y, s.v.x, s.v.y, s.v.z}), row);
+  EXPECT_EQ((std::array{s.p.x, s.p.y, s.p.z, s.d.x, s.d.y, s.v.x, s.v.y, s.v.z, s.lean.x, s.lean.y}), row);
   std::array<double, sight_size> again{};
   write_sight(s, again);
   EXPECT_EQ(again, row);

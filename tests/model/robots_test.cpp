@@ -2,10 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "sightline/math/integrate.hpp"
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/model.hpp"
+#include "sightline/model/point_mass.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 
@@ -118,6 +124,73 @@ TEST(Body, GoesOnWithTheVelocityItHas) {
       EXPECT_EQ(x[i + 3], start[i + 3]);
     }
   }
+}
+
+TEST(Lean, OfTiltCommandsIsTheCommandedAccelerationOverGravity) {
+  Random random(11);
+  for (int k = 0; k < 1000; ++k) {
+    const auto c = uniform_array<2>(random, -3, 3);
+    const Multirotor direction{.b_f = c[0], .b_s = c[1]};
+    const AngleMultirotor angle{.b_f = c[0], .b_s = c[1]};
+    const auto x = uniform_array<7>(random, -2, 2);
+    const auto y = uniform_array<6>(random, -2, 2);
+    const auto u = uniform_array<4>(random, -1, 1);
+    for (const Vec2<double>& lean : {sight(direction, x, u).lean, sight(angle, y, u).lean}) {
+      EXPECT_LE(relative_error(lean.x, c[0] * u[0] / 9.81), 1e-15);
+      EXPECT_LE(relative_error(lean.y, -c[1] * u[1] / 9.81), 1e-15) << "u_s > 0 is to the right";
+    }
+  }
+}
+
+TEST(Lean, WithLagsIsTheStateOfTheTilt) {
+  Random random(12);
+  for (int k = 0; k < 1000; ++k) {
+    const auto x = uniform_array<11>(random, -2, 2);
+    const auto u = uniform_array<4>(random, -1, 1);
+    const Sight<double> seen = sight(LaggingHoverMultirotor{}, x, u);
+    EXPECT_LE(relative_error(seen.lean.x, x[7] / 9.81), 1e-15);
+    EXPECT_LE(relative_error(seen.lean.y, x[8] / 9.81), 1e-15);
+    const Sight<double> at_once = sight(HoverMultirotor{}, uniform_array<7>(random, -2, 2), u);
+    EXPECT_LE(relative_error(at_once.lean.x, 2.0 * u[0] / 9.81), 1e-15);
+    EXPECT_LE(relative_error(at_once.lean.y, -2.0 * u[1] / 9.81), 1e-15);
+  }
+}
+
+TEST(Lean, UnderVelocityCommandsIsTheHorizontalAccelerationInGOverGravity) {
+  Random random(13);
+  const auto expect_acceleration = [&](const auto& model) {
+    using M = std::decay_t<decltype(model)>;
+    const Model any = model;
+    for (int k = 0; k < 200; ++k) {
+      auto x = uniform_array<M::nx>(random, -1, 1);
+      ASSERT_TRUE(any.normalise(x.data()));
+      const auto u = uniform_array<M::nu>(random, -1, 1);
+      const double h = 1e-6;
+      auto rate = model.f(x, u), later = x;
+      for (std::size_t i = 0; i < x.size(); ++i) later[i] += h * rate[i];
+      const Sight<double> now = any.sight(x.data(), u.data()), then = any.sight(later.data(), u.data());
+      const Vec3<double> a = (1 / h) * (then.v - now.v);
+      const Vec2<double> a_V = rotate<double>({now.d.x, -now.d.y}, {a.x, a.y});
+      EXPECT_NEAR(now.lean.x, a_V.x / 9.81, 1e-5);
+      EXPECT_NEAR(now.lean.y, a_V.y / 9.81, 1e-5);
+    }
+  };
+  expect_acceleration(VelocityMultirotor{});
+  expect_acceleration(LaggedMultirotor<Lags::plane>{.tau_f = 0.4, .tau_s = 0.7});
+  expect_acceleration(LaggedMultirotor<Lags::climb>{});
+  expect_acceleration(PointMass{});
+}
+
+TEST(Lean, OfAPointMassLeavesDragToTheAirAndOnTheGroundThereIsNone) {
+  const std::array<double, 6> x = {0, 0, 1, 2, 3, 0};
+  const Sight<double> mass = sight(PointMass{.drag = 0.5}, x, std::array{0.981, -1.962, 0.3});
+  EXPECT_NEAR(mass.lean.x, 0.1, 1e-15);
+  EXPECT_NEAR(mass.lean.y, -0.2, 1e-15);
+  const Vec2<double> rover =
+      sight(OmniRover{}, std::array{0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0}, std::array{1.0, 1.0, 1.0}).lean;
+  const Vec2<double> car =
+      sight(Unicycle{}, std::array{0.0, 0.0, 0.0, 1.0, 0.0, 1.0}, std::array{1.0, 1.0}).lean;
+  EXPECT_EQ((std::array{rover.x, rover.y, car.x, car.y}), (std::array{0.0, 0.0, 0.0, 0.0}));
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ S value(const P& potential, const Row& row) {
 template <class Step, class P>
 double over(const P& potential, const Step& step, const Sight<double>& a, const Sight<double>& b) {
   if constexpr (PairPotential<P>) {
-    return potential.over(step, Pose<double>(a), Pose<double>(b));
+    return potential.over(step, a, b);
   } else {
     return potential.over(step, Pose<double>(a));
   }
@@ -77,14 +77,23 @@ class PotentialLaws : public testing::Test {
   P potential_ = example<P>();
   Random random_{1};
 };
-using Potentials = testing::Types<SensorCone, KeepOut, Cohesion, AltitudeBand, Geofence, Bearing, TooNear,
-                                  TooFar, RelativeVelocity, PassRight>;
+/// The views of a camera that is fixed to the body, so that they see the lean.
+struct BodySensorCone : SensorCone {
+  BodySensorCone()
+      : SensorCone{.form = ConeForm::tangent, .mount = {.pitch = 0.3, .frame = MountFrame::body}} {}
+};
+struct BodyBearing : Bearing {
+  BodyBearing() : Bearing{.mount = {.pitch = 0.3, .frame = MountFrame::body}} {}
+};
+using Potentials = testing::Types<BodySensorCone, BodyBearing, SensorCone, KeepOut, Cohesion, AltitudeBand,
+                                  Geofence, Bearing, TooNear, TooFar, RelativeVelocity, PassRight>;
 TYPED_TEST_SUITE(PotentialLaws, Potentials);
 
 /// The laws of those made from inequalities by a step.
 template <class P>
 class StepLaws : public PotentialLaws<P> {};
-using PotentialsOfSteps = testing::Types<SensorCone, KeepOut, Cohesion, AltitudeBand, Geofence>;
+using PotentialsOfSteps =
+    testing::Types<BodySensorCone, SensorCone, KeepOut, Cohesion, AltitudeBand, Geofence>;
 TYPED_TEST_SUITE(StepLaws, PotentialsOfSteps);
 
 /// The laws of those that ask for a target in view, whose limit is an angle alpha.
@@ -95,7 +104,8 @@ class ViewLaws : public PotentialLaws<P> {
     Random& random = this->random_;
     P p = this->potential_;
     p.alpha = uniform(random, 0.1, 1.4);
-    p.mount = {uniform(random, -1.2, 1.2), uniform(random, -0.3, 0.3)};
+    p.mount = {uniform(random, -1.2, 1.2), uniform(random, -0.3, 0.3),
+               random() % 2 == 0 ? MountFrame::level : MountFrame::body};
     if constexpr (std::is_same_v<P, Bearing>) {
       p.width = uniform(random, 0.02, 0.2), p.tilt = uniform(random, 0.05, 0.2);
     } else {

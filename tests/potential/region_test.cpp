@@ -150,12 +150,13 @@ TEST(Region, TheSoftplusOfAnyOfIsTheShorterWayBack) {
 
 TEST(Region, EveryQuantityIsWhatItsNameSays) {
   Random random(4);
-  const SensorMount mount{0.4, 0.1};
+  SensorMount mount{0.4, 0.1};
   const auto value = [&](const std::string& text, const Sight<double>& a, const Sight<double>& b, double t) {
     return Region(text + " < 0").seen_from(mount).violation(a, b, t);
   };
   for (int k = 0; k < 200; ++k) {
     const Sight<double> a = random_sight(random, 3), b = random_sight(random, 3);
+    mount.frame = k % 2 == 0 ? MountFrame::level : MountFrame::body;
     const Vec3<double> p_S = mount(a, b.p);
     const double t = uniform(random, 0, 9);
     EXPECT_EQ(value("x", a, b, t), p_S.x);
@@ -170,6 +171,8 @@ TEST(Region, EveryQuantityIsWhatItsNameSays) {
     EXPECT_EQ(value("observer.d_y", a, b, t), a.d.y);
     EXPECT_EQ(value("target.v_x", a, b, t), b.v.x);
     EXPECT_EQ(value("target.v_z", a, b, t), b.v.z);
+    EXPECT_EQ(value("observer.lean_f", a, b, t), a.lean.x);
+    EXPECT_EQ(value("target.lean_s", a, b, t), b.lean.y);
     EXPECT_EQ(value("t", a, b, t), t);
   }
 }

@@ -68,6 +68,22 @@ TEST(Cdr, TwistsComeBackBitForBit) {
   }
 }
 
+TEST(Cdr, AttitudesComeBackBitForBit) {
+  std::mt19937_64 random(12);
+  Bytes bytes;
+  for (int k = 0; k < 1000; ++k) {
+    const StampedPose a = random_pose(random);
+    const std::array<double, 4> q = {a.p[0], a.p[1], a.p[2], a.d[0]};
+    encode_attitude(bytes, "map", {a.time, q});
+    const auto decoded = decode_attitude(bytes);
+    ASSERT_TRUE(decoded);
+    EXPECT_EQ(decoded->time, a.time);
+    EXPECT_EQ(decoded->q, q);
+    bytes.pop_back();
+    EXPECT_FALSE(decode_attitude(bytes));
+  }
+}
+
 TEST(Cdr, PathsOfAnyLengthComeBack) {
   std::mt19937_64 random(3);
   Bytes bytes;
@@ -140,7 +156,7 @@ TEST(Cdr, RandomBytesNeverDecodePastTheirEnd) {
 }
 
 TEST(Cdr, EverySchemaDefinesEveryTypeItNames) {
-  for (const RosSchema& schema : {pose_schema(), twist_schema(), path_schema()}) {
+  for (const RosSchema& schema : {pose_schema(), twist_schema(), path_schema(), attitude_schema()}) {
     for (std::size_t slash = schema.text.find('/'); slash != std::string::npos;
          slash = schema.text.find('/', slash + 1)) {
       const std::size_t begin = schema.text.find_last_of(" \n", slash) + 1;  // npos + 1 = 0

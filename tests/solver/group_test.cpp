@@ -18,7 +18,7 @@ TEST(Group, EachLaneRollsOutItsOwnRobotByEuler) {
       std::make_shared<const StagePrograms>(trace_stage(Multirotor{}, h, Seen::pose_and_motion));
   for (const int width : {2, native_width}) {
     const auto group = make_group(programs, stages, width, KernelChoice::compiled_if_there);
-    Rows u(1, stages * 4 * width), s(1, stages * sight_size * width);
+    Rows u(1, stages * 4 * width), s(1, stages * seen_size(Seen::pose_and_motion) * width);
     for (int i = 0; i < stages * 4 * width; ++i) u[0][i] = uniform(random, -1, 1);
     std::vector<std::array<double, 7>> x(static_cast<std::size_t>(width));
     for (int lane = 0; lane < width; ++lane) {
@@ -33,8 +33,10 @@ TEST(Group, EachLaneRollsOutItsOwnRobotByEuler) {
         std::array<double, 4> input{};
         for (int i = 0; i < 4; ++i) input[static_cast<std::size_t>(i)] = u[0][(k * 4 + i) * width + lane];
         const Sight<double> seen = sight(Multirotor{}, state, input);
-        EXPECT_LE(relative_error(s[0][(k * sight_size + 7) * width + lane], seen.v.z), 1e-14);
-        EXPECT_LE(relative_error(s[0][(k * sight_size + 5) * width + lane], seen.v.x), 1e-14);
+        EXPECT_LE(relative_error(s[0][(k * seen_size(Seen::pose_and_motion) + 7) * width + lane], seen.v.z),
+                  1e-14);
+        EXPECT_LE(relative_error(s[0][(k * seen_size(Seen::pose_and_motion) + 5) * width + lane], seen.v.x),
+                  1e-14);
         const auto rate = Multirotor{}.f(state, input);
         for (std::size_t i = 0; i < 7; ++i) {
           state[i] += h * rate[i];

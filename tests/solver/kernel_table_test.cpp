@@ -87,6 +87,16 @@ TEST(KernelTable, CompiledAndInterpretedGroupsGiveTheSameBits) {
   }
 }
 
+TEST(KernelTable, RobotsThatAreSeenToLeanAreCompiledToo) {
+  expect_same_bits(Multirotor{}, Seen::leaning);
+  expect_same_bits(VelocityMultirotor{}, Seen::leaning);
+  expect_same_bits(VelocityMultirotor{.tau_f = 0.4, .tau_s = 0.45, .tau_z = 0.6, .tau_psi = 0.15},
+                   Seen::leaning);
+  expect_same_bits(HoverMultirotor{}, Seen::leaning);
+  expect_same_bits(LaggingHoverMultirotor{}, Seen::leaning);
+  expect_same_bits(LaggingHoverMultirotor::crazyflie(), Seen::leaning);
+}
+
 TEST(KernelTable, ABarrierOfTheLibraryIsCompiledWhateverItsParameters) {
   for (const double scale : {0.57, 1.0, 1.9}) {
     const RelaxedBarrier speed{SpeedLimit{0.77 * scale}, 0.013 * scale, 0.11 * scale};

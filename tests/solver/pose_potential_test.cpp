@@ -6,6 +6,8 @@
 
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
+#include "sightline/potential/bearing.hpp"
+#include "sightline/potential/region.hpp"
 #include "tests/support/default_horizon.hpp"
 #include "tests/support/random_team.hpp"
 
@@ -48,9 +50,17 @@ TEST(PosePotential, OnlyVariablesThatOccurAreListed) {
   EXPECT_EQ(band.own.size(), 1u);
   EXPECT_TRUE(band.cross.empty());
   const PosePotential pace = trace({1.0 * ChangingPace{}});
-  EXPECT_TRUE(pace.sees_motion(false));
-  EXPECT_TRUE(pace.sees_motion(true));
-  EXPECT_FALSE(band.sees_motion(false));
+  EXPECT_EQ(pace.sees(false), Seen::pose_and_motion);
+  EXPECT_EQ(pace.sees(true), Seen::pose_and_motion);
+  EXPECT_EQ(band.sees(false), Seen::pose);
+  const PosePotential leans = trace({1.0 * Bearing{.mount = {.frame = MountFrame::body}}});
+  EXPECT_FALSE(leans.relative);
+  EXPECT_EQ(leans.variables,
+            (std::vector<int>{0, 1, 2, 3, 4, 8, 9, sight_size, sight_size + 1, sight_size + 2}));
+  EXPECT_EQ(leans.sees(false), Seen::leaning);
+  const PosePotential both = trace({1.0 * Region("observer.v_x * observer.lean_f < 1")});
+  EXPECT_EQ(both.sees(false), Seen::all);
+  EXPECT_EQ(leans.sees(true), Seen::pose);
   EXPECT_EQ(pace.variables.back(), PosePotential::time_variable);
 }
 

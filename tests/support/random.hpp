@@ -44,7 +44,9 @@ inline Pose<double> random_pose(Random& random, double reach) {
 }
 
 inline Sight<double> random_sight(Random& random, double reach) {
-  return {random_pose(random, reach), random_point(random, 2.0)};
+  Sight<double> seen = {random_pose(random, reach), random_point(random, 2.0)};
+  seen.lean = {uniform(random, -0.8, 0.8), uniform(random, -0.8, 0.8)};
+  return seen;
 }
 
 }  // namespace sightline

@@ -37,6 +37,41 @@ TEST(RigidBody, ItsRotationKeepsLengthsAndAnglesAndTurnsThereAndBack) {
   }
 }
 
+TEST(RigidBody, TheAttitudeOfAHeadingAndALeanHasThem) {
+  for (int k = 0; k < 1000; ++k) {
+    const double psi = within(3.1);
+    const Vec2<double> d = {std::cos(psi), std::sin(psi)}, xi = {within(2), within(2)};
+    const Quaternion q = leaning(d, xi);
+    EXPECT_NEAR(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z, 1.0, 1e-14);
+    const Rotation R = rotation(q);
+    EXPECT_NEAR(heading(R).x, d.x, 1e-13);
+    EXPECT_NEAR(heading(R).y, d.y, 1e-13);
+    EXPECT_NEAR(lean(R).x, xi.x, 1e-13);
+    EXPECT_NEAR(lean(R).y, xi.y, 1e-13);
+    EXPECT_NEAR(R.z.z, 1 / std::sqrt(1 + xi.x * xi.x + xi.y * xi.y), 1e-13);
+  }
+}
+
+TEST(RigidBody, ACameraOfTheBodyLooksWhereItsAttitudeTurnsIt) {
+  for (int k = 0; k < 1000; ++k) {
+    const Vec3<double> axis = vector_within(0.3), p = vector_within(2), point = vector_within(3);
+    const Rotation R = rotation({sqrt(1 - dot(axis, axis)), axis.x, axis.y, axis.z});
+    const Sight<double> seen = {{p, heading(R)}, {}, lean(R)};
+    const SensorMount camera = {.pitch = 0.4, .offset = 0.2, .frame = MountFrame::body};
+    const Vec3<double> p_B = R.to_B(point - p) - Vec3<double>{0.2, 0, 0};
+    const Vec3<double> p_S = {std::cos(0.4) * p_B.x - std::sin(0.4) * p_B.z, p_B.y,
+                              std::sin(0.4) * p_B.x + std::cos(0.4) * p_B.z};
+    EXPECT_LT(distance(camera(seen, point), p_S), 1e-12);
+  }
+}
+
+TEST(RigidBody, ALeanIsFiniteHoweverItTumbles) {
+  for (const double turn : {1.5, 1.6, 3.1, 4.0}) {
+    const Vec2<double> xi = lean(rotation({std::cos(turn / 2), std::sin(turn / 2), 0, 0}));
+    EXPECT_TRUE(std::isfinite(xi.x) && std::isfinite(xi.y)) << turn;
+  }
+}
+
 TEST(RigidBody, WithoutForcesMomentumStaysBitForBitAndEnergyAndAngularMomentumToTheOrderOfTheStep) {
   const auto drift = [](RigidBody body, double h) {
     const double E = body.energy();

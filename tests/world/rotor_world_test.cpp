@@ -80,6 +80,21 @@ TEST(RotorWorld, MeasuresTheStateOfThePlanningModelAsTheBodyShowsIt) {
   EXPECT_EQ(world.rotorcraft(BodyId{1}), nullptr);
 }
 
+TEST(RotorWorld, TellsTheTrueAttitudeOfItsVehiclesAndOfNobodyElse) {
+  RotorWorld world(mixed_fleet(), fleet_start, fleet);
+  fly(world, 60);
+  const auto attitudes = world.measure(0.6).attitudes;
+  ASSERT_EQ(attitudes.size(), 4u);
+  for (const int vehicle : {0, 2}) {
+    const Rotorcraft* const craft = world.rotorcraft(BodyId{vehicle});
+    EXPECT_EQ(attitudes[static_cast<std::size_t>(vehicle)], craft->body().q);
+    EXPECT_GT(norm(lean(craft->attitude()).x, lean(craft->attitude()).y), 0.01) << "it leans";
+  }
+  EXPECT_EQ(attitudes[1], no_attitude);
+  EXPECT_EQ(attitudes[3], no_attitude);
+  EXPECT_TRUE(ModelWorld(mixed_fleet(), fleet_start).measure(0.0).attitudes.empty());
+}
+
 TEST(RotorWorld, AnAngleMultirotorShowsItsAngle) {
   Team team;
   team.add(AngleMultirotor{}, {.name = "uav"});

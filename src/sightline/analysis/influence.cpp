@@ -14,8 +14,8 @@
 namespace sightline {
 namespace {
 
-constexpr std::array<std::string_view, sight_size> parts = {"p_x", "p_y", "p_z", "d_x",
-                                                            "d_y", "v_x", "v_y", "v_z"};
+constexpr std::array<std::string_view, sight_size> parts = {"p_x", "p_y", "p_z", "d_x",    "d_y",
+                                                            "v_x", "v_y", "v_z", "lean_f", "lean_s"};
 
 /// Which of the first `n` inputs of a graph a formula depends on.
 std::vector<bool> inputs_of(Graph& graph, const Symbol& formula, int n) {

@@ -55,8 +55,10 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
 void Judge::look(std::span<const double> u) noexcept {
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
-    sights_[at(body)] = team_.model(body).sight(sample_.x.data() + team_.state_offset(body),
-                                                u.data() + team_.input_offset(body));
+    Sight<double>& seen = sights_[at(body)];
+    seen = team_.model(body).sight(sample_.x.data() + team_.state_offset(body),
+                                   u.data() + team_.input_offset(body));
+    seen.lean = true_lean(seen.lean, body, sample_);
   }
 }
 

@@ -1,9 +1,15 @@
-/// Frames and what robots show of themselves: G global, V vehicle, S sensor; (17)-(22), (40)-(48).
+/// Frames and what robots show of themselves: G global, V vehicle, B body, S sensor; (17)-(22), (40)-(48).
 #pragma once
+
+#include <array>
+#include <concepts>
+#include <string_view>
 
 #include "sightline/math/fixed.hpp"
 
 namespace sightline {
+
+inline constexpr double gravity = 9.81;  ///< g [m/s^2]
 
 /// Position and heading of a robot in G; roll and pitch are neglected (hover-controlled robots).
 template <class S>
@@ -12,18 +18,22 @@ struct Pose {
   Vec2<S> d;  ///< heading (cos psi, sin psi), (18), (19); |d| = 1
 };
 
-/// All that a potential sees of a robot: pose and velocity in G.
+/// All that a potential sees of a robot: pose and velocity in G, and how it leans.
+///
+/// The lean xi is the tangent of the tilt of the thrust, horizontal over vertical specific thrust, by its components in V: the
+/// thrust points along (xi_f, xi_s, 1). A robot that stands upright has (0, 0).
 template <class S>
 struct Sight : Pose<S> {
-  Vec3<S> v;  ///< velocity [m/s]
+  Vec3<S> v;       ///< velocity [m/s]
+  Vec2<S> lean{};  ///< xi = (xi_f, xi_s), forward and to the left [-]
 };
 
-/// Numbers in a Sight, in the order p, d, v.
-inline constexpr int sight_size = 8;
+/// Numbers in a Sight, in the order p, d, v, lean.
+inline constexpr int sight_size = 10;
 
 template <class S, class Row>
 Sight<S> sight_from(const Row& r) {
-  return {{{r[0], r[1], r[2]}, {r[3], r[4]}}, {r[5], r[6], r[7]}};
+  return {{{r[0], r[1], r[2]}, {r[3], r[4]}}, {r[5], r[6], r[7]}, {r[8], r[9]}};
 }
 
 template <class S, class Row>
@@ -31,6 +41,7 @@ void write_sight(const Sight<S>& s, Row&& r) {
   r[0] = s.p.x, r[1] = s.p.y, r[2] = s.p.z;
   r[3] = s.d.x, r[4] = s.d.y;
   r[5] = s.v.x, r[6] = s.v.y, r[7] = s.v.z;
+  r[8] = s.lean.x, r[9] = s.lean.y;
 }
 
 /// v_V in G: R(d) v, (22). The transpose turns G into V, (43).
@@ -39,13 +50,26 @@ Vec2<S> rotate(const Vec2<S>& d, const Vec2<S>& v_V) {
   return {d.x * v_V.x - d.y * v_V.y, d.y * v_V.x + d.x * v_V.y};
 }
 
-/// Where the sensor sits on the robot, (45); its axis in V is (cos beta, 0, -sin beta), so beta > 0 looks
-/// down.
-struct SensorMount {
-  double pitch = 0.5;    ///< beta [rad], in (-pi/2, pi/2)
-  double offset = 0.17;  ///< d_s [m], lever arm along the vehicle's x
+/// What a sensor is fixed to.
+enum class MountFrame {
+  level,  ///< V, as the paper has it: a gimbal holds it level
+  body,   ///< B, which leans with the thrust
+};
+inline constexpr std::array<std::string_view, 2> mount_frames = {"level", "body"};
 
-  /// A point of G in the sensor frame S of the robot: p_S = T_SG p_G, (46), (48).
+/// Where the sensor sits on the robot, (45); its axis in V, or in B, is (cos beta, 0, -sin beta), so beta > 0 looks
+/// down.
+///
+/// B is V pitched and rolled: z along the thrust, x in the vertical plane of the heading. Its axes in V, not yet of
+/// length 1, are, with xi the lean (docs/equations.md, 1),
+///
+///   x_B ~ (1, 0, -xi_f),   y_B ~ (-xi_f xi_s, 1 + xi_f^2, -xi_s),   z_B ~ (xi_f, xi_s, 1)
+struct SensorMount {
+  double pitch = 0.5;                    ///< beta [rad], in (-pi/2, pi/2)
+  double offset = 0.17;                  ///< d_s [m], lever arm along x of V or B
+  MountFrame frame = MountFrame::level;  ///< whose pitch and offset these are
+
+  /// A point of G in the sensor frame S of a robot that stands upright: p_S = T_SG p_G, (46), (48).
   template <class S>
   Vec3<S> operator()(const Pose<S>& robot, const Vec3<S>& point) const {
     const double c = cos(pitch), s = sin(pitch);
@@ -53,9 +77,38 @@ struct SensorMount {
     const S eta = offset + robot.d.x * r.x + robot.d.y * r.y;
     return {r.z * s - eta * c, robot.d.y * r.x - robot.d.x * r.y, -(r.z * c) - eta * s};
   }
+
+  /// The same of a robot that leans: p_S = T_SB T_BV T_VG p_G where the sensor is fixed to the body. With a lean of 0 both
+  /// have the same bits.
+  template <class S>
+  Vec3<S> operator()(const Sight<S>& robot, const Vec3<S>& point) const {
+    if (frame == MountFrame::level) return (*this)(static_cast<const Pose<S>&>(robot), point);
+    const double c = cos(pitch), s = sin(pitch);
+    const Vec2<S>& xi = robot.lean;
+    const Vec3<S> r = robot.p - point;
+    // From the point to the robot, in V; ahead with the lever arm, y to the right.
+    const S arm = offset + robot.d.x * r.x + robot.d.y * r.y, ahead = robot.d.x * r.x + robot.d.y * r.y;
+    const S right = robot.d.y * r.x - robot.d.x * r.y;
+    const S of_x = 1.0 + square(xi.x), of_z = of_x + square(xi.y);
+    const S per_x = 1.0 / sqrt(of_x), per_z = 1.0 / sqrt(of_z);
+    // In B; the lever arm itself does not turn.
+    const S eta = offset * (1.0 - per_x) + per_x * (arm - xi.x * r.z);
+    const S y = (of_x * right + xi.y * (xi.x * ahead + r.z)) * (per_x * per_z);
+    const S z = (r.z + xi.x * ahead - xi.y * right) * per_z;
+    return {z * s - eta * c, y, -(z * c) - eta * s};
+  }
 };
 
-/// Angle between the sensor axis and the point [rad], in [0, pi], (71); 0 at the sensor itself.
-double view_angle(const SensorMount& mount, const Pose<double>& robot, const Vec3<double>& point);
+/// Angle between the sensor axis and a point of S [rad], in [0, pi], (71); 0 at the sensor itself.
+double off_axis(const Vec3<double>& p_S);
+
+/// The same of a point of G. A robot whose pose is given stands upright, one whose sight is given leans.
+inline double view_angle(const SensorMount& mount, const Pose<double>& robot, const Vec3<double>& point) {
+  return off_axis(mount(robot, point));
+}
+template <std::same_as<Sight<double>> Seen>
+double view_angle(const SensorMount& mount, const Seen& robot, const Vec3<double>& point) {
+  return off_axis(mount(robot, point));
+}
 
 }  // namespace sightline

@@ -34,7 +34,7 @@ template <HoverLags lags>
 struct LaggedHoverMultirotor {
   static constexpr bool lagging = lags == HoverLags::all;
   static constexpr int nx = lagging ? 11 : 7, nu = 4;
-  static constexpr double g = 9.81;  // [m/s^2]
+  static constexpr double g = gravity;
   static constexpr std::string_view name = "hover_multirotor";
   static constexpr std::array<std::string_view, nx> states = [] {
     std::array<std::string_view, nx> all = {"p_x", "p_y", "p_z", "d_x", "d_y", "v_f", "v_s"};
@@ -144,6 +144,14 @@ struct LaggedHoverMultirotor {
   template <class S>
   Pose<S> pose(const std::array<S, nx>& x) const {
     return {{x[0], x[1], x[2]}, {x[3], x[4]}};
+  }
+
+  /// Of the tilt that the vehicle has, where it lags, else of that which is commanded; drag is air.
+  template <class S>
+  Vec2<S> lean([[maybe_unused]] const std::array<S, nx>& x,
+               [[maybe_unused]] const std::array<S, nu>& u) const {
+    if constexpr (lagging) return {(1 / g) * x[7], (1 / g) * x[8]};
+    return {(b_f / g) * u[0], (-b_s / g) * u[1]};
   }
 
   std::array<double, nx> at_rest(const Pose<double>& pose) const {

@@ -29,15 +29,19 @@ concept RobotModel = requires(const M& m, const std::array<double, M::nx>& x,
   { M::name } -> std::convertible_to<std::string_view>;
 };
 
-/// What a robot shows at state x under input u: pose(x), and its rate while x' = f(x, u) as the velocity.
+/// What a robot shows at state x under input u: pose(x), its rate while x' = f(x, u) as the velocity, and its lean where
+/// the struct has `Vec2<S> lean(x, u)`: of the thrust that the plan asks, forward and to the left (frames.hpp). A robot
+/// without one stands upright.
 template <class S, class M>
 Sight<S> sight(const M& model, const std::array<S, M::nx>& x, const std::array<S, M::nu>& u) {
   const std::array<S, M::nx> rate = model.f(x, u);
   std::array<Tangent<S>, M::nx> moving;
   for (std::size_t i = 0; i < M::nx; ++i) moving[i] = {x[i], rate[i]};
   const Pose<Tangent<S>> pose = model.pose(moving);
-  return {{{pose.p.x.value, pose.p.y.value, pose.p.z.value}, {pose.d.x.value, pose.d.y.value}},
-          {pose.p.x.rate, pose.p.y.rate, pose.p.z.rate}};
+  Sight<S> seen = {{{pose.p.x.value, pose.p.y.value, pose.p.z.value}, {pose.d.x.value, pose.d.y.value}},
+                   {pose.p.x.rate, pose.p.y.rate, pose.p.z.rate}};
+  if constexpr (requires { model.lean(x, u); }) seen.lean = model.lean(x, u);
+  return seen;
 }
 
 /// A robot model of any type. Constant and shared; arrays have the lengths nx and nu. What the struct's functions throw
@@ -165,7 +169,7 @@ struct Model::Block final : Model::Interface {
       return sightline::sight(model, take<states_n>(x), take<inputs_n>(u));
     } catch (...) {
       constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-      return {{{nan, nan, nan}, {nan, nan}}, {nan, nan, nan}};
+      return {{{nan, nan, nan}, {nan, nan}}, {nan, nan, nan}, {nan, nan}};
     }
   }
   void step(double* x, const double* u, double dt) const noexcept override {

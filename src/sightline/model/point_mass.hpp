@@ -36,6 +36,12 @@ struct PointMass {
     return {{x[0], x[1], x[2]}, {S(1.0), S(0.0)}};
   }
 
+  /// Of the horizontal acceleration that is asked, over that of gravity; drag is air.
+  template <class S>
+  Vec2<S> lean(const std::array<S, nx>&, const std::array<S, nu>& u) const {
+    return {(1 / gravity) * u[0], (1 / gravity) * u[1]};
+  }
+
   std::array<double, nx> at_rest(const Pose<double>& pose) const {
     return {pose.p.x, pose.p.y, pose.p.z, 0, 0, 0};
   }

@@ -68,6 +68,12 @@ struct Multirotor {
     return {{x[0], x[1], x[2]}, {x[3], x[4]}};
   }
 
+  /// What is commanded is the acceleration of the tilt; drag is air.
+  template <class S>
+  Vec2<S> lean(const std::array<S, nx>&, const std::array<S, nu>& u) const {
+    return {(b_f / gravity) * u[0], (-b_s / gravity) * u[1]};
+  }
+
   std::array<double, nx> at_rest(const Pose<double>& pose) const {
     return {pose.p.x, pose.p.y, pose.p.z, pose.d.x, pose.d.y, 0.0, 0.0};
   }
@@ -107,6 +113,11 @@ struct AngleMultirotor {
   template <class S>
   Pose<S> pose(const std::array<S, nx>& x) const {
     return {{x[0], x[1], x[2]}, {cos(x[3]), sin(x[3])}};
+  }
+
+  template <class S>
+  Vec2<S> lean(const std::array<S, nx>&, const std::array<S, nu>& u) const {
+    return {(b_f / gravity) * u[0], (-b_s / gravity) * u[1]};
   }
 
   std::array<double, nx> at_rest(const Pose<double>& pose) const {

@@ -120,6 +120,15 @@ struct LaggedMultirotor {
     return {{x[0], x[1], x[2]}, {x[3], x[4]}};
   }
 
+  /// Of the acceleration in G that follows from (u - v) / tau, by its components in V. The model knows no drag, and the climb
+  /// is left out: 1 m/s^2 of it changes the lean by a tenth.
+  template <class S>
+  Vec2<S> lean(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
+    const S rate = yaw_lags ? x[rate_at] : u[3];
+    return {(1 / gravity) * ((1 / tau_f) * (u[0] - x[5]) - rate * x[6]),
+            (1 / gravity) * ((1 / tau_s) * (u[1] - x[6]) + rate * x[5])};
+  }
+
   std::array<double, nx> at_rest(const Pose<double>& pose) const {
     return {pose.p.x, pose.p.y, pose.p.z, pose.d.x, pose.d.y};
   }

@@ -33,7 +33,7 @@ class Draw {
   std::mt19937 random_{1};
 };
 
-/// Whether both poses moved alike, and any velocity and time, leave the potential as it is.
+/// Whether both poses moved alike, and any velocity, lean and time, leave the potential as it is.
 bool sees_differences_alone(const Potential& potential, double radius) {
   Draw draw;
   for (int i = 0; i < samples; ++i) {
@@ -44,6 +44,7 @@ bool sees_differences_alone(const Potential& potential, double radius) {
       s->p = s->p + p;
       s->d = {s->d.x + d.x, s->d.y + d.y};
       s->v = draw.vector(1.0);
+      s->lean = {draw(-1.0, 1.0), draw(-1.0, 1.0)};
     }
     const double after = potential(a, b, draw(0.0, 10.0));
     if (!(std::abs(after - before) <= 1e-6 * (1.0 + std::abs(before)))) return false;

@@ -12,8 +12,8 @@ namespace sightline {
 ///
 ///   l = 1 - (cos beta (x cos omega + y sin omega) - sin beta z) / sqrt(x^2 + y^2 + z^2 + width^2)
 ///
-/// with (x, y, z) the target seen from the sensor in the vehicle frame (x ahead, y left, z up) and beta the
-/// pitch of the mount; l is in [0, 2], and 1 - cos gamma for omega = 0 and a target farther than `width`.
+/// with (x, y, z) the target seen from the sensor in the frame that it is fixed to, V or B (x ahead, y left, z up) and
+/// beta the pitch of the mount; l is in [0, 2], and 1 - cos gamma for omega = 0 and a target farther than `width`.
 ///
 /// Straight behind, left and right are alike and nothing would turn the robot. So with phi the horizontal
 /// angle of the target off the nose the axis is turned to the left by
@@ -48,7 +48,8 @@ struct Bearing {
 
   template <class S>
   S operator()(const Sight<S>& observer, const Sight<S>& target) const {
-    const Vec3<S> p_V = SensorMount{.pitch = 0.0, .offset = mount.offset}(observer, target.p);
+    const SensorMount straight = {.pitch = 0.0, .offset = mount.offset, .frame = mount.frame};
+    const Vec3<S> p_V = straight(observer, target.p);
     const S level = square(p_V.x) + square(p_V.y) + square(width);
     const S omega = tilt * logistic(-40.0 * (0.906 + p_V.x * (1.0 / sqrt(level))));
     const S ahead = p_V.x * cos(omega) + p_V.y * sin(omega);

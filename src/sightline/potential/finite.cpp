@@ -57,7 +57,8 @@ Sight<double> draw_sight(Random& random, double reach, bool on_axes) {
   return {{{place(), place(), place()}, d}, {place() / 10, place() / 10, place() / 10}};
 }
 
-Numbers draw(Random& random, const FiniteSearch& search) {
+/// @param leans  draws how they lean, beside what `random` draws
+Numbers draw(Random& random, Random& leans, const FiniteSearch& search) {
   constexpr std::array reaches = {0.3, 3.0, 30.0};
   const bool on_axes = random() % 4 == 0;
   const double reach = reaches[random() % reaches.size()];
@@ -66,6 +67,8 @@ Numbers draw(Random& random, const FiniteSearch& search) {
   for (const std::size_t first : {std::size_t{0}, std::size_t{sight_size}}) {
     Sight<double> sight = draw_sight(random, reach, on_axes);
     sight.p = sight.p + centre;
+    std::uniform_real_distribution<double> lean(-1.0, 1.0);
+    sight.lean = {lean(leans), lean(leans)};
     write_sight(sight, std::span(z).subspan(first));
   }
   z.back() = std::uniform_real_distribution<double>(search.from, search.until)(random);
@@ -130,12 +133,12 @@ std::optional<Spot> not_finite_at(const Potential& potential, const FiniteSearch
   constexpr double periods_max = 200'000;
   const Recorded recorded = record(potential);
   Seeker seeker(recorded.program);
-  Random random(1);
-  auto found = seeker.first(search.samples, [&](std::int64_t) { return draw(random, search); });
+  Random random(1), leans(2);
+  auto found = seeker.first(search.samples, [&](std::int64_t) { return draw(random, leans, search); });
   if (!found && recorded.sees_time && search.period > 0) {
     const double length = search.until - search.from;
     const double step = search.period * std::max(1.0, std::ceil(length / search.period / periods_max));
-    const Numbers place = draw(random, search);
+    const Numbers place = draw(random, leans, search);
     found = seeker.first(static_cast<std::int64_t>(length / step) + 1, [&](std::int64_t n) {
       Numbers z = place;
       z.back() = std::min(search.until, search.from + static_cast<double>(n) * step);

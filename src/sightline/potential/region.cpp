@@ -25,7 +25,8 @@ constexpr std::array own_variables = {
 constexpr std::array<Variable, sight_size> sight_variables = {
     Variable{"p_x", units::length},   Variable{"p_y", units::length},   Variable{"p_z", units::length},
     Variable{"d_x", units::none},     Variable{"d_y", units::none},     Variable{"v_x", units::velocity},
-    Variable{"v_y", units::velocity}, Variable{"v_z", units::velocity},
+    Variable{"v_y", units::velocity}, Variable{"v_z", units::velocity}, Variable{"lean_f", units::none},
+    Variable{"lean_s", units::none},
 };
 constexpr std::array<std::pair<std::string_view, std::string_view>, 5> derived = {{
     {"range", "norm(x, y, z)"},

@@ -9,7 +9,7 @@
 ///   range, bearing                its distance from the sensor [m] and its angle from the axis [rad]
 ///   azimuth, elevation            its angles in S, to the left and up [rad]
 ///   r_x, r_y, r_z, distance       from observer to target in G, and how far [m]
-///   observer.p_x .. target.v_z    p_x, p_y, p_z [m], d_x, d_y, v_x, v_y, v_z [m/s] of both in G
+///   observer.p_x .. target.lean_s p_x, p_y, p_z [m], d_x, d_y, v_x, v_y, v_z [m/s] of both in G, and lean_f, lean_s
 ///   t                             the time [s]
 #pragma once
 

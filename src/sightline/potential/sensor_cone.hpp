@@ -51,8 +51,9 @@ struct SensorCone {
   }
 
   /// l over any step; UnitStep with kappa_G = 0 is (30).
-  template <class Step, class S>
-  S over(const Step& eps, const Pose<S>& observer, const Pose<S>& target) const {
+  /// @param observer  a Sight, or the Pose of a robot that stands upright
+  template <class Step, class S, template <class> class Seen>
+  S over(const Step& eps, const Seen<S>& observer, const Pose<S>& target) const {
     const Vec3<S> p_S = mount(observer, target.p);
     const double slope = form == ConeForm::sine ? std::sin(alpha) : std::tan(alpha);
     const S off_axis = square(p_S.y) + square(p_S.z);

@@ -21,6 +21,8 @@ constexpr std::string_view pose_parts =
     "MSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n"
     "================================================================================\n"
     "MSG: geometry_msgs/Quaternion\nfloat64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n";
+constexpr std::string_view quaternion =
+    "MSG: geometry_msgs/Quaternion\nfloat64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n";
 constexpr std::string_view twist_parts =
     "MSG: geometry_msgs/Twist\ngeometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n"
     "================================================================================\n"
@@ -89,6 +91,11 @@ RosSchema path_schema() {
           join({"std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n", pose, header, pose_parts})};
 }
 
+RosSchema attitude_schema() {
+  return {"geometry_msgs/msg/QuaternionStamped",
+          join({"std_msgs/Header header\ngeometry_msgs/Quaternion quaternion\n", header, quaternion})};
+}
+
 void encode_pose(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose) {
   CdrEncoder to(bytes);
   put_header(to, pose.time, frame);
@@ -111,6 +118,21 @@ void encode_path(std::vector<std::byte>& bytes, std::string_view frame, std::uin
     put_header(to, pose.time, frame);
     put_pose(to, pose);
   }
+}
+
+void encode_attitude(std::vector<std::byte>& bytes, std::string_view frame, const StampedAttitude& attitude) {
+  CdrEncoder to(bytes);
+  put_header(to, attitude.time, frame);
+  for (const double part : attitude.q) to.put(part);
+}
+
+std::optional<StampedAttitude> decode_attitude(std::span<const std::byte> bytes) {
+  CdrDecoder from(bytes);
+  StampedAttitude attitude;
+  attitude.time = read_header(from);
+  for (double& part : attitude.q) part = from.number<double>();
+  if (!from.finished()) return std::nullopt;
+  return attitude;
 }
 
 std::optional<StampedPose> decode_pose(std::span<const std::byte> bytes) {

@@ -117,15 +117,22 @@ struct StampedTwist {
   std::array<double, 3> angular{};  ///< [rad/s]
 };
 
+/// Attitude at a time, as what turns the axes of the body into those of the message's frame.
+struct StampedAttitude {
+  std::uint64_t time = 0;               ///< [ns], below 2^31 s
+  std::array<double, 4> q{0, 0, 0, 1};  ///< (x, y, z, w) of a quaternion of length 1
+};
+
 /// A kind of ROS 2 message as a log names it.
 struct RosSchema {
   std::string_view name;  ///< "geometry_msgs/msg/PoseStamped"
   std::string text;       ///< its definition and all it rests on, one after the other ("ros2msg")
 };
 
-RosSchema pose_schema();   ///< geometry_msgs/msg/PoseStamped
-RosSchema twist_schema();  ///< geometry_msgs/msg/TwistStamped
-RosSchema path_schema();   ///< nav_msgs/msg/Path
+RosSchema pose_schema();      ///< geometry_msgs/msg/PoseStamped
+RosSchema twist_schema();     ///< geometry_msgs/msg/TwistStamped
+RosSchema path_schema();      ///< nav_msgs/msg/Path
+RosSchema attitude_schema();  ///< geometry_msgs/msg/QuaternionStamped
 
 /// Encode one message of the schemas above; `frame` names the frame the numbers are in, "map".
 void encode_pose(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose);
@@ -133,9 +140,12 @@ void encode_twist(std::vector<std::byte>& bytes, std::string_view frame, const S
 void encode_path(std::vector<std::byte>& bytes, std::string_view frame, std::uint64_t time,
                  std::span<const StampedPose> poses);
 
+void encode_attitude(std::vector<std::byte>& bytes, std::string_view frame, const StampedAttitude& attitude);
+
 /// Decode one message of the schemas above; nothing if the bytes are no such message.
 std::optional<StampedPose> decode_pose(std::span<const std::byte> bytes);
 std::optional<StampedTwist> decode_twist(std::span<const std::byte> bytes);
+std::optional<StampedAttitude> decode_attitude(std::span<const std::byte> bytes);
 std::optional<std::vector<StampedPose>> decode_path(std::span<const std::byte> bytes);
 
 }  // namespace sightline

@@ -78,7 +78,7 @@ class Log::Files {
     BodyId body;
     StateRoles roles;
     Channel state, pose, twist;
-    std::optional<Channel> measured{}, input{}, path{}, reference{}, barrier{};
+    std::optional<Channel> measured{}, input{}, path{}, reference{}, barrier{}, attitude{};
     std::size_t robot = 0;  // its place among the robots
   };
 
@@ -102,6 +102,8 @@ class Log::Files {
   }
 
   void add_body(BodyChannels& channels, const Sample& sample);
+  void open_attitudes(const Scenario& scenario);
+  void add_attitude(BodyChannels& channels, const Sample& sample);
   void add_pose(Channel& channel, const Model& model, const double* x, double time);
   void add_agent(BodyChannels& channels, const Sample& sample);
   void add_path(BodyChannels& channels, const Sample& sample);
@@ -121,6 +123,7 @@ class Log::Files {
 
   struct Schemas {
     SchemaId pose, twist, path, state, input, reference, solver, event, barrier;
+    std::optional<SchemaId> attitude;
   } schemas_{};
   std::vector<BodyChannels> bodies_;
   std::size_t robots_ = 0;
@@ -198,6 +201,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
   const bool is_measured = d.noise.position > 0 || d.noise.heading > 0 || d.noise.velocity > 0 ||
                            d.measurement_delay > 0 || !scenario.simulation.faults.empty();
   for (int i = 0; i < team_.bodies(); ++i) open_body(BodyId{i}, is_measured, has_barrier);
+  open_attitudes(scenario);
   rows_ = "time,update_us";
   for (std::size_t c = 0; c < controllers; ++c) {
     const std::string name = controllers > 1 ? fmt::format("controller{}", c) : "";
@@ -241,6 +245,22 @@ void Log::Files::open_body(BodyId body, bool is_measured, bool has_barrier) {
     }
   }
   bodies_.push_back(channels);
+}
+
+/// Of vehicles, and of robots with a camera that leans with them.
+void Log::Files::open_attitudes(const Scenario& scenario) {
+  for (BodyChannels& channels : bodies_) {
+    const auto is_it = [&](const RobotVehicle& v) { return v.robot == channels.body; };
+    if (std::none_of(scenario.vehicles.begin(), scenario.vehicles.end(), is_it) &&
+        !has_body_camera(scenario, channels.body))
+      continue;
+    if (!schemas_.attitude) {
+      const RosSchema schema = attitude_schema();
+      schemas_.attitude = mcap_.schema(schema.name, "ros2msg", schema.text);
+    }
+    channels.attitude =
+        open(*schemas_.attitude, fmt::format("/{}/attitude", team_.name(channels.body)), "cdr");
+  }
 }
 
 // Whatever a sample makes of judging and writing it, the next one is taken: a ring that nobody empties stops the flight.
@@ -302,6 +322,18 @@ void Log::Files::add_body(BodyChannels& channels, const Sample& sample) {
   encode_twist(bytes_, frame,
                {nanoseconds(sample.time), {v.x, v.y, v.z}, {0, 0, turn_rate(model, channels.roles, x, u)}});
   send_bytes(channels.twist, sample.time);
+  if (channels.attitude) add_attitude(channels, sample);
+}
+
+void Log::Files::add_attitude(BodyChannels& channels, const Sample& sample) {
+  const auto body = size(channels.body.index);
+  Quaternion q = body < sample.attitudes.size() ? sample.attitudes[body] : no_attitude;
+  if (q == no_attitude) {
+    const Sight<double> seen = true_sight(team_, channels.body, sample);
+    q = leaning(seen.d, seen.lean);
+  }
+  encode_attitude(bytes_, frame, {nanoseconds(sample.time), {q.x, q.y, q.z, q.w}});
+  send_bytes(*channels.attitude, sample.time);
 }
 
 void Log::Files::add_pose(Channel& channel, const Model& model, const double* x, double time) {

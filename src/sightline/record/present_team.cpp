@@ -58,6 +58,13 @@ std::vector<Coupling> all_couplings(const Scenario& scenario) {
   return all;
 }
 
+bool has_body_camera(const Scenario& scenario, BodyId robot) {
+  const std::vector<Observation> all = observations(all_couplings(scenario));
+  return std::any_of(all.begin(), all.end(), [&](const Observation& o) {
+    return o.observer == robot && o.mount.frame == MountFrame::body;
+  });
+}
+
 PresentTeam::PresentTeam(const Scenario& scenario)
     : script_(scenario.script), roster_(scenario.team, scenario.presence) {
   compose(0.0);

@@ -26,6 +26,9 @@ std::vector<Observation> observations(std::span<const Coupling> couplings);
 /// All couplings that may be in force at some time of a run, those of the start first. Bodies are the scenario's.
 std::vector<Coupling> all_couplings(const Scenario& scenario);
 
+/// Whether a camera that is fixed to its body looks from that robot at some time of a run.
+bool has_body_camera(const Scenario& scenario, BodyId robot);
+
 /// Ids are the scenario's throughout.
 class PresentTeam {
  public:

@@ -19,6 +19,7 @@
 #include "sightline/base/no_value.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/mcap.hpp"
+#include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
 namespace {
@@ -52,9 +53,11 @@ void read_team(const json& team, Recording& run) {
     run.bodies.push_back(std::move(body));
   }
   for (const json& entry : team.at("pairs")) {
+    const MountFrame frame =
+        entry.value("frame", "level") == mount_frames[1] ? MountFrame::body : MountFrame::level;
     const Recording::Pair pair{entry.at("observer"),
                                entry.at("target"),
-                               {entry.at("pitch"), entry.at("offset")},
+                               {entry.at("pitch"), entry.at("offset"), frame},
                                or_no_value(entry.at("alpha")),
                                or_no_value(entry.at("d_min")),
                                or_no_value(entry.at("d_max"))};
@@ -107,6 +110,7 @@ class RowReader {
       places_[topic + "state"] = [this, &body](const McapMessage& m) { state(body, m); };
       places_[topic + "pose"] = [&body](const McapMessage& m) { pose(body, m); };
       places_[topic + "twist"] = [&body](const McapMessage& m) { twist(body, m); };
+      places_[topic + "attitude"] = [&body](const McapMessage& m) { attitude(body, m); };
       places_[topic + "input"] = [&body](const McapMessage& m) { input(body, m); };
       places_[topic + "barrier"] = [&body](const McapMessage& m) { barrier(body, m); };
       places_[topic + "reference"] = [&body](const McapMessage& m) { reference(body, m); };
@@ -140,6 +144,7 @@ class RowReader {
       body.p.resize(rows);
       body.heading.resize(rows);
       body.v.resize(rows);
+      body.lean.resize(rows);
       for (auto& row : body.u) row.resize(rows);
       if (!body.barrier.empty()) body.barrier.resize(rows), body.reserve.resize(rows);
       // A heading that is free at times is no line to draw.
@@ -167,6 +172,7 @@ class RowReader {
     body.p.push_back({no_value, no_value, no_value});
     body.heading.push_back(no_value);
     body.v.push_back({no_value, no_value, no_value});
+    body.lean.push_back({0.0, 0.0});
   }
   static void pose(Recording::Body& body, const McapMessage& message) {
     const auto pose = decode_pose(message.bytes);
@@ -178,6 +184,12 @@ class RowReader {
     const auto twist = decode_twist(message.bytes);
     if (!twist || body.v.empty()) refuse("a message of {} is no twist of a state", message.topic);
     body.v.back() = {twist->linear[0], twist->linear[1], twist->linear[2]};
+  }
+  static void attitude(Recording::Body& body, const McapMessage& message) {
+    const auto attitude = decode_attitude(message.bytes);
+    if (!attitude || body.lean.empty()) refuse("a message of {} is no attitude of a state", message.topic);
+    const auto& [x, y, z, w] = attitude->q;
+    body.lean.back() = lean(rotation({w, x, y, z}));
   }
   static void input(Recording::Body& body, const McapMessage& message) {
     const json values = parsed(message).at("u");

@@ -18,9 +18,11 @@ struct Recording {
     std::string name;
     std::string robot;  ///< of the model, "body" for what is not controlled
     bool is_agent = false;
-    std::vector<Vec3<double>> p;         ///< [m], one a period
-    std::vector<double> heading;         ///< psi [rad], unwrapped, one a period
-    std::vector<Vec3<double>> v;         ///< in G [m/s], one a period
+    std::vector<Vec3<double>> p;  ///< [m], one a period
+    std::vector<double> heading;  ///< psi [rad], unwrapped, one a period
+    std::vector<Vec3<double>> v;  ///< in G [m/s], one a period
+    std::vector<Vec2<double>>
+        lean{};  ///< true one, forward and to the left, one a period; 0 where it is not logged
     std::vector<std::string> inputs;     ///< names of the inputs
     std::vector<double> u_min, u_max;    ///< at the start, one for each input
     std::vector<std::vector<double>> u;  ///< applied, [input][period]

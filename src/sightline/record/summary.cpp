@@ -71,7 +71,12 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
   }
   for (const Constraint& c : team.constraints()) add_limit(c.term.potential, c.agent, c.agent);
   for (int i = 0; i < team.bodies(); ++i) {
-    if (team.is_agent(BodyId{i})) robots_.push_back({BodyId{i}, roles_of(team.model(BodyId{i}))});
+    if (!team.is_agent(BodyId{i})) continue;
+    robots_.push_back({BodyId{i}, roles_of(team.model(BodyId{i}))});
+    const auto& vehicles = scenario_.vehicles;
+    robots_.back().leans = has_body_camera(scenario_, BodyId{i}) ||
+                           std::any_of(vehicles.begin(), vehicles.end(),
+                                       [&](const RobotVehicle& v) { return v.robot == BodyId{i}; });
   }
   sights_.resize(static_cast<std::size_t>(team.bodies()));
   presence_.assign(sights_.size(), Presence::steered);
@@ -176,13 +181,12 @@ void Summary::add(const Sample& sample) {
   cost_ += period_ * stage_cost_;
   for (int i = 0; i < team.bodies(); ++i) {
     const BodyId body{i};
-    sights_[static_cast<std::size_t>(i)] = team.model(body).sight(sample.x.data() + team.state_offset(body),
-                                                                  sample.u.data() + team.input_offset(body));
+    sights_[at(body)] = true_sight(team, body, sample);
   }
   add_inputs(sample);
   add_robots(sample);
   add_places();
-  add_views(sample.time);
+  add_views(sample);
   add_limits(sample.time);
   add_solvers(sample);
   plans_.add(sample);
@@ -214,6 +218,10 @@ void Summary::add_inputs(const Sample& sample) {
 void Summary::add_robots(const Sample& sample) {
   for (Robot& robot : robots_) {
     if (robot.is_idle) robot.idle.count(sample.time, period_);
+    if (robot.leans && is_there(robot.body) && sample.time >= scenario_.simulation.settle - same_time) {
+      const Vec2<double>& lean = sight(robot.body).lean;
+      robot.steepest = std::max(robot.steepest, norm(lean.x, lean.y));
+    }
     const Agent* const steered = present_.agent(robot.body);
     if (steered == nullptr) continue;
     const Agent& agent = *steered;
@@ -243,7 +251,8 @@ void Summary::add_places() {
   }
 }
 
-void Summary::add_views(double time) {
+void Summary::add_views(const Sample& sample) {
+  const double time = sample.time;
   for (View& view : views_) {
     if (!view.in_force) continue;
     view.time.count(time, period_);
@@ -253,11 +262,15 @@ void Summary::add_views(double time) {
     double &begun = seen ? view.in_since : view.out_since, &over = seen ? view.out_since : view.in_since;
     if (std::isnan(begun)) begun = time;
     over = no_value;
-    if (time < scenario_.simulation.settle - same_time) continue;
+    const bool settled = time >= scenario_.simulation.settle - same_time;
+    if (view.pair.mount.frame == MountFrame::body)
+      view.planned.add(scenario_.team, view.pair, sample, angle, settled);
+    if (!settled) continue;
     const double distance = norm(observer.p - target.p);
     view.nearest = std::min(view.nearest, distance);
     view.farthest = std::max(view.farthest, distance);
     view.angle_max = std::max(view.angle_max, angle);
+    view.angles += angle;
     ++view.settled;
     view.seen += seen ? 1 : 0;
   }
@@ -368,12 +381,14 @@ SummaryValues Summary::values() const {
   for (const View& view : views_) {
     v.pairs.push_back({name(view.pair.observer), name(view.pair.target), counted(view.nearest),
                        counted(view.farthest), counted(view.angle_max), view.in_since,
-                       share(view.seen, view.settled), view.time});
+                       share(view.seen, view.settled), view.time, view.pair.mount.frame == MountFrame::body,
+                       view.settled > 0 ? view.angles / static_cast<double>(view.settled) : no_value,
+                       view.planned.rms()});
   }
   for (const Robot& robot : robots_) {
     const double mean_square = robot.squared_error / static_cast<double>(robot.errors);
-    v.robots.push_back(
-        {name(robot.body), robot.errors > 0 ? std::sqrt(mean_square) : no_value, robot.energy});
+    v.robots.push_back({name(robot.body), robot.errors > 0 ? std::sqrt(mean_square) : no_value, robot.energy,
+                        robot.leans ? std::atan(robot.steepest) : no_value});
     if (robot.idle.total > 0) v.idle_observers.push_back({name(robot.body), robot.idle});
   }
   for (const Limit& limit : limits_) {

@@ -15,6 +15,7 @@
 #include "sightline/record/chatter.hpp"
 #include "sightline/record/drift.hpp"
 #include "sightline/record/plan_summary.hpp"
+#include "sightline/record/planned_view.hpp"
 #include "sightline/record/present_team.hpp"
 #include "sightline/record/safety_summary.hpp"
 #include "sightline/record/time_in_force.hpp"
@@ -39,6 +40,10 @@ struct SummaryValues {
     double in_view_from;                ///< in view from here to the end [s]
     double in_view_fraction;            ///< after settle
     TimeInForce in_force;
+    bool from_body = false;        ///< seen by a camera that is fixed to the body; only then:
+    double view_angle_mean = 0.0;  ///< after settle [rad]
+    double planned_view_rms =
+        0.0;  ///< of flown against planned PlannedView::ahead before, after settle [rad]
   };
   /// A robot that was asked to observe, while nothing that it was to see was there.
   struct Idle {
@@ -49,6 +54,7 @@ struct SummaryValues {
     std::string name;
     double rms_position_error;  ///< from rms_from on [m]
     double energy;              ///< sum of dt u'Ru of the applied input [s]
+    double tilt_max;  ///< after settle [rad], of a vehicle or one with a camera that is fixed to its body
   };
   struct Limit {
     std::string name;  ///< "keep_out uav0-uav1"
@@ -133,6 +139,8 @@ class Summary {
     std::int64_t settled = 0, seen = 0;   // samples after settle, and those of them in view
     bool in_force = true;
     TimeInForce time{};
+    double angles = 0.0;  // sum after settle [rad]
+    PlannedView planned{};
   };
   struct Limit {
     std::string name;
@@ -149,7 +157,9 @@ class Summary {
     StateRoles roles;
     double squared_error = 0.0, energy = 0.0;
     std::int64_t errors = 0;
-    bool is_idle = false;  // asked to observe, and nobody is there
+    bool leans = false;     // its tilt is told
+    double steepest = 0.0;  // tangent of the largest tilt
+    bool is_idle = false;   // asked to observe, and nobody is there
     TimeInForce idle{};
   };
 
@@ -163,7 +173,7 @@ class Summary {
   void add_inputs(const Sample& sample);
   void add_robots(const Sample& sample);
   void add_places();
-  void add_views(double time);
+  void add_views(const Sample& sample);
   void add_limits(double time);
   void add_solvers(const Sample& sample);
   void add_drift(const Sample& sample);

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -49,6 +50,11 @@ std::string Summary::json() const {
                              {"view_angle_max", pair.view_angle_max},
                              {"in_view_from", pair.in_view_from},
                              {"in_view_fraction", pair.in_view_fraction}});
+    if (pair.from_body) {
+      Json& seen = json["pairs"].back();
+      seen["view_angle_mean"] = pair.view_angle_mean;
+      seen["planned_view_angle"] = {{"ahead", PlannedView::ahead}, {"rms", pair.planned_view_rms}};
+    }
     add_time(json["pairs"].back(), pair.in_force);
   }
   for (const auto& idle : v.idle_observers) {
@@ -58,6 +64,7 @@ std::string Summary::json() const {
   for (const auto& robot : v.robots) {
     json["agents"].push_back(
         {{"name", robot.name}, {"rms_position_error", robot.rms_position_error}, {"energy", robot.energy}});
+    if (!std::isnan(robot.tilt_max)) json["agents"].back()["tilt_max"] = robot.tilt_max;
   }
   for (const auto& limit : v.limits) {
     json["limits"].push_back({{"name", limit.name},

@@ -118,9 +118,16 @@ std::vector<SummaryLine> lines_of(const Json& s) {
                           ? fmt::format("not judged: nothing after settle = {}", words(s.at("settle"), "s"))
                           : "not judged");
     }
-    add(who, fmt::format("distance {} to {}, angle at most {}, {} of {}; {}", words(distance.at("min"), ""),
-                         words(distance.at("max"), "m"), words(pair.at("view_angle_max"), "rad"),
-                         percent(pair.at("in_view_fraction")), when.empty() ? "the time" : when, at_the_end));
+    std::string angle = "at most " + words(pair.at("view_angle_max"), "rad");
+    if (pair.contains("planned_view_angle")) {
+      const Json& planned = pair.at("planned_view_angle");
+      angle += fmt::format(" and {} in the mean (planned {} before within {} RMS)",
+                           words(pair.at("view_angle_mean"), "rad"), words(planned.at("ahead"), "s"),
+                           words(planned.at("rms"), "rad"));
+    }
+    add(who, fmt::format("distance {} to {}, angle {}, {} of {}; {}", words(distance.at("min"), ""),
+                         words(distance.at("max"), "m"), angle, percent(pair.at("in_view_fraction")),
+                         when.empty() ? "the time" : when, at_the_end));
   };
   tell_worst(
       s.at("pairs"), [](const Json& pair) { return -number(pair.at("in_view_fraction"), 2.0); }, tell_pair,
@@ -133,7 +140,9 @@ std::vector<SummaryLine> lines_of(const Json& s) {
     const Json& error = agent.at("rms_position_error");
     add(name(agent.at("name")),
         (error.is_null() ? "" : fmt::format("position error {} (RMS), ", words(error, "m"))) +
-            fmt::format("input energy {}, u'Ru summed over time", words(agent.at("energy"), "s")));
+            fmt::format("input energy {}, u'Ru summed over time", words(agent.at("energy"), "s")) +
+            (agent.contains("tilt_max") ? fmt::format(", tilt at most {}", words(agent.at("tilt_max"), "rad"))
+                                        : ""));
   };
   tell_worst(
       s.at("agents"),

@@ -60,6 +60,7 @@ std::string team_json(const Scenario& scenario) {
                              {"alpha", pair.alpha},
                              {"d_min", pair.d_min},
                              {"d_max", pair.d_max}});
+    if (pair.mount.frame == MountFrame::body) json["pairs"].back()["frame"] = "body";
   }
   for (const Swarm& swarm : team.swarms()) {
     Json& robots = json["swarms"].emplace_back(Json::array());

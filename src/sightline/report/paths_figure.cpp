@@ -45,7 +45,7 @@ std::size_t last_of(const Recording::Body& body) {
 }
 
 /// Where a cone of half angle alpha, pitched by beta, sees: its shadow on the ground is a sector of half angle
-/// asin(sin alpha / cos beta).
+/// asin(sin alpha / cos beta). The robot stands upright.
 Curve footprint(const Recording& r, const Recording::Pair& pair) {
   const Recording::Body& body = r.bodies[pair.observer];
   Curve edge{"", pair.observer % Drawing::colours, Mark::dashed, {}, {}};

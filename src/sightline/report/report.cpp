@@ -148,14 +148,20 @@ void add_inputs(const Recording& r, const Curves& curves, const std::vector<std:
   drawings.push_back(std::move(drawing));
 }
 
+/// What a body showed in a period.
+Sight<double> seen(const Recording::Body& body, std::size_t k) {
+  const double psi = body.heading[k];
+  return {
+      {body.p[k], {std::cos(psi), std::sin(psi)}}, {}, k < body.lean.size() ? body.lean[k] : Vec2<double>{}};
+}
+
 void add_pair(const Recording& r, const Curves& curves, const Recording::Pair& pair,
               std::vector<Drawing>& drawings) {
   const Recording::Body &observer = r.bodies.at(pair.observer), &target = r.bodies.at(pair.target);
   Numbers distances, angles;
   for (std::size_t k = 0; k < std::min({observer.p.size(), observer.heading.size(), target.p.size()}); ++k) {
-    const double psi = observer.heading[k];
     distances.push_back(norm(observer.p[k] - target.p[k]));
-    angles.push_back(view_angle(pair.mount, {observer.p[k], {std::cos(psi), std::sin(psi)}}, target.p[k]));
+    angles.push_back(view_angle(pair.mount, seen(observer, k), target.p[k]));
   }
   Panel distance{.x_label = "", .y_label = "D [m]", .height = 160};
   distance.curves = {
@@ -289,10 +295,7 @@ std::vector<Recording::Pair> pairs_to_draw(const Recording& r) {
     const std::size_t rows = std::min({observer.p.size(), observer.heading.size(), target.p.size()});
     double out = 0.0;
     for (std::size_t k = 0; k < rows; k += 1 + rows / 256) {
-      const double psi = observer.heading[k];
-      if (view_angle(pairs[n].mount, {observer.p[k], {std::cos(psi), std::sin(psi)}}, target.p[k]) >
-          pairs[n].alpha)
-        out += 1.0;
+      if (view_angle(pairs[n].mount, seen(observer, k), target.p[k]) > pairs[n].alpha) out += 1.0;
     }
     blind.emplace_back(-out, n);
   }

@@ -59,6 +59,7 @@ Sample sized_sample(const Team& team, const Controllers& controllers) {
   Sample sample;
   sample.x.resize(nx);
   sample.measured.resize(nx);
+  sample.attitudes.resize(size(team.bodies()), no_attitude);
   sample.stamps.resize(size(team.bodies()));
   sample.u.resize(nu);
   sample.raw_u.resize(nu);
@@ -87,6 +88,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
       planned_at_(size(world.team().bodies())),
       plan_ages_(planned_at_.size()),
       ages_(planned_at_.size()),
+      plan_(u_.size()),
       spare_(sized_sample(world, controllers)) {
   for (const LatePlan& late : options_.late_plans) late.check();
   std::stable_sort(options_.signals.begin(), options_.signals.end(),
@@ -110,7 +112,10 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
   }
   check_steered();
   const Sample* item = sink.claim();
-  if (item == nullptr || item->x.size() != spare_.x.size() || item->path.size() != spare_.path.size() ||
+  const bool has_room = item == nullptr || item->path_u.empty() ||  // or of each stage
+                        item->path_u.size() * item->x.size() == item->path.size() * item->u.size();
+  if (item == nullptr || !has_room || item->attitudes.size() != spare_.attitudes.size() ||
+      item->x.size() != spare_.x.size() || item->path.size() != spare_.path.size() ||
       item->solvers.size() != spare_.solvers.size() || item->barriers.size() != spare_.barriers.size() ||
       item->levels.size() != spare_.levels.size() || item->detections.size() != spare_.detections.size()) {
     refuse(
@@ -199,6 +204,7 @@ LoopOutcome Loop::run() noexcept {
     const std::span<const double> x = seen.truth.empty() ? seen.measured : seen.truth;
     if (changed) follow_guard(t, x);
     std::copy(x.begin(), x.end(), sample.x.begin());
+    std::copy(seen.attitudes.begin(), seen.attitudes.end(), sample.attitudes.begin());
     std::copy(presence_.begin(), presence_.end(), sample.presence.begin());
     update(t, seen, sample);
     ++outcome_.updates;
@@ -239,6 +245,8 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   const std::span<const double> met = compensate(t, seen);
   if (sample.has_path) {
     for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = believed[i % believed.size()];
+    sample.path_time = t + lead_;
+    for (std::size_t i = 0; i < sample.path_u.size(); ++i) sample.path_u[i] = u_[i % u_.size()];
   }
   std::copy(u_.begin(), u_.end(), sample.raw_u.begin());  // of those that nobody is asked for
   const std::span<Controller> asked = controllers();
@@ -467,6 +475,15 @@ void Loop::write_path(const Controller& controller, const Solution& solution, Sa
       for (std::size_t q = 0; q < m.nx; ++q) {
         sample.path[i * world_nx + m.world_x + q] = (1 - w) * from[m.ocp_x + q] + w * to[m.ocp_x + q];
       }
+    }
+  }
+  const std::size_t world_nu = sample.u.size();
+  const std::span<double> u = std::span(plan_).first(size(controller.solver->ocp().nu()));
+  for (std::size_t i = 0; i * world_nu < sample.path_u.size(); ++i) {
+    controller.solver->planned(sample.path_time + static_cast<double>(i) * sample.path_step, u);
+    for (const Controller::Member& m : controller.members) {
+      if (m.limits == nullptr) continue;
+      std::copy_n(u.data() + m.ocp_u, m.nu, sample.path_u.data() + i * world_nu + m.world_u);
     }
   }
 }

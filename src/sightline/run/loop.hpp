@@ -115,6 +115,7 @@ class Loop {
   std::vector<double> u_min_, u_max_;
   std::vector<double> planned_at_, plan_ages_;  // of each body: time and age of its last good plan [s]
   std::vector<double> ages_;                    // of what was measured of each body [s]
+  std::vector<double> plan_;                    // inputs of one stage of a plan
   std::vector<Event> events_;                   // not yet in a sample
   Sample spare_;                                // written where the sink is full
   LoopOutcome outcome_;

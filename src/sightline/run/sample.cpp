@@ -30,4 +30,17 @@ std::string_view to_string(EventKind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
+Vec2<double> true_lean(const Vec2<double>& of_model, BodyId body, const Sample& sample) noexcept {
+  const auto i = static_cast<std::size_t>(body.index);
+  const bool known = i < sample.attitudes.size() && sample.attitudes[i] != no_attitude;
+  return known ? lean(rotation(sample.attitudes[i])) : of_model;
+}
+
+Sight<double> true_sight(const Team& team, BodyId body, const Sample& sample) noexcept {
+  Sight<double> seen = team.model(body).sight(sample.x.data() + team.state_offset(body),
+                                              sample.u.data() + team.input_offset(body));
+  seen.lean = true_lean(seen.lean, body, sample);
+  return seen;
+}
+
 }  // namespace sightline

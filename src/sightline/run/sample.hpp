@@ -76,10 +76,11 @@ struct BarrierRecord {
 
 /// One control period. All vectors are sized before the loop starts and never grow.
 struct Sample {
-  double time = 0.0;             ///< [s], of the measurement
-  std::vector<double> x;         ///< true states of all bodies (nx); as measured where nobody knows them
-  std::vector<double> measured;  ///< what the controllers saw (nx)
-  std::vector<double> stamps{};  ///< of each body, when it was as measured [s]
+  double time = 0.0;      ///< [s], of the measurement
+  std::vector<double> x;  ///< true states of all bodies (nx); as measured where nobody knows them
+  std::vector<Quaternion> attitudes{};  ///< true ones of all bodies; no_attitude: it follows from x and u
+  std::vector<double> measured;         ///< what the controllers saw (nx)
+  std::vector<double> stamps{};         ///< of each body, when it was as measured [s]
   std::vector<Detection> detections{};  ///< the first detection_count of them
   std::size_t detection_count = 0;
   std::vector<double> u;                  ///< applied inputs (nu)
@@ -90,11 +91,18 @@ struct Sample {
   std::vector<FallbackLevel> levels{};    ///< of each body; all valid without a supervisor
   bool team_answered = false;             ///< a team that was asked for took over, or was refused
   bool has_path = false;
-  std::vector<double> path;  ///< predicted states (N+1 x nx), where has_path
-  double path_step = 0.0;    ///< time between two predicted states [s]
-  double update_us = 0.0;    ///< measured: state in to command out, all controllers
+  std::vector<double> path;      ///< predicted states (N+1 x nx), where has_path
+  double path_step = 0.0;        ///< time between two predicted states [s]
+  double path_time = 0.0;        ///< of the first of them [s]
+  std::vector<double> path_u{};  ///< planned inputs, as `path` (N+1 x nu); empty: nobody asks
+  double update_us = 0.0;        ///< measured: state in to command out, all controllers
   int event_count = 0;
   std::array<Event, 8> events{};
 };
+
+/// The lean of a body's true attitude at the sample; that of its model where nobody knows it.
+Vec2<double> true_lean(const Vec2<double>& of_model, BodyId body, const Sample& sample) noexcept;
+/// What a body truly shows at the sample: its model at x and u, with its true lean.
+Sight<double> true_sight(const Team& team, BodyId body, const Sample& sample) noexcept;
 
 }  // namespace sightline

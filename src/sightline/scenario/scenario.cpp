@@ -173,7 +173,10 @@ class Reader {
       if (at.has("sensor")) {
         SensorMount mount;
         constexpr Range pitch = {-1.57, 1.57, "in (-pi/2, pi/2) rad"};
-        at.table("sensor").read({{"pitch", &mount.pitch, pitch}, {"offset", &mount.offset}});
+        const TomlTable sensor = at.table("sensor");
+        sensor.read({{"pitch", &mount.pitch, pitch}, {"offset", &mount.offset}}, {"frame"});
+        if (sensor.has("frame") && sensor.word("frame", mount_frames) == mount_frames[1])
+          mount.frame = MountFrame::body;
         observer.mount = mount;
       }
       observers_.push_back(observer);

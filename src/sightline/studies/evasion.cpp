@@ -173,10 +173,7 @@ EvasionTrace::EvasionTrace(const Scenario& scenario, const EvasionPlan& plan, Sa
 }
 
 void EvasionTrace::publish() noexcept {
-  const auto sight = [&](BodyId body) {
-    return team_.model(body).sight(sample_.x.data() + team_.state_offset(body),
-                                   sample_.u.data() + team_.input_offset(body));
-  };
+  const auto sight = [&](BodyId body) { return true_sight(team_, body, sample_); };
   const Sight<double> robot = sight(agent_), target = sight(target_), obstacle = sight(obstacle_);
   const double to_obstacle = norm(robot.p - obstacle.p), to_target = norm(robot.p - target.p);
   const double angle = view_angle(mount_, robot, target.p);

@@ -1,11 +1,9 @@
 /// One rigid body: position and attitude in G, and how forces and torques move them.
 #pragma once
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/model/frames.hpp"
 
 namespace sightline {
-
-inline constexpr double gravity = 9.81;  // [m/s^2]
 
 inline Vec3<double> cross(const Vec3<double>& a, const Vec3<double>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -14,7 +12,11 @@ inline Vec3<double> cross(const Vec3<double>& a, const Vec3<double>& b) {
 /// Attitude: turns the axes of the body B into G. |q| = 1.
 struct Quaternion {
   double w = 1.0, x = 0.0, y = 0.0, z = 0.0;
+
+  bool operator==(const Quaternion&) const = default;
 };
+/// In place of an attitude that nobody knows.
+inline constexpr Quaternion no_attitude = {0.0, 0.0, 0.0, 0.0};
 
 /// The same as a matrix, by its columns: the axes of B in G.
 struct Rotation {
@@ -37,6 +39,22 @@ inline Vec2<double> heading(const Rotation& R) {
   const double level = norm(R.x.x, R.x.y);
   if (!(level > 0)) return {1, 0};
   return {R.x.x / level, R.x.y / level};
+}
+/// The tangent of the tilt of the body's z axis, forward and to the left of the heading: the lean of a Sight. Finite, however
+/// it tumbles.
+inline Vec2<double> lean(const Rotation& R) {
+  constexpr double least_up = 0.1;
+  const Vec2<double> d = heading(R);
+  const double up = R.z.z > least_up ? R.z.z : least_up;
+  return rotate<double>({d.x, -d.y}, {R.z.x / up, R.z.y / up});
+}
+/// The attitude of this heading and lean: yaw, pitch atan(lean_f), roll.
+inline Quaternion leaning(const Vec2<double>& d, const Vec2<double>& lean) {
+  const double yaw = 0.5 * atan2(d.y, d.x), pitch = 0.5 * atan2(lean.x, 1.0),
+               roll = -0.5 * atan2(lean.y, sqrt(1.0 + square(lean.x)));
+  const double cz = cos(yaw), sz = sin(yaw), cy = cos(pitch), sy = sin(pitch), cx = cos(roll), sx = sin(roll);
+  return {cx * cy * cz + sx * sy * sz, sx * cy * cz - cx * sy * sz, cx * sy * cz + sx * cy * sz,
+          cx * cy * sz - sx * sy * cz};
 }
 /// Upright, in this heading.
 inline Quaternion upright(const Vec2<double>& d) {

@@ -43,6 +43,7 @@ VehicleWorld::VehicleWorld(std::string_view kind, const Team& team, std::vector<
   world_ = std::make_unique<ModelWorld>(team, std::move(x0), plant, sensor);
   presence_.resize(size(team.bodies()), Presence::steered);
   rest_.resize(size(team.nu()));
+  attitudes_.resize(presence_.size(), no_attitude);
   for (const RobotVehicle& one : vehicles) {
     check_wind(one.vehicle, team.name(one.robot), plant.disturbances);
     if (const double z = sight(one.robot).p.z; z < 0)
@@ -61,6 +62,17 @@ void VehicleWorld::set_presence(std::span<const Presence> presence) noexcept {
     if (was == Presence::absent && presence[i] != Presence::absent) came(body);
     if (was != Presence::absent && presence[i] == Presence::absent) left(body);
   }
+}
+
+/// As the models' world has it, with the attitudes of the vehicles.
+Measured VehicleWorld::measure(double t) noexcept {
+  Measured now = world_->measure(t);
+  for (std::size_t i = 0; i < attitudes_.size(); ++i) {
+    const Rotorcraft* const craft = rotorcraft(BodyId{static_cast<int>(i)});
+    if (craft != nullptr) attitudes_[i] = craft->body().q;
+  }
+  now.attitudes = attitudes_;
+  return now;
 }
 
 bool VehicleWorld::apply(double t, std::span<const double> believed, std::span<const double> u, double period,

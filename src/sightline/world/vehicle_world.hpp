@@ -25,7 +25,7 @@ class VehicleWorld : public World {
   const Team& team() const noexcept override { return world_->team(); }
   std::span<const double> start() const noexcept override { return world_->start(); }
   void set_presence(std::span<const Presence> presence) noexcept override;
-  Measured measure(double t) noexcept override { return world_->measure(t); }
+  Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
              std::int64_t periods) noexcept override;
   std::string ended() const override;
@@ -68,6 +68,7 @@ class VehicleWorld : public World {
   std::unique_ptr<ModelWorld> world_;
   std::vector<Presence> presence_;
   std::vector<double> rest_;  // inputs, for poses
+  std::vector<Quaternion> attitudes_;
   std::optional<Touch> touch_;
 };
 

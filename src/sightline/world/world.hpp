@@ -9,6 +9,7 @@
 
 #include "sightline/math/fixed.hpp"
 #include "sightline/ocp/roster.hpp"
+#include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
 
@@ -26,6 +27,8 @@ struct Measured {
   std::span<const double> stamps;    ///< of each body, when it was so [s]; minus infinity: never seen
   std::span<const double> truth;     ///< true states (nx); empty where nobody knows them
   std::span<const Detection> detections{};
+  std::span<const Quaternion>
+      attitudes{};  ///< true ones of all bodies, no_attitude of one without; empty: nobody knows
 };
 
 /// What a Loop flies. After construction nothing here allocates, locks, throws or prints; one thread.

@@ -86,9 +86,18 @@ bool is_relative(Graph& graph, Term l, const std::vector<int>& variables) {
 
 }  // namespace
 
-bool PosePotential::sees_motion(bool of_b) const {
-  const int from = (of_b ? sight_size : 0) + 5;
-  return std::any_of(variables.begin(), variables.end(), [&](int v) { return v >= from && v < from + 3; });
+Seen PosePotential::sees(bool of_b) const {
+  const int from = of_b ? sight_size : 0;
+  const auto beyond = [&](Seen seen) {
+    return std::any_of(variables.begin(), variables.end(),
+                       [&](int v) { return v >= from + seen_size(seen) && v < from + sight_size; });
+  };
+  if (!beyond(Seen::pose_and_motion)) return beyond(Seen::pose) ? Seen::pose_and_motion : Seen::pose;
+  const bool multiplied = std::any_of(own.begin(), own.end(), [&](const Second& h) {
+    return h.row >= from + seen_size(Seen::pose) && h.row < from + seen_size(Seen::pose_and_motion) &&
+           h.column >= from + seen_size(Seen::pose_and_motion) && h.column < from + sight_size;
+  });
+  return multiplied ? Seen::all : Seen::leaning;
 }
 
 PosePotential trace_potential(std::span<const Weighted* const> given, double h, const Ends& ends,

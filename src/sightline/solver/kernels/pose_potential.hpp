@@ -9,6 +9,7 @@
 
 #include "sightline/formula/program.hpp"
 #include "sightline/ocp/ocp.hpp"
+#include "sightline/solver/kernels/stage.hpp"
 
 namespace sightline {
 
@@ -25,7 +26,7 @@ struct Ends {
 /// the entries are empty. Otherwise the variables are those of (s_a, s_b, t) that occur.
 struct PosePotential {
   static constexpr int relative_size = 5;
-  static constexpr int time_variable = 2 * sight_size;  ///< s_a is 0 .. 7, s_b 8 .. 15
+  static constexpr int time_variable = 2 * sight_size;  ///< s_a is 0 .. 9, s_b 10 .. 19
 
   struct First {
     int variable, output;
@@ -46,8 +47,8 @@ struct PosePotential {
   std::vector<Second> own;         ///< Hessian within an end that feels it, row <= column
   std::vector<Second> cross;       ///< Hessian between a (row) and b (column), where both are agents
 
-  /// Whether the velocity of that end occurs.
-  bool sees_motion(bool of_b) const;
+  /// What of that end occurs, and with it what comes before.
+  Seen sees(bool of_b) const;
 };
 
 /// What the numbers of a formula are while it is traced.

@@ -257,11 +257,16 @@ class StageTracer {
   void add_couplings(RiccatiStage<Symbol>& stage, const Linearisation& l, std::span<const Symbol> H) const {
     const int nx = sizes_.nx, nu = sizes_.nu, ns = sizes_.ns;
     const auto J = [&](int i, int z) { return z < nx ? l.J_x(i, z) : l.J_u(i, z - nx); };
+    // Of v and the lean, where they do not meet.
+    const auto is_zero = [&](int i, int q) {
+      return seen_ == Seen::leaning && std::max(i, q) >= seen_size(Seen::pose_and_motion) &&
+             std::min(i, q) >= seen_size(Seen::pose) && std::min(i, q) < seen_size(Seen::pose_and_motion);
+    };
     Matrix<Symbol> HJ(ns, nx + nu);
     for (int i = 0; i < ns; ++i) {
       for (int z = 0; z < nx + nu; ++z) {
         for (int q = 0; q < ns; ++q)
-          HJ(i, z) += H[at(upper_index(std::min(i, q), std::max(i, q), ns))] * J(q, z);
+          if (!is_zero(i, q)) HJ(i, z) += H[at(upper_index(std::min(i, q), std::max(i, q), ns))] * J(q, z);
       }
     }
     const auto add = [&](Symbol& entry, int row, int column) {

@@ -20,9 +20,13 @@ namespace sightline {
 enum class Seen {
   pose,             ///< p, d: 5 numbers
   pose_and_motion,  ///< p, d, v: 8 numbers; v depends on u
+  leaning,  ///< p, d, v and the lean, which may depend on u: 10 numbers; no potential multiplies v by the lean
+  all,      ///< the same, whatever the potentials are
 };
 
-constexpr int seen_size(Seen seen) { return seen == Seen::pose ? 5 : sight_size; }
+constexpr int seen_size(Seen seen) {
+  return seen == Seen::pose ? 5 : seen == Seen::pose_and_motion ? 8 : sight_size;
+}
 
 /// A program whose inputs and outputs stand in blocks, one after the other.
 struct BlockProgram {

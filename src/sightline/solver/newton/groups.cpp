@@ -13,6 +13,7 @@ namespace {
 /// Agents of one model with equal barriers and input scales that are seen alike.
 struct Kind {
   std::string_view robot;
+  Seen seen;
   BlockProgram step;
   Program barriers;
   std::vector<double> scales;
@@ -20,29 +21,55 @@ struct Kind {
   std::vector<int> agents;
 };
 
+/// What the potentials see of each agent. Where they see one lean, its like are taken to lean too: they share its lanes.
+std::vector<Seen> seen_of_agents(const Ocp& ocp, std::span<const BodyPotential> potentials) {
+  const double h = ocp.horizon().h();
+  std::vector<Seen> seen(ocp.agent_bodies().size(), Seen::pose);
+  for (const BodyPotential& p : potentials) {
+    if (p.a >= 0) seen[at(p.a)] = std::max(seen[at(p.a)], p.potential.sees(false));
+    if (p.b >= 0) seen[at(p.b)] = std::max(seen[at(p.b)], p.potential.sees(true));
+  }
+  std::vector<std::pair<BlockProgram, Seen>> leaning;
+  const auto like = [&](std::size_t a) {
+    const BlockProgram own = trace_step(ocp.team().model(ocp.agent_bodies()[a]), h, Seen::leaning);
+    const auto found = std::find_if(leaning.begin(), leaning.end(),
+                                    [&](const auto& other) { return other.first.program == own.program; });
+    return found == leaning.end() ? leaning.insert(found, {own, Seen::pose}) : found;
+  };
+  const auto leans = [](Seen s) { return s >= Seen::leaning; };
+  for (std::size_t a = 0; a < seen.size(); ++a) {
+    if (leans(seen[a])) like(a)->second = std::max(like(a)->second, seen[a]);
+  }
+  for (std::size_t a = 0; a < seen.size() && !leaning.empty(); ++a)
+    seen[a] = std::max(seen[a], like(a)->second);
+  return seen;
+}
+
 std::vector<Kind> sort_into_kinds(const Ocp& ocp, std::span<const BodyPotential> potentials) {
   std::vector<Kind> kinds;
+  const std::vector<Seen> seen_by = seen_of_agents(ocp, potentials);
   const double h = ocp.horizon().h();
   for (int a = 0; a < static_cast<int>(ocp.agent_bodies().size()); ++a) {
-    const bool moving = std::any_of(potentials.begin(), potentials.end(), [&](const BodyPotential& p) {
-      return (p.a == a && p.potential.sees_motion(false)) || (p.b == a && p.potential.sees_motion(true));
-    });
-    const Seen seen = moving ? Seen::pose_and_motion : Seen::pose;
+    const Seen seen = seen_by[at(a)];
     const Model& model = ocp.team().model(ocp.agent_bodies()[at(a)]);
     const std::vector<RelaxedBarrier> limits = ocp.team().barriers(ocp.agent_bodies()[at(a)]);
     BlockProgram step = trace_step(model, h, seen);
     Program barriers = trace_barriers(model, limits);
     std::vector<double> scales = input_scales(ocp.team().agents()[at(a)]);
     const auto same = [&](const Kind& k) {
-      return k.step.program == step.program && k.step.inputs == step.inputs &&
+      return k.seen == seen && k.step.program == step.program && k.step.inputs == step.inputs &&
              k.step.outputs == step.outputs && k.barriers == barriers && k.scales == scales;
     };
     auto kind = std::find_if(kinds.begin(), kinds.end(), same);
     if (kind == kinds.end()) {
       auto programs = std::make_shared<const StagePrograms>(trace_stage(model, h, seen, limits, scales));
-      kind = kinds.insert(
-          kinds.end(),
-          {model.name(), std::move(step), std::move(barriers), std::move(scales), std::move(programs), {}});
+      kind = kinds.insert(kinds.end(), {model.name(),
+                                        seen,
+                                        std::move(step),
+                                        std::move(barriers),
+                                        std::move(scales),
+                                        std::move(programs),
+                                        {}});
     }
     kind->agents.push_back(a);
   }

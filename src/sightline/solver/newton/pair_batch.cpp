@@ -32,12 +32,17 @@ void PairBatch::gather(const Layout& layout, const Surroundings& surroundings, c
       const bool of_b = v >= sight_size;
       const int agent = of_b ? pair->b : pair->a, body = of_b ? pair->body_b : pair->body_a;
       const int component = of_b ? v - sight_size : v;
-      for (int k = 0; k < N; ++k) {
-        points.in(point + k, static_cast<int>(i)) =
-            v == PosePotential::time_variable ? surroundings.time[0][k]
-            : agent >= 0                      ? s[(of_b ? b : a)(k, component)]
-                                              : surroundings.bodies[body * sight_size + component][k];
+      const double* from = nullptr;
+      std::ptrdiff_t stride = 1;
+      if (v == PosePotential::time_variable) {
+        from = surroundings.time[0];
+      } else if (agent >= 0) {
+        const Layout::View& view = of_b ? b : a;
+        from = s + view(0, component), stride = view.stage;
+      } else {
+        from = surroundings.bodies[body * sight_size + component];
       }
+      points.each_in(point, N, static_cast<int>(i), [&](int k, double& in) { in = from[k * stride]; });
     }
     point += N;
   }
@@ -52,10 +57,9 @@ void PairBatch::scatter(const Layout& layout, double* c) const noexcept {
       const int agent = of_b ? pair->b : pair->a;
       const Layout::View view = layout.c(agent);
       const int entry = index(layout.part(agent).ns);
-      for (int k = 0; k < N; ++k) {
-        const double value = *points.out(first + k, output);
-        c[view(k, entry)] += negative ? -value : value;
-      }
+      double* const to = c + view(0, entry);
+      const double sign = negative ? -1.0 : 1.0;
+      points.each_out(first, N, output, [&](int k, double value) { to[k * view.stage] += sign * value; });
     };
     for (const auto& g : potential.gradient) {
       const bool of_b = g.variable >= sight_size;
@@ -80,11 +84,12 @@ void PairBatch::product(const Layout& layout, const double* z, double* y) const 
     for (const auto& h : potential.cross) {
       const Layout::View a = layout.s(pair->a), b = layout.s(pair->b);
       const int i = h.row, j = h.column - sight_size;
-      for (int k = 0; k < layout.stages; ++k) {
-        const double value = *points.out(first + k, h.output), entry = h.negative ? -value : value;
-        if (pair->ends.a_feels) y[a(k, i)] += entry * z[b(k, j)];
-        if (pair->ends.b_feels) y[b(k, j)] += entry * z[a(k, i)];
-      }
+      const double sign = h.negative ? -1.0 : 1.0;
+      const bool a_feels = pair->ends.a_feels, b_feels = pair->ends.b_feels;
+      points.each_out(first, layout.stages, h.output, [&](int k, double value) {
+        if (a_feels) y[a(k, i)] += sign * value * z[b(k, j)];
+        if (b_feels) y[b(k, j)] += sign * value * z[a(k, i)];
+      });
     }
     first += layout.stages;
   }

@@ -61,6 +61,16 @@ class Points {
   double& in(int point, int variable) { return *(in_[0] + place(point, variable, inputs())); }
   const double* out(int point, int output) const { return out_[0] + place(point, output, outputs()); }
 
+  /// use(k, number) for the `count` points from `first` on: of an input, to be written, or of an output.
+  template <class Use>
+  void each_in(int first, int count, int variable, Use&& use) noexcept {
+    each(in_[0] + place(first, variable, inputs()), first, count, inputs(), use);
+  }
+  template <class Use>
+  void each_out(int first, int count, int output, Use&& use) const noexcept {
+    each(out_[0] + place(first, output, outputs()), first, count, outputs(), use);
+  }
+
   void derive() noexcept {
     derivatives_.run(in_[0], out_[0], packs_);
     for (PackFormula<W>& other : others_) {
@@ -82,6 +92,14 @@ class Points {
  private:
   int inputs() const { return potential_.derivatives.inputs(); }
   int outputs() const { return potential_.derivatives.outputs(); }
+  template <class Number, class Use>
+  static void each(Number* at, int first, int count, int rows, Use&& use) noexcept {
+    int lane = first % W;
+    for (int k = 0; k < count; ++k, ++at) {
+      use(k, *at);
+      if (++lane == W) lane = 0, at += static_cast<std::ptrdiff_t>(rows - 1) * W;
+    }
+  }
   static std::ptrdiff_t place(int point, int row, int rows) {
     return (static_cast<std::ptrdiff_t>(point / W) * rows + row) * W + point % W;
   }

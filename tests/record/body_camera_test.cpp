@@ -1,0 +1,79 @@
+// Flights with a camera that is fixed to a body that leans.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/record/log.hpp"
+#include "sightline/record/recording.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/leaning_flight.hpp"
+
+namespace sightline {
+namespace {
+
+using test::fly_leaning;
+using test::LeaningTask;
+
+TEST(BodyCamera, PlannedWithItsLeanSeesBetterThanPlannedLevel) {
+  const auto pair_of = [](std::string_view frame) {
+    const SummaryValues values = fly_leaning({.frame = frame}).summary.values();
+    EXPECT_EQ(values.not_finite, 0);
+    EXPECT_GT(values.robots.at(1).tilt_max, 0.25) << "the target at 3 m/s^2";
+    return values.pairs.at(0);
+  };
+  const auto level = pair_of("level"), body = pair_of("body");
+  EXPECT_GT(level.view_angle_mean, 0.2);
+  EXPECT_LT(body.view_angle_mean, 0.5 * level.view_angle_mean);
+  EXPECT_LT(body.view_angle_max, 0.2);
+  EXPECT_LT(body.planned_view_rms, 0.02);
+  EXPECT_EQ(body.in_view_fraction, 1.0);
+}
+
+TEST(BodyCamera, InTheWorldOfModelsItLeansAsTheModelDoes) {
+  const auto values = fly_leaning({.estimates = false, .world = "model", .duration = 12.0}).summary.values();
+  const auto& pair = values.pairs.at(0);
+  EXPECT_LT(pair.view_angle_mean, 0.12);
+  EXPECT_LT(pair.planned_view_rms, 0.03);
+  EXPECT_GT(values.robots.at(0).tilt_max, 0.1);
+}
+
+TEST(BodyCamera, TheSameFlightTwiceIsTheSame) {
+  const LeaningTask task = {.duration = 4.0};
+  EXPECT_EQ(fly_leaning(task).x, fly_leaning(task).x);
+}
+
+TEST(BodyCamera, TheLogHasItsTrueAttitudeAndTheRecordingItsLean) {
+  const Scenario scenario = test::leaning_scenario({.duration = 3.0});
+  const Controls controls(scenario);
+  const auto world = make_world(scenario);
+  Sample prototype = sized_sample(*world, controls.controllers());
+  make_room_for_plans(scenario, prototype);
+  Ring<Sample> ring(400, prototype);
+  SimulatedClock clock;
+  const auto folder = test::place("body_camera");
+  Log log(scenario, folder, controls.controllers(), ring);
+  log.start();
+  ClosedLoop(scenario, *world, controls.controllers(), clock, ring).fly();
+  log.finish();
+  ASSERT_EQ(log.error(), "");
+  std::ofstream(folder / "summary.json") << log.summary().json();
+  const Recording run = read_recording(folder);
+  ASSERT_EQ(run.pairs.size(), 1u);
+  EXPECT_EQ(run.pairs[0].mount.frame, MountFrame::body);
+  double largest = 0.0;
+  const Recording::Body& uav = run.bodies[run.pairs[0].observer];
+  ASSERT_EQ(uav.lean.size(), run.time.size());
+  for (std::size_t k = 0; k < run.time.size(); ++k) {
+    largest = std::max(largest, std::hypot(uav.lean[k].x, uav.lean[k].y));
+  }
+  EXPECT_GT(largest, 0.1);
+  // Nobody else's log says anything new.
+  const Scenario level = test::leaning_scenario({.frame = "level", .world = "model"});
+  EXPECT_FALSE(has_body_camera(level, BodyId{0}));
+  EXPECT_TRUE(has_body_camera(scenario, BodyId{0}));
+  EXPECT_FALSE(has_body_camera(scenario, BodyId{1}));
+}
+
+}  // namespace
+}  // namespace sightline
