@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "sightline/record/log.hpp"
 #include "sightline/record/recording.hpp"

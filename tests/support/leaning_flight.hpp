@@ -45,13 +45,16 @@ inline Scenario leaning_scenario(const LeaningTask& task) {
       "agent.uav0.reference.state=" + zeros,
       "agent.uav0.Q=" + zeros,
       fmt::format("agent.uav1.Q=[{0}, {0}, {0}, 1, 1, 0, 0, 0, 0, 0, 0]", task.position)};
-  for (const char* const uav : {"agent.uav0.", "agent.uav1."}) {
-    const std::string of = uav;
-    set.insert(set.end(),
-               {of + "robot=\"hover_multirotor\"", of + "parameters=" + numbers, of + "Q_f=" + zeros});
-    if (task.world != "model") set.push_back(of + "command_delay=0.036");
-    if (task.estimates) set.push_back(of + "disturbance_time=0.5");
-    if (task.world != "model") set.push_back(of + "vehicle.tilt_max=0.4");
+  for (const char* const uav : {"uav0", "uav1"}) {
+    const auto of = [&](std::string_view key, std::string_view value) {
+      set.push_back(fmt::format("agent.{}.{}={}", uav, key, value));
+    };
+    of("robot", "\"hover_multirotor\"");
+    of("parameters", numbers);
+    of("Q_f", zeros);
+    if (task.world != "model") of("command_delay", "0.036");
+    if (task.estimates) of("disturbance_time", "0.5");
+    if (task.world != "model") of("vehicle.tilt_max", "0.4");
   }
   Scenario scenario = parse_scenario(text, "leaning.toml", parts_of_sightline(), {.set = set});
   scenario.simulation.duration = task.duration;
