@@ -7,6 +7,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "sightline/model/ground_robots.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/two_robots.hpp"
 
@@ -188,6 +189,26 @@ TEST(Plant, TheInputGainScalesWhatTheInputsDo) {
     model.step(scaled, control_period);
   }
   EXPECT_THAT(weak.x(), testing::ElementsAreArray(model.x()));
+}
+
+TEST(Plant, WheelsThatSlipLoseTheirPartOfWayAndTurnAndNoVelocity) {
+  Team team;
+  team.add(OmniRover{});
+  team.add(Unicycle{});
+  team.add(Multirotor{});
+  const Numbers start = {0, 0, 0, 1, 0, 0, 0, /**/ 5, 0, 0, 1, 0, 0, /**/ 9, 0, 1, 1, 0, 0, 0};
+  const Numbers u = {0.8, 0, 0, /**/ 0.8, 0, /**/ 0.8, 0, 0, 0};
+  Plant gripping(team, start), slipping(team, start, {.disturbances = {.slip = 0.3}});
+  for (int k = 0; k < 200; ++k) {
+    EXPECT_TRUE(gripping.step(u, 0.01));
+    EXPECT_TRUE(slipping.step(u, 0.01));
+  }
+  const auto a = gripping.x(), b = slipping.x();
+  EXPECT_NEAR(b[0], 0.7 * a[0], 1e-12);
+  EXPECT_EQ(b[5], a[5]);
+  EXPECT_NEAR(b[7] - 5, 0.7 * (a[7] - 5), 1e-12);
+  for (std::size_t i = 13; i < 20; ++i) EXPECT_EQ(b[i], a[i]);
+  EXPECT_THROW(Plant(team, start, {.disturbances = {.slip = 0.95}}), std::invalid_argument);
 }
 
 TEST(Plant, WhatIsAbsentRestsWhereItIsAndDisturbsNobody) {

@@ -42,6 +42,23 @@ TEST(Rotorcraft, HoversWithTheThrustOfItsWeightAndStaysWithFourRotorsAndSix) {
   }
 }
 
+TEST(Rotorcraft, ABatteryThatSagsByATenthIsAbsorbed) {
+  for (Vehicle v : all_vehicles()) {
+    v.battery_sag = 0.1, v.battery_time = 20.0;
+    Rotorcraft craft = hovering(v);
+    const double full = craft.thrust();
+    double lowest = 100.0;
+    for (int k = 0; k < 40000; ++k) {
+      craft.step({}, {});
+      lowest = std::min(lowest, craft.body().p.z);
+    }
+    EXPECT_GT(craft.thrust(), 1.1 * full);  // what the rotors would give with a full battery
+    EXPECT_LT(std::abs(craft.body().v.z), 1e-3);
+    EXPECT_GT(lowest, 100.0 - 0.6);  // with nobody who asks for the height
+    EXPECT_LT(lowest, 100.0 - 1e-4);
+  }
+}
+
 TEST(Rotorcraft, ItsTwoHalvesAroundAnotherRigidBodyAreItsStep) {
   const Inputs u = {0.4, -0.3, 0.2, 0.5};
   for (const Vehicle& v : all_vehicles()) {

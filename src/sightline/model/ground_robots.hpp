@@ -20,6 +20,7 @@ namespace sightline {
 struct OmniRover {
   static constexpr int nx = 7, nu = 3;
   static constexpr std::string_view name = "omni_rover";
+  static constexpr bool rolls = true;
   static constexpr std::array<std::string_view, nx> states = {"p_x", "p_y", "p_z", "d_x",
                                                               "d_y", "v_f", "v_s"};
   static constexpr std::array<std::string_view, nu> inputs = {"u_f", "u_s", "u_psi"};
@@ -74,6 +75,7 @@ struct OmniRover {
 struct Unicycle {
   static constexpr int nx = 6, nu = 2;
   static constexpr std::string_view name = "unicycle";
+  static constexpr bool rolls = true;
   static constexpr std::array<std::string_view, nx> states = {"p_x", "p_y", "p_z", "d_x", "d_y", "v_f"};
   static constexpr std::array<std::string_view, nu> inputs = {"u_f", "u_psi"};
 

@@ -59,7 +59,7 @@ class Model {
   struct Interface {
     int nx = 0, nu = 0;
     std::string_view name;
-    bool turns = false;
+    bool turns = false, rolls = false;
     std::span<const std::string_view> states, inputs;
     std::vector<double> u_min, u_max;
 
@@ -89,6 +89,8 @@ class Model {
   std::vector<ParameterText> parameters() const { return block_->parameters(); }
   /// Whether its state says where it heads; else it heads along x of G.
   bool turns() const { return block_->turns; }
+  /// Whether it drives on wheels, which may slip.
+  bool rolls() const { return block_->rolls; }
 
   /// rate = x' = f(x, u).
   void f(const double* x, const double* u, double* rate) const noexcept { block_->f(x, u, rate); }
@@ -137,6 +139,7 @@ struct Model::Block final : Model::Interface {
     this->name = M::name;
     if constexpr (requires { M::states; }) this->states = M::states;
     if constexpr (requires { M::inputs; }) this->inputs = M::inputs;
+    this->rolls = requires { M::rolls; };
     this->turns = requires { M::heading_at; }
     || requires { M::angle_at; };
     this->u_max.assign(inputs_n, 1.0);

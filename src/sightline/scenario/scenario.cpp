@@ -123,6 +123,7 @@ class Reader {
     at.read({{"input_delay", &d.input_delay, delay},
              {"yaw_lag", &d.yaw_lag, not_negative("0 or >= 0.001 s")},
              {"input_gain", &d.input_gain, positive("> 0")},
+             {"slip", &d.slip, {0.0, 0.9, "0 to 0.9"}},
              {"delay", &d.measurement_delay, delay}},
             {"wind", "gust", "airflow", "noise"});
     if (at.has("wind")) d.wind = at.vec3("wind");

@@ -36,6 +36,7 @@ void Disturbances::check() const {
   expect(input_delay >= 0 && input_delay <= 1, "input_delay", input_delay, "0 to 1 s");
   expect(yaw_lag == 0 || yaw_lag >= 1e-3, "yaw_lag", yaw_lag, "0 or >= 0.001 s");
   expect(input_gain > 0, "input_gain", input_gain, "> 0");
+  expect(slip >= 0 && slip <= 0.9, "slip", slip, "0 to 0.9");
   expect(noise.position >= 0, "noise.position", noise.position, ">= 0 m");
   expect(noise.heading >= 0, "noise.heading", noise.heading, ">= 0 rad");
   expect(noise.velocity >= 0, "noise.velocity", noise.velocity, ">= 0 m/s");

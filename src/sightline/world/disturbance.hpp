@@ -40,6 +40,7 @@ struct Disturbances {
   double input_delay = 0.0;        ///< from command to effect [s], in [0, 1]
   double yaw_lag = 0.0;            ///< time constant of the input u_psi [s], 0 or >= 1e-3
   double input_gain = 1.0;         ///< error of the model: what the inputs do, over what the model says, > 0
+  double slip = 0.0;               ///< of wheels: part of a rover's way and turn that is lost, in [0, 0.9]
   Noise noise{};                   ///< of the measurement
   double measurement_delay = 0.0;  ///< from state to measurement [s], in [0, 1]
 

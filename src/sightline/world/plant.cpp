@@ -7,7 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/base/index.hpp"
 #include "sightline/base/same_time.hpp"
+#include "sightline/model/state_roles.hpp"
 
 namespace sightline {
 namespace {
@@ -16,6 +18,16 @@ const PlantOptions& checked(const PlantOptions& options) {
   options.disturbances.check();
   require(options.period >= 1e-4, "plant", "period", options.period, ">= 1e-4 s");
   return options;
+}
+
+/// Of place and heading.
+std::vector<int> pose_states(const Model& model) {
+  const StateRoles roles = roles_of(model);
+  std::vector<int> all(roles.position.begin(), roles.position.end());
+  all.insert(all.end(), roles.direction.begin(), roles.direction.end());
+  all.push_back(roles.angle);
+  std::erase(all, -1);
+  return all;
 }
 
 }  // namespace
@@ -37,10 +49,14 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
     const bool is_robot = team_.is_agent(body);
-    const Part& part =
-        parts_.emplace_back(Part{team_.model(body), static_cast<std::size_t>(team_.state_offset(body)),
-                                 static_cast<std::size_t>(team_.input_offset(body)), is_robot ? robots++ : -1,
-                                 true, is_robot && dynamics_ != nullptr && dynamics_->moves(body)});
+    Part& part = parts_.emplace_back(Part{team_.model(body),
+                                          static_cast<std::size_t>(team_.state_offset(body)),
+                                          static_cast<std::size_t>(team_.input_offset(body)),
+                                          is_robot ? robots++ : -1,
+                                          true,
+                                          is_robot && dynamics_ != nullptr && dynamics_->moves(body),
+                                          {}});
+    if (disturbances_.slip > 0 && part.model.rolls()) part.slipping = pose_states(part.model);
     if (!part.model.normalise(&z_[part.x])) {
       throw std::invalid_argument(fmt::format(
           "the start of \"{}\" is not a state, expected finite numbers and a heading other than (0, 0)",
@@ -152,6 +168,7 @@ void Plant::integrate(std::span<const double> u, double from, double s) noexcept
         continue;
       }
       part.model.f(&z[part.x], u_.data() + part.u, &rate[part.x]);
+      for (const int state : part.slipping) rate[part.x + size(state)] *= 1.0 - disturbances_.slip;
       if (pushed_ && part.robot >= 0) {
         part.model.push(&z[part.x], acceleration_[static_cast<std::size_t>(part.robot)], &rate[part.x]);
       }

@@ -75,7 +75,8 @@ class Plant {
     std::size_t x, u;  // offsets
     int robot;         // index among the robots, or -1
     bool there = true;
-    bool moved = false;  // by other dynamics than its model's
+    bool moved = false;           // by other dynamics than its model's
+    std::vector<int> slipping{};  // states that change less where wheels slip
   };
   struct YawLag {
     std::size_t input, state;

@@ -49,10 +49,13 @@ Wrench Rotorcraft::push(const std::array<double, 4>& u, const Vec3<double>& air)
   if (ticks_++ % ticks_per_control == 0) wanted_ = controller_.update(body_, R, u);
   spin_up(wanted_);
 
+  // The flight controller knows nothing of the battery.
+  const double used = std::min(1.0, static_cast<double>(ticks_) * rotorcraft_step / vehicle_.battery_time);
+  const double k_f = vehicle_.k_f * (1.0 - vehicle_.battery_sag * used);
   double lift = 0.0, speeds = 0.0;
   Vec3<double> torque{};
   for (std::size_t i = 0; i < rotors_; ++i) {
-    const double f = vehicle_.k_f * square(speed_[i]);
+    const double f = k_f * square(speed_[i]);
     lift += f;
     speeds += speed_[i];
     torque = torque +

@@ -19,7 +19,7 @@ inline constexpr std::size_t rotors_min = 4, rotors_max = 8;
 /// A multirotor with rotors in the plane of its centre of mass, all of one kind, whose thrust is along z of the body B (x forward,
 /// y to the left, z up).
 ///
-///   thrust of a rotor at speed s [rad/s]   f = k_f s^2,  0 <= s <= speed_max
+///   thrust of a rotor at speed s [rad/s]   f = k_f s^2 (1 - battery_sag min(1, t / battery_time)),  0 <= s <= speed_max
 ///   its torque about z of the body         -spin k_m f
 ///   drag of the air, in B                  -(drag + rotor_drag (sum of s) (1, 1, 0)) (v - air)
 ///
@@ -37,6 +37,8 @@ struct Vehicle {
   double speed_max = 1000.0;
   double tau_up = 0.0125;
   double tau_down = 0.025;
+  double battery_sag = 0.0;
+  double battery_time = 600.0;
   double rotor_drag = 8.06428e-5;
   Vec3<double> drag = {0.0, 0.0, 0.25};
   double radius = 0.373;
@@ -60,6 +62,7 @@ struct Vehicle {
     constexpr Bounds lag = {0.004, 1.0, "0.004 to 1"};
     // Of loops that are closed every 2 ms.
     constexpr Bounds gain = {1e-3, 100.0, "0.001 to 100"}, tilt = {1e-3, 1.2, "0.001 to 1.2"};
+    constexpr Bounds part = {0.0, 0.9, "0 to 0.9"};
     return std::tuple{
         parameter("mass", &V::mass, "kg", above_zero, "with all that it carries"),
         parameter("inertia", &V::inertia, "kg m^2", above_zero, "about x, y, z of the body"),
@@ -74,6 +77,10 @@ struct Vehicle {
         parameter("speed_max", &V::speed_max, "rad/s", above_zero, "greatest speed of a rotor"),
         parameter("tau_up", &V::tau_up, "s", lag, "lag of a rotor's speed when it rises"),
         parameter("tau_down", &V::tau_down, "s", lag, "lag of a rotor's speed when it falls"),
+        parameter("battery_sag", &V::battery_sag, "", part,
+                  "part of each rotor's thrust that an empty battery lacks"),
+        parameter("battery_time", &V::battery_time, "s", above_zero,
+                  "from a full battery, at the start, to an empty one"),
         parameter("rotor_drag", &V::rotor_drag, "N s^2/m", from_zero,
                   "drag of a rotor in its plane over its speed and that of the air"),
         parameter("drag", &V::drag, "N s/m", from_zero,
