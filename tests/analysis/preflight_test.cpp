@@ -45,6 +45,13 @@ TEST(Preflight, AFormulaThatEndsWithinTheFlightIsRefusedWithItsTimeAndOneThatOut
   EXPECT_EQ(of(ends, 149.5).refusals.size(), 1u) << "the last plan looks 1 s ahead";
 }
 
+TEST(Preflight, VehiclesThatTouchBeforeTheyAreTooNearAreAWarning) {
+  const std::string vehicles = "[world]\nkind = \"rotors\"\n[safety]\nbarrier = \"on\"\nd_hard = ";
+  EXPECT_THAT(of("\"range < 5 m\"", 10.0, vehicles + "0.6").warnings,
+              Contains(HasSubstr("a and b touch at 0.746 m, but d_hard is 0.6 m")));
+  EXPECT_THAT(of("\"range < 5 m\"", 10.0, vehicles + "0.8").warnings, Not(Contains(HasSubstr("touch"))));
+}
+
 TEST(Preflight, AFormulaThatAnEventMayEndBeforeIsAWarning) {
   const Preflight p = of(ends, 160.0, "[[event]]\nat = 100.0\nremove = { couple = \"limit\" }\n");
   EXPECT_THAT(p.refusals, IsEmpty());

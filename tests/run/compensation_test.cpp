@@ -168,20 +168,70 @@ TEST(Compensation, leaves_no_offset_in_wind_from_anywhere_even_with_a_wrong_gain
   }
 }
 
-TEST(Compensation, takes_no_more_of_an_input_than_its_part_and_leaves_it_within_limits) {
+TEST(Compensation, takes_no_more_of_an_input_than_its_part) {
   const Alone alone(Multirotor{});
   Watched watched(alone, {BodyId{0}, 0.0, 0.1}, {.wind = {50.0, 20.0, 0.0}});
   for (int k = 0; k < 300; ++k) watched.step();
-  const Numbers low(4, -1.0), high(4, 1.0);
-  Numbers none(4), full(4, 1.0), back(4, -1.0);
-  watched.compensation.add(BodyId{0}, low, high, none);
   double most = 0.0;
-  for (const double u : none) most = std::max(most, std::abs(u));
+  for (const double u : watched.compensation.added()) most = std::max(most, std::abs(u));
   EXPECT_NEAR(most, Compensation::most_part, 1e-12);
-  for (Numbers* const u : {&full, &back}) {
-    watched.compensation.add(BodyId{0}, low, high, *u);
-    for (const double one : *u) EXPECT_LE(std::abs(one), 1.0);
+}
+
+// Keeps the applied inputs of a flight, and what the solver asked for.
+class Inputs final : public Sink<Sample> {
+ public:
+  explicit Inputs(Sample sample) : sample_(std::move(sample)) {}
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override { applied.push_back(sample_.u), asked.push_back(sample_.raw_u); }
+  void close() noexcept override {}
+
+  std::vector<Numbers> applied, asked;
+
+ private:
+  Sample sample_;
+};
+
+// A robot sent 3 m away in a wind, by a solver that knows what is added.
+Inputs flown_in_wind(const std::vector<double>& rate_max) {
+  Team team;
+  const Alone alone(Multirotor{});
+  Numbers there = alone.start;
+  there[0] += 2.0, there[1] -= 2.0;
+  team.add(Multirotor{}, {.Q = {3, 3, 3, 0, 0, 0, 0}, .x_ref = there, .rate_max = rate_max});
+  NewtonRiccati solver(team, {.T = 1.0, .N = 20, .dt = period});
+  ModelWorld world(team, alone.start, {.disturbances = {.wind = {0.7, 0.3, 0.0}}});
+  SimulatedClock clock;
+  Inputs inputs(sized_sample(team, {solver}));
+  Compensation compensation(team, {{BodyId{0}, 0.0, 0.5}}, period);
+  Loop loop(world, {solver}, clock, inputs, {.duration = 10.0, .compensation = &compensation});
+  const LoopOutcome outcome = loop.run();
+  EXPECT_EQ(outcome.refused, 0);
+  EXPECT_LT(norm(world.x()[0] - there[0], world.x()[1] - there[1]), 0.02);
+  return inputs;
+}
+
+double fastest(const std::vector<Numbers>& u) {
+  double most = 0.0;
+  for (std::size_t k = 1; k < u.size(); ++k)
+    most = std::max(most, greatest_difference(u[k], u[k - 1]) / period);
+  return most;
+}
+
+TEST(Compensation, leaves_the_solver_the_rest_of_the_limits_and_it_asks_for_no_more) {
+  const Inputs inputs = flown_in_wind({});
+  double most = 0.0;
+  for (std::size_t k = 0; k < inputs.applied.size(); ++k) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_LE(std::abs(inputs.applied[k][i]), 1.0);
+      most = std::max(most, std::abs(inputs.applied[k][i]));
+    }
   }
+  EXPECT_EQ(most, 1.0);
+}
+
+TEST(Compensation, and_the_rate_of_inputs_hold_together) {
+  EXPECT_GT(fastest(flown_in_wind({}).applied), 2.5);
+  EXPECT_LT(fastest(flown_in_wind({1, 1, 1, 1}).applied), 1.0 + 1e-9);
 }
 
 TEST(Compensation, does_not_take_what_is_no_measurement) {

@@ -58,6 +58,19 @@ TEST(Authority, FollowsTheLimitsOfTheInputs) {
   EXPECT_NEAR(authority_of(Multirotor{}, minus, half).acceleration, 0.729, 2e-3);
 }
 
+TEST(Authority, OfNarrowerLimitsIsThePartThatTheLeastInputHasLeft) {
+  const Authority a = authority_of(Multirotor{}, lowest, highest);
+  const std::array<double, 4> less = {-1.3, -1, -1, -1}, more = {0.7, 1, 1, 1};
+  EXPECT_EQ(a.part(lowest, highest), 1.0);
+  EXPECT_NEAR(a.part(less, more), 0.7, 1e-6);
+  EXPECT_NEAR(authority_of(Multirotor{}, std::array{-0.7, -1.0, -1.0, -1.0}, std::array{0.7, 1.0, 1.0, 1.0})
+                  .acceleration,
+              0.7 * a.acceleration, 2e-3);
+  // Yaw neither pushes nor climbs.
+  EXPECT_EQ(a.part(std::array{-1.0, -1.0, -1.0, -0.1}, highest), 1.0);
+  EXPECT_EQ(a.part(std::array{-1.0, -1.0, 0.0, -1.0}, highest), 0.05);
+}
+
 TEST(Authority, OfThrustsInGDoesNotTurnWithTheHeading) {
   const Authority a = authority_of(CommandedCart{}, std::span(lowest).first(3), std::span(highest).first(3));
   EXPECT_FALSE(a.turns);

@@ -381,6 +381,27 @@ TEST(Barrier, TwoRobotsInOnePlacePart) {
   EXPECT_GE(norm(position(x[0]) - position(x[1])), 0.6);
 }
 
+TEST(Barrier, WithPartOfItsLimitsHeldForWindItKeepsTheDistanceFromFartherAway) {
+  const Barrier barrier(Multirotor{}, lowest, highest, control_period);
+  test::Duel duel{.start = 6.0, .duration = 10.0, .added = {0.3, -0.2, 0.1, 0.0}};
+  for (const auto pursuit : {test::Pursuit::turns_each_half_second, test::Pursuit::aims_ahead}) {
+    for (const bool spatial : {false, true}) {
+      duel.pursuit = pursuit, duel.spatial = spatial;
+      for (std::uint64_t seed = 0; seed < 25; ++seed)
+        EXPECT_GE(test::duel(barrier, duel, seed).nearest, duel.d_hard) << "seed " << seed;
+    }
+  }
+}
+
+TEST(Barrier, TwoOfWhomOneHasLessLeftReckonWithTheLess) {
+  const Barrier barrier(Multirotor{}, lowest, highest, control_period);
+  const State x = {0, 0, 1, 1, 0, 1.0, 0};
+  Neighbour other{.p = {3, 0, 1}, .v = {-1, 0, 0}, .d_hard = 0.6, .conduct = Conduct::member};
+  const double both = barrier.reserve(x, other);
+  other.part = 0.5;
+  EXPECT_LT(barrier.reserve(x, other), both - 0.05);
+}
+
 TEST(Barrier, RefusesOptionsOutOfRange) {
   const auto said = [](const BarrierOptions& options) { return refusal_of([&] { barrier(options); }); };
   EXPECT_EQ(said({.floor = 1, .ceiling = 0.5}), "barrier: ceiling = 0.5, expected above the floor");

@@ -59,6 +59,7 @@ struct Duel {
   Nominal nominal = Nominal::straight_at_it;
   Pursuit pursuit = Pursuit::turns_each_half_second;
   double start = 3.5, d_hard = 1.0, speed_max = 1.5, duration = 15.0, dt = 0.01;
+  Command added{};  ///< what holds the robot against wind, whose limits it takes from
 };
 
 struct DuelOutcome {
@@ -95,6 +96,8 @@ inline DuelOutcome duel(const Barrier& barrier, const Duel& d, std::uint64_t see
   Vec3<double> v{};
   Command wanted{};
   DuelOutcome outcome;
+  Command low = lowest, high = highest;
+  for (std::size_t i = 0; i < low.size(); ++i) low[i] -= d.added[i], high[i] -= d.added[i];
   const auto periods = static_cast<int>(std::llround(d.duration / d.dt));
   for (int k = 0; k < periods; ++k) {
     const Vec3<double> p = {x[0], x[1], x[2]};
@@ -118,7 +121,7 @@ inline DuelOutcome duel(const Barrier& barrier, const Duel& d, std::uint64_t see
 
     Command u = wanted;
     if (d.filtered) {
-      const BarrierResult result = barrier.filter(x, std::span(&other, 1), lowest, highest, u);
+      const BarrierResult result = barrier.filter(x, std::span(&other, 1), low, high, u);
       outcome.conflicts += result.conflict;
       outcome.least_reserve = std::min(outcome.least_reserve, result.reserve);
     }

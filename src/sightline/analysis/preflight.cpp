@@ -11,6 +11,7 @@
 #include "sightline/analysis/potential_page.hpp"
 #include "sightline/analysis/starts.hpp"
 #include "sightline/potential/finite.hpp"
+#include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
 namespace {
@@ -103,6 +104,28 @@ std::vector<std::string> warnings_of_speeds(const Scenario& scenario) {
   return sentences;
 }
 
+/// Vehicles that touch before they are too near.
+std::vector<std::string> warnings_of_touches(const Scenario& scenario) {
+  std::vector<std::string> sentences;
+  const auto radius = [&](BodyId body) {
+    const auto is = [&](const RobotVehicle& vehicle) { return vehicle.robot == body; };
+    const auto found = std::find_if(scenario.vehicles.begin(), scenario.vehicles.end(), is);
+    return found != scenario.vehicles.end() ? found->vehicle.radius : 0.0;
+  };
+  for (const RobotVehicle& vehicle : scenario.vehicles) {
+    for (int i = 0; i < scenario.team.bodies(); ++i) {
+      const BodyId other{i};
+      const double touch = vehicle.vehicle.radius + radius(other);
+      if (other == vehicle.robot || (radius(other) > 0 && other.index < vehicle.robot.index)) continue;
+      if (hard_distance(scenario, vehicle.robot, other).value_or(touch) >= touch) continue;
+      sentences.push_back(fmt::format("{} and {} touch at {:.3g} m, but d_hard is {} m",
+                                      scenario.team.name(vehicle.robot), scenario.team.name(other), touch,
+                                      *hard_distance(scenario, vehicle.robot, other)));
+    }
+  }
+  return sentences;
+}
+
 }  // namespace
 
 Preflight preflight(const Scenario& scenario) {
@@ -123,6 +146,7 @@ Preflight preflight(const Scenario& scenario) {
   }
   append(p.warnings, cycles);
   append(p.warnings, warnings_of_speeds(scenario));
+  append(p.warnings, warnings_of_touches(scenario));
   return p;
 }
 

@@ -92,6 +92,7 @@ AgentId Team::add(Agent agent) {
   check_weights(agent.name, "Q", agent.Q, nx, false);
   check_weights(agent.name, "R", agent.R, nu, true);
   check_weights(agent.name, "Q_f", agent.Q_f, nx, false);
+  if (!agent.rate_max.empty()) check_weights(agent.name, "rate_max", agent.rate_max, nu, true);
   if (static_cast<int>(agent.u_ref.size()) != nu || !all_finite(agent.u_ref)) {
     refuse("{}.u_ref has {} entries, expected {} finite numbers", agent.name, agent.u_ref.size(), nu);
   }

@@ -66,6 +66,7 @@ struct Agent {
   Reference x_ref{};
   std::vector<double> u_ref{};  ///< nu; empty: 0
   InputLimits limits;
+  std::vector<double> rate_max{};  ///< of the inputs either way, nu, > 0 [1/s]; empty: any
 };
 
 /// What each input of an agent is measured in (nu) where a solver compares steps, residuals and distances to limits with
@@ -156,6 +157,7 @@ struct AgentOptions {
   InputBound<M::nu> u_min{};
   InputBound<M::nu> u_max{};
   std::string name{};
+  std::vector<double> rate_max{};
 
   static constexpr std::array<double, M::nu> filled(double value) {
     std::array<double, M::nu> a{};
@@ -176,15 +178,15 @@ class Team {
   AgentId add(const M& model, const std::type_identity_t<AgentOptions<M>>& o = {}) {
     const auto list = [](const auto& a) { return std::vector<double>(a.begin(), a.end()); };
     const Model erased(model);
-    return add(
-        Agent{.name = o.name,
-              .model = erased,
-              .Q = list(o.Q),
-              .R = list(o.R),
-              .Q_f = list(o.Q_f),
-              .x_ref = o.x_ref,
-              .u_ref = list(o.u_ref),
-              .limits = InputLimits(o.u_min.or_else(erased.u_min()), o.u_max.or_else(erased.u_max()))});
+    return add(Agent{.name = o.name,
+                     .model = erased,
+                     .Q = list(o.Q),
+                     .R = list(o.R),
+                     .Q_f = list(o.Q_f),
+                     .x_ref = o.x_ref,
+                     .u_ref = list(o.u_ref),
+                     .limits = InputLimits(o.u_min.or_else(erased.u_min()), o.u_max.or_else(erased.u_max())),
+                     .rate_max = o.rate_max});
   }
   AgentId add(Agent agent);
   BodyId add(Obstacle obstacle);

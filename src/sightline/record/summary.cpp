@@ -227,6 +227,12 @@ void Summary::add_robots(const Sample& sample) {
     const Agent& agent = *steered;
     const double* u = sample.u.data() + scenario_.team.input_offset(robot.body);
     for (std::size_t i = 0; i < agent.R.size(); ++i) robot.energy += period_ * agent.R[i] * u[i] * u[i];
+    for (std::size_t i = 0; i < agent.rate_max.size() && !robot.before.empty(); ++i) {
+      const double rate = std::abs(u[i] - robot.before[i]) / (sample.time - robot.time_before);
+      robot.rate_ratio = std::max(robot.rate_ratio, rate / agent.rate_max[i]);
+    }
+    robot.before.assign(u, u + agent.rate_max.size());
+    robot.time_before = sample.time;
     if (!tracks_position(agent, robot.roles) || sample.time < scenario_.simulation.rms_from - same_time)
       continue;
     x_ref_.resize(agent.Q.size());
@@ -388,7 +394,8 @@ SummaryValues Summary::values() const {
   for (const Robot& robot : robots_) {
     const double mean_square = robot.squared_error / static_cast<double>(robot.errors);
     v.robots.push_back({name(robot.body), robot.errors > 0 ? std::sqrt(mean_square) : no_value, robot.energy,
-                        robot.leans ? std::atan(robot.steepest) : no_value});
+                        robot.leans ? std::atan(robot.steepest) : no_value,
+                        scenario_.team.agent(robot.body).rate_max.empty() ? no_value : robot.rate_ratio});
     if (robot.idle.total > 0) v.idle_observers.push_back({name(robot.body), robot.idle});
   }
   for (const Limit& limit : limits_) {

@@ -55,6 +55,7 @@ struct SummaryValues {
     double rms_position_error;  ///< from rms_from on [m]
     double energy;              ///< sum of dt u'Ru of the applied input [s]
     double tilt_max;  ///< after settle [rad], of a vehicle or one with a camera that is fixed to its body
+    double input_rate_ratio;  ///< largest rate of an applied input over its rate_max
   };
   struct Limit {
     std::string name;  ///< "keep_out uav0-uav1"
@@ -157,9 +158,12 @@ class Summary {
     StateRoles roles;
     double squared_error = 0.0, energy = 0.0;
     std::int64_t errors = 0;
-    bool leans = false;     // its tilt is told
-    double steepest = 0.0;  // tangent of the largest tilt
-    bool is_idle = false;   // asked to observe, and nobody is there
+    bool leans = false;            // its tilt is told
+    double steepest = 0.0;         // tangent of the largest tilt
+    double rate_ratio = 0.0;       // of an input to its rate_max
+    std::vector<double> before{};  // applied inputs of the sample before
+    double time_before = 0.0;      // [s]
+    bool is_idle = false;          // asked to observe, and nobody is there
     TimeInForce idle{};
   };
 

@@ -65,6 +65,8 @@ std::string Summary::json() const {
     json["agents"].push_back(
         {{"name", robot.name}, {"rms_position_error", robot.rms_position_error}, {"energy", robot.energy}});
     if (!std::isnan(robot.tilt_max)) json["agents"].back()["tilt_max"] = robot.tilt_max;
+    if (!std::isnan(robot.input_rate_ratio))
+      json["agents"].back()["input_rate_ratio"] = robot.input_rate_ratio;
   }
   for (const auto& limit : v.limits) {
     json["limits"].push_back({{"name", limit.name},

@@ -142,7 +142,11 @@ std::vector<SummaryLine> lines_of(const Json& s) {
         (error.is_null() ? "" : fmt::format("position error {} (RMS), ", words(error, "m"))) +
             fmt::format("input energy {}, u'Ru summed over time", words(agent.at("energy"), "s")) +
             (agent.contains("tilt_max") ? fmt::format(", tilt at most {}", words(agent.at("tilt_max"), "rad"))
-                                        : ""));
+                                        : "") +
+            (agent.contains("input_rate_ratio")
+                 ? fmt::format(", inputs at most {:.3g} times as fast as rate_max",
+                               number(agent.at("input_rate_ratio"), 0.0))
+                 : ""));
   };
   tell_worst(
       s.at("agents"),

@@ -72,7 +72,8 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
       history_(size(2 + static_cast<int>((longest_delay + longest_gap + oldest) / period)),
                resting_inputs(team)),
       lead_(0.0),
-      x_(size(team.nx())) {
+      x_(size(team.nx())),
+      added_(size(team.nu())) {
   const auto add = [&](BodyId body, double delay, double time) {
     member_of_[at(body.index)] = static_cast<int>(members_.size());
     const Model& model = team.model(body);
@@ -88,7 +89,6 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
                         .shown = {},
                         .reach = {},
                         .last = std::vector<double>(size(model.nx())),
-                        .steady = std::vector<double>(size(model.nu())),
                         .stamp = never});
     scratch_.resize(std::max(scratch_.size(), RungeKuttaScratch::rows_needed * size(model.nx())));
   };
@@ -181,35 +181,29 @@ std::span<const double> Compensation::ahead(double t, std::span<const double> be
     if (member.time == 0) continue;
     find_steady(member, x);
     for (std::size_t i = 0; i < member.nx; ++i) {
-      for (std::size_t k = 0; k < member.nu; ++k) x[i] -= member.held[k * member.nx + i] * member.steady[k];
+      for (std::size_t k = 0; k < member.nu; ++k)
+        x[i] -= member.held[k * member.nx + i] * added_[member.u + k];
     }
   }
   return x_;
 }
 
 /// u_w at the heading of x.
-void Compensation::find_steady(Member& member, std::span<const double> x) noexcept {
+void Compensation::find_steady(const Member& member, std::span<const double> x) noexcept {
+  const std::span<double> steady = std::span(added_).subspan(member.u, member.nu);
   Vec3<double> w = member.w;
   if (member.model.turns()) {
-    const Vec2<double> d = member.model.sight(x.data(), member.steady.data()).d;
+    const Vec2<double> d = member.model.sight(x.data(), steady.data()).d;
     const Vec2<double> w_V = rotate<double>({d.x, -d.y}, {w.x, w.y});
     w.x = w_V.x, w.y = w_V.y;
   }
   double part = most_part;
   for (std::size_t k = 0; k < member.nu; ++k) {
     const double* const by = &member.counter[k];
-    member.steady[k] = by[0] * w.x + by[member.nu] * w.y + by[2 * member.nu] * w.z;
-    part = std::max(part, std::abs(member.steady[k]));
+    steady[k] = by[0] * w.x + by[member.nu] * w.y + by[2 * member.nu] * w.z;
+    part = std::max(part, std::abs(steady[k]));
   }
-  for (std::size_t k = 0; k < member.nu; ++k) member.steady[k] *= member.reach[k] * most_part / part;
-}
-
-void Compensation::add(BodyId robot, std::span<const double> u_min, std::span<const double> u_max,
-                       std::span<double> u) const noexcept {
-  const int i = member_of_[at(robot.index)];
-  if (i < 0) return;
-  const std::vector<double>& steady = members_[at(i)].steady;
-  for (std::size_t k = 0; k < u.size(); ++k) u[k] = std::clamp(u[k] + steady[k], u_min[k], u_max[k]);
+  for (std::size_t k = 0; k < member.nu; ++k) steady[k] *= member.reach[k] * most_part / part;
 }
 
 void Compensation::forget(BodyId robot) noexcept {
@@ -218,7 +212,7 @@ void Compensation::forget(BodyId robot) noexcept {
   Member& member = members_[at(i)];
   member.stamp = never;
   member.w = {};
-  std::fill(member.steady.begin(), member.steady.end(), 0.0);
+  std::fill_n(added_.begin() + static_cast<std::ptrdiff_t>(member.u), member.nu, 0.0);
 }
 
 Vec3<double> Compensation::disturbance(BodyId robot) const noexcept {

@@ -57,9 +57,8 @@ class Compensation {
   /// that are no robots after the longest of them. Valid until the next call.
   /// @param believed  the states at t (nx)
   std::span<const double> ahead(double t, std::span<const double> believed) noexcept;
-  /// Adds u_w to a robot's inputs (nu of the robot), which then are within limits.
-  void add(BodyId robot, std::span<const double> u_min, std::span<const double> u_max,
-           std::span<double> u) const noexcept;
+  /// u_w of all robots (nu), to be added to what is asked of them.
+  std::span<const double> added() const noexcept { return added_; }
   /// The inputs u of all robots (nu) are given at t.
   void record(double t, std::span<const double> u) noexcept { history_.record(t, u); }
   /// The robot comes to be there: nothing is known of it.
@@ -80,19 +79,19 @@ class Compensation {
     std::vector<double> held;     // what a unit of an input holds of each state in the end: nu x nx
     std::vector<char> shown;    // whether each state is a pose or a velocity; the others follow from commands
     std::vector<double> reach;  // what each input can do either way
-    std::vector<double> last, steady;  // measured before, with own inner states; u_w
-    double stamp;                      // of last; minus infinity: none
+    std::vector<double> last;   // measured before, with own inner states
+    double stamp;               // of last; minus infinity: none
     Vec3<double> w{};
   };
 
   static void find_counter(Member& member, const Agent& agent);
-  static void find_steady(Member& member, std::span<const double> x) noexcept;
+  void find_steady(const Member& member, std::span<const double> x) noexcept;
 
   std::vector<Member> members_;
   std::vector<int> member_of_;  // of each body; -1: none
   InputHistory history_;
   double lead_;
-  std::vector<double> x_, scratch_;
+  std::vector<double> x_, scratch_, added_;
 };
 
 }  // namespace sightline

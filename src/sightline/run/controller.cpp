@@ -46,7 +46,7 @@ Controller::Member match(const Team& world, const Team& team, BodyId body, std::
 Controller::Controller(const Team& world, Solver& given, std::size_t number) : solver(&given) {
   const Team& team = given.ocp().team();
   states.resize(size(team.nx()));
-  plan.resize(size(team.nu()));
+  for (std::vector<double>* u : {&plan, &before, &added}) u->resize(size(team.nu()));
   for (int i = 0; i < team.bodies(); ++i) members.push_back(match(world, team, BodyId{i}, number));
 }
 
@@ -59,6 +59,15 @@ void Controller::gather(const Team& world, std::span<const double> x, std::span<
     }
     write_body(world.model(m.body).sight(&x[m.world_x], &u[m.world_u]), {to, m.ocp_nx});
   }
+}
+
+void Controller::set_applied(const AppliedInputs& of_world) noexcept {
+  for (const Member& m : members) {
+    if (m.limits == nullptr) continue;
+    std::copy_n(of_world.before.begin() + static_cast<std::ptrdiff_t>(m.world_u), m.nu, &before[m.ocp_u]);
+    std::copy_n(of_world.added.begin() + static_cast<std::ptrdiff_t>(m.world_u), m.nu, &added[m.ocp_u]);
+  }
+  solver->set_applied({before, added});
 }
 
 UncontrolledRobot::UncontrolledRobot(const Team& world, BodyId robot, bool lands, double period)

@@ -26,8 +26,9 @@ struct Controller {
 
   Solver* solver;
   std::vector<Member> members{};
-  std::vector<double> states{};  ///< what the solver is given (its nx)
-  std::vector<double> plan{};    ///< inputs of a plan that is late or goes on (its nu)
+  std::vector<double> states{};           ///< what the solver is given (its nx)
+  std::vector<double> plan{};             ///< inputs of a plan that is late or goes on (its nu)
+  std::vector<double> before{}, added{};  ///< AppliedInputs (its nu)
   Status status{};
   int left_out = 0;                      ///< pairs of swarms, at the last update
   bool at_work = false;                  ///< on a late update
@@ -40,6 +41,8 @@ struct Controller {
 
   /// What the solver is given, from the states and inputs of the world.
   void gather(const Team& world, std::span<const double> x, std::span<const double> u) noexcept;
+  /// Tells it the applied inputs of the world.
+  void set_applied(const AppliedInputs& of_world) noexcept;
 };
 
 /// A robot that no solver steers: it brakes and stays, or sinks to the ground. Its command moves by a little each

@@ -124,17 +124,25 @@ void Guard::follow(const Membership& now, double t, std::span<const double> x) n
   if (supervisor_) supervisor_->follow(now, t, x);
 }
 
-void Guard::filter(double t, std::span<const double> x, std::span<const double> plan_ages,
-                   std::span<double> u) noexcept {
-  if (supervisor_) {
-    supervisor_->command(t, x, plan_ages, u);
-    for (const Notice& notice : supervisor_->notices()) {
-      tell({t, kind_of(notice), 0, static_cast<double>(notice.body.index)});
-    }
-    for (int i = 0; i < team_.bodies(); ++i) {
-      const BodyId body{i};
-      if (team_.is_agent(body)) levels_[at(body)] = supervisor_->level(body);
-    }
+void Guard::fall_back(double t, std::span<const double> x, std::span<const double> plan_ages,
+                      std::span<double> u) noexcept {
+  if (!supervisor_) return;
+  supervisor_->command(t, x, plan_ages, u);
+  for (const Notice& notice : supervisor_->notices()) {
+    tell({t, kind_of(notice), 0, static_cast<double>(notice.body.index)});
+  }
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i};
+    if (team_.is_agent(body)) levels_[at(body)] = supervisor_->level(body);
+  }
+}
+
+void Guard::keep_distances(double t, std::span<const double> x, std::span<const double> added,
+                           std::span<double> u) noexcept {
+  for (Robot& of : robots_) {
+    of.limits->at(t, of.u_min, of.u_max);
+    for (std::size_t k = 0; k < of.nu; ++k) of.u_min[k] -= added[of.u + k], of.u_max[k] -= added[of.u + k];
+    of.part = of.barrier.part(of.u_min, of.u_max);
   }
   for (std::size_t i = 0; i < robots_.size(); ++i) keep_distance(i, t, x, u);
   std::copy(u.begin(), u.end(), before_.begin());
@@ -166,6 +174,7 @@ Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double
     neighbour.speed_max = 0.0;
   } else if (team_.model(robot).name() == model.name()) {
     neighbour.conduct = Conduct::member;
+    neighbour.part = robots_[static_cast<std::size_t>(&team_.agent(other) - team_.agents().data())].part;
   }
   return neighbour;
 }
@@ -186,7 +195,6 @@ void Guard::keep_distance(std::size_t robot, double t, std::span<const double> x
       neighbours_[count++] = neighbour_of(of.body, other, x, before_);
     }
   }
-  of.limits->at(t, of.u_min, of.u_max);
   const std::span<double> applied = u.subspan(of.u, of.nu);
   std::copy(applied.begin(), applied.end(), of.reported.begin());
   const bool lands = level == FallbackLevel::land || presence_[at(of.body)] == Presence::land;

@@ -57,11 +57,17 @@ class Guard {
                                   std::span<const double> stamps) noexcept;
   /// Whether each body was believed once; before, nobody is asked for a plan.
   bool knows_all() const noexcept { return !supervisor_ || supervisor_->knows_all(); }
-  /// Makes of the controllers' inputs (nu) what is commanded from t on; after believe().
-  /// @param x          states that the commands meet (nx): as believed, or carried on over what is in flight
+  // Both make of the controllers' inputs u (nu) what is commanded from t on, one after the other, after believe(). x (nx)
+  // are the states that the commands meet: as believed, or carried on over what is in flight.
+
+  /// Where nothing better is known of a robot, the supervisor's command.
   /// @param plan_ages  of each body [s]; those of no robot do not count
-  void filter(double t, std::span<const double> x, std::span<const double> plan_ages,
-              std::span<double> u) noexcept;
+  void fall_back(double t, std::span<const double> x, std::span<const double> plan_ages,
+                 std::span<double> u) noexcept;
+  /// The nearest inputs that keep the hard distances.
+  /// @param added  to the inputs afterwards (nu), such as what holds robots against wind: limits hold for the sum
+  void keep_distances(double t, std::span<const double> x, std::span<const double> added,
+                      std::span<double> u) noexcept;
   /// The inputs u (nu) are applied from t on.
   void record(double t, std::span<const double> u) noexcept;
   /// Whether the last measurement of a body is believed.
@@ -85,10 +91,11 @@ class Guard {
  private:
   struct Robot {
     BodyId body;
-    std::size_t x, u, nx, nu;  // offsets and lengths
-    Barrier barrier, landing;  // with and without the floor
-    std::vector<double> u_min, u_max, reported;
-    const InputLimits* limits;  // in force
+    std::size_t x, u, nx, nu;                    // offsets and lengths
+    Barrier barrier, landing;                    // with and without the floor
+    std::vector<double> u_min, u_max, reported;  // limits now
+    double part = 1.0;                           // of the acceleration that they leave
+    const InputLimits* limits;                   // in force
     WayOut way_out{};
   };
   bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }

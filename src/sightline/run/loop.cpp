@@ -83,6 +83,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
       lead_(options.compensation != nullptr ? options.compensation->lead() : 0.0),
       u_(size(world.team().nu())),
       applied_(u_),
+      none_(u_.size()),
       u_min_(u_.size()),
       u_max_(u_.size()),
       planned_at_(size(world.team().bodies())),
@@ -90,6 +91,8 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
       ages_(planned_at_.size()),
       plan_(u_.size()),
       spare_(sized_sample(world, controllers)) {
+  told_ = options_.compensation != nullptr;
+  for (const Agent& agent : world.team().agents()) told_ |= !agent.rate_max.empty();
   for (const LatePlan& late : options_.late_plans) late.check();
   std::stable_sort(options_.signals.begin(), options_.signals.end(),
                    [](const TimedSignal& a, const TimedSignal& b) { return a.at < b.at; });
@@ -270,7 +273,10 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
     if (sample.has_path) write_path(controller, solution, sample);
   }
   drift(t, met, sample);
-  if (options_.guard != nullptr) guard(t, met, sample);
+  if (options_.guard != nullptr)
+    guard(t, met, sample);
+  else
+    keep_rates();
   give(t);
   std::copy(applied_.begin(), applied_.end(), sample.u.begin());
   sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
@@ -297,6 +303,26 @@ std::span<const double> Loop::compensate(double t, const Measured& seen) noexcep
   return options_.compensation->ahead(t, believed_);
 }
 
+/// What is added to the inputs of all robots.
+std::span<const double> Loop::added() const noexcept {
+  return options_.compensation != nullptr ? options_.compensation->added() : std::span<const double>(none_);
+}
+
+/// Lets no input with what is added change faster than it may.
+void Loop::keep_rates() noexcept {
+  const Team& team = world_.team();
+  for (int b = 0; told_ && b < team.bodies(); ++b) {
+    const BodyId robot{b};
+    if (!team.is_agent(robot) || presence_[size(b)] == Presence::absent) continue;
+    const std::vector<double>& rate_max = team.agent(robot).rate_max;
+    const std::size_t from = size(team.input_offset(robot));
+    for (std::size_t i = 0; i < rate_max.size(); ++i) {
+      const double most = rate_max[i] * options_.period, before = applied_[from + i] - added()[from + i];
+      u_[from + i] = std::clamp(u_[from + i], before - most, before + most);
+    }
+  }
+}
+
 /// Makes of the inputs what is applied from t on, and remembers it.
 void Loop::give(double t) noexcept {
   std::copy(u_.begin(), u_.end(), applied_.begin());
@@ -307,8 +333,11 @@ void Loop::give(double t) noexcept {
       const std::size_t nu = size(world_.team().model(robot).nu());
       const auto u_min = std::span(u_min_).first(nu), u_max = std::span(u_max_).first(nu);
       limits_of(robot).at(t, u_min, u_max);
-      options_.compensation->add(robot, u_min, u_max,
-                                 std::span(applied_).subspan(size(world_.team().input_offset(robot)), nu));
+      const std::size_t from = size(world_.team().input_offset(robot));
+      for (std::size_t k = 0; k < nu; ++k) {
+        double& u = applied_[from + k];
+        u = std::clamp(u + added()[from + k], u_min[k], u_max[k]);
+      }
     }
     options_.compensation->record(t, applied_);
   }
@@ -324,6 +353,7 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
     solution.status = Status::invalid_state;
   } else if (!controller.at_work) {
     controller.gather(world_.team(), believed, u_);
+    if (told_) controller.set_applied({applied_, added()});
     controller.asked_at = t;
     const auto late = std::find_if(options_.late_plans.begin(), options_.late_plans.end(),
                                    [&](const LatePlan& l) { return l.strikes(t); });
@@ -352,61 +382,6 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
   return solution;
 }
 
-/// Signals, and a change that was asked for a period ago. @return whether the team is another one now
-bool Loop::change_team(std::int64_t k, double t) noexcept {
-  TeamSwitcher& team_switcher = *options_.team_switcher;
-  for (; signalled_ < options_.signals.size() && options_.signals[signalled_].at <= t + same_time;
-       ++signalled_) {
-    (void)team_switcher.signal(options_.signals[signalled_].name);
-  }
-  const TeamDue due = clock_.team_due(k);
-  if (due == TeamDue::not_yet || !team_switcher.swap(t, believed_, u_, due == TeamDue::now)) return false;
-  std::copy(presence_.begin(), presence_.end(), presence_before_.begin());
-  follow_team();
-  return true;
-}
-
-/// Who is there, whom they feel and what limits them, as the team_switcher has it now.
-void Loop::follow_team() noexcept {
-  const Membership& now = options_.team_switcher->present().membership;
-  std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
-  world_.set_presence(presence_);
-}
-
-/// What comes with a team once it is measured (x): times of plans, the guard, and who is too near.
-void Loop::follow_guard(double t, std::span<const double> x) noexcept {
-  const Team& team = world_.team();
-  for (int i = 0; i < team.bodies(); ++i) {
-    const bool was_there = presence_before_[size(i)] != Presence::absent;
-    const bool is_there = presence_[size(i)] != Presence::absent;
-    if (!is_there && team.is_agent(BodyId{i})) rest(BodyId{i}, t);
-    if (was_there || !is_there) continue;
-    planned_at_[size(i)] = t;
-    if (options_.compensation != nullptr) options_.compensation->forget(BodyId{i});
-    welcome(BodyId{i}, t, x);
-  }
-  if (options_.guard != nullptr) options_.guard->follow(options_.team_switcher->present().membership, t, x);
-}
-
-/// Tells where a body comes to be there nearer to another than it may.
-void Loop::welcome(BodyId body, double t, std::span<const double> x) noexcept {
-  const Team& team = world_.team();
-  const auto place = [&](BodyId of) {
-    const double* const u = team.is_agent(of) ? &u_[size(team.input_offset(of))] : nullptr;
-    return team.model(of).sight(&x[size(team.state_offset(of))], u).p;
-  };
-  for (int i = 0; i < team.bodies(); ++i) {
-    const BodyId other{i};
-    if (other == body || presence_[size(i)] == Presence::absent) continue;
-    if (!team.is_agent(body) && !team.is_agent(other)) continue;
-    const std::size_t decides = size(std::max(body.index, other.index));
-    const double d = decides < options_.d_hard.size() ? options_.d_hard[decides] : LoopOptions::at_one_place;
-    if (norm(place(body) - place(other)) >= d) continue;
-    tell({t, EventKind::added_too_near, 0, static_cast<double>(body.index)});
-    return;
-  }
-}
-
 std::span<Controller> Loop::controllers() noexcept {
   if (options_.team_switcher == nullptr) return controllers_;
   return {&*options_.team_switcher->present().controller, 1};
@@ -425,7 +400,9 @@ void Loop::drift(double t, std::span<const double> believed, Sample& sample) noe
 /// Lets the guard make of the controllers' inputs what is applied.
 void Loop::guard(double t, std::span<const double> x, Sample& sample) noexcept {
   for (std::size_t i = 0; i < plan_ages_.size(); ++i) plan_ages_[i] = t - planned_at_[i];
-  options_.guard->filter(t, x, plan_ages_, u_);
+  options_.guard->fall_back(t, x, plan_ages_, u_);
+  keep_rates();
+  options_.guard->keep_distances(t, x, added(), u_);
   for (const Event& event : options_.guard->events()) tell(event);
   const auto records = options_.guard->barriers();
   std::copy(records.begin(), records.end(), sample.barriers.begin());
@@ -441,6 +418,9 @@ void Loop::command(int index, const Controller& controller, const Solution& solu
     const std::span<double> held = std::span(u_).subspan(m.world_u, m.nu);
     const auto u_min = std::span(u_min_).first(m.nu), u_max = std::span(u_max_).first(m.nu);
     m.limits->at(t + lead_, u_min, u_max);  // those that the solver has
+    for (std::size_t i = 0; i < m.nu; ++i) {
+      u_min[i] -= added()[m.world_u + i], u_max[i] -= added()[m.world_u + i];
+    }
     bool good = solution.u.size() == nu;
     for (std::size_t i = 0; good && i < m.nu; ++i) {
       const double u = solution.u[m.ocp_u + i];

@@ -91,6 +91,8 @@ class Loop {
   void follow_guard(double t, std::span<const double> x) noexcept;
   void welcome(BodyId body, double t, std::span<const double> x) noexcept;
   std::span<const double> compensate(double t, const Measured& seen) noexcept;
+  std::span<const double> added() const noexcept;
+  void keep_rates() noexcept;
   void give(double t) noexcept;
   void rest(BodyId robot, double t) noexcept;
   const InputLimits& limits_of(BodyId robot) const noexcept;
@@ -109,9 +111,11 @@ class Loop {
   std::vector<Presence> presence_, presence_before_;  // of the world's bodies
   std::span<const double> believed_;                  // at the last update; none before the first
   double lead_;                                       // from a command to its effect, at most [s]
+  bool told_ = false;                                 // solvers are told what is applied
   std::size_t signalled_ = 0;                         // signals sent
   std::vector<double> u_;  // of the controllers and the guard, all robots of the world; always within limits
   std::vector<double> applied_;  // the same, compensated
+  std::vector<double> none_;     // that is added without compensation
   std::vector<double> u_min_, u_max_;
   std::vector<double> planned_at_, plan_ages_;  // of each body: time and age of its last good plan [s]
   std::vector<double> ages_;                    // of what was measured of each body [s]

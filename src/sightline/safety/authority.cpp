@@ -158,6 +158,15 @@ void add_thrusts(const std::vector<Place>& all, double part, std::span<const dou
 
 }  // namespace
 
+double Authority::part(std::span<const double> u_min, std::span<const double> u_max) const noexcept {
+  constexpr double least = 0.05;  // of plans that go somewhere
+  double left = 1.0;
+  for (std::size_t k = 0; k < u_min.size(); ++k) {
+    if (reach[k] > 0) left = std::min(left, std::min(u_max[k], -u_min[k]) / reach[k]);
+  }
+  return std::max(least, (left - (1.0 - free)) / free);
+}
+
 Authority authority_of(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
   if (model.nu() > most_inputs || model.nx() > most_states) {
     throw std::invalid_argument(
@@ -193,6 +202,12 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
     all_have = {std::min(all_have.disc, here.disc), std::min(all_have.part, here.part)};
   }
   authority.acceleration = all_have.disc;
+  authority.free = all_have.part;
+  for (std::size_t k = 0; k < u_min.size(); ++k) {
+    const Columns& resting = all.front().columns;
+    if (dot(resting.thrust[k], resting.thrust[k]) > 0 || resting.climb[k] != 0)
+      authority.reach[k] = std::min(u_max[k], -u_min[k]);
+  }
   if (!(authority.acceleration > none)) {
     throw std::invalid_argument(
         fmt::format("barrier: the commands of \"{}\" do not accelerate it in every horizontal direction at "

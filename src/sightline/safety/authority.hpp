@@ -20,9 +20,14 @@ struct Authority {
   double acceleration = 0.0;              ///< b [m/s^2], > 0
   std::array<Vec2<double>, 4> thrusts{};  ///< g_k [m/s^2]
   int thrust_count = 0;
-  bool turns = false;   ///< g_k are of V and turn with the heading; else of G
-  bool climbs = false;  ///< commands change the height
-  double climb = 0.0;   ///< vertical speed that can be had both up and down [m/s]
+  bool turns = false;             ///< g_k are of V and turn with the heading; else of G
+  bool climbs = false;            ///< commands change the height
+  double climb = 0.0;             ///< vertical speed that can be had both up and down [m/s]
+  std::array<double, 4> reach{};  ///< what each input can do either way; 0: it neither pushes nor climbs
+  double free = 1.0;              ///< part of what the inputs push that makes up for nothing else, in (0, 1]
+
+  /// Part of b, g_k and climb that is left under narrower limits of the inputs, in [0.05, 1].
+  double part(std::span<const double> u_min, std::span<const double> u_max) const noexcept;
 };
 
 /// @param u_min, u_max  limits of the inputs, finite

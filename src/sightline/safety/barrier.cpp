@@ -28,6 +28,9 @@ const BarrierOptions& checked(const BarrierOptions& o, double dt) {
   require(o.ceiling > o.floor, "ceiling", o.ceiling, "above the floor");
   require(o.world > 0, "world", o.world, "> 0 m");
   require(o.margin >= 0 && o.margin < infinity, "margin", o.margin, ">= 0 m");
+  require(o.wall_margin >= 0 && o.wall_margin < infinity, "wall_margin", o.wall_margin, ">= 0 m");
+  require(o.ceiling - o.floor > 2 * o.wall_margin && o.world > o.wall_margin, "wall_margin", o.wall_margin,
+          "one that leaves room between floor and ceiling, and in the world");
   require(o.rate > 0 && o.rate * dt <= 1, "rate", o.rate, "in (0, 1 / dt] 1/s");
   require(o.authority > 0 && o.authority <= 1, "authority", o.authority, "in (0, 1]");
   require(o.velocity_sigma >= 0 && o.velocity_sigma < infinity, "velocity_sigma", o.velocity_sigma,
@@ -37,8 +40,8 @@ const BarrierOptions& checked(const BarrierOptions& o, double dt) {
 }
 
 bool finite(const Neighbour& n) {
-  const std::array<double, 11> numbers = {n.p.x,    n.p.y,       n.p.z, n.v.x,   n.v.y, n.v.z,
-                                          n.d_hard, n.speed_max, n.age, n.sigma, n.tie};
+  const std::array<double, 12> numbers = {n.p.x,    n.p.y,       n.p.z, n.v.x,   n.v.y, n.v.z,
+                                          n.d_hard, n.speed_max, n.age, n.sigma, n.tie, n.part};
   return all_finite(numbers) && !std::isnan(n.acceleration_max);
 }
 
@@ -63,6 +66,9 @@ Barrier::Barrier(const Model& model, std::span<const double> u_min, std::span<co
       b_(options.authority * can_.acceleration),
       plans_(can_.drag, dt),
       ways_out_(can_.drag, can_.climbs ? can_.climb : 0.0) {
+  options_.floor += options_.wall_margin;
+  options_.ceiling -= options_.wall_margin;
+  options_.world -= options_.wall_margin;
   Arena arena{.disc = b_};
   for (std::size_t k = 0; can_.thrust_count == 2 && k < 2; ++k)
     arena.g[k] = {options.authority * can_.thrusts[k].x, options.authority * can_.thrusts[k].y};
@@ -77,12 +83,12 @@ Barrier::Next Barrier::next(std::span<const double> x, std::span<const double> u
   return {seen.p, seen.d, {seen.v.x, seen.v.y}};
 }
 
-Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n) const noexcept {
+Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n, double part) const noexcept {
   const double age = std::max(n.age, 0.0);
   Tube tube{.r = self.p - n.p,
             .w = {self.v.x, self.v.y},
             .drift = {},
-            .beta = b_,
+            .beta = part * b_,
             .rho0 = n.d_hard + options_.margin + 3 * n.sigma,
             .speed = 0.0,
             .growth = 0.0,
@@ -90,10 +96,10 @@ Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n) c
             .tie = {n.tie, 0.0}};
   if (n.conduct == Conduct::member) {
     // Measured motion, and what it may have done since by an acceleration that is bounded.
-    const double a = std::min(n.acceleration_max, 3 * b_);
+    const double both = std::min(part, n.part), a = std::min(n.acceleration_max, 3 * b_);
     tube.r = tube.r - age * n.v;
     tube.w = {tube.w.x - n.v.x, tube.w.y - n.v.y};
-    tube.beta = 2 * b_;
+    tube.beta = both * 2 * b_;
     tube.rho0 += 0.5 * a * age * age;
     tube.spread += a * age;
     return {tube, plans_.best(tube), n.conduct};
@@ -101,7 +107,7 @@ Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n) c
   tube.thrust_count = can_.thrust_count;
   for (std::size_t k = 0; k < static_cast<std::size_t>(tube.thrust_count); ++k) {
     const Vec2<double> g = can_.turns ? rotate(self.d, can_.thrusts[k]) : can_.thrusts[k];
-    tube.thrusts[k] = {options_.authority * g.x, options_.authority * g.y};
+    tube.thrusts[k] = {part * options_.authority * g.x, part * options_.authority * g.y};
   }
   Tube anywhere = tube;
   anywhere.rho0 += n.speed_max * age;
@@ -183,7 +189,8 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
     key[at] = left, chosen[at] = static_cast<int>(i);
   }
   for (const int i : chosen) {
-    Threat& threat = rows.threats.push_back(this->threat(self, neighbours[static_cast<std::size_t>(i)]));
+    Threat& threat =
+        rows.threats.push_back(this->threat(self, neighbours[static_cast<std::size_t>(i)], rows.part));
     threat.neighbour = i;
     threat.reserve = threat.plan.reserve();
   }
@@ -201,7 +208,7 @@ void Barrier::add_neighbours(const Sight<double>& self, Heeded heeded, Rows& row
 }
 
 void Barrier::add_walls(const Sight<double>& self, Approach approach, Rows& rows) const noexcept {
-  const double kept_part = 1.0 - options_.rate * dt_, c = can_.drag;
+  const double kept_part = 1.0 - options_.rate * dt_, c = can_.drag, b = rows.part * b_;
   // A plan that climbs or sinks does so until it is there; the height follows the command at once.
   const auto kept_height = [&](double room) {
     return approach == Approach::at_once && room > 0 ? 0.0 : kept_part * room;
@@ -221,11 +228,11 @@ void Barrier::add_walls(const Sight<double>& self, Approach approach, Rows& rows
     const double side = i % 2 == 0 ? -1.0 : 1.0;
     const Vec3<double> n = i < 2 ? Vec3<double>{side, 0, 0} : Vec3<double>{0, side, 0};
     const double away = n.x * self.v.x + n.y * self.v.y, now = options_.world + dot(n, self.p);
-    const double stop = away >= 0 ? 0.0 : c > 1e-6 ? std::log1p(-away * c / b_) / c : -away / b_;
+    const double stop = away >= 0 ? 0.0 : c > 1e-6 ? std::log1p(-away * c / b) / c : -away / b;
     const double t = std::max(stop, dt_), left = t - dt_;
-    const double later = now + plans_.E(t) * away + b_ * plans_.F(t);
+    const double later = now + plans_.E(t) * away + b * plans_.F(t);
     const double wanted = kept_part * std::min(now, later);
-    const double least = wanted - options_.world - b_ * plans_.F(left);
+    const double least = wanted - options_.world - b * plans_.F(left);
     rows.all.push_back(Rows::of_wall(n, plans_.E(left), least, walls[i]));
   }
 }
@@ -353,7 +360,7 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
     return result;
   }
   const Sight<double> self = model_.sight(x.data(), u.data());
-  Rows rows;
+  Rows rows{.part = part(u_min, u_max), .threats = {}, .all = {}};
   const bool all_known = find_threats(self, neighbours, rows);
   for (const Threat& threat : rows.threats) result.reserve = std::min(result.reserve, threat.reserve);
   const double joint = join(self, rows);
@@ -424,7 +431,7 @@ double Barrier::reserve(std::span<const double> x, const Neighbour& neighbour) c
   const std::array<double, most_inputs> at_rest{};
   const Sight<double> self = model_.sight(x.data(), at_rest.data());
   if (!finite(neighbour) || is_far(self.p - neighbour.p)) return infinity;
-  return threat(self, neighbour).plan.reserve();
+  return threat(self, neighbour, 1.0).plan.reserve();
 }
 
 }  // namespace sightline

@@ -52,8 +52,10 @@ struct Neighbour {
       std::numeric_limits<double>::infinity();  ///< of an uncooperative neighbour [m/s^2], >= 0
   double age = 0.0;                             ///< of p and v [s], >= 0
   double sigma = 0.0;  ///< standard deviation of the position relative to the robot [m]; 3 sigma are kept
-  double tie = 1.0;    ///< where both are in one place, the robot parts along tie x; of opposite sign
-                       ///< for the two members of a pair
+  double part =
+      1.0;  ///< of a cooperative neighbour: part of its acceleration that its limits leave, in [0, 1]
+  double tie = 1.0;  ///< where both are in one place, the robot parts along tie x; of opposite sign
+                     ///< for the two members of a pair
   Conduct conduct = Conduct::uncooperative;
 };
 
@@ -61,8 +63,9 @@ struct BarrierOptions {
   double floor = -std::numeric_limits<double>::infinity();   ///< least height [m]
   double ceiling = std::numeric_limits<double>::infinity();  ///< greatest height [m], > floor
   double world = std::numeric_limits<double>::infinity();    ///< greatest |p_x| and |p_y| [m], > 0
-  double margin = 0.002;   ///< added to d_hard for what happens between two samples [m], >= 0
-  double rate = 4.0;       ///< how fast the reserve may be used up [1/s], in (0, 1 / dt]
+  double margin = 0.002;     ///< added to d_hard for what happens between two samples [m], >= 0
+  double wall_margin = 0.0;  ///< kept beside floor, ceiling and world, for a height that lags [m], >= 0
+  double rate = 4.0;         ///< how fast the reserve may be used up [1/s], in (0, 1 / dt]
   double authority = 0.9;  ///< part of the acceleration that plans count on, in (0, 1]; the rest is for wind
   double velocity_sigma = 0.0;  ///< standard deviation of the robot's believed velocity [m/s], >= 0
   double share = 0.5;  ///< part of the reserve between two members that this robot may use, in (0, 1]
@@ -101,7 +104,7 @@ class Barrier {
   /// Puts in place of u the nearest command that keeps all distances and walls. Allocates nothing.
   /// A neighbour whose numbers are not finite is left out, and the result tells a conflict.
   /// @param x             state of the robot, as believed (nx)
-  /// @param u_min, u_max  limits now (nu)
+  /// @param u_min, u_max  limits now (nu); plans count on the part that they leave of those of the construction
   /// @param u             the solver's command (nu); afterwards finite and within the limits, always
   /// @param way_out       what the robot does where it is surrounded; to be kept from one period to the next
   BarrierResult filter(std::span<const double> x, std::span<const Neighbour> neighbours,
@@ -118,6 +121,10 @@ class Barrier {
   /// B of one neighbour at a state [m].
   double reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept;
 
+  /// Part of the acceleration that limits leave of those of the construction, in (0, 1].
+  double part(std::span<const double> u_min, std::span<const double> u_max) const noexcept {
+    return can_.part(u_min, u_max);
+  }
   const BarrierOptions& options() const noexcept { return options_; }
   double acceleration() const noexcept { return b_; }  ///< b [m/s^2], what plans count on
   double drag() const noexcept { return can_.drag; }   ///< c [1/s]
@@ -133,7 +140,7 @@ class Barrier {
   enum class Approach { slowing, at_once };  // of floor and ceiling
 
   Next next(std::span<const double> x, std::span<const double> u) const noexcept;
-  Threat threat(const Sight<double>& self, const Neighbour& neighbour) const noexcept;
+  Threat threat(const Sight<double>& self, const Neighbour& neighbour, double part) const noexcept;
   Row keep_away(const Sight<double>& self, const Rows& rows, int threat, const Touch& touch) const noexcept;
   bool find_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
                     Rows& rows) const noexcept;
@@ -141,7 +148,7 @@ class Barrier {
   double join(const Sight<double>& self, Rows& rows) const noexcept;
   bool is_surrounded(const Sight<double>& self, std::span<const Neighbour> neighbours,
                      const Rows& rows) const noexcept;
-  Arena arena(const Sight<double>& self) const noexcept;
+  Arena arena(const Sight<double>& self, double part) const noexcept;
   bool leave(const Sight<double>& self, const Next& after, bool contradicted,
              std::span<const Neighbour> neighbours, const Rows& rows, WayOut& way_out) const noexcept;
   void follow(std::span<const double> x, const Sight<double>& self, WayOut& way_out,

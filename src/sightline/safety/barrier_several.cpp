@@ -116,11 +116,12 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
   joint.consider({uncooperative[0]->plan.a, 0.0, 0.0});
   const double up = can_.climbs ? std::max(0.0, options_.ceiling - self.p.z) : 0.0;
   const double down = can_.climbs ? std::max(0.0, self.p.z - options_.floor) : 0.0;
-  const double climb = options_.authority * can_.climb;
+  const double climb = rows.part * options_.authority * can_.climb;
   for (const auto& [speed, room] : {std::pair{0.0, 0.0}, {climb, up}, {-climb, down}}) {
     if (enough()) break;
     if (speed != 0 && room == 0) continue;
-    for (const Vec2<double>& a_V : joint_) {
+    for (const Vec2<double>& whole : joint_) {
+      const Vec2<double> a_V = {rows.part * whole.x, rows.part * whole.y};
       const Joint::Plan plan = {can_.turns ? rotate(self.d, a_V) : a_V, speed, room};
       if (joint.is_open(plan)) joint.consider(plan);
       if (enough()) break;
@@ -171,15 +172,17 @@ bool Barrier::is_surrounded(const Sight<double>& self, std::span<const Neighbour
   return !(free && std::all_of(away.begin(), away.end(), falls_back));
 }
 
-Arena Barrier::arena(const Sight<double>& self) const noexcept {
+Arena Barrier::arena(const Sight<double>& self, double part) const noexcept {
   Arena arena{.p = self.p,
               .v = {self.v.x, self.v.y},
-              .disc = can_.acceleration,
+              .disc = part * can_.acceleration,
               .floor = can_.climbs ? options_.floor : -infinity,
               .ceiling = can_.climbs ? options_.ceiling : infinity,
               .world = options_.world};
-  for (std::size_t k = 0; can_.thrust_count == 2 && k < 2; ++k)
-    arena.g[k] = can_.turns ? rotate(self.d, can_.thrusts[k]) : can_.thrusts[k];
+  for (std::size_t k = 0; can_.thrust_count == 2 && k < 2; ++k) {
+    const Vec2<double> g = can_.turns ? rotate(self.d, can_.thrusts[k]) : can_.thrusts[k];
+    arena.g[k] = {part * g.x, part * g.y};
+  }
   return arena;
 }
 
@@ -187,7 +190,7 @@ Arena Barrier::arena(const Sight<double>& self) const noexcept {
 /// @return whether the robot is to take it
 bool Barrier::leave(const Sight<double>& self, const Next& after, bool contradicted,
                     std::span<const Neighbour> neighbours, const Rows& rows, WayOut& way_out) const noexcept {
-  const Arena arena = this->arena(self);
+  const Arena arena = this->arena(self, rows.part);
   Bounded<Chaser, most_neighbours> chasers;
   for (const Threat& threat : rows.threats) {
     const Neighbour& n = neighbours[static_cast<std::size_t>(threat.neighbour)];
@@ -228,7 +231,8 @@ void Barrier::follow(std::span<const double> x, const Sight<double>& self, WayOu
                      std::span<double> u) const noexcept {
   for (std::size_t k = 0; k < u.size(); ++k) u[k] = std::clamp(0.0, u_min[k], u_max[k]);
   const bool begun = way_out.wait <= 0.5 * dt_;
-  const Vec2<double> a = begun ? WaysOut::thrust(arena(self), way_out.along) : Vec2<double>{};
+  const Vec2<double> a =
+      begun ? WaysOut::thrust(arena(self, part(u_min, u_max)), way_out.along) : Vec2<double>{};
   way_out.wait = std::max(0.0, way_out.wait - dt_);
   const EscapeShape step = plans_.shape(dt_);
   const double climb = begun ? way_out.climb : 0.0;

@@ -51,6 +51,7 @@ struct Barrier::Rows {
     return {n, E, {}, least, wall, -1, 0.0, 0.0, 0.0, 0.0, false};
   }
 
+  double part;  // of the acceleration, which the limits leave
   Bounded<Threat, most_neighbours> threats;
   Bounded<Row, most_half_spaces> all;
 };

@@ -113,6 +113,7 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
            {"ceiling", &barrier.ceiling},
            {"world", &safety.world, positive("> 0 m")},
            {"margin", &barrier.margin, not_negative(">= 0 m")},
+           {"wall_margin", &barrier.wall_margin, not_negative(">= 0 m")},
            {"position_sigma", &safety.position_sigma, not_negative(">= 0 m")},
            {"heading_sigma", &safety.heading_sigma, not_negative(">= 0 rad")}},
           {"barrier", "supervisor"});

@@ -1,6 +1,7 @@
 #include "sightline/scenario/scenario.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -148,7 +149,8 @@ class Reader {
     if (agents.size() > agents_max) root_.refuse("agent", fmt::format("at most {} robots", agents_max));
     for (const auto& [name, at] : agents) {
       at.expect_only({"robot", "parameters", "start", "Q", "R", "Q_f", "u_ref", "u_min", "u_max", "limits",
-                      "reference", "sensor", "present", "vehicle", "command_delay", "disturbance_time"});
+                      "rate_max", "reference", "sensor", "present", "vehicle", "command_delay",
+                      "disturbance_time"});
       const Model model = read_robot(at);
       const auto nx = static_cast<std::size_t>(model.nx()), nu = static_cast<std::size_t>(model.nu());
       const auto list = [&at = at](std::string_view key, std::size_t n, double missing, const Range& range) {
@@ -165,6 +167,7 @@ class Reader {
                   .x_ref = read_reference(at, model),
                   .u_ref = list("u_ref", nu, 0.0, any_number()),
                   .limits = read_limits(at, bound("u_min", model.u_min()), bound("u_max", model.u_max()))};
+      if (at.has("rate_max")) agent.rate_max = at.numbers("rate_max", nu, positive("> 0 1/s"));
       const std::vector<double> start = read_start(at.table("start", "a table with p and heading"), model);
       check_motion(at, model, start, agent.u_ref);
       if (is_present(at)) check_place(name, at, model.sight(start.data(), agent.u_ref.data()).p);
@@ -430,6 +433,8 @@ std::string summary(const Scenario& scenario) {
         scenario.presence[static_cast<std::size_t>(team.find(agent.name).index)] != Presence::absent;
     line("agent       {}: {}, {} states, {} inputs{}", agent.name, agent.model.name(), agent.model.nx(),
          agent.model.nu(), present ? "" : ", not there at first");
+    if (!agent.rate_max.empty())
+      line("rates       {}: inputs move by at most {} 1/s", agent.name, fmt::join(agent.rate_max, ", "));
   }
   for (const RobotCompensation& of : scenario.compensations) {
     line(

@@ -12,6 +12,13 @@
 
 namespace sightline {
 
+/// What an update reckons with besides the states, of all agents (nu each).
+struct AppliedInputs {
+  std::span<const double> before;  ///< in force until the update, `added` in it
+  std::span<const double>
+      added;  ///< to the solver's inputs afterwards, such as what holds a robot against wind
+};
+
 /// How an update ended, the better first. In every case `Solution::u` is finite, within its limits and usable.
 enum class Status : std::uint8_t {
   converged,  ///< residual <= tolerance
@@ -62,6 +69,11 @@ class Solver {
 
   /// One update: from the measured states of all bodies (nx) at `time` [s] to the inputs.
   virtual Solution solve(double time, std::span<const double> states) noexcept = 0;
+
+  /// For the updates that follow: limits of inputs then hold for u + added, and rate_max for their change from
+  /// `before`. Never told, nothing is added and inputs may jump. A solver that does not reckon with it leaves it to the
+  /// loop, which keeps both limits.
+  virtual void set_applied(const AppliedInputs& /*applied*/) noexcept {}
 
   /// Projected KKT infinity norm of the present iterate at these states, without the solver's own
   /// relaxations; infinity where it is not a number. For acceptance figures, outside the timed part.

@@ -106,6 +106,7 @@ PartitionedSolver::PartitionedSolver(const Team& whole_team, const Partition& pa
     Member member;
     member.subteam = std::make_unique<Subteam>(team, own, make);
     member.u.resize(at(member.subteam->ocp().nu()));
+    member.before.resize(member.u.size());
     members_.push_back(std::move(member));
   }
   x_now_.resize(at(team.nx()));
@@ -147,6 +148,15 @@ void PartitionedSolver::exchange(double time, std::span<const double> states) no
   }
   if (options_.order == ExchangeOrder::gauss_seidel) return;
   for (const Member& member : members_) send(member);
+}
+
+void PartitionedSolver::gather(const Subteam& subteam, std::span<const double> of_whole,
+                               std::span<double> of_subteam) const noexcept {
+  const Team& team = subteam.ocp().team();
+  for (const BodyId body : subteam.ocp().agent_bodies()) {
+    const auto from = of_whole.begin() + ocp().team().input_offset(subteam.in_whole(body));
+    std::copy_n(from, team.model(body).nu(), of_subteam.begin() + team.input_offset(body));
+  }
 }
 
 void PartitionedSolver::scatter(const Subteam& subteam, std::span<const double> of_subteam,
@@ -244,12 +254,18 @@ void PartitionedSolver::set_plan(int k, std::span<const double> u) noexcept {
   if (u.size() != u_.size() || k < 0 || k >= ocp().horizon().N) return;
   has_plan_ = true;
   for (Member& member : members_) {
-    const Team& team = member.subteam->ocp().team();
-    for (const BodyId body : member.subteam->ocp().agent_bodies()) {
-      const int from = ocp().team().input_offset(member.subteam->in_whole(body)), nu = team.model(body).nu();
-      std::copy_n(u.begin() + from, nu, member.u.begin() + team.input_offset(body));
-    }
+    gather(*member.subteam, u, member.u);
     member.subteam->set_plan(k, member.u);
+  }
+}
+
+void PartitionedSolver::set_applied(const AppliedInputs& applied) noexcept {
+  if (applied.before.size() != u_.size() || applied.added.size() != u_.size()) return;
+  whole_->set_applied(applied);
+  for (Member& member : members_) {
+    gather(*member.subteam, applied.before, member.before);
+    gather(*member.subteam, applied.added, member.u);
+    member.subteam->set_applied({member.before, member.u});
   }
 }
 

@@ -46,6 +46,7 @@ class PartitionedSolver : public Solver, public TeamPlanner {
   /// The residual is that of the whole team's conditions at the new plan; it is found after the subteams have ended, and
   /// not in `elapsed`, which is all of them in turn.
   Solution solve(double time, std::span<const double> states) noexcept override;
+  void set_applied(const AppliedInputs& applied) noexcept override;
   double kkt(double time, std::span<const double> states) noexcept override;
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;
@@ -68,6 +69,7 @@ class PartitionedSolver : public Solver, public TeamPlanner {
   struct Member {
     std::unique_ptr<Subteam> subteam;
     mutable std::vector<double> u;  // scratch, in the subteam's order
+    std::vector<double> before;     // the same
     double elapsed = 0.0;           // of the last update [s]
     Solution solution = {};         // of the last exchange
   };
@@ -75,6 +77,8 @@ class PartitionedSolver : public Solver, public TeamPlanner {
   bool accepts(double time, std::span<const double> states) noexcept;
   void exchange(double time, std::span<const double> states) noexcept;
   void send(const Member& sender) noexcept;
+  void gather(const Subteam& subteam, std::span<const double> of_whole,
+              std::span<double> of_subteam) const noexcept;
   void scatter(const Subteam& subteam, std::span<const double> of_subteam,
                std::span<double> of_whole) const noexcept;
   void write_states(std::span<const double> states) noexcept;

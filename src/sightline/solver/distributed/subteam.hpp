@@ -33,6 +33,9 @@ class Subteam {
   /// solution is in the order of the subteam's own team. As a solver's, it neither throws nor allocates.
   Solution solve(double time, std::span<const double> states) noexcept;
 
+  /// As Solver::set_applied(), in the order of the subteam's own team.
+  void set_applied(const AppliedInputs& applied) noexcept { solver_->set_applied(applied); }
+
   /// Where the own robots will be under the present plan, one message each, `who` of the whole team.
   std::span<const Prediction> predictions() const { return predictions_; }
   /// Takes a message; of a robot that nobody here is coupled with, or not finite, it is ignored.

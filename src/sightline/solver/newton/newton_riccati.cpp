@@ -26,6 +26,8 @@ KernelUse NewtonRiccati::kernels() const { return update_->kernels(); }
 
 void NewtonRiccati::restart() noexcept { update_->restart(); }
 
+void NewtonRiccati::set_applied(const AppliedInputs& applied) noexcept { update_->set_applied(applied); }
+
 void NewtonRiccati::plan(int k, std::span<double> u) const noexcept { update_->plan(k, u); }
 
 void NewtonRiccati::set_plan(int k, std::span<const double> u) noexcept { update_->set_plan(k, u); }

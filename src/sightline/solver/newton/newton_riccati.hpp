@@ -42,6 +42,7 @@ class NewtonRiccati final : public Solver, public TeamPlanner {
   std::string_view name() const override { return "newton_riccati"; }
   const Ocp& ocp() const override;
   Solution solve(double time, std::span<const double> states) noexcept override;
+  void set_applied(const AppliedInputs& applied) noexcept override;
   double kkt(double time, std::span<const double> states) noexcept override;
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;

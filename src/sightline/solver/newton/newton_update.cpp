@@ -95,6 +95,8 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       u_out_(at(ocp_.nu())),
       raw_u_(at(ocp_.nu())),
       x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)) {
+  before_.reserve(u_out_.size());
+  added_.reserve(u_out_.size());
   for (const BodyId body : ocp_.agent_bodies()) x_at_.push_back(ocp_.team().state_offset(body));
   for (const Agent& agent : ocp_.team().agents()) limits_move_ |= agent.limits.times().size() > 1;
   std::fill_n(per_scale_, groups_.layout().u_length, 1.0);
@@ -156,8 +158,9 @@ void NewtonUpdate::set_time(double time) noexcept {
     }
     if (started_ && !limits_move_) continue;
     const Layout::View u = groups_.layout().u(a);
+    const std::size_t input = at(team.input_offset(ocp_.agent_bodies()[at(a)]));
     for (int k = 0; k < N; ++k) {
-      agent.limits.at(time + k * h, {limits_.data(), at(nu)}, {limits_.data() + nu, at(nu)});
+      find_limits(agent, input, time, k * h);
       for (int i = 0; i < nu; ++i) {
         low_[u(k, i)] = limits_[at(i)];
         high_[u(k, i)] = limits_[at(nu + i)];
@@ -184,6 +187,30 @@ void NewtonUpdate::set_time(double time) noexcept {
     u_[i] = clamp(u_[i], low_[i], high_[i]);
     if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 0.0;
   }
+}
+
+/// Into limits_: those of a robot's inputs, u_min before u_max, so long after an update; its inputs begin at `input`.
+void NewtonUpdate::find_limits(const Agent& agent, std::size_t input, double time, double ahead) noexcept {
+  const std::size_t nu = agent.R.size();
+  const std::span<double> low{limits_.data(), nu}, high{limits_.data() + nu, nu};
+  agent.limits.at(time + ahead, low, high);
+  if (before_.empty()) return;
+  for (std::size_t i = 0; i < nu; ++i) {
+    if (!agent.rate_max.empty()) {
+      const double reach = agent.rate_max[i] * (ocp_.horizon().dt + ahead), u = before_[input + i];
+      const double slow_low = clamp(u - reach, low[i], high[i]),
+                   slow_high = clamp(u + reach, low[i], high[i]);
+      low[i] = slow_low, high[i] = slow_high;
+    }
+    low[i] -= added_[input + i], high[i] -= added_[input + i];
+  }
+}
+
+void NewtonUpdate::set_applied(const AppliedInputs& applied) noexcept {
+  if (applied.before.size() != u_out_.size() || applied.added.size() != u_out_.size()) return;
+  limits_move_ = true;
+  before_.assign(applied.before.begin(), applied.before.end());
+  added_.assign(applied.added.begin(), applied.added.end());
 }
 
 void NewtonUpdate::start() noexcept {
@@ -396,8 +423,7 @@ Solution NewtonUpdate::fall_back(double time, Status status) noexcept {
   for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
     const int nu = groups_.layout().part(a).nu;
     const std::size_t to = at(team.input_offset(ocp_.agent_bodies()[at(a)]));
-    team.agents()[at(a)].limits.at(std::isfinite(time) ? time : plan_time_, {limits_.data(), at(nu)},
-                                   {limits_.data() + nu, at(nu)});
+    find_limits(team.agents()[at(a)], to, std::isfinite(time) ? time : plan_time_, 0.0);
     for (int i = 0; i < nu; ++i) {
       u_out_[to + at(i)] = clamp(raw_u_[to + at(i)], limits_[at(i)], limits_[at(nu + i)]);
     }

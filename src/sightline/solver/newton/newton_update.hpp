@@ -22,6 +22,7 @@ class NewtonUpdate {
   double tolerance() const noexcept { return options_.tolerance; }
 
   Solution solve(double time, std::span<const double> states) noexcept;
+  void set_applied(const AppliedInputs& applied) noexcept;
   double kkt(double time, std::span<const double> states) noexcept;
   void planned(double time, std::span<double> u) const noexcept;
   void restart() noexcept;
@@ -49,6 +50,7 @@ class NewtonUpdate {
 
   bool accept(std::span<const double> states) noexcept;
   void set_time(double time) noexcept;
+  void find_limits(const Agent& agent, std::size_t input, double time, double ahead) noexcept;
   void start() noexcept;
   Step newton_step() noexcept;
   Proposal examine() const noexcept;
@@ -86,6 +88,7 @@ class NewtonUpdate {
   std::vector<int> x_at_;                // of each agent in the stacked state
   std::vector<Prediction> predictions_;  // of each body; room for N + 1 sights of those not controlled
   std::vector<double> x_now_, limits_, u_out_, raw_u_, x_out_;
+  std::vector<double> before_, added_;  // AppliedInputs; empty: never told
 };
 
 }  // namespace sightline

@@ -1,0 +1,65 @@
+// What the loop does where its team changes.
+#include <algorithm>
+
+#include "sightline/base/index.hpp"
+#include "sightline/base/same_time.hpp"
+#include "sightline/run/loop.hpp"
+
+namespace sightline {
+
+/// Signals, and a change that was asked for a period ago. @return whether the team is another one now
+bool Loop::change_team(std::int64_t k, double t) noexcept {
+  TeamSwitcher& team_switcher = *options_.team_switcher;
+  for (; signalled_ < options_.signals.size() && options_.signals[signalled_].at <= t + same_time;
+       ++signalled_) {
+    (void)team_switcher.signal(options_.signals[signalled_].name);
+  }
+  const TeamDue due = clock_.team_due(k);
+  if (due == TeamDue::not_yet || !team_switcher.swap(t, believed_, u_, due == TeamDue::now)) return false;
+  std::copy(presence_.begin(), presence_.end(), presence_before_.begin());
+  follow_team();
+  return true;
+}
+
+/// Who is there, whom they feel and what limits them, as the team_switcher has it now.
+void Loop::follow_team() noexcept {
+  const Membership& now = options_.team_switcher->present().membership;
+  std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
+  world_.set_presence(presence_);
+}
+
+/// What comes with a team once it is measured (x): times of plans, the guard, and who is too near.
+void Loop::follow_guard(double t, std::span<const double> x) noexcept {
+  const Team& team = world_.team();
+  for (int i = 0; i < team.bodies(); ++i) {
+    const bool was_there = presence_before_[size(i)] != Presence::absent;
+    const bool is_there = presence_[size(i)] != Presence::absent;
+    if (!is_there && team.is_agent(BodyId{i})) rest(BodyId{i}, t);
+    if (was_there || !is_there) continue;
+    planned_at_[size(i)] = t;
+    if (options_.compensation != nullptr) options_.compensation->forget(BodyId{i});
+    welcome(BodyId{i}, t, x);
+  }
+  if (options_.guard != nullptr) options_.guard->follow(options_.team_switcher->present().membership, t, x);
+}
+
+/// Tells where a body comes to be there nearer to another than it may.
+void Loop::welcome(BodyId body, double t, std::span<const double> x) noexcept {
+  const Team& team = world_.team();
+  const auto place = [&](BodyId of) {
+    const double* const u = team.is_agent(of) ? &u_[size(team.input_offset(of))] : nullptr;
+    return team.model(of).sight(&x[size(team.state_offset(of))], u).p;
+  };
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId other{i};
+    if (other == body || presence_[size(i)] == Presence::absent) continue;
+    if (!team.is_agent(body) && !team.is_agent(other)) continue;
+    const std::size_t decides = size(std::max(body.index, other.index));
+    const double d = decides < options_.d_hard.size() ? options_.d_hard[decides] : LoopOptions::at_one_place;
+    if (norm(place(body) - place(other)) >= d) continue;
+    tell({t, EventKind::added_too_near, 0, static_cast<double>(body.index)});
+    return;
+  }
+}
+
+}  // namespace sightline
