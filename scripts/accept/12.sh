@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
-# The figures of identified vehicles, section by section:  scripts/accept/12.sh [--short] [SECTION ...]
-# What is finished stays in out/accept/12/ and is not done again; delete it to begin anew. Needs the release preset.
-# --short is for CI: fewer seeds and vehicles, shorter flights that judge.
+# The figures of identified vehicles and of the world "rotors", section by section:  scripts/accept/12.sh [--short] [SECTION ...]
+# What is finished stays in out/accept/12/ and is not done again; delete it to begin anew. A killed run goes on where it was. Needs the
+# release preset, and `npm ci --prefix tests/npm`.  A figure that is "missed" was never reached; one that FAILS was.
+# --short is for CI: fewer seeds, vehicles and directions, shorter flights that judge.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 build=build/release
 . scripts/accept/sections.sh
+. scripts/accept/rotors.sh
 
 # 20 s of excitation in noise, judged on a task and on bang-bang of the same vehicle; the intervals of 20 drawn vehicles; the AR.Drone;
 # the presets of hover_multirotor. Then the command itself, twice: the same numbers.
@@ -23,5 +25,53 @@ identify() {
   whole || rm -rf "$out"/{first,second}
 }
 
-all=(identify)
+# In steady wind, how far the target robot stands beside its reference from 10 s on: planned by numbers of the vehicle, by gains that
+# are wrong, on its circle and with a reference that stands, and without compensation. The plan itself cuts the circle: see wind 0.
+offset() {
+  local wind case way ways directions=24 folder=$out/offset bad=0
+  local -a winds=(0 0.5 1) cases=(identified gains_0.7 gains_1.5 standing_0.7 standing_1.5 without as_shipped)
+  whole || directions=4 winds=(1) cases=(identified gains_0.7 standing_0.7)
+  mkdir -p "$folder"
+  for wind in "${winds[@]}"; do
+    ways=$directions
+    [[ $wind == 0 ]] && ways=1
+    for case in "${cases[@]}"; do
+      for ((way = 0; way < ways; ++way)); do
+        offset_team "$case" "$wind" "$way" "$directions" | fly_once "$folder/$case-$wind-$way.txt" offset_line || return 1
+      done
+      printf '%-12s  wind %s m/s^2, worst of %d: RMS %s, max %s m\n' "$case" "$wind" "$ways" \
+        "$(worst 1 "$folder/$case-$wind"-*.txt)" "$(worst 2 "$folder/$case-$wind"-*.txt)"
+    done
+  done
+  judge 'offset, identified, RMS' "$(worst 1 "$folder"/identified-*.txt)" '<= 0.02' m || bad=1
+  judge 'offset, identified, max' "$(worst 2 "$folder"/identified-*.txt)" '<= 0.02' m || bad=1
+  judge 'offset, wrong gains, circle, RMS' "$(worst 1 "$folder"/gains_*.txt)" '<= 0.03' m wanted
+  judge 'offset, wrong gains, circle, max' "$(worst 2 "$folder"/gains_*.txt)" '<= 0.03' m wanted
+  judge 'offset, wrong gains, standing, max' "$(worst 2 "$folder"/standing_*.txt)" '<= 0.03' m || bad=1
+  return $bad
+}
+# $1: case, $2: wind [m/s^2], $3: direction, $4: of how many.
+offset_team() {
+  local keys='command_delay = 0.16
+disturbance_time = 0.5' wind
+  local -a edit=()
+  wind=$(awk -v w="$2" -v a="$3" -v n="$4" 'BEGIN { a *= 2 * atan2(0, -1) / n; printf "%.6f, %.6f, 0.0", w * cos(a), w * sin(a) }')
+  case $1 in
+    gains_* | standing_*) edit=(-e "$(awk -v k="${1#*_}" 'BEGIN {  # of the preset
+      printf "s/^(parameters = .*) }/\\1, b_z = %g, b_psi = %g, b_f = %g, b_s = %g }/", 1.08 * k, 1.6 * k, 2 * k, 2 * k }')") ;;
+    without) keys='' ;;
+    as_shipped) keys='' edit=(-e 's/^robot = "hover_multirotor"/robot = "multirotor"/; s/^parameters = .*//') ;;
+  esac
+  [[ $1 != standing_* ]] || edit+=(-e '/^reference = / s/rate = 0.3 /rate = 0.0 /')
+  whole || edit+=(-e 's/^duration = 60.0 .*/duration = 15.0/')
+  rotor_team x500 "$keys" "${edit[@]}" -e "s/^wind = .*/wind = [$wind]/"
+}
+# RMS and greatest distance to the reference from 10 s on [m].
+offset_line() {
+  node tests/npm/log_messages.mjs "$1/run.mcap" /uav1/state /uav1/reference | jq -rs '
+    [.[] | select(.time >= 10)] | group_by(.time) | map(select(length == 2) | map(.x // .p) |
+      [.[0][0] - .[1][0], .[0][1] - .[1][1], .[0][2] - .[1][2]] | map(. * .) | add) | [(add / length | sqrt), (max | sqrt)] | @tsv'
+}
+
+all=(identify offset)
 run_sections "$@"
