@@ -73,5 +73,35 @@ offset_line() {
       [.[0][0] - .[1][0], .[0][1] - .[1][1], .[0][2] - .[1][2]] | map(. * .) | add) | [(add / length | sqrt), (max | sqrt)] | @tsv'
 }
 
-all=(identify offset)
+# Commands that act late, told with an error, and untold: the share of time out of view and the largest view angle after 5 s.
+delay() {
+  local late told folder=$out/delay bad=0
+  local -a lates=(0 0.1 0.2 0.3 0.4) errors=(-0.05 0 0.05 untold)
+  whole || lates=(0.2 0.4) errors=(-0.05 0.05)
+  mkdir -p "$folder"
+  for late in "${lates[@]}"; do
+    for told in "${errors[@]}"; do
+      delay_team "$late" "$told" | fly_once "$folder/$told-$late.txt" view_line || return 1
+      awk -v late="$late" -v told="$told" '{ early = ""; if ($1 == "ended") { early = ", ended by a touch"; sub(/^ended /, "") }
+        printf "late %.1f s, told %6s: out of view %5.1f %%, angle %.4f rad%s\n", late, told == "untold" ? told : sprintf("%+.2f s", told),
+          100 * $1, $2, early }' "$folder/$told-$late.txt"
+    done
+  done
+  judge 'delay, told: flights that end early' "$(cat "$folder"/[-0]*.txt | grep -c ended)" '== 0' flights || bad=1
+  judge 'delay, told: out of view' "$(worst 1 "$folder"/[-0]*.txt)" '== 0' 'of the time' || bad=1
+  judge 'delay, told: view angle' "$(worst 2 "$folder"/[-0]*.txt)" '<= 0.05' rad || bad=1
+  return $bad
+}
+# $1: how late commands act [s]; $2: error of what is told of it [s], or untold.
+delay_team() {
+  local keys='' shorter=''
+  [[ $2 == untold ]] || keys="command_delay = $(awk -v late="$1" -v error="$2" 'BEGIN { printf "%.3f", late + 0.16 + error }')
+disturbance_time = 0.5"
+  whole || shorter='s/^duration = 60.0 .*/duration = 20.0/'
+  rotor_team x500 "$keys" -e "$shorter" -e "s/^settle = .*/settle = 5.0/; s/^input_delay = .*/input_delay = $1/"
+}
+# Share of time out of view, and the largest view angle [rad], from `settle` on.
+view_line() { jq -r '.pairs[0] | [1 - .in_view_fraction, .view_angle_max] | @tsv' "$1/summary.json"; }
+
+all=(identify offset delay)
 run_sections "$@"
