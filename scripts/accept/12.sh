@@ -103,5 +103,83 @@ disturbance_time = 0.5"
 # Share of time out of view, and the largest view angle [rad], from `settle` on.
 view_line() { jq -r '.pairs[0] | [1 - .in_view_fraction, .view_angle_max] | @tsv' "$1/summary.json"; }
 
-all=(identify offset delay)
+# Duels of one robot with barrier and an adversary that goes for it (duel.toml), 1 m to be kept, from 2 m on: distances, floor and,
+# in a sample and wherever the distance was broken, conflicts and what the barrier believed at the start.
+# DUELS=200 flies so many of each of 24 kinds, for a first look; the next time goes on.
+barrier() {
+  local vehicle within late wind cell index want asked runs=${DUELS:-840} sample=20 seed=0 folder=$out/barrier bad=0
+  local -a lates=(0.0 0.1 0.15)
+  whole || runs=4 sample=0 lates=(0.0 0.15)
+  mkdir -p "$folder"
+  for vehicle in x500 crazyflie; do for within in plane space; do for late in "${lates[@]}"; do for wind in 0.0 1.0; do
+    cell=$folder/$vehicle-$within-$late-$wind
+    duel "$vehicle" "$within" "$late" "$wind" >"$cell.toml"
+    want=$runs  # or what is there already
+    [[ ! -f $cell/campaign.sqlite ]] || want=$(sqlite3 "$cell/campaign.sqlite" "select max($runs, count(*)) from runs" 2>&1) || want=$runs
+    "$sightline" campaign "$cell.toml" --runs "$want" --seed $((++seed)) -o "$cell" >"$cell.txt" 2>&1 || (($? == 1)) || { cat "$cell.txt"; return 1; }
+    duel_rows "$cell" >"$cell.tsv"
+    while read -r index; do
+      duel_look "$cell" "$index" "$seed" </dev/null || return 1
+    done < <(awk -v sample="$sample" '$1 < sample || $2 < 1 || ($4 && !floors++) { print $1 }' "$cell.tsv")
+    echo "$vehicle, $within, $late s late, wind $wind m/s^2: $(duel_says "$cell")"
+  done; done; done; done
+  echo "by the distance at the start: $(awk '{ far = $3 < 2.5 ? 1 : $3 < 3.5 ? 2 : 3; n[far]++; below[far] += $2 < 1
+    if (!(far in least) || $2 < least[far]) least[far] = $2 }
+    END { split("below 2.5 m|2.5 to 3.5 m|3.5 m and more", name, "|")
+      for (i = 1; i <= 3; ++i) if (n[i]) printf "%s%s: %d of %d below 1 m, worst %.3f m", (i > 1 ? "; " : ""), name[i], below[i], n[i], least[i] }' "$folder"/*.tsv)"
+  echo "all: $(duel_says "$folder"/*)"
+  for vehicle in x500 crazyflie; do
+    asked="barrier, $vehicle: flights below 1 m that began with a reserve"
+    judge "$asked, no wind" "$(duel_broken "$folder/$vehicle"-*-0.0)" '== 0' flights || bad=1
+    judge "$asked, wind" "$(duel_broken "$folder/$vehicle"-*-1.0)" '== 0' flights wanted
+  done
+  judge 'barrier: flights below the floor' "$(cat "$folder"/*.tsv | awk '{ n += $4 } END { print n + 0 }')" '== 0' flights wanted
+  return $bad
+}
+# Each run of a campaign: index, least distance, distance at the start, whether it came below the floor (the one way to fail
+# without a touch).
+duel_rows() {
+  sqlite3 -separator $'\t' "$1/campaign.sqlite" 'select "index", min_distance, sqrt("uav.range" * "uav.range" + "uav.height" * "uav.height"),
+    outcome = '"'failed'"' and min_distance > 0.4 from runs'
+}
+# Flies one run of a campaign again and leaves one line, once: the least distance, the barrier's reserve at the start, its share of
+# conflicts, the least height.
+duel_look() {
+  local folder=$1/looked/$2
+  [[ -s $folder.txt ]] && return
+  mkdir -p "$folder"
+  "$sightline" campaign "$1.toml" --only "$2" --seed "$3" -o "$folder" >"$folder/told.txt" 2>&1 || (($? == 1)) || { cat "$folder/told.txt"; return 1; }
+  { jq -r '.safety | [.hard_distances[0].least, .agents[0].barrier_conflict, (.walls[] | select(.wall == "floor").worst)] | @tsv' "$folder/summary.json"
+    node tests/npm/log_messages.mjs "$folder/run.mcap" /uav/barrier | jq -s '.[0].reserve'; } | tr '\n' '\t' >"$folder.part" &&
+    mv "$folder.part" "$folder.txt" && rm -rf "$folder"
+}
+duel_broken() { duel_lines "$@" | awk '$1 == "look" && $2 < 1 && $5 >= 0 { n++ } END { print n + 0 }'; }
+# All rows of these campaigns, as "run", and the lines of flights that were looked at, as "look".
+duel_lines() {
+  local cell
+  for cell in "$@"; do
+    [[ -d $cell ]] || continue
+    sed 's/^/run\t/' "$cell.tsv"
+    find "$cell" -name '[0-9]*.txt' -exec sed 's/^/look\t/; s/$/\n/' {} +
+  done
+}
+# In words, of these campaigns: all rows, and the lines of the flights that were looked at.
+duel_says() {
+  duel_lines "$@" | awk '$1 == "run" { n++; below += $3 < 1; floors += $5; if (n == 1 || $3 < least) least = $3 }
+    $1 == "look" { looked++; conflicts += $3 > 0; inside += $2 < 1 && $5 >= 0
+      if (looked == 1 || $4 < low) low = $4
+      if (looked == 1 || $5 < reserve) reserve = $5 }
+    END { printf "%d flights, %d below 1 m (%d of them with a reserve at the start), worst %.3f m; %d below the floor", n, below, inside, least, floors
+      if (looked) printf "; of %d looked at %d had a conflict, least height %.3f m, least reserve at the start %.3f m", looked, conflicts, low, reserve }'
+}
+# $1: vehicle, $2: plane or space, $3: how late commands act [s], $4: wind [m/s^2].
+duel() {
+  local -A stands_for_lags=([x500]=0.16 [crazyflie]=0.114)  # docs/robots.md
+  local told lowest=0.0 highest=0.0
+  told=$(awk -v late="$3" -v lag="${stands_for_lags[$1]}" 'BEGIN { print late + lag }')
+  [[ $2 == plane ]] || lowest=-2.0 highest=3.0
+  sed -e "s/VEHICLE/$1/; s/WITHIN/$2/; s/LATE/$3/; s/WIND/$4/; s/TOLD/$told/; s/LOWEST/$lowest/; s/HIGHEST/$highest/" scripts/accept/duel.toml
+}
+
+all=(identify offset delay barrier)
 run_sections "$@"
