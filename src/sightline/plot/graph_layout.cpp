@@ -8,10 +8,11 @@
 namespace sightline {
 namespace {
 
-constexpr double picture_width = 900.0, side = 170.0;  // of the picture; of the names beside the nodes [px]
-constexpr double apart_max = 340.0, row = 36.0, top = 40.0, letter = 8.0;
+constexpr double picture_width = 900.0,
+                 side_margin = 170.0;  // of the picture; of the names beside the nodes [px]
+constexpr double apart_max = 340.0, row_height = 36.0, top_margin = 40.0, letter_width = 8.0;
 constexpr double turned_top = 120.0;  // room for a name that is turned
-constexpr std::size_t columns_max = 9, rows_max = 18, side_name = 18, turned_name = 12;
+constexpr std::size_t columns_max = 9, nodes_in_a_column = 18, side_name = 18, turned_name = 12;
 constexpr std::size_t crowd = 14;  // nodes of a circle, beyond which names are turned
 
 using Column = std::vector<std::size_t>;
@@ -43,20 +44,21 @@ GraphLayout in_columns(const NodeGraph& graph, const std::vector<Column>& column
   const std::size_t last = columns.size() - 1;
   std::size_t longest = 0;
   for (const Column& column : columns) longest = std::max(longest, column.size());
-  const double apart =
-      std::min(apart_max, (picture_width - 2 * side) / static_cast<double>(std::max<std::size_t>(last, 1)));
+  const double apart = std::min(
+      apart_max, (picture_width - 2 * side_margin) / static_cast<double>(std::max<std::size_t>(last, 1)));
   const double left = 0.5 * (picture_width - apart * static_cast<double>(last));
   GraphLayout layout{
       GraphLayout::Kind::columns, std::vector<GraphLayout::Node>(graph.nodes), picture_width,
-      2 * top + row * static_cast<double>(longest - 1),
-      last > 1 ? std::clamp<std::size_t>(static_cast<std::size_t>(apart / letter), 4, side_name) : side_name};
+      2 * top_margin + row_height * static_cast<double>(longest - 1),
+      last > 1 ? std::clamp<std::size_t>(static_cast<std::size_t>(apart / letter_width), 4, side_name)
+               : side_name};
   for (std::size_t c = 0; c < columns.size(); ++c) {
     for (std::size_t i = 0; i < columns[c].size(); ++i) {
       const double up = c > 0 && c < last ? -1.0 : 0.0;
       layout.nodes[columns[c][i]] = {
           left + apart * static_cast<double>(c),
           0.5 * layout.height +
-              row * (static_cast<double>(i) - 0.5 * static_cast<double>(columns[c].size() - 1)),
+              row_height * (static_cast<double>(i) - 0.5 * static_cast<double>(columns[c].size() - 1)),
           up != 0.0 ? 0.0
           : c == 0  ? -1.0
                     : 1.0,
@@ -74,12 +76,13 @@ GraphLayout in_a_circle(const NodeGraph& graph, const std::vector<std::size_t>& 
                      [&](std::size_t a, std::size_t b) { return depths[a] < depths[b]; });
   }
   const double turn = 2 * std::numbers::pi / static_cast<double>(std::max<std::size_t>(graph.nodes, 1));
-  const double radius = graph.nodes < 3 ? 110.0 : std::clamp(row / turn, 80.0, 0.5 * picture_width - side);
+  const double radius =
+      graph.nodes < 3 ? 110.0 : std::clamp(row_height / turn, 80.0, 0.5 * picture_width - side_margin);
   const bool crowded = graph.nodes > crowd;
   GraphLayout layout{GraphLayout::Kind::circle,
                      std::vector<GraphLayout::Node>(graph.nodes),
                      picture_width,
-                     graph.nodes < 3 ? 2 * top : 2 * (radius + (crowded ? turned_top : top)),
+                     graph.nodes < 3 ? 2 * top_margin : 2 * (radius + (crowded ? turned_top : top_margin)),
                      crowded ? turned_name : side_name,
                      crowded};
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -111,7 +114,7 @@ GraphLayout layout_of(const NodeGraph& graph) {
   const std::vector<Column> columns = columns_of(graph, depths);
   const bool fits = !columns.empty() && columns.size() <= columns_max &&
                     std::all_of(columns.begin(), columns.end(),
-                                [](const Column& column) { return column.size() <= rows_max; });
+                                [](const Column& column) { return column.size() <= nodes_in_a_column; });
   return fits ? in_columns(graph, columns) : in_a_circle(graph, depths);
 }
 

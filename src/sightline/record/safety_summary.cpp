@@ -17,12 +17,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_shown = 8;
 constexpr std::array<const char*, 3> modes = {"off", "on", "report"};
-constexpr std::array<const char*, 3> walls = {"floor", "ceiling", "world"};
+constexpr std::array<const char*, 3> wall_names = {"floor", "ceiling", "world"};
 constexpr double touched = 1e-6;  // [m] a wall that is passed by less is kept
 
 using Bound = SafetySummary::Bound;
 
-const char* name_of(Bound::Of of) { return walls[static_cast<std::size_t>(of)]; }
+const char* name_of(Bound::Of of) { return wall_names[static_cast<std::size_t>(of)]; }
 
 /// Whether a robot has a height to keep: what drives on the ground has none.
 bool flies(const Model& model) {
@@ -140,7 +140,7 @@ std::vector<SafetySummary::Bound> SafetySummary::by_excess() const {
   };
   std::stable_sort(sorted.begin(), sorted.end(),
                    [&](const Bound& a, const Bound& b) { return beyond(a) > beyond(b); });
-  std::array<std::size_t, walls.size()> shown{};
+  std::array<std::size_t, wall_names.size()> shown{};
   std::erase_if(sorted, [&](const Bound& bound) {
     return !std::isfinite(bound.worst()) || shown[static_cast<std::size_t>(bound.of)]++ >= most_shown;
   });

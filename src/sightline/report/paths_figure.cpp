@@ -18,7 +18,7 @@ using Mark = Drawing::Mark;
 using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
 
-constexpr double apart = 1.67;           // between two simultaneous positions of Fig. 20 [s]
+constexpr double mark_interval = 1.67;   // between two simultaneous positions of Fig. 20 [s]
 constexpr std::size_t places_max = 600;  // that are joined by a line
 constexpr std::size_t names_max = 32;    // that stand beside the paths
 constexpr std::size_t side_names_max = 12;
@@ -100,9 +100,9 @@ Drawing paths_drawing(const Recording& r, const Curves& curves) {
     }
   }
   const double arrow = std::max(0.05, 0.05 * std::max(of_x.length(), of_y.length()));
-  const std::size_t stride =
-      std::max({std::size_t{1}, static_cast<std::size_t>(std::lround(apart / std::max(r.period, 1e-4))),
-                r.time.size() / places_max});
+  const std::size_t stride = std::max(
+      {std::size_t{1}, static_cast<std::size_t>(std::lround(mark_interval / std::max(r.period, 1e-4))),
+       r.time.size() / places_max});
   Curve joined{"at the same time", Drawing::faint_colour, Mark::thin, {}, {}};
   std::set<std::size_t> observers;
   bool cones = false;
