@@ -103,6 +103,17 @@ TEST(Variant, VelocitiesAndNumbersReachTheirPlaces) {
   EXPECT_EQ(made.x0[16], 1.25);
 }
 
+TEST(Variant, WhatFollowsFromADrawnNumberIsItTimesAPlusB) {
+  CampaignPlan plan;
+  plan.draws = {
+      {"obstacle.box.p[1]", always(4.0), {{"obstacle.box.p[2]", 0.5, 1.0}, {"agent.seen.start.p[0]"}}},
+      {"obstacle.box.p[0]", always(7.0)}};
+  const Scenario made = variant(plan);
+  const std::vector<double> box(made.x0.begin() + 14, made.x0.begin() + 17);
+  EXPECT_EQ(box, (std::vector<double>{7.0, 4.0, 3.0}));
+  EXPECT_EQ(made.x0[7], 4.0);
+}
+
 TEST(Variant, AStartIsAroundTheBodysOwnDrawnPlace) {
   for (const char* around : {"seen", "box"}) {
     CampaignPlan plan;

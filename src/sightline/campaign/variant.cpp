@@ -55,8 +55,14 @@ Variants::Variants(const Scenario& base, const CampaignPlan& plan)
   }
   const std::size_t before = drawn_names(plan_).size() - plan_.draws.size();
   for (std::size_t i = 0; i < plan_.draws.size(); ++i) {
-    draws_.push_back(find(plan_.draws[i].key));
-    if (shapes_the_team(plan_.draws[i].key)) of_team_.push_back(before + i);
+    const NumberDraw& draw = plan_.draws[i];
+    bool of_team = shapes_the_team(draw.key);
+    draws_.push_back({find(draw.key), before + i, 1.0, 0.0});
+    for (const NumberDraw::Linked& linked : draw.also) {
+      of_team = of_team || shapes_the_team(linked.key);
+      draws_.push_back({find(linked.key), before + i, linked.times, linked.plus});
+    }
+    if (of_team) of_team_.push_back(before + i);
   }
   for (const auto& [key, place] :
        {std::pair{"simulation.duration", &duration_}, {"simulation.seed", &seed_}}) {
@@ -90,9 +96,9 @@ void Variants::place_start(const StartDraw& draw, const Start& at, const double*
 Scenario Variants::of(const RunDraw& run) const {
   Changes changes;
   // What is drawn by key comes first: a start may be around a body whose own place is drawn.
-  const double* value = run.values.data() + run.values.size() - draws_.size();
-  for (const NumberInText& number : draws_) changes.emplace_back(number, *value++);
-  value = run.values.data();
+  for (const Drawn& drawn : draws_)
+    changes.emplace_back(drawn.number, drawn.times * run.values[drawn.draw] + drawn.plus);
+  const double* value = run.values.data();
   for (std::size_t i = 0; i < starts_.size(); ++i) place_start(plan_.starts[i], starts_[i], value, changes);
   if (duration_) changes.emplace_back(*duration_, plan_.duration);
   if (seed_) changes.emplace_back(*seed_, static_cast<double>(run.seed));  // below 2^53

@@ -39,7 +39,13 @@ class Variants {
   std::string text_, name_;
   std::shared_ptr<const Parts> parts_;
   std::vector<Start> starts_;
-  std::vector<NumberInText> draws_;
+  /// A number that follows from a drawn value.
+  struct Drawn {
+    NumberInText number;
+    std::size_t draw;
+    double times, plus;
+  };
+  std::vector<Drawn> draws_;
   std::vector<std::size_t> of_team_;             // indices of values
   std::optional<NumberInText> duration_, seed_;  // of [simulation], where they are written out
   SolverChoice solver_;

@@ -32,8 +32,14 @@ struct StartDraw {
 
 /// A number of the scenario by its key, "couple[0].weight".
 struct NumberDraw {
+  /// Another number that follows from the drawn one: times * drawn + plus.
+  struct Linked {
+    std::string key;
+    double times = 1.0, plus = 0.0;
+  };
   std::string key;
   Distribution distribution;
+  std::vector<Linked> also{};
 };
 
 /// Numbers of Table 1, one for each run.

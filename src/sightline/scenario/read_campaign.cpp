@@ -92,22 +92,32 @@ class PlanReader {
 
   NumberDraw read_draw(const TomlTable& at) {
     std::vector<std::string_view> known(distribution_keys.begin(), distribution_keys.end());
-    known.push_back("key");
+    known.insert(known.end(), {"key", "also"});
     at.expect_only(known);
-    NumberDraw draw{at.text("key", "the key of a number in this file, as agent.uav0.start.p[0]"),
-                    read_distribution(at, any_number())};
-    if (std::find(keys_.begin(), keys_.end(), draw.key) == keys_.end()) {
-      const std::vector<std::string_view> all(keys_.begin(), keys_.end());
-      at.refuse("key", fmt::format("the key of a number that this file writes out, the nearest is \"{}\"",
-                                   nearest(shortened(draw.key, shown_size), all)));
+    NumberDraw draw{read_key(at), read_distribution(at, any_number())};
+    for (const TomlTable& inner : at.tables("also")) {
+      NumberDraw::Linked linked{read_key(inner)};
+      inner.read({{"times", &linked.times}, {"plus", &linked.plus}}, {"key"});
+      draw.also.push_back(linked);
     }
-    if (draw.key == "simulation.seed" || draw.key == "simulation.duration")
-      at.refuse("key", "another number, each run has the campaign's own seed and duration");
-    claim(at, "key", draw.key);
     return draw;
   }
 
  private:
+  /// Of a number of the file that a campaign may draw, once.
+  std::string read_key(const TomlTable& at) {
+    std::string key = at.text("key", "the key of a number in this file, as agent.uav0.start.p[0]");
+    if (std::find(keys_.begin(), keys_.end(), key) == keys_.end()) {
+      const std::vector<std::string_view> all(keys_.begin(), keys_.end());
+      at.refuse("key", fmt::format("the key of a number that this file writes out, the nearest is \"{}\"",
+                                   nearest(shortened(key, shown_size), all)));
+    }
+    if (key == "simulation.seed" || key == "simulation.duration")
+      at.refuse("key", "another number, each run has the campaign's own seed and duration");
+    claim(at, "key", key);
+    return key;
+  }
+
   std::string position_key(const std::string& name, int i) const {
     if (team_.is_agent(team_.find(name))) return fmt::format("agent.{}.start.p[{}]", name, i);
     const std::string target = fmt::format("target.{}.p[{}]", name, i);
