@@ -40,6 +40,36 @@ struct CommandedCart {
   static constexpr int heading_at = 4;
 };
 
+/// A point mass whose climb is braked by its cube.
+struct DraggedClimb {
+  static constexpr int nx = 6, nu = 3;
+  static constexpr std::string_view name = "dragged_climb";
+
+  template <class S>
+  std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
+    return {x[3], x[4], x[5], u[0] - x[3], u[1] - x[4], u[2] - x[5] - x[5] * x[5] * x[5]};
+  }
+  template <class S>
+  Pose<S> pose(const std::array<S, nx>& x) const {
+    return {{x[0], x[1], x[2]}, {S(1.0), S(0.0)}};
+  }
+  std::array<double, nx> at_rest(const Pose<double>& pose) const {
+    return {pose.p.x, pose.p.y, pose.p.z, 0, 0, 0};
+  }
+};
+
+TEST(Authority, OfARobotThatClimbsLateIsItsLagAndWhereItTurnsLateNoCorner) {
+  const Model px4{VelocityMultirotor{}};
+  const Authority a = authority_of(px4, px4.u_min(), px4.u_max());
+  EXPECT_NEAR(a.climb_lag, 0.35, 1e-4);
+  EXPECT_NEAR(a.climb, 1.0, 1e-3);
+  EXPECT_TRUE(a.climbs);
+  EXPECT_EQ(a.thrust_count, 0);
+  EXPECT_GT(a.acceleration, 2.0);
+  const Model at_once{Multirotor{}};
+  EXPECT_EQ(authority_of(at_once, at_once.u_min(), at_once.u_max()).climb_lag, 0.0);
+}
+
 TEST(Authority, OfTheMultirotorIsItsDragAndTheThrustOfOneAxis) {
   for (const Model& model : {Model(Multirotor{}), Model(AngleMultirotor{})}) {
     const Authority a = authority_of(model, lowest, highest);
@@ -133,11 +163,13 @@ TEST(Authority, IsRefusedWhereARobotCannotFleeAnyWay) {
       of_limits(Unicycle{}),
       "barrier: the commands of \"unicycle\" do not accelerate it in every horizontal direction at once, "
       "expected a robot that can flee any way");
-  EXPECT_EQ(of_limits(VelocityMultirotor{}),
-            "barrier: the height of \"velocity_multirotor\" does not follow its commands at once, expected a "
-            "vertical velocity that is commanded");
   EXPECT_EQ(of_limits(LaggingHoverMultirotor{}),
-            "barrier: the height of \"hover_multirotor\" does not follow its commands at once, expected a "
+            "barrier: the commands of \"hover_multirotor\" do not accelerate it in every horizontal "
+            "direction at once, "
+            "expected a robot that can flee any way");
+  EXPECT_EQ(of_limits(DraggedClimb{}),
+            "barrier: the height of \"dragged_climb\" follows its commands neither at once nor by one lag, "
+            "expected a "
             "vertical velocity that is commanded");
   const std::array<double, 4> one_sided = {0, -1, -1, -1};
   EXPECT_THROW(authority_of(Multirotor{}, one_sided, highest), std::invalid_argument);

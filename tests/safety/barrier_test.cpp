@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "cli/allocations.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/refusal.hpp"
@@ -390,6 +391,47 @@ TEST(Barrier, WithPartOfItsLimitsHeldForWindItKeepsTheDistanceFromFartherAway) {
       for (std::uint64_t seed = 0; seed < 25; ++seed)
         EXPECT_GE(test::duel(barrier, duel, seed).nearest, duel.d_hard) << "seed " << seed;
     }
+  }
+}
+
+// A robot of px4's numbers flies at a pursuer that is as fast in height as in the plane, up, down and at random.
+TEST(Barrier, KeepsTheDistanceAndTheFloorOfARobotThatClimbsAndTurnsLate) {
+  const Model px4{VelocityMultirotor{}};
+  const Barrier late(px4, px4.u_min(), px4.u_max(), control_period, {.floor = 0.3});
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    Random random(seed);
+    std::vector<double> x(static_cast<std::size_t>(px4.nx())), u(4), wanted(4);
+    const double psi = uniform(random, -3, 3);
+    px4.at_rest({{0, 0, uniform(random, 0.4, 2.5)}, {std::cos(psi), std::sin(psi)}}, x.data());
+    Neighbour other{.p = Vec3<double>{0, 0, x[2]} + 4.0 * test::any_direction(random, true),
+                    .d_hard = 1.0,
+                    .speed_max = 1.5};
+    if (late.reserve(x, other) < 0) continue;
+    Vec3<double> v{};
+    double nearest = 1e9, lowest_height = 1e9;
+    for (int k = 0; k < 1000; ++k) {
+      const Vec3<double> p = {x[0], x[1], x[2]};
+      if (k % (seed % 2 == 0 ? 50 : 1) == 0) {
+        const Vec3<double> aim =
+            p - other.p + (seed % 2 == 0 ? 0.8 : 0.0) * test::any_direction(random, true);
+        v = (1.5 / std::max(norm(aim), 1e-9)) * aim;
+      }
+      if (k % 50 == 0) {
+        for (std::size_t i = 0; i < 4; ++i) wanted[i] = uniform(random, -1, 1) * px4.u_max()[i];
+        if (seed % 3 == 0) wanted[2] = -1.0;
+        if (seed % 3 == 1) wanted[2] = other.p.z > p.z ? 1.0 : -1.0;
+      }
+      u = wanted;
+      EXPECT_FALSE(late.filter(x, std::span(&other, 1), px4.u_min(), px4.u_max(), u).conflict)
+          << seed << " at " << k;
+      px4.step(x.data(), u.data(), control_period);
+      (void)px4.normalise(x.data());
+      other.p = other.p + control_period * v;
+      nearest = std::min(nearest, norm(Vec3<double>{x[0], x[1], x[2]} - other.p));
+      lowest_height = std::min(lowest_height, x[2]);
+    }
+    EXPECT_GE(nearest, 1.0) << seed;
+    EXPECT_GE(lowest_height, 0.3 - 1e-6) << seed;
   }
 }
 

@@ -172,9 +172,9 @@ Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double
   if (!team_.is_agent(other)) return neighbour;
   if (supervisor_ && supervisor_->level(other) == FallbackLevel::grounded) {
     neighbour.speed_max = 0.0;
-  } else if (team_.model(robot).name() == model.name()) {
+  } else if (team_.model(robot).name() == model.name() && !robot_of(robot).barrier.climbs_late()) {
     neighbour.conduct = Conduct::member;
-    neighbour.part = robots_[static_cast<std::size_t>(&team_.agent(other) - team_.agents().data())].part;
+    neighbour.part = robot_of(other).part;
   }
   return neighbour;
 }

@@ -103,6 +103,9 @@ class Guard {
   double delay_of(BodyId body) const noexcept {
     return options_.command_delays.empty() ? 0.0 : options_.command_delays[at(body)];
   }
+  const Robot& robot_of(BodyId robot) const noexcept {
+    return robots_[static_cast<std::size_t>(&team_.agent(robot) - team_.agents().data())];
+  }
   Neighbour neighbour_of(BodyId robot, BodyId other, std::span<const double> x,
                          std::span<const double> u) const noexcept;
   void keep_distance(std::size_t robot, double t, std::span<const double> x, std::span<double> u) noexcept;

@@ -40,10 +40,21 @@ Vec3<double> acceleration(const Model& model, const Motion& at) {
   return (1.0 / difference) * (velocity(model, later) - velocity(model, at));
 }
 
+/// How fast the heading turns while the inputs are held [rad/s].
+double turning(const Model& model, const Motion& at) {
+  Motion later = at;
+  std::vector<double> rate(at.x.size());
+  model.f(at.x.data(), at.u.data(), rate.data());
+  for (std::size_t i = 0; i < rate.size(); ++i) later.x[i] += difference * rate[i];
+  const Vec2<double> d = model.sight(at.x.data(), at.u.data()).d,
+                     then = model.sight(later.x.data(), at.u.data()).d;
+  return (d.x * then.y - d.y * then.x) / difference;
+}
+
 /// Columns of the horizontal acceleration, and of the vertical velocity and acceleration, over the inputs.
 struct Columns {
   std::array<Vec2<double>, most_inputs> thrust{};
-  std::array<double, most_inputs> climb{};
+  std::array<double, most_inputs> climb{}, climb_later{};
   bool climbs = false, climbs_late = false;
 };
 
@@ -58,7 +69,7 @@ Columns columns(const Model& model, const Motion& at) {
     c.thrust[k] = {std::abs(a.x) > none ? a.x : 0.0, std::abs(a.y) > none ? a.y : 0.0};
     c.climb[k] = std::abs(climb) > none ? climb : 0.0;
     c.climbs = c.climbs || std::abs(climb) > none;
-    c.climbs_late = c.climbs_late || (std::abs(climb) <= none && std::abs(a.z) > none);
+    if (std::abs(climb) <= none && std::abs(a.z) > none) c.climb_later[k] = a.z, c.climbs_late = true;
   }
   return c;
 }
@@ -92,6 +103,8 @@ Strength strength(const Columns& c, const Vec2<double>& other, std::span<const d
 /// A state reached from rest in some heading under commands of all kinds, and the thrusts there.
 struct Place {
   Vec2<double> v, drift, heading;
+  double climb = 0.0, brake = 0.0;  // vertical speed, and its rate without commands
+  double turn = 0.0;                // rate of the heading without commands
   Columns columns;
 };
 
@@ -121,7 +134,8 @@ std::vector<Place> places(const Model& model, std::span<const double> u_min, std
         if (dot(resting.thrust[k], resting.thrust[k]) == 0) here.thrust[k] = {};
       }
       const Vec3<double> v = velocity(model, at), a = acceleration(model, at);
-      found.push_back({{v.x, v.y}, {a.x, a.y}, model.sight(at.x.data(), at.u.data()).d, here});
+      const Vec2<double> d = model.sight(at.x.data(), at.u.data()).d;
+      found.push_back({{v.x, v.y}, {a.x, a.y}, d, v.z, a.z, turning(model, at), here});
     }
   }
   return found;
@@ -156,6 +170,29 @@ void add_thrusts(const std::vector<Place>& all, double part, std::span<const dou
   }
 }
 
+/// tau of a vertical speed that follows its commands by one lag; 0 where they follow at once.
+/// @throws std::invalid_argument where they follow in another way
+double climb_lag_of(const Model& model, const std::vector<Place>& all) {
+  constexpr double fast = 1e-2, same = 1e-3;  // [m/s]; of the lag
+  const auto late = [](const Place& place) { return place.columns.climbs_late; };
+  if (std::none_of(all.begin(), all.end(), late)) return 0.0;
+  double lag = 0.0;
+  bool one = std::all_of(all.begin(), all.end(), late);
+  for (const Place& place : all) {
+    if (std::abs(place.climb) < fast) continue;
+    const double here = -place.climb / place.brake;
+    if (lag == 0) lag = here;
+    one = one && here > 0 && std::abs(here - lag) <= same * lag;
+  }
+  if (!one || lag == 0) {
+    throw std::invalid_argument(fmt::format(
+        "barrier: the height of \"{}\" follows its commands neither at once nor by one lag, expected a "
+        "vertical velocity that is commanded",
+        model.name()));
+  }
+  return lag;
+}
+
 }  // namespace
 
 double Authority::part(std::span<const double> u_min, std::span<const double> u_max) const noexcept {
@@ -175,23 +212,19 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
   }
   const std::vector<Place> all = places(model, u_min, u_max);
   Authority authority;
+  authority.climb_lag = climb_lag_of(model, all);
   authority.climb = std::numeric_limits<double>::infinity();
   double along = 0.0, speed = 0.0;
   for (const Place& place : all) {
     along -= dot(place.drift, place.v);
     speed += dot(place.v, place.v);
-    authority.climbs = authority.climbs || place.columns.climbs;
+    authority.climbs = authority.climbs || place.columns.climbs || place.columns.climbs_late;
     double climb = 0.0;
-    for (std::size_t k = 0; k < u_min.size(); ++k)
-      climb += std::abs(place.columns.climb[k]) * std::max(0.0, std::min(u_max[k], -u_min[k]));
-    authority.climb = std::min(authority.climb, climb);
-    if (place.columns.climbs_late) {
-      throw std::invalid_argument(
-          fmt::format("barrier: the height of \"{}\" does not follow its commands at once, expected a "
-                      "vertical velocity that is "
-                      "commanded",
-                      model.name()));
+    for (std::size_t k = 0; k < u_min.size(); ++k) {
+      const double rises = place.columns.climb[k] + authority.climb_lag * place.columns.climb_later[k];
+      climb += std::abs(rises) * std::max(0.0, std::min(u_max[k], -u_min[k]));
     }
+    authority.climb = std::min(authority.climb, climb);
   }
   authority.drag = speed > none ? std::max(along / speed, 0.0) : 0.0;
   Strength all_have = {std::numeric_limits<double>::infinity(), 1.0};
@@ -205,7 +238,7 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
   authority.free = all_have.part;
   for (std::size_t k = 0; k < u_min.size(); ++k) {
     const Columns& resting = all.front().columns;
-    if (dot(resting.thrust[k], resting.thrust[k]) > 0 || resting.climb[k] != 0)
+    if (dot(resting.thrust[k], resting.thrust[k]) > 0 || resting.climb[k] != 0 || resting.climb_later[k] != 0)
       authority.reach[k] = std::min(u_max[k], -u_min[k]);
   }
   if (!(authority.acceleration > none)) {
@@ -215,6 +248,9 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
                     "that can flee any way",
                     model.name()));
   }
+  // Where the heading goes on turning, no corner of the thrusts stays where it is; the disc does.
+  const auto turns_on = [](const Place& place) { return std::abs(place.turn) > none; };
+  if (std::any_of(all.begin(), all.end(), turns_on)) return authority;
   add_thrusts(all, all_have.part, u_min, u_max, authority);
   if (authority.thrust_count == 0) {
     throw std::invalid_argument(fmt::format(

@@ -79,17 +79,24 @@ Barrier::Next Barrier::next(std::span<const double> x, std::span<const double> u
   std::array<double, most_states> state;
   std::copy(x.begin(), x.end(), state.begin());
   model_.step(state.data(), u.data(), dt_);
-  const Sight<double> seen = model_.sight(state.data(), u.data());
-  return {seen.p, seen.d, {seen.v.x, seen.v.y}};
+  const Sight<double> seen = model_.sight(state.data(), u.data()), there = settled(seen);
+  return {there.p, seen.d, {seen.v.x, seen.v.y}, seen.p.z - there.p.z};
 }
 
-Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n, double part) const noexcept {
+/// At the height where the robot comes to rest without commands.
+Sight<double> Barrier::settled(Sight<double> self) const noexcept {
+  if (can_.climb_lag > 0) self.p.z += can_.climb_lag * self.v.z;
+  return self;
+}
+
+Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n, double part,
+                                double beside) const noexcept {
   const double age = std::max(n.age, 0.0);
   Tube tube{.r = self.p - n.p,
             .w = {self.v.x, self.v.y},
             .drift = {},
             .beta = part * b_,
-            .rho0 = n.d_hard + options_.margin + 3 * n.sigma,
+            .rho0 = n.d_hard + options_.margin + 3 * n.sigma + beside,
             .speed = 0.0,
             .growth = 0.0,
             .spread = 3 * options_.velocity_sigma,
@@ -165,7 +172,9 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
   // The ones that press most, by the distance left after a second of closing in.
   Bounded<int, most_neighbours> chosen;
   std::array<double, most_neighbours> key;
-  const bool all_fit = neighbours.size() <= most_neighbours;
+  // A height that follows late takes two rows for each.
+  const std::size_t most = can_.climb_lag > 0 ? most_neighbours / 2 : most_neighbours;
+  const bool all_fit = neighbours.size() <= most;
   bool all_known = true;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const Neighbour& n = neighbours[i];
@@ -182,15 +191,15 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
     const Vec3<double> w = n.conduct == Conduct::member ? self.v - n.v : self.v;
     const double D = std::max(norm(r), 1e-9);
     const double left = D - n.d_hard + dot(r, w) / D - (n.conduct == Conduct::member ? 0.0 : n.speed_max);
-    if (chosen.is_full() && left >= key[chosen.size() - 1]) continue;
-    if (!chosen.is_full()) chosen.push_back(-1);
+    if (chosen.size() == most && left >= key[most - 1]) continue;
+    if (chosen.size() < most) chosen.push_back(-1);
     std::size_t at = chosen.size() - 1;
     for (; at > 0 && key[at - 1] > left; --at) key[at] = key[at - 1], chosen[at] = chosen[at - 1];
     key[at] = left, chosen[at] = static_cast<int>(i);
   }
   for (const int i : chosen) {
-    Threat& threat =
-        rows.threats.push_back(this->threat(self, neighbours[static_cast<std::size_t>(i)], rows.part));
+    Threat& threat = rows.threats.push_back(
+        this->threat(self, neighbours[static_cast<std::size_t>(i)], rows.part, rows.beside));
     threat.neighbour = i;
     threat.reserve = threat.plan.reserve();
   }
@@ -202,7 +211,15 @@ void Barrier::add_neighbours(const Sight<double>& self, Heeded heeded, Rows& row
     const Threat& threat = rows.threats[k];
     if (heeded == Heeded::members && threat.conduct != Conduct::member) continue;
     for (std::size_t j = 0; j < threat.plan.count; ++j) {
-      rows.all.push_back(keep_away(self, rows, static_cast<int>(k), threat.plan.touches[j]));
+      Row row = keep_away(self, rows, static_cast<int>(k), threat.plan.touches[j]);
+      if (can_.climb_lag > 0) {
+        // rho has had |beside|, and is to have that of the next sample.
+        row.least -= rows.beside;
+        row.side = 1.0;
+        rows.all.push_back(row);
+        row.side = -1.0;
+      }
+      rows.all.push_back(row);
     }
   }
 }
@@ -259,7 +276,9 @@ void Barrier::add_cuts(const Sight<double>& self, const Next& there, Rows& rows)
     const double time = std::max(dt_, row.time + std::clamp(shift, -longest, longest));
     if (0.5 * row.curvature * square(time - row.time) < dip) continue;
     rows.all[i].cut = true;
-    rows.all.push_back(keep_away(self, rows, row.threat, plans_.touch(threat.tube, a, time)));
+    Row later = keep_away(self, rows, row.threat, plans_.touch(threat.tube, a, time));
+    if (row.side != 0) later.least -= rows.beside, later.side = rows.all[i].side;
+    rows.all.push_back(later);
   }
 }
 
@@ -320,6 +339,7 @@ double Barrier::solve(std::span<const double> x, const Sight<double>& self, cons
     linear.slope[k].p = (1.0 / difference) * (there.p - nominal.p);
     linear.slope[k].d = {(there.d.x - nominal.d.x) / difference, (there.d.y - nominal.d.y) / difference};
     linear.slope[k].v = {(there.v.x - nominal.v.x) / difference, (there.v.y - nominal.v.y) / difference};
+    linear.slope[k].beside = (there.beside - nominal.beside) / difference;
   }
   std::size_t taken = 0;
   std::array<double, most_inputs> at = linear.u;
@@ -359,8 +379,8 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
     result.violation = infinity;
     return result;
   }
-  const Sight<double> self = model_.sight(x.data(), u.data());
-  Rows rows{.part = part(u_min, u_max), .threats = {}, .all = {}};
+  const Sight<double> seen = model_.sight(x.data(), u.data()), self = settled(seen);
+  Rows rows{.part = part(u_min, u_max), .beside = std::abs(seen.p.z - self.p.z), .threats = {}, .all = {}};
   const bool all_known = find_threats(self, neighbours, rows);
   for (const Threat& threat : rows.threats) result.reserve = std::min(result.reserve, threat.reserve);
   const double joint = join(self, rows);
@@ -429,9 +449,9 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
 
 double Barrier::reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept {
   const std::array<double, most_inputs> at_rest{};
-  const Sight<double> self = model_.sight(x.data(), at_rest.data());
+  const Sight<double> seen = model_.sight(x.data(), at_rest.data()), self = settled(seen);
   if (!finite(neighbour) || is_far(self.p - neighbour.p)) return infinity;
-  return threat(self, neighbour, 1.0).plan.reserve();
+  return threat(self, neighbour, 1.0, std::abs(seen.p.z - self.p.z)).plan.reserve();
 }
 
 }  // namespace sightline

@@ -19,6 +19,9 @@
 ///   B = max over plans of min over neighbours and t >= 0 of |p_a(t) - c(t)| - rho(t) - d_hard
 ///
 /// Where no plan has B >= 0 the robot may be surrounded, and flies the best evasive trajectory (way_out.hpp).
+/// Where the vertical speed follows its command by one lag, the height at which the robot would come to rest, p_z + tau v_z,
+/// takes the place of p_z, and |tau v_z| is added to rho.
+///
 /// Floor, ceiling and world have priority. The mathematics, and the guarantee with its model and knowledge, are in
 /// docs/safety.md.
 ///
@@ -118,6 +121,9 @@ class Barrier {
     return filter(x, neighbours, u_min, u_max, u, none);
   }
 
+  /// Whether its height follows commands late; then no other robot can run this barrier as its cooperative neighbour.
+  bool climbs_late() const noexcept { return can_.climb_lag > 0; }
+
   /// B of one neighbour at a state [m].
   double reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept;
 
@@ -140,7 +146,9 @@ class Barrier {
   enum class Approach { slowing, at_once };  // of floor and ceiling
 
   Next next(std::span<const double> x, std::span<const double> u) const noexcept;
-  Threat threat(const Sight<double>& self, const Neighbour& neighbour, double part) const noexcept;
+  Threat threat(const Sight<double>& self, const Neighbour& neighbour, double part,
+                double beside) const noexcept;
+  Sight<double> settled(Sight<double> self) const noexcept;
   Row keep_away(const Sight<double>& self, const Rows& rows, int threat, const Touch& touch) const noexcept;
   bool find_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
                     Rows& rows) const noexcept;

@@ -118,7 +118,8 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
   const double down = can_.climbs ? std::max(0.0, self.p.z - options_.floor) : 0.0;
   const double climb = rows.part * options_.authority * can_.climb;
   for (const auto& [speed, room] : {std::pair{0.0, 0.0}, {climb, up}, {-climb, down}}) {
-    if (enough()) break;
+    // While a height follows late, a plan that climbs widens what lies between it and where it comes to rest.
+    if (enough() || (speed != 0 && can_.climb_lag > 0)) break;
     if (speed != 0 && room == 0) continue;
     for (const Vec2<double>& whole : joint_) {
       const Vec2<double> a_V = {rows.part * whole.x, rows.part * whole.y};

@@ -12,8 +12,9 @@ namespace sightline {
 
 /// What of the next sampled state counts.
 struct Barrier::Next {
-  Vec3<double> p;
+  Vec3<double> p;  // as Barrier::settled()
   Vec2<double> d, v;
+  double beside = 0.0;  // the height, over that at which the robot comes to rest
 };
 
 /// A neighbour and the plan to flee it.
@@ -37,10 +38,12 @@ struct Barrier::Row {
   double time, slope, curvature;  // of the threat's gap at the time that the row holds
   double e;                       // what a velocity is worth then
   bool cut;                       // a second row holds the time to which the command has moved it
+  double side = 0.0;              // 1 or -1: less side * beside, of a height that follows late
 
   double value(const Next& next) const {
     const Vec2<double> push = rotate(next.d, thrust);
-    return dot(n, next.p) + n.x * (E * next.v.x + push.x) + n.y * (E * next.v.y + push.y);
+    return dot(n, next.p) + n.x * (E * next.v.x + push.x) + n.y * (E * next.v.y + push.y) -
+           side * next.beside;
   }
   /// By how much it is missed [m].
   double missed(const Next& next) const { return least - value(next); }
@@ -51,7 +54,8 @@ struct Barrier::Rows {
     return {n, E, {}, least, wall, -1, 0.0, 0.0, 0.0, 0.0, false};
   }
 
-  double part;  // of the acceleration, which the limits leave
+  double part;    // of the acceleration, which the limits leave
+  double beside;  // by how much the height is not yet that at which the robot comes to rest [m]
   Bounded<Threat, most_neighbours> threats;
   Bounded<Row, most_half_spaces> all;
 };
