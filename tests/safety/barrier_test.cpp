@@ -191,6 +191,20 @@ TEST(Barrier, KeepsFloorCeilingAndTheWorldsBounds) {
   }
 }
 
+TEST(Barrier, KeepsItsMarginBesideTheWalls) {
+  const Barrier filter = barrier({.floor = 0.3, .ceiling = 2.0, .wall_margin = 0.1});
+  for (const double climb : {-1.0, 1.0}) {
+    State x = {0, 0, 1, 1, 0, 0, 0};
+    for (int k = 0; k < 500; ++k) {
+      Command u = {0, 0, climb, 0};
+      EXPECT_FALSE(filter.filter(x, {}, lowest, highest, u).conflict);
+      test::fly(Multirotor{}, x, u, control_period, [](const Vec3<double>&, double) {});
+    }
+    EXPECT_NEAR(x[2], climb < 0 ? 0.4 : 1.9, 1e-3);
+  }
+  EXPECT_THROW(barrier({.floor = 0.3, .ceiling = 0.4, .wall_margin = 0.1}), std::invalid_argument);
+}
+
 TEST(Barrier, KeepsTheFloorWhateverPressesFromAbove) {
   const Barrier filter = barrier({.floor = 0.3, .ceiling = 2.0, .world = 3.0});
   Random random(10);
