@@ -12,6 +12,7 @@
 #include "sightline/run/loop.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/model_world.hpp"
+#include "tests/support/period.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {
@@ -19,7 +20,8 @@ namespace {
 
 using testing::HasSubstr;
 using Numbers = std::vector<double>;
-constexpr double period = 0.01, half_period = 0.005;
+using test::control_period;
+constexpr double half_period = 0.005;
 
 // A robot of each kind alone in the world, and what its inputs reach.
 struct Alone {
@@ -59,12 +61,12 @@ class Wandering {
 // What follows the robot's commands before the solver: measured now, and where the plant is.
 struct Watched {
   Watched(const Alone& of, const RobotCompensation& how, const Disturbances& disturbances)
-      : compensation(of.team, {how}, period),
+      : compensation(of.team, {how}, control_period),
         plant(of.team, of.start, {.disturbances = disturbances, .period = half_period}),
         command(of.most) {}
 
   void step() {
-    const double t = period * k;
+    const double t = control_period * k;
     compensation.look(BodyId{0}, plant.x(), t);
     const auto now = compensation.ahead(t, plant.x());
     met.emplace_back(now.begin(), now.end());
@@ -140,13 +142,13 @@ double offset(const M& robot, const Vec3<double>& wind, double gain,
   std::array<double, M::nx> Q{};
   Q[0] = Q[1] = Q[2] = 1.5;
   team.add(robot, {.Q = Q, .x_ref = alone.start});
-  NewtonRiccati solver(team, {.T = 1.0, .N = 20, .dt = period});
+  NewtonRiccati solver(team, {.T = 1.0, .N = 20, .dt = control_period});
   ModelWorld world(team, alone.start,
                    {.disturbances = {.wind = wind, .input_delay = 0.1, .input_gain = gain}});
   SimulatedClock clock;
   Nowhere nowhere(sized_sample(team, {solver}));
   std::optional<Compensation> compensation;
-  if (!how.empty()) compensation.emplace(team, how, period);
+  if (!how.empty()) compensation.emplace(team, how, control_period);
   Loop loop(world, {solver}, clock, nowhere,
             {.duration = 20.0, .compensation = compensation ? &*compensation : nullptr});
   loop.run();
@@ -198,11 +200,11 @@ Inputs flown_in_wind(const std::vector<double>& rate_max) {
   Numbers there = alone.start;
   there[0] += 2.0, there[1] -= 2.0;
   team.add(Multirotor{}, {.Q = {3, 3, 3, 0, 0, 0, 0}, .x_ref = there, .rate_max = rate_max});
-  NewtonRiccati solver(team, {.T = 1.0, .N = 20, .dt = period});
+  NewtonRiccati solver(team, {.T = 1.0, .N = 20, .dt = control_period});
   ModelWorld world(team, alone.start, {.disturbances = {.wind = {0.7, 0.3, 0.0}}});
   SimulatedClock clock;
   Inputs inputs(sized_sample(team, {solver}));
-  Compensation compensation(team, {{BodyId{0}, 0.0, 0.5}}, period);
+  Compensation compensation(team, {{BodyId{0}, 0.0, 0.5}}, control_period);
   Loop loop(world, {solver}, clock, inputs, {.duration = 10.0, .compensation = &compensation});
   const LoopOutcome outcome = loop.run();
   EXPECT_EQ(outcome.refused, 0);
@@ -213,7 +215,7 @@ Inputs flown_in_wind(const std::vector<double>& rate_max) {
 double fastest(const std::vector<Numbers>& u) {
   double most = 0.0;
   for (std::size_t k = 1; k < u.size(); ++k)
-    most = std::max(most, greatest_difference(u[k], u[k - 1]) / period);
+    most = std::max(most, greatest_difference(u[k], u[k - 1]) / control_period);
   return most;
 }
 
@@ -245,7 +247,7 @@ TEST(Compensation, does_not_take_what_is_no_measurement) {
   // A wild one moves the estimate by no more than its share of the greatest rate.
   broken[5] = 1e6;
   watched.compensation.look(BodyId{0}, broken, 1.0);
-  EXPECT_LT(norm(watched.compensation.disturbance(BodyId{0})), 20.0 * period / 0.5);
+  EXPECT_LT(norm(watched.compensation.disturbance(BodyId{0})), 20.0 * control_period / 0.5);
 }
 
 TEST(Compensation, carries_on_what_nobody_steers_over_the_longest_delay) {
@@ -253,7 +255,7 @@ TEST(Compensation, carries_on_what_nobody_steers_over_the_longest_delay) {
   team.add(Multirotor{}, {.name = "quick"});
   team.add(Multirotor{}, {.name = "slow"});
   team.add(Obstacle{.name = "passing"});
-  Compensation compensation(team, {{BodyId{0}, 0.1}, {BodyId{1}, 0.3}}, period);
+  Compensation compensation(team, {{BodyId{0}, 0.1}, {BodyId{1}, 0.3}}, control_period);
   const Numbers x = {0, 0, 1, 1, 0, 0.5, 0, /**/ 0, 2, 1, 1, 0, 0, 0, /**/ 5, 5, 1, -1.0, 0.5, 0};
   const auto met = compensation.ahead(0.0, x);
   EXPECT_NEAR(met[14], 5 - 0.3, 1e-12);
@@ -267,7 +269,7 @@ TEST(Compensation, refuses_what_cannot_be) {
   team.add(Multirotor{}, {.name = "uav0"});
   team.add(Obstacle{.name = "rock"});
   const auto refusal = [&](const std::vector<RobotCompensation>& robots) {
-    return refusal_of([&] { Compensation(team, robots, period); });
+    return refusal_of([&] { Compensation(team, robots, control_period); });
   };
   EXPECT_EQ(refusal({{BodyId{0}, 0.2, 0.5}}), "");
   EXPECT_THAT(refusal({{BodyId{1}, 0.2}}), HasSubstr("body 1 is compensated, expected a robot of the team"));
