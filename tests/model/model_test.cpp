@@ -50,8 +50,8 @@ class RobotLaws : public testing::Test {
     return s;
   }
 
-  static std::array<double, 8> numbers(const Sight<double>& s) {
-    std::array<double, 8> row;
+  static std::array<double, sight_size> numbers(const Sight<double>& s) {
+    std::array<double, sight_size> row;
     write_sight(s, row);
     return row;
   }

@@ -49,7 +49,7 @@ TEST(TextRobot, IsTheStructOfItsFormulasBitForBit) {
     text.f(x.data(), u.data(), rate.data());
     model.f(x.data(), u.data(), expected.data());
     EXPECT_EQ(rate, expected);
-    std::array<double, 8> seen, seen_expected;
+    std::array<double, sight_size> seen, seen_expected;
     write_sight(text.sight(x.data(), u.data()), seen);
     write_sight(model.sight(x.data(), u.data()), seen_expected);
     EXPECT_EQ(seen, seen_expected);
