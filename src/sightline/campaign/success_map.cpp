@@ -69,7 +69,7 @@ std::string to_svg(const SuccessMap& map, const std::string& title) {
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
       "aria-label=\"{2}\" font-family=\"system-ui, sans-serif\" font-size=\"12\" fill=\"currentColor\">\n"
-      "<text x=\"{3}\" y=\"12\" text-anchor=\"centre\">{2}</text>\n",
+      "<text x=\"{3}\" y=\"12\" text-anchor=\"middle\">{2}</text>\n",
       2 * centre, 2 * centre + 20, escaped(title), centre);
   for (int ring = 0; ring < map.rings; ++ring) {
     for (int sector = 0; sector < map.sectors; ++sector) {
@@ -99,7 +99,7 @@ std::string to_svg(const SuccessMap& map, const std::string& title) {
   }
   svg += fmt::format(
       "<path d=\"M {} L {} L {} Z\"><title>nose up</title></path>\n"
-      "<text x=\"{}\" y=\"{}\" text-anchor=\"centre\">behind</text>\n</svg>",
+      "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">behind</text>\n</svg>",
       place(9, 0), place(7, 2.5), place(7, -2.5), centre, 2 * centre + 4);
   return svg;
 }
