@@ -1,9 +1,9 @@
 #include "sightline/record/planned_view.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
 
 namespace sightline {
@@ -50,7 +50,7 @@ void PlannedView::add(const Team& team, const Observation& pair, const Sample& s
 }
 
 double PlannedView::rms() const {
-  if (compared_ == 0) return std::numeric_limits<double>::quiet_NaN();
+  if (compared_ == 0) return no_value;
   return std::sqrt(squares_ / static_cast<double>(compared_));
 }
 

@@ -10,8 +10,6 @@
 #include "sightline/potential/protection.hpp"
 
 namespace sightline {
-namespace {}  // namespace
-
 std::vector<Observation> observations(std::span<const Coupling> couplings) {
   std::vector<Observation> found;
   const auto same = [](const Observation& o, BodyId a, BodyId b) { return o.observer == a && o.target == b; };

@@ -22,8 +22,8 @@ struct Authority {
   int thrust_count = 0;
   bool turns = false;   ///< g_k are of V and turn with the heading; else of G
   bool climbs = false;  ///< commands change the height
-  double climb_lag =
-      0.0;  ///< tau of a vertical speed that follows late, v_z\' = (b u - v_z) / tau; 0: at once [s]
+  /// tau of a vertical speed that follows late, v_z' = (b u - v_z) / tau; 0: at once [s]
+  double climb_lag = 0.0;
   double climb = 0.0;             ///< vertical speed that can be had both up and down [m/s]
   std::array<double, 4> reach{};  ///< what each input can do either way; 0: it neither pushes nor climbs
   double free = 1.0;              ///< part of what the inputs push that makes up for nothing else, in (0, 1]
