@@ -2,13 +2,13 @@
 # Flights in the world "rotors" for sections of acceptance scripts, to be sourced after sections.sh.
 sightline=${build:?}/bin/sightline
 
-# cooperative_localization with two vehicles.  $1: preset, of the vehicles and of the hover_multirotor that plans them; $2: keys of
-# each robot, one a line; further arguments: of sed -E, on the scenario.
+# cooperative_localization, or TEAM, with two vehicles.  $1: preset, of the vehicles and of the hover_multirotor that plans them;
+# $2: keys of each robot, one a line; further arguments: of sed -E, on the scenario.
 rotor_team() {
   local preset=$1 keys=$2
   shift 2
   sed -E -e 's/^compare = .*//' -e "s/^robot = \"multirotor\".*/robot = \"hover_multirotor\"${keys:+\\n${keys//$'\n'/\\n}}/" \
-    -e "s/^parameters = .*/parameters = { preset = \"$preset\" }/" "$@" scenarios/cooperative_localization.toml
+    -e "s/^parameters = .*/parameters = { preset = \"$preset\" }/" "$@" "scenarios/${TEAM:-cooperative_localization}.toml"
   printf '\n[world]\nkind = "rotors"\n\n[agent.uav0.vehicle]\npreset = "%s"\n\n[agent.uav1.vehicle]\npreset = "%s"\n' "$preset" "$preset"
 }
 
