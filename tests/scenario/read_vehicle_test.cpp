@@ -53,6 +53,15 @@ TEST(ReadVehicle, AMultirotorIsAnX500WhereNothingIsSaidAndARoverNone) {
   EXPECT_THAT(summary(scenario), Not(HasSubstr("wind")));
 }
 
+TEST(ReadVehicle, APointMassIsAVehicleWhereItHasATableAndElseAPoint) {
+  std::string point = two;
+  point.replace(point.find("multirotor"), std::string("multirotor").size(), "point_mass");
+  EXPECT_TRUE(scenario_of(point).vehicles.empty());
+  const Scenario scenario = scenario_of(point + "\n[agent.uav.vehicle]\npreset = \"crazyflie\"\n");
+  ASSERT_EQ(scenario.vehicles.size(), 1u);
+  EXPECT_EQ(scenario.vehicles[0].preset, "crazyflie");
+}
+
 TEST(ReadVehicle, APresetIsTheStartForTheNumbersThatAreGiven) {
   const Vehicle v =
       scenario_of(uav("preset = \"crazyflie\"\nmass = 0.035\ntilt_max = 0.3\ndrag = [0.01, 0.02, 0.03]\n"))

@@ -28,7 +28,7 @@ Wrench asked(const Vehicle& v, FlightController& controller, const RigidBody& bo
   return test::wrench(v, controller.update(body, rotation(body.q), u));
 }
 
-TEST(FlightController, KnowsWhatTheInputsOfEachMultirotorCommandAndOfNoOtherRobot) {
+TEST(FlightController, KnowsWhatTheInputsOfEachRobotCommandThatCanFly) {
   EXPECT_EQ(commands_of(Multirotor{}), Commands::tilt);
   EXPECT_EQ(commands_of(AngleMultirotor{}), Commands::tilt);
   EXPECT_EQ(commands_of(HoverMultirotor{}), Commands::tilt);
@@ -37,12 +37,12 @@ TEST(FlightController, KnowsWhatTheInputsOfEachMultirotorCommandAndOfNoOtherRobo
   EXPECT_EQ(commands_of(LaggedMultirotor<Lags::plane>{}), Commands::velocity);
   EXPECT_EQ(commands_of(OmniRover{}), std::nullopt);
   EXPECT_EQ(commands_of(Unicycle{}), std::nullopt);
-  EXPECT_EQ(commands_of(PointMass{}), std::nullopt);
+  EXPECT_EQ(commands_of(PointMass{}), Commands::full_state);
 }
 
 TEST(FlightController, AtRestAndWithoutCommandItAsksForTheWeightAndNoTorque) {
   for (const auto& preset : Vehicle::presets()) {
-    for (const Commands commands : {Commands::tilt, Commands::velocity}) {
+    for (const Commands commands : {Commands::tilt, Commands::velocity, Commands::full_state}) {
       FlightController controller(preset.part, commands);
       const Wrench w = asked(preset.part, controller, body_of(preset.part), {});
       EXPECT_NEAR(w.thrust, preset.part.weight(), 1e-12);
@@ -109,9 +109,36 @@ TEST(FlightController, NeverAsksForMoreTiltThanTheLimitUnderVelocityCommands) {
   }
 }
 
+TEST(FlightController, FullStateCommandsAskForTheirAccelerationAtOnceAndForTheWayToTheirTrajectory) {
+  const Vehicle v = Vehicle::x500();
+  FlightController controller(v, Commands::full_state);
+  EXPECT_NEAR(asked(v, controller, body_of(v), {0, 0, 1.0, 0}).thrust, v.mass * (gravity + 1.0), 0.1);
+  controller.begin();
+  EXPECT_GT(asked(v, controller, body_of(v), {1.0, 0, 0, 0}).torque.y, 0.0);
+  controller.begin();
+  asked(v, controller, body_of(v), {});  // its trajectory rests here
+  RigidBody moved = body_of(v);
+  moved.p = moved.p + Vec3<double>{0, 0.2, 0};
+  EXPECT_GT(asked(v, controller, moved, {}).torque.x, 0.0) << "back, to the right";
+  controller.begin();
+  moved.q = turned({0, 0, 1}, 0.3);
+  EXPECT_LT(asked(v, controller, moved, {}).torque.z, 0.0) << "heads along x";
+}
+
+TEST(FlightController, TheTrajectoryOfFullStateCommandsWaitsForABodyThatCannotFollow) {
+  const Vehicle v = Vehicle::x500();
+  FlightController controller(v, Commands::full_state);
+  for (int k = 0; k < 500; ++k) asked(v, controller, body_of(v), {8.0, 0, 0, 0});  // held for 1 s: 4 m, 8 m/s
+  const double lean = asked(v, controller, body_of(v), {}).torque.y;
+  controller.begin();
+  EXPECT_GT(lean, asked(v, controller, body_of(v), {2.0, 0, 0, 0}).torque.y);
+  controller.begin();
+  EXPECT_LT(lean, asked(v, controller, body_of(v), {3.5, 0, 0, 0}).torque.y);
+}
+
 TEST(FlightController, IsFiniteForAnyFiniteBodyAndCommand) {
   const Vehicle v = Vehicle::crazyflie();
-  for (const Commands commands : {Commands::tilt, Commands::velocity}) {
+  for (const Commands commands : {Commands::tilt, Commands::velocity, Commands::full_state}) {
     FlightController controller(v, commands);
     for (const double angle : {0.0, 1.0, std::numbers::pi / 2, std::numbers::pi}) {
       RigidBody body = body_of(v);

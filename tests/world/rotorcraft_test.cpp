@@ -223,6 +223,26 @@ TEST(Rotorcraft, VelocityCommandsAreReachedWithoutOffsetInWindToo) {
   }
 }
 
+// Accelerates, coasts and brakes, upward as well, in wind: where a point mass would be.
+TEST(Rotorcraft, FullStateCommandsFlyThePathOfAPointMass) {
+  for (const Vehicle& v : all_vehicles()) {
+    Rotorcraft craft = hovering(v, Commands::full_state);
+    const Vec3<double> air = v.air({0.3, -0.2, 0});
+    Vec3<double> p = craft.body().p, speed{};
+    double worst = 0.0;
+    for (int k = 0; k < 20000; ++k) {
+      const double push = k < 10000 ? 0.0 : k < 11000 ? 0.8 : k >= 14000 && k < 15000 ? -0.8 : 0.0;
+      const Vec3<double> a = {push, 0.5 * push, 0.25 * push};
+      craft.step({a.x, a.y, a.z, 0}, air);
+      speed = speed + h * a;
+      p = p + h * speed;
+      if (k > 10000) worst = std::max(worst, norm(craft.body().p - p));
+    }
+    EXPECT_LT(worst, 0.3);
+    EXPECT_LT(norm(craft.body().p - p), 0.1) << "what is left decays with the integral";
+  }
+}
+
 TEST(Rotorcraft, AirThatMovesAcceleratesItInHoverAsTheWindIsMeant) {
   for (const Vehicle& v : all_vehicles()) {
     Rotorcraft craft = hovering(v);

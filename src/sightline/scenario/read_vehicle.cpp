@@ -16,16 +16,17 @@ std::optional<RobotVehicle> read_vehicle(const TomlTable& agent, const Model& mo
   constexpr std::string_view key = "vehicle";
   const auto worlds = agent.parts().worlds.with_vehicles();
   const bool has_vehicles = std::find(worlds.begin(), worlds.end(), world) != worlds.end();
-  const bool can_be_one = commands_of(model).has_value();
+  const std::optional<Commands> commands = commands_of(model);
   if (agent.has(key) && !has_vehicles) {
     agent.refuse(key, fmt::format("no such table in the world \"{}\", only with world.kind = \"{}\"", world,
                                   fmt::join(worlds, "\" or \"")));
   }
-  if (agent.has(key) && !can_be_one) {
+  if (agent.has(key) && !commands) {
     agent.refuse(key, fmt::format("no such table, the robot {} is no vehicle: those are {}", model.name(),
                                   robots_with_vehicles()));
   }
-  if (!has_vehicles || !can_be_one) return std::nullopt;
+  if (!has_vehicles || !commands) return std::nullopt;
+  if (commands == Commands::full_state && !agent.has(key)) return std::nullopt;  // a point may stay one
 
   const TomlTable at = agent.table_or_empty(key);
   const VehicleOfModel of_model = agent.parts().worlds.of_model(world);

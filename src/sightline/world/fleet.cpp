@@ -13,8 +13,8 @@ namespace sightline {
 namespace {
 
 /// What the states of planning models show of a vehicle.
-constexpr std::array<std::string_view, 12> shown_names = {"p_x", "p_y", "p_z", "d_x", "d_y", "psi",
-                                                          "v_f", "v_s", "v_z", "r",   "a_f", "a_s"};
+constexpr std::array<std::string_view, 14> shown_names = {"p_x", "p_y", "p_z", "d_x", "d_y", "psi", "v_f",
+                                                          "v_s", "v_x", "v_y", "v_z", "r",   "a_f", "a_s"};
 using ShownNumbers = std::array<double, shown_names.size()>;
 
 /// Of each state of the model, which of them it is.
@@ -44,8 +44,10 @@ Fleet::Fleet(const Team& team, const std::vector<RobotVehicle>& vehicles)
     int& craft = craft_of_[at(one.robot)];
     if (craft >= 0) refuse("{} is two vehicles, expected one", team.name(one.robot));
     craft = static_cast<int>(crafts_.size());
-    crafts_.push_back(
-        {.robot = one.robot, .flown = Rotorcraft(one.vehicle, *commands), .shown = shown_by(model)});
+    crafts_.push_back({.robot = one.robot,
+                       .flown = Rotorcraft(one.vehicle, *commands),
+                       .shown = shown_by(model),
+                       .inputs = model.nu()});
   }
 }
 
@@ -58,16 +60,16 @@ void Fleet::begin(BodyId robot, double, const double* x) noexcept {
   Craft& craft = crafts_[size(craft_of_[at(robot)])];
   ShownNumbers n{};
   for (std::size_t i = 0; i < craft.shown.size(); ++i) n[craft.shown[i]] = x[i];
-  const auto [p_x, p_y, p_z, d_x, d_y, psi, v_f, v_s, v_z, r, a_f, a_s] = n;
+  const auto [p_x, p_y, p_z, d_x, d_y, psi, v_f, v_s, v_x, v_y, v_z, r, a_f, a_s] = n;
   const bool has_angle = d_x == 0 && d_y == 0;
   const Vec2<double> d = has_angle ? Vec2<double>{cos(psi), sin(psi)} : Vec2<double>{d_x, d_y};
   const Vec2<double> v = rotate<double>(d, {v_f, v_s});
-  craft.flown.begin({p_x, p_y, p_z}, d, {v.x, v.y, v_z}, r);
+  craft.flown.begin({p_x, p_y, p_z}, d, {v.x + v_x, v.y + v_y, v_z}, r);
 }
 
 void Fleet::steer(BodyId robot, const double* u, const Vec3<double>& acceleration) noexcept {
   Craft& craft = crafts_[size(craft_of_[at(robot)])];
-  std::copy_n(u, craft.commands.size(), craft.commands.begin());
+  std::copy_n(u, craft.inputs, craft.commands.begin());
   craft.air = craft.flown.vehicle().air(acceleration);
   craft.steered = true;
 }
@@ -86,9 +88,9 @@ void Fleet::show(BodyId robot, double* x) const noexcept {
   const Vec3<double> thrust = craft.flown.attitude().z;
   const double lean = gravity / std::max(thrust.z, 0.1);  // finite, however it tumbles
   const Vec2<double> a = rotate<double>({d.x, -d.y}, {lean * thrust.x, lean * thrust.y});
-  const ShownNumbers n = {
-      body.p.x, body.p.y, body.p.z, d.x, d.y, atan2(d.y, d.x), v.x, v.y, body.v.z, craft.flown.heading_rate(),
-      a.x,      a.y};
+  const ShownNumbers n = {body.p.x, body.p.y, body.p.z, d.x,      d.y,      atan2(d.y, d.x),
+                          v.x,      v.y,      body.v.x, body.v.y, body.v.z, craft.flown.heading_rate(),
+                          a.x,      a.y};
   for (std::size_t i = 0; i < craft.shown.size(); ++i) x[i] = n[craft.shown[i]];
 }
 

@@ -17,7 +17,7 @@ namespace sightline {
 ///
 ///   p            of the centre of mass
 ///   d or psi     of the body's x axis, seen from above
-///   v_f, v_s     velocity along d and to its left, level;   v_z   upward;   r   rate of psi
+///   v_f, v_s     velocity along d and to its left, level;   v_x, v_y   in G;   v_z   upward;   r   rate of psi
 class Fleet : public RobotDynamics {
  public:
   /// @throws std::invalid_argument for a vehicle that cannot be, of a robot that cannot be one, or twice of one robot
@@ -37,7 +37,8 @@ class Fleet : public RobotDynamics {
     BodyId robot;
     Rotorcraft flown;
     std::vector<std::size_t> shown;    ///< of each state, which number of those that a vehicle shows
-    std::array<double, 4> commands{};  ///< inputs in force
+    int inputs;                        ///< of the robot
+    std::array<double, 4> commands{};  ///< those in force
     Vec3<double> air{};                ///< its velocity in G [m/s]
     bool steered = false;              ///< in this move; else it rests
   };

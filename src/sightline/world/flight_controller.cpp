@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "sightline/model/hover_multirotor.hpp"
+#include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
 
@@ -17,16 +18,27 @@ struct Commanded {
   std::string_view robot;
   Commands commands;
 };
-constexpr std::array<Commanded, 4> commanded = {{{Multirotor::name, Commands::tilt},
+constexpr std::array<Commanded, 5> commanded = {{{Multirotor::name, Commands::tilt},
                                                  {AngleMultirotor::name, Commands::tilt},
                                                  {HoverMultirotor::name, Commands::tilt},
-                                                 {VelocityMultirotor::name, Commands::velocity}}};
+                                                 {VelocityMultirotor::name, Commands::velocity},
+                                                 {PointMass::name, Commands::full_state}}};
 
 constexpr double steepest = 1.2;             // tilt that is asked for, where inputs are beyond 1 [rad]
 constexpr double climb_most = 4.0;           // vertical acceleration [m/s^2]
 constexpr double climb_integral_most = 2.0;  // [m/s^2]
 constexpr double least_lift = 0.5;           // cosine of the tilt that the collective makes up for
 constexpr double damping_rate = 30.0;        // of the filter of the acceleration [1/s]
+constexpr double lead_p_most = 0.5;          // of a full-state trajectory before the body [m]
+constexpr double lead_v_most = 1.0;          // [m/s]
+constexpr double heading_gain = 2.0;         // yaw rate over heading, under full-state commands [1/s]
+
+/// The nearest to `to` within that distance of `from`.
+Vec3<double> within(const Vec3<double>& to, const Vec3<double>& from, double most) noexcept {
+  const Vec3<double> way = to - from;
+  const double length = norm(way);
+  return length > most ? from + (most / length) * way : to;
+}
 
 }  // namespace
 
@@ -37,9 +49,11 @@ std::optional<Commands> commands_of(const Model& robot) {
   return std::nullopt;
 }
 
-std::string robots_with_vehicles() {
+std::string robots_with_vehicles(std::span<const Commands> of) {
   std::vector<std::string_view> names;
-  for (const Commanded& one : commanded) names.push_back(one.robot);
+  for (const Commanded& one : commanded) {
+    if (of.empty() || std::find(of.begin(), of.end(), one.commands) != of.end()) names.push_back(one.robot);
+  }
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -52,10 +66,16 @@ void FlightController::begin() noexcept {
   first_ = true;
 }
 
-/// Level acceleration by the velocity's error, integral and rate; in G.
-Vec3<double> FlightController::velocity_acceleration(const RigidBody& body, const Vec2<double>& d,
-                                                     const std::array<double, 4>& u) noexcept {
-  const Vec2<double> wanted = rotate<double>(d, {u[0], u[1]});
+/// The next point of the trajectory of full-state commands.
+void FlightController::lead(const RigidBody& body, const Vec3<double>& a) noexcept {
+  if (first_) lead_p_ = body.p, lead_v_ = body.v;
+  lead_v_ = within(lead_v_ + period * a, body.v, lead_v_most);
+  lead_p_ = within(lead_p_ + period * lead_v_, body.p, lead_p_most);
+}
+
+/// Level acceleration by the velocity's error, integral and rate, beside what is asked for ahead; in G.
+Vec3<double> FlightController::velocity_acceleration(const RigidBody& body, const Vec3<double>& wanted,
+                                                     const Vec3<double>& ahead) noexcept {
   const Vec2<double> error = {wanted.x - body.v.x, wanted.y - body.v.y};
   if (first_) v_before_ = {body.v.x, body.v.y};
   first_ = false;
@@ -64,9 +84,11 @@ Vec3<double> FlightController::velocity_acceleration(const RigidBody& body, cons
   acceleration_.y += share * ((body.v.y - v_before_.y) / period - acceleration_.y);
   v_before_ = {body.v.x, body.v.y};
   const Vehicle& c = vehicle_;
-  Vec3<double> a = {c.velocity_gain * error.x + velocity_integral_.x - c.velocity_damping * acceleration_.x,
-                    c.velocity_gain * error.y + velocity_integral_.y - c.velocity_damping * acceleration_.y,
-                    0.0};
+  const auto part = [&](double missing, double integral, double rate, double asked) {
+    return c.velocity_gain * missing + integral - c.velocity_damping * (rate - asked) + asked;
+  };
+  Vec3<double> a = {part(error.x, velocity_integral_.x, acceleration_.x, ahead.x),
+                    part(error.y, velocity_integral_.y, acceleration_.y, ahead.y), 0.0};
   const double most = gravity * std::tan(c.tilt_limit), size = norm(a.x, a.y);
   if (size > most) return (most / size) * a;  // and the integral waits
   velocity_integral_.x += c.velocity_integral * period * error.x;
@@ -80,11 +102,28 @@ Thrusts FlightController::update(const RigidBody& body, const Rotation& R,
   const Vec2<double> d = heading(R);
   const bool tilts = commands_ == Commands::tilt;
 
+  Vec3<double> wanted{}, ahead{};  // velocity and acceleration, in G
+  double yaw_rate = 0.0;
+  if (tilts) {
+    wanted.z = c.climb_max * u[2];
+    yaw_rate = c.yaw_max * u[3];
+  } else if (commands_ == Commands::velocity) {
+    const Vec2<double> v = rotate<double>(d, {u[0], u[1]});
+    wanted = {v.x, v.y, u[2]};
+    yaw_rate = u[3];
+  } else {
+    ahead = {u[0], u[1], u[2]};
+    lead(body, ahead);
+    wanted = lead_v_ + c.position_gain * (lead_p_ - body.p);
+    yaw_rate = std::clamp(-heading_gain * atan2(d.y, d.x), -c.yaw_max, c.yaw_max);
+  }
+
   // Climb first: its acceleration is part of what velocity commands ask the thrust for.
-  const double climb_error = (tilts ? c.climb_max * u[2] : u[2]) - body.v.z;
+  const double climb_error = wanted.z - body.v.z;
   climb_integral_ = std::clamp(climb_integral_ + c.climb_integral * period * climb_error,
                                -climb_integral_most, climb_integral_most);
-  const double climb = std::clamp(c.climb_gain * climb_error + climb_integral_, -climb_most, climb_most);
+  const double climb =
+      std::clamp(c.climb_gain * climb_error + climb_integral_ + ahead.z, -climb_most, climb_most);
 
   Vec3<double> push;
   if (tilts) {
@@ -94,10 +133,9 @@ Thrusts FlightController::update(const RigidBody& body, const Rotation& R,
     const Vec2<double> a = rotate<double>(d, {level_push(u[0]), -level_push(u[1])});
     push = {a.x, a.y, gravity};
   } else {
-    push = velocity_acceleration(body, d, u);
+    push = velocity_acceleration(body, wanted, ahead);
     push.z = gravity + climb;
   }
-  const double yaw_rate = tilts ? c.yaw_max * u[3] : u[3];
 
   // The shortest turn that brings the thrust there.
   const Vec3<double> to = R.to_B((1 / norm(push)) * push);

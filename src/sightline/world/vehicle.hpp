@@ -46,6 +46,7 @@ struct Vehicle {
   double attitude_gain = 6.5;
   double rate_gain = 20.0;
   double yaw_gain = 6.0;
+  double position_gain = 0.95;
   double velocity_gain = 1.8;
   double velocity_integral = 0.4;
   double velocity_damping = 0.2;
@@ -91,6 +92,8 @@ struct Vehicle {
         parameter("rate_gain", &V::rate_gain, "1/s", gain,
                   "angular acceleration over rate error, about x and y"),
         parameter("yaw_gain", &V::yaw_gain, "1/s", gain, "the same about z"),
+        parameter("position_gain", &V::position_gain, "1/s", from_zero,
+                  "velocity over position error, under full-state commands"),
         parameter("velocity_gain", &V::velocity_gain, "1/s", from_zero, "acceleration over velocity error"),
         parameter("velocity_integral", &V::velocity_integral, "1/s^2", from_zero, "and over its integral"),
         parameter("velocity_damping", &V::velocity_damping, "", from_zero, "and over the acceleration"),

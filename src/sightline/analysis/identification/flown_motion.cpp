@@ -29,10 +29,16 @@ SeenMotion seen(const Model& model, const double* x, const std::array<double, 4>
   return {s.p, psi, v.x, v.y};
 }
 
+constexpr std::array identified = {Commands::tilt, Commands::velocity};
+bool identifies(const Model& model) {
+  const auto commands = commands_of(model);
+  return commands && std::find(identified.begin(), identified.end(), *commands) != identified.end();
+}
+
 std::vector<std::string_view> multirotors(const Team& team) {
   std::vector<std::string_view> names;
   for (int i = 0; i < team.bodies(); ++i) {
-    if (team.is_agent(BodyId{i}) && commands_of(team.model(BodyId{i}))) names.push_back(team.name(BodyId{i}));
+    if (team.is_agent(BodyId{i}) && identifies(team.model(BodyId{i}))) names.push_back(team.name(BodyId{i}));
   }
   return names;
 }
@@ -60,14 +66,14 @@ AgentId identified_robot(const Team& team, const std::string& name) {
     if (known.size() == 1) return AgentId{team.find(known.front())};
     if (known.empty())
       refuse("--agent is missing and no robot is a multirotor, expected one of the kind {}",
-             robots_with_vehicles());
+             robots_with_vehicles(identified));
     refuse("--agent is missing, expected one of {}", fmt::join(known, ", "));
   }
   const BodyId body = team.find(name);
   if (body.index < 0) refuse("--agent = {}, expected one of {}", name, fmt::join(known, ", "));
-  if (!team.is_agent(body) || !commands_of(team.model(body)))
+  if (!team.is_agent(body) || !identifies(team.model(body)))
     refuse("--agent = {} is of the kind {}, expected a multirotor: {}", name, team.model(body).name(),
-           robots_with_vehicles());
+           robots_with_vehicles(identified));
   return AgentId{body};
 }
 
