@@ -203,11 +203,15 @@ TEST(ReadVehicle, RefusesAWorldThatCannotBe) {
 TEST(ReadVehicle, TheDocumentHasTheParametersAsTheCodeSaysThem) {
   std::ostringstream text;
   text << std::ifstream(SIGHTLINE_SOURCE_DIR "/docs/vehicles.md").rdbuf();
-  for (const ParameterText& p : parameter_texts(Vehicle{})) {
-    const std::string unit = p.unit.empty() ? "" : fmt::format(" {}", p.unit);
-    EXPECT_THAT(text.str(), HasSubstr(fmt::format("| `{}` | {}{} | {} | {} |\n", p.key, p.fallback, unit,
-                                                  p.range, p.meaning)));
-  }
+  const auto described = [&](const auto& part) {
+    for (const ParameterText& p : parameter_texts(part)) {
+      const std::string unit = p.unit.empty() ? "" : fmt::format(" {}", p.unit);
+      EXPECT_THAT(text.str(), HasSubstr(fmt::format("| `{}` | {}{} | {} | {} |\n", p.key, p.fallback, unit,
+                                                    p.range, p.meaning)));
+    }
+  };
+  described(Vehicle{});
+  described(Odometry{});
 }
 
 /// What a flight of cooperative_localization shows from 10 s on.

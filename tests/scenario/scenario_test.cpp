@@ -194,14 +194,16 @@ TEST(Scenario, limits_may_change_over_time) {
 }
 
 TEST(Scenario, each_disturbance_sets_its_field) {
-  const Scenario s =
-      parse_scenario(robots(1) +
-                         "[simulation]\nseed = 7\nsettle = 8\nrms_from = 9\n[simulation.disturbance]\n"
-                         "wind = [1, 2, 3]\ngust = { sigma = 4, time = 5 }\n"
-                         "airflow = { amplitude = 6, distance = 7, frequency = 8 }\ninput_delay = 0.5\n"
-                         "yaw_lag = 0.25\ninput_gain = 0.9\ndelay = 0.125\n"
-                         "noise = { position = 0.1, heading = 0.2, velocity = 0.3 }\n",
-                     "a.toml");
+  const Scenario s = parse_scenario(
+      robots(1) +
+          "[simulation]\nseed = 7\nsettle = 8\nrms_from = 9\n[simulation.disturbance]\n"
+          "wind = [1, 2, 3]\ngust = { sigma = 4, time = 5 }\n"
+          "airflow = { amplitude = 6, distance = 7, frequency = 8 }\ninput_delay = 0.5\n"
+          "yaw_lag = 0.25\ninput_gain = 0.9\ndelay = 0.125\n"
+          "noise = { position = 0.1, heading = 0.2, velocity = 0.3 }\n"
+          "odometry = { position_bias = 0.1, position_walk = 0.2, heading_bias = 0.3, "
+          "heading_walk = 0.4, velocity_bias = 0.5, velocity_walk = 0.6, velocity_scale = 0.7 }\n",
+      "a.toml");
   const Disturbances& d = s.simulation.disturbances;
   EXPECT_EQ(std::tie(d.wind.x, d.wind.y, d.wind.z, d.gust_sigma, d.gust_time),
             std::make_tuple(1., 2., 3., 4., 5.));
@@ -210,6 +212,8 @@ TEST(Scenario, each_disturbance_sets_its_field) {
   EXPECT_EQ(std::tie(d.input_delay, d.yaw_lag, d.input_gain, d.measurement_delay),
             std::make_tuple(0.5, 0.25, 0.9, 0.125));
   EXPECT_EQ(std::tie(d.noise.position, d.noise.heading, d.noise.velocity), std::make_tuple(0.1, 0.2, 0.3));
+  EXPECT_EQ(d.odometry, (Odometry{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}));
+  EXPECT_EQ(sensor_options(s).odometry, d.odometry);
   EXPECT_EQ(std::tie(s.simulation.settle, s.simulation.rms_from), std::make_tuple(8.0, 9.0));
   EXPECT_EQ(s.simulation.seed, 7U);
 }

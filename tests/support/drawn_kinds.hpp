@@ -201,12 +201,13 @@ inline constexpr std::array<std::string_view, 10> drawn_faults = {
     "kind = \"late_plan\"\ndelay = $[0.01 0.6]",
 };
 
-inline constexpr std::array<std::string_view, 6> drawn_disturbances = {
+inline constexpr std::array<std::string_view, 7> drawn_disturbances = {
     "wind = [$[-0.2 0.2], $[-0.2 0.2], 0.0]",
     "gust = { sigma = $[0.01 0.2], time = 1.0 }",
     "airflow = { amplitude = $[0.05 0.2], distance = 1.5, frequency = 0.5 }",
     "input_delay = $[0.01 0.1]",
     "noise = { position = $[0.001 0.02], heading = $[0.001 0.02], velocity = $[0 0.02] }",
+    "odometry = { position_bias = $[0 0.02], position_walk = $[0 0.005], heading_walk = $[0 0.005] }",
     "delay = $[0.01 0.15]",
 };
 

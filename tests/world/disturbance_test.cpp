@@ -23,6 +23,8 @@ TEST(Disturbances, EachFieldOutOfItsRangeIsNamed) {
       {"airflow.amplitude", [&](Disturbances& d) { d.airflow.amplitude = nan; }},
       {"airflow.distance", [](Disturbances& d) { d.airflow.distance = 0; }},
       {"airflow.frequency", [](Disturbances& d) { d.airflow.frequency = -1; }},
+      {"odometry.position_walk", [](Disturbances& d) { d.odometry.position_walk = -1; }},
+      {"odometry.velocity_scale", [&](Disturbances& d) { d.odometry.velocity_scale = nan; }},
       {"input_delay", [](Disturbances& d) { d.input_delay = 1.5; }},
       {"yaw_lag", [](Disturbances& d) { d.yaw_lag = 1e-4; }},
       {"input_gain", [](Disturbances& d) { d.input_gain = 0; }},
@@ -204,6 +206,78 @@ TEST(InputDelay, OfCommandsFasterThanItsPeriodItKeepsTheLatestAndStaysInOrder) {
     previous = now;
   }
   EXPECT_EQ(line.at(2.0)[0], 999.0);
+}
+
+TEST(Disturbances, SpoilMeasurementsByNoiseDriftAndDelayAlone) {
+  for (const Disturbances& d :
+       {Disturbances{.noise = {.position = 0.1}}, Disturbances{.noise = {.heading = 0.1}},
+        Disturbances{.noise = {.velocity = 0.1}}, Disturbances{.odometry = {.heading_walk = 0.1}},
+        Disturbances{.measurement_delay = 0.1}})
+    EXPECT_TRUE(d.spoil_measurements());
+  EXPECT_FALSE(Disturbances{}.spoil_measurements());
+  EXPECT_FALSE((Disturbances{.wind = {1, 0, 0}, .gust_sigma = 0.1, .input_delay = 0.1}.spoil_measurements()));
+}
+
+constexpr Odometry drifting = {.position_bias = 0.1,
+                               .position_walk = 0.02,
+                               .heading_bias = 0.05,
+                               .heading_walk = 0.01,
+                               .velocity_bias = 0.03,
+                               .velocity_walk = 0.004,
+                               .velocity_scale = 0.08};
+
+TEST(OdometryErrors, WhatIsDrawnOfManyFlightsHasItsStandardDeviation) {
+  constexpr int flights = 5000;
+  double position = 0, heading = 0, velocity = 0, scale = 0;
+  for (int seed = 0; seed < flights; ++seed) {
+    const OdometryErrors off(drifting, 2, static_cast<std::uint64_t>(seed), 1);
+    position += dot(off.position(), off.position()) / (3 * flights);
+    heading += square(off.heading()) / flights;
+    velocity += (square(off.velocity(0, 0)) + square(off.velocity(1, 0))) / (2 * flights);
+    scale += square((off.velocity(1, 3) - off.velocity(1, 1)) / 2) / flights;
+  }
+  EXPECT_NEAR(std::sqrt(position), 0.1, 0.03 * 0.1);
+  EXPECT_NEAR(std::sqrt(heading), 0.05, 0.03 * 0.05);
+  EXPECT_NEAR(std::sqrt(velocity), 0.03, 0.03 * 0.03);
+  EXPECT_NEAR(std::sqrt(scale), 0.08, 0.03 * 0.08);
+}
+
+// The law by which a random walk shows in an Allan plot, for any step.
+TEST(OdometryErrors, AWalkMovesByItsDensityTimesTheRootOfTheTime) {
+  for (const double step : {0.01, 0.1}) {
+    for (const double lag : {0.2, 2.0}) {
+      double position = 0, heading = 0, velocity = 0;
+      constexpr int flights = 200, parts = 20;
+      for (int seed = 0; seed < flights; ++seed) {
+        OdometryErrors off(drifting, 1, static_cast<std::uint64_t>(seed), 0);
+        for (int part = 0; part < parts; ++part) {
+          const OdometryErrors before = off;
+          for (int k = 0; k < std::lround(lag / step); ++k) off.advance(step);
+          const Vec3<double> moved = off.position() - before.position();
+          position += dot(moved, moved) / (3 * flights * parts);
+          heading += square(off.heading() - before.heading()) / (flights * parts);
+          velocity += square(off.velocity(0, 0) - before.velocity(0, 0)) / (flights * parts);
+        }
+      }
+      const auto near = [&](double variance, double density) {
+        EXPECT_NEAR(variance, square(density) * lag, 0.1 * square(density) * lag) << step << ' ' << lag;
+      };
+      near(position, 0.02), near(heading, 0.01), near(velocity, 0.004);
+    }
+  }
+}
+
+TEST(OdometryErrors, WithoutWalkTheyStayAsTheyWereDrawn) {
+  Odometry fixed = drifting;
+  fixed.position_walk = fixed.heading_walk = fixed.velocity_walk = 0;
+  OdometryErrors off(fixed, 1, 3, 0), walking(drifting, 1, 3, 0);
+  EXPECT_EQ(off.position().x, walking.position().x) << "a walk leaves the start as it was";
+  for (int k = 0; k < 100; ++k) off.advance(0.01), walking.advance(0.01);
+  const OdometryErrors fresh(fixed, 1, 3, 0);
+  EXPECT_EQ(norm(off.position() - fresh.position()), 0.0);
+  EXPECT_EQ(off.heading(), fresh.heading());
+  EXPECT_EQ(off.velocity(0, 1.5), fresh.velocity(0, 1.5));
+  EXPECT_NE(walking.position().x, off.position().x);
 }
 
 }  // namespace

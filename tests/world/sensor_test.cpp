@@ -134,5 +134,60 @@ TEST(Sensor, RefusesOptionsOutOfTheirRange) {
   EXPECT_THROW(Sensor(team_of_all(), {.period = 0}), std::invalid_argument);
 }
 
+TEST(Sensor, OdometryIsOffByABiasThatStaysAndDiffersWithTheSeedOfRobotsAlone) {
+  const Odometry odometry = {
+      .position_bias = 0.1, .heading_bias = 0.05, .velocity_bias = 0.02, .velocity_scale = 0.1};
+  const auto off = [&](std::uint64_t seed, int periods) {
+    Sensor sensor(team_of_all(), {.seed = seed, .odometry = odometry});
+    for (int k = 0; k < periods; ++k) sensor.measure(0.01 * k, state);
+    return list(sensor.measure(0.01 * periods, state));
+  };
+  const Numbers first = off(1, 0), other = off(2, 0);
+  EXPECT_EQ(first, off(1, 500));
+  for (const std::size_t i : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 7U, 8U, 9U, 10U, 11U, 12U}) {
+    EXPECT_NE(first[i], state[i]) << i;
+    EXPECT_NE(first[i], other[i]) << i;
+  }
+  EXPECT_NEAR(std::hypot(first[3], first[4]), 1.0, 1e-15);
+  for (std::size_t i = 13; i < state.size(); ++i) EXPECT_EQ(first[i], state[i]) << "the wall's";
+}
+
+TEST(Sensor, OdometryIsAddedAsItsErrorsSay) {
+  const Odometry odometry = {.position_bias = 0.1,
+                             .position_walk = 0.3,
+                             .heading_walk = 0.1,
+                             .velocity_walk = 0.2,
+                             .velocity_scale = 0.1};
+  Sensor sensor(team_of_all(), {.seed = 4, .odometry = odometry});
+  OdometryErrors expected(odometry, 2, 4, 0);
+  double t = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    const Numbers seen = list(sensor.measure(t, state));
+    const Vec3<double>& p = expected.position();
+    EXPECT_EQ((Numbers{seen[0], seen[1], seen[2]}), (Numbers{1 + p.x, 2 + p.y, 3 + p.z}));
+    EXPECT_NEAR(wrap_angle(std::atan2(seen[4], seen[3]) - std::atan2(0.8, 0.6)),
+                wrap_angle(expected.heading()), 1e-14);
+    EXPECT_EQ(seen[5], 0.1 + expected.velocity(0, 0.1));
+    EXPECT_EQ(seen[6], -0.1 + expected.velocity(1, -0.1));
+    const double before = t;
+    t += k % 7 == 0 ? 0.05 : 0.01;  // a period that was missed passes too
+    expected.advance(t - before);
+  }
+}
+
+TEST(Sensor, OdometryLeavesTheNoiseAsItWas) {
+  const Noise noise = {.position = 0.1, .heading = 0.1, .velocity = 0.1};
+  Sensor plain(team_of_all(), {.seed = 3, .noise = noise});
+  Sensor off(team_of_all(), {.seed = 3, .noise = noise, .odometry = {.position_bias = 0.5}});
+  const Numbers first = list(off.measure(0.0, state)), expected = list(plain.measure(0.0, state));
+  const double bias = first[0] - expected[0];
+  EXPECT_NE(bias, 0.0);
+  for (int k = 1; k < 50; ++k) {
+    const Numbers a = list(off.measure(0.01 * k, state)), b = list(plain.measure(0.01 * k, state));
+    EXPECT_NEAR(a[0] - b[0], bias, 1e-14);
+    EXPECT_EQ(a[5], b[5]);
+  }
+}
+
 }  // namespace
 }  // namespace sightline

@@ -161,6 +161,10 @@ std::vector<std::string> limits_beyond_influence(const Scenario& scenario) {
 std::vector<std::string> robots_beyond_noise(const Scenario& scenario) {
   const Team& team = scenario.team;
   const Noise& noise = scenario.simulation.disturbances.noise;
+  const Odometry& odometry = scenario.simulation.disturbances.odometry;
+  const bool walks = odometry.position_bias > 0 || odometry.position_walk > 0,
+             turns = odometry.heading_bias > 0 || odometry.heading_walk > 0,
+             slips = odometry.velocity_bias > 0 || odometry.velocity_walk > 0 || odometry.velocity_scale > 0;
   const auto& faults = scenario.simulation.faults;
   std::vector<std::string> sentences;
   for (int i = 0; i < team.bodies(); ++i) {
@@ -169,7 +173,8 @@ std::vector<std::string> robots_beyond_noise(const Scenario& scenario) {
     const bool jumps = std::any_of(faults.begin(), faults.end(), [&](const Fault& fault) {
       return fault.kind == FaultKind::jump && (fault.body.index < 0 || fault.body == body);
     });
-    if (!jumps && noise.position == 0 && noise.heading == 0 && noise.velocity == 0) continue;
+    if (!jumps && noise.position == 0 && noise.heading == 0 && noise.velocity == 0 && odometry == Odometry{})
+      continue;
     const StateRoles roles = roles_of(team.model(body));
     const auto tell = [&](bool lacks, std::string_view what, std::string_view unreached) {
       if (!lacks) return;
@@ -181,6 +186,10 @@ std::vector<std::string> robots_beyond_noise(const Scenario& scenario) {
     tell(noise.heading > 0 && team.model(body).turns() && !roles.has_heading(), "its heading",
          "noise.heading");
     tell(noise.velocity > 0 && roles.velocities.empty(), "a velocity [m/s]", "noise.velocity");
+    tell(walks && !roles.has_position(), "a position [m]", "the odometry's position error");
+    tell(turns && team.model(body).turns() && !roles.has_heading(), "its heading",
+         "the odometry's heading error");
+    tell(slips && roles.velocities.empty(), "a velocity [m/s]", "the odometry's velocity error");
   }
   return sentences;
 }

@@ -197,9 +197,8 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
     schemas_.barrier =
         json("sightline.Barrier", {{"active", "boolean"}, {"conflict", "boolean"}, {"reserve", "number"}});
   }
-  const Disturbances& d = scenario.simulation.disturbances;
-  const bool is_measured = d.noise.position > 0 || d.noise.heading > 0 || d.noise.velocity > 0 ||
-                           d.measurement_delay > 0 || !scenario.simulation.faults.empty();
+  const bool is_measured =
+      scenario.simulation.disturbances.spoil_measurements() || !scenario.simulation.faults.empty();
   for (int i = 0; i < team_.bodies(); ++i) open_body(BodyId{i}, is_measured, has_barrier);
   open_attitudes(scenario);
   rows_ = "time,update_us";

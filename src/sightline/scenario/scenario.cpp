@@ -126,7 +126,7 @@ class Reader {
              {"input_gain", &d.input_gain, positive("> 0")},
              {"slip", &d.slip, {0.0, 0.9, "0 to 0.9"}},
              {"delay", &d.measurement_delay, delay}},
-            {"wind", "gust", "airflow", "noise"});
+            {"wind", "gust", "airflow", "noise", "odometry"});
     if (at.has("wind")) d.wind = at.vec3("wind");
     at.table_or_empty("gust").read(
         {{"sigma", &d.gust_sigma, not_negative(">= 0 m/s^2")}, {"time", &d.gust_time, positive("> 0 s")}});
@@ -136,6 +136,7 @@ class Reader {
     at.table_or_empty("noise").read({{"position", &d.noise.position, not_negative(">= 0 m")},
                                      {"heading", &d.noise.heading, not_negative(">= 0 rad")},
                                      {"velocity", &d.noise.velocity, not_negative(">= 0 m/s")}});
+    d.odometry = read_part<Odometry>(TableSource(at.table_or_empty("odometry")));
     at.checked([&] { d.check(); });
   }
 
@@ -400,6 +401,7 @@ bool changes_in_flight(const Scenario& scenario) {
 SensorOptions sensor_options(const Scenario& scenario) {
   SensorOptions options{.seed = scenario.simulation.seed,
                         .noise = scenario.simulation.disturbances.noise,
+                        .odometry = scenario.simulation.disturbances.odometry,
                         .delay = scenario.simulation.disturbances.measurement_delay,
                         .period = scenario.horizon.dt,
                         .velocity_unknown = {},

@@ -23,6 +23,11 @@ std::uint64_t mix(std::uint64_t z) {
 
 }  // namespace
 
+bool Disturbances::spoil_measurements() const {
+  return noise.position > 0 || noise.heading > 0 || noise.velocity > 0 || odometry != Odometry{} ||
+         measurement_delay > 0;
+}
+
 void Disturbances::check() const {
   const auto expect = [](bool holds, std::string_view field, double value, std::string_view expected) {
     require(holds, "disturbance", field, value, expected);
@@ -40,6 +45,7 @@ void Disturbances::check() const {
   expect(noise.position >= 0, "noise.position", noise.position, ">= 0 m");
   expect(noise.heading >= 0, "noise.heading", noise.heading, ">= 0 rad");
   expect(noise.velocity >= 0, "noise.velocity", noise.velocity, ">= 0 m/s");
+  check_parameters(odometry, "disturbance.odometry");
   expect(measurement_delay >= 0 && measurement_delay <= 1, "delay", measurement_delay, "0 to 1 s");
 }
 
@@ -63,23 +69,22 @@ double RandomStream::normal() noexcept {
   return radius * turn.cos;
 }
 
+Vec3<double> RandomStream::normals() noexcept {
+  const double x = normal(), y = normal(), z = normal();
+  return {x, y, z};
+}
+
 Gusts::Gusts(double sigma, double time, int robots, std::uint64_t seed) : sigma_(sigma), time_(time) {
   for (int i = 0; i < robots; ++i) {
     streams_.emplace_back(seed, Chance::gust, i);
-    a_.push_back(sigma_ * draw(static_cast<std::size_t>(i)));
+    a_.push_back(sigma_ * streams_.back().normals());
   }
-}
-
-Vec3<double> Gusts::draw(std::size_t robot) noexcept {
-  RandomStream& stream = streams_[robot];
-  const double x = stream.normal(), y = stream.normal(), z = stream.normal();
-  return {x, y, z};
 }
 
 void Gusts::advance(double s) noexcept {
   const double keep = exp(-s / time_);
   const double fresh = sigma_ * sqrt(1.0 - keep * keep);
-  for (std::size_t i = 0; i < a_.size(); ++i) a_[i] = keep * a_[i] + fresh * draw(i);
+  for (std::size_t i = 0; i < a_.size(); ++i) a_[i] = keep * a_[i] + fresh * streams_[i].normals();
 }
 
 Wakes::Wakes(const Airflow& airflow, int robots, std::uint64_t seed) : airflow_(airflow) {
@@ -109,6 +114,28 @@ void Wakes::advance(double s) noexcept {
   for (std::size_t i = 0; i < phase_.size(); ++i) {
     phase_[i] = std::fmod(phase_[i] + turn + spread * streams_[i].normal(), 2 * std::numbers::pi);
     swing_[i] = sin(phase_[i]);
+  }
+}
+
+OdometryErrors::OdometryErrors(const Odometry& odometry, std::size_t velocities, std::uint64_t seed, int body)
+    : odometry_(odometry),
+      of_position_(seed, Chance::position_drift, body),
+      of_heading_(seed, Chance::heading_drift, body),
+      of_velocity_(seed, Chance::velocity_drift, body),
+      position_(odometry.position_bias * of_position_.normals()),
+      heading_(odometry.heading_bias * of_heading_.normal()),
+      scale_(odometry.velocity_scale * of_velocity_.normal()) {
+  for (std::size_t i = 0; i < velocities; ++i)
+    velocity_.push_back(odometry.velocity_bias * of_velocity_.normal());
+}
+
+void OdometryErrors::advance(double s) noexcept {
+  const double root = sqrt(s);
+  const Odometry& o = odometry_;
+  if (o.position_walk > 0) position_ = position_ + (o.position_walk * root) * of_position_.normals();
+  if (o.heading_walk > 0) heading_ += o.heading_walk * root * of_heading_.normal();
+  if (o.velocity_walk > 0) {
+    for (double& v : velocity_) v += o.velocity_walk * root * of_velocity_.normal();
   }
 }
 

@@ -1,4 +1,4 @@
-/// Disturbances of a flight: wind, gusts, the robots' wakes, delayed and lagging commands. All
+/// Disturbances of a flight: wind, gusts, the robots' wakes, delayed and lagging commands, noise and drift of what is measured. All
 /// seeded.
 ///
 /// Each source has a random stream of its own, from seed, kind and body, so that switching one
@@ -7,8 +7,10 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
+#include "sightline/base/parameter.hpp"
 #include "sightline/math/fixed.hpp"
 
 namespace sightline {
@@ -31,6 +33,43 @@ struct Noise {
   double velocity = 0.0;  ///< each axis [m/s], >= 0
 };
 
+/// Errors of the robots' own odometry, beside the noise. What a robot measures is off by
+///
+///   position, heading   b(t)                     b(t) = b_0 + random walk
+///   velocity v          b(t) + scale v           of each velocity among its states
+///
+/// b_0 and scale are drawn once for a flight, with the standard deviations `..._bias` and `velocity_scale`; a walk of density K has moved
+/// by K sqrt(t) after t. The errors are independent: the position is not the integral of the velocity that is measured.
+struct Odometry {
+  static constexpr std::string_view name = "odometry";
+
+  double position_bias = 0.0;
+  double position_walk = 0.0;
+  double heading_bias = 0.0;
+  double heading_walk = 0.0;
+  double velocity_bias = 0.0;
+  double velocity_walk = 0.0;
+  double velocity_scale = 0.0;
+
+  static constexpr auto parameters() {
+    using O = Odometry;
+    return std::tuple{
+        parameter("position_bias", &O::position_bias, "m", from_zero, "offset of each axis at the start"),
+        parameter("position_walk", &O::position_walk, "m/sqrt(s)", from_zero,
+                  "density of the random walk of that offset"),
+        parameter("heading_bias", &O::heading_bias, "rad", from_zero, "offset of the heading at the start"),
+        parameter("heading_walk", &O::heading_walk, "rad/sqrt(s)", from_zero,
+                  "density of the random walk of that offset"),
+        parameter("velocity_bias", &O::velocity_bias, "m/s", from_zero, "bias of each velocity at the start"),
+        parameter("velocity_walk", &O::velocity_walk, "m/s/sqrt(s)", from_zero,
+                  "density of the random walk of that bias"),
+        parameter("velocity_scale", &O::velocity_scale, "", from_zero,
+                  "error of the scale of all velocities of a robot")};
+  }
+
+  bool operator==(const Odometry&) const = default;
+};
+
 /// All that disturbs a simulated flight. The default disturbs nothing.
 struct Disturbances {
   Vec3<double> wind{};             ///< steady acceleration in G [m/s^2]
@@ -42,8 +81,11 @@ struct Disturbances {
   double input_gain = 1.0;         ///< error of the model: what the inputs do, over what the model says, > 0
   double slip = 0.0;               ///< of wheels: part of a rover's way and turn that is lost, in [0, 0.9]
   Noise noise{};                   ///< of the measurement
+  Odometry odometry{};             ///< of robots
   double measurement_delay = 0.0;  ///< from state to measurement [s], in [0, 1]
 
+  /// Whether what is measured differs from what is true.
+  bool spoil_measurements() const;
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const;
 };
@@ -58,7 +100,10 @@ enum class Chance : std::uint64_t {
   motion,
   run,
   draw,
-  fault
+  fault,
+  position_drift,
+  heading_drift,
+  velocity_drift
 };
 
 /// Random numbers of one seed, purpose and body: SplitMix64, and Box-Muller on top.
@@ -68,6 +113,7 @@ class RandomStream {
 
   double uniform() noexcept;  ///< in (0, 1]
   double normal() noexcept;   ///< mean 0, standard deviation 1
+  Vec3<double> normals() noexcept;
   std::uint64_t bits() noexcept;
 
  private:
@@ -89,8 +135,6 @@ class Gusts {
   void advance(double s) noexcept;
 
  private:
-  Vec3<double> draw(std::size_t robot) noexcept;
-
   double sigma_, time_;
   std::vector<RandomStream> streams_;
   std::vector<Vec3<double>> a_;
@@ -114,6 +158,28 @@ class Wakes {
   Airflow airflow_;
   std::vector<RandomStream> streams_;
   std::vector<double> phase_, swing_;  // [rad], sin(phase)
+};
+
+/// What the odometry of one robot is off by, as Odometry says.
+class OdometryErrors {
+ public:
+  /// @param velocities  how many of its states are one
+  OdometryErrors(const Odometry& odometry, std::size_t velocities, std::uint64_t seed, int body);
+
+  void advance(double s) noexcept;
+
+  const Vec3<double>& position() const noexcept { return position_; }  ///< [m]
+  double heading() const noexcept { return heading_; }                 ///< [rad]
+  /// Of the velocity of that number, which is v [m/s].
+  double velocity(std::size_t i, double v) const noexcept { return velocity_[i] + scale_ * v; }
+
+ private:
+  Odometry odometry_;
+  // What is drawn at the start comes first in each, asked for or not.
+  RandomStream of_position_, of_heading_, of_velocity_;
+  Vec3<double> position_;
+  double heading_, scale_;
+  std::vector<double> velocity_;
 };
 
 /// Commands on their way to the robot; each comes into force `delay` after it was given, wherever that falls

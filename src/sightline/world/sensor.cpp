@@ -16,7 +16,8 @@ constexpr double never = -std::numeric_limits<double>::infinity();
 
 Sensor::Sensor(const Team& team, const SensorOptions& options)
     : noise_(options.noise), delay_(options.delay) {
-  Disturbances{.noise = options.noise, .measurement_delay = options.delay}.check();
+  Disturbances{.noise = options.noise, .odometry = options.odometry, .measurement_delay = options.delay}
+      .check();
   require(options.period >= 1e-4, "sensor", "period", options.period, ">= 1e-4 s");
   for (int i = 0; i < team.bodies(); ++i) {
     const auto stream = [&](Chance purpose) { return RandomStream(options.seed, purpose, i); };
@@ -28,7 +29,8 @@ Sensor::Sensor(const Team& team, const SensorOptions& options)
               .positions = {},
               .direction = {},
               .angle = {},
-              .velocities = {}};
+              .velocities = {},
+              .odometry = {}};
     const StateRoles roles = roles_of(part.model);
     const auto place = [&](int state) { return part.x + static_cast<std::size_t>(state); };
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -37,6 +39,8 @@ Sensor::Sensor(const Team& team, const SensorOptions& options)
     if (roles.direction[0] >= 0) part.direction = {place(roles.direction[0]), place(roles.direction[1])};
     if (roles.angle >= 0) part.angle = place(roles.angle);
     for (const int state : roles.velocities) part.velocities.push_back(place(state));
+    if (team.is_agent(BodyId{i}) && options.odometry != Odometry{})
+      part.odometry.emplace(options.odometry, part.velocities.size(), options.seed, i);
     const auto& blind = options.velocity_unknown;
     if (std::find(blind.begin(), blind.end(), BodyId{i}) != blind.end()) {
       unknown_.insert(unknown_.end(), part.velocities.begin(), part.velocities.end());
@@ -66,6 +70,7 @@ Sensor::Sensor(const Team& team, const SensorOptions& options)
 
 std::span<const double> Sensor::measure(double t, std::span<const double> x) noexcept {
   if (x.size() != seen_.size()) return seen_;
+  const double since = count_ > 0 ? t - times_[(oldest_ + count_ - 1) % times_.size()] : 0.0;
   remember(t, x);
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     Part& part = parts_[i];
@@ -80,6 +85,7 @@ std::span<const double> Sensor::measure(double t, std::span<const double> x) noe
     std::copy_n(past_.begin() + static_cast<std::ptrdiff_t>(at * seen_.size()) + begin, nx,
                 fresh_.begin() + begin);
     add_noise(part);
+    if (part.odometry) add_drift(part, since);
     for (const std::size_t k : unknown_) fresh_[k] = 0.0;
     spoil(i, t, mishap);
     const bool first = stamps_[i] == never;
@@ -159,18 +165,32 @@ void Sensor::add_noise(Part& part) noexcept {
   if (noise_.velocity > 0) {
     for (const std::size_t i : part.velocities) fresh_[i] += noise_.velocity * part.velocity.normal();
   }
-  if (noise_.heading > 0) {
-    if (part.direction) {
-      const auto [x, y] = *part.direction;
-      const SinCos<double> turn = sincos(noise_.heading * part.heading.normal());
-      const Vec2<double> d = rotate<double>({turn.cos, turn.sin}, {fresh_[x], fresh_[y]});
-      fresh_[x] = d.x;
-      fresh_[y] = d.y;
-    }
-    if (part.angle) fresh_[*part.angle] += noise_.heading * part.heading.normal();
-    // A state that is no state stays as it is: refusing it is the solver's part.
-    static_cast<void>(part.model.normalise(&fresh_[part.x]));
+  if (noise_.heading > 0) turn(part, noise_.heading * part.heading.normal());
+}
+
+void Sensor::turn(const Part& part, double angle) noexcept {
+  if (part.direction) {
+    const auto [x, y] = *part.direction;
+    const SinCos<double> turned = sincos(angle);
+    const Vec2<double> d = rotate<double>({turned.cos, turned.sin}, {fresh_[x], fresh_[y]});
+    fresh_[x] = d.x;
+    fresh_[y] = d.y;
   }
+  if (part.angle) fresh_[*part.angle] += angle;
+  // A state that is no state stays as it is: refusing it is the solver's part.
+  static_cast<void>(part.model.normalise(&fresh_[part.x]));
+}
+
+void Sensor::add_drift(Part& part, double since) noexcept {
+  OdometryErrors& off = *part.odometry;
+  if (since > 0) off.advance(since);
+  const Vec3<double>& p = off.position();
+  for (const auto& [axis, at] : part.positions) fresh_[at] += axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+  for (std::size_t i = 0; i < part.velocities.size(); ++i) {
+    double& v = fresh_[part.velocities[i]];
+    v += off.velocity(i, v);
+  }
+  if (off.heading() != 0) turn(part, off.heading());
 }
 
 }  // namespace sightline

@@ -1,4 +1,4 @@
-/// The measurement of the world: the true state with delay, noise and injected faults.
+/// The measurement of the world: the true state with delay, noise, drift and injected faults.
 #pragma once
 
 #include <array>
@@ -17,6 +17,7 @@ namespace sightline {
 struct SensorOptions {
   std::uint64_t seed = 1;
   Noise noise{};
+  Odometry odometry{};   ///< of robots
   double delay = 0.0;    ///< from state to measurement [s], in [0, 1]; rounded up to whole measurements
   double period = 0.01;  ///< shortest time between two measurements [s]; sizes the memory of past states
   std::vector<BodyId> velocity_unknown{};  ///< these are seen at rest
@@ -25,7 +26,7 @@ struct SensorOptions {
 
 /// Measures all bodies at once, as motion capture does. What a state is, the robot's pose and velocity tell
 /// (`StateRoles`): noise and jumps are added to positions, turn headings, which stay on the circle, and are added to
-/// velocities. A robot whose pose is no state gets none.
+/// velocities. A robot whose pose is no state gets none. The odometry's errors are added likewise, at the time of the measurement.
 ///
 /// Each measurement has a time for each body: that of the state that was seen. Without noise, delay and faults the
 /// measurement is the state, bit for bit. Faults draw from streams of their own.
@@ -52,6 +53,7 @@ class Sensor {
     std::optional<std::array<std::size_t, 2>> direction{};
     std::optional<std::size_t> angle{};
     std::vector<std::size_t> velocities;
+    std::optional<OdometryErrors> odometry{};  ///< of a robot, where it has any
   };
   /// A fault of one body.
   struct Injection {
@@ -68,6 +70,8 @@ class Sensor {
   void remember(double t, std::span<const double> x) noexcept;
   std::size_t youngest(double until) const noexcept;
   void add_noise(Part& part) noexcept;
+  void turn(const Part& part, double angle) noexcept;
+  void add_drift(Part& part, double since) noexcept;
   void spoil(std::size_t part, double t, Mishap& mishap) noexcept;
 
   Noise noise_;
