@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ctime>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sightline/mujoco.hpp"
@@ -14,18 +15,19 @@ namespace {
 
 using namespace sightline;
 
-/// Vehicles that hover on a grid, this far from each other [m], each on its own swinging command.
+/// Vehicles that hover on a grid, this far from each other [m], each on its own swinging command. Every second one is higher by 1 m.
 struct Grid {
   Team team;
   std::vector<double> x0;
   std::vector<RobotVehicle> vehicles;
 
-  Grid(int n, double distance) {
+  Grid(int n, double distance, const std::optional<Imu>& imu = {}) {
     const int side = static_cast<int>(std::ceil(std::sqrt(n)));
     for (int i = 0; i < n; ++i) {
       const AgentId robot = team.add(Multirotor{}, {.name = fmt::format("uav{}", i)});
-      x0.insert(x0.end(), {distance * (i % side), distance * (i / side), 5.0, 1, 0, 0, 0});
+      x0.insert(x0.end(), {distance * (i % side), distance * (i / side), 5.0 + i % 2, 1, 0, 0, 0});
       vehicles.push_back({robot, Vehicle::x500()});
+      vehicles.back().vehicle.imu = imu;
     }
   }
 };
@@ -49,16 +51,24 @@ double microseconds(World& world, int n) {
   return best;
 }
 
+/// With its whole cost, and nothing that moves them far.
+constexpr Imu steady_imu = {
+    .gyro_bias = 0, .gyro_walk = 1e-9, .accelerometer_bias = 0, .accelerometer_walk = 1e-9};
+
 }  // namespace
 
 int main() {
-  fmt::print("| vehicles | apart | rotors [us a step] | mujoco [us a step] |\n|---|---|---|---|\n");
+  fmt::print(
+      "| vehicles | apart | rotors [us a step] | with downwash | with IMU | mujoco [us a step] |\n"
+      "|---|---|---|---|---|---|\n");
   for (const auto& [n, distance] :
        {std::pair{1, 3.0}, {2, 3.0}, {8, 3.0}, {8, 1.0}, {32, 3.0}, {32, 1.0}, {64, 3.0}}) {
-    const Grid grid(n, distance);
-    RotorWorld rotors(grid.team, grid.x0, grid.vehicles);
+    const Grid grid(n, distance), measured(n, distance, steady_imu);
+    RotorWorld rotors(grid.team, grid.x0, grid.vehicles),
+        blowing(grid.team, grid.x0, grid.vehicles, {.downwash = {1.0}}),
+        measuring(measured.team, measured.x0, measured.vehicles);
     MujocoWorld mujoco(grid.team, grid.x0, grid.vehicles);
-    fmt::print("| {} | {} m | {:.2f} | {:.2f} |\n", n, distance, microseconds(rotors, n),
-               microseconds(mujoco, n));
+    fmt::print("| {} | {} m | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", n, distance, microseconds(rotors, n),
+               microseconds(blowing, n), microseconds(measuring, n), microseconds(mujoco, n));
   }
 }

@@ -37,6 +37,25 @@ TEST(Vehicles, AReplayOfAFlightGivesTheSameCommands) {
   EXPECT_THAT(again.out, HasSubstr("400 updates, 800 commands, 0 differ"));
 }
 
+TEST(Vehicles, AReplayWithDownwashImuAndOdometryGivesTheSameCommandsAndASecondRunTheSameBytes) {
+  const fs::path folder = fresh_folder(), file = scenario(folder);
+  std::string text = read_file(file);
+  text = std::regex_replace(text, std::regex("kind = \"rotors\""), "kind = \"rotors\"\ndownwash = 1.0");
+  text = std::regex_replace(text, std::regex("mass = 2.1\n"), "mass = 2.1\nimu = {}\n");
+  text = std::regex_replace(
+      text, std::regex("\nnoise = "),
+      "\nodometry = { position_walk = 0.01, heading_bias = 0.01, velocity_scale = 0.02 }\nnoise = ");
+  std::ofstream(file) << text;
+  for (const char* out : {"out", "again"}) {
+    const CommandResult flown = sightline("run " + file.string() + " -o " + (folder / out).string(), folder);
+    ASSERT_NE(flown.code, 2) << flown.err;
+  }
+  EXPECT_EQ(read_file(folder / "out/run.mcap"), read_file(folder / "again/run.mcap"));
+  const CommandResult again = sightline("replay " + (folder / "out").string(), folder);
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_THAT(again.out, HasSubstr("400 updates, 800 commands, 0 differ"));
+}
+
 TEST(Vehicles, ACampaignDrawsTheirNumbers) {
   const fs::path folder = fresh_folder();
   const CommandResult done = sightline(

@@ -51,6 +51,23 @@ TEST(Mujoco, WhereNothingTouchesItFliesAsTheWorldOfRotorsTo1e9) {
   }
 }
 
+// Right below each other, so that the air of one moves around the other.
+TEST(Mujoco, WithDownwashAndTheErrorsOfAnImuItFliesAsTheWorldOfRotorsTo1e9) {
+  const PlantOptions plant = {.seed = 5, .disturbances = {.gust_sigma = 0.2}, .downwash = {1.0}};
+  const SensorOptions sensor = {.seed = 5, .odometry = {.position_walk = 0.01, .velocity_scale = 0.02}};
+  Numbers start = mixed_start;
+  start[14] = 0.3, start[15] = 0.0, start[16] = 44.0;
+  for (Vehicle v : all_vehicles()) {
+    v.imu = Imu{};
+    MujocoWorld mujoco(mixed_fleet(), start, fleet_of(v, v), plant, sensor);
+    RotorWorld rotors(mixed_fleet(), start, fleet_of(v, v), plant, sensor),
+        still(mixed_fleet(), start, fleet_of(v, v), {.seed = 5, .disturbances = plant.disturbances}, sensor);
+    const Numbers flown = fly(mujoco, 3000, swinging), expected = fly(rotors, 3000, swinging);
+    EXPECT_LT(apart(flown, expected), 1e-9) << "mass " << v.mass << ": " << mujoco.ended();
+    EXPECT_GT(apart(expected, fly(still, 3000, swinging)), 1e-3) << "mass " << v.mass;
+  }
+}
+
 TEST(Mujoco, TheSameSeedGivesTheSameBytesAndAnotherOthers) {
   const auto flown = [](std::uint64_t seed) {
     MujocoWorld world(mixed_fleet(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::crazyflie()),

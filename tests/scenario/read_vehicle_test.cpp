@@ -83,6 +83,32 @@ TEST(ReadVehicle, SixRotorsAreWrittenOut) {
   EXPECT_EQ(v.rotors(), 6u);
 }
 
+TEST(ReadVehicle, AnImuHasErrorsWhereItIsGivenByItsPresetAndByNumbers) {
+  const auto imu = [](const std::string& line) { return scenario_of(uav(line)).vehicles[0].vehicle.imu; };
+  EXPECT_FALSE(imu("mass = 2.1\n").has_value());
+  EXPECT_EQ(imu("imu = {}\n").value().gyro_noise, Imu::bmi088().gyro_noise);
+  const Imu other = imu("imu = { preset = \"icm20689\", gyro_bias = 0.01 }\n").value();
+  EXPECT_EQ(other.accelerometer_noise, Imu::icm20689().accelerometer_noise);
+  EXPECT_EQ(other.gyro_bias, 0.01);
+  EXPECT_THAT(summary(scenario_of(uav("imu = {}\n"))),
+              HasSubstr("thrust to weight 1.69, an IMU with errors\n"));
+}
+
+TEST(ReadVehicle, DownwashIsANumberOfAWorldOfVehicles) {
+  std::string text = two;
+  text.replace(text.find("kind = \"rotors\""), 15, "kind = \"rotors\"\ndownwash = 1");
+  const Scenario scenario = scenario_of(text);
+  EXPECT_EQ(scenario.downwash.scale, 1.0);
+  EXPECT_EQ(plant_options(scenario).downwash.scale, 1.0);
+  EXPECT_THAT(summary(scenario), HasSubstr("world       rotors, downwash 1\n"));
+  EXPECT_EQ(scenario_of(two).downwash.scale, 0.0);
+  text.replace(text.find("\"rotors\""), 8, "\"model\"");
+  EXPECT_EQ(
+      scenario_refusal(text),
+      "a.toml:3: world.downwash = 1, expected no such key in the world \"model\", only with world.kind = "
+      "\"rotors\"");
+}
+
 TEST(ReadVehicle, TheWindIsToldAsAirForEachVehicle) {
   const std::string told = summary(scenario_of(two + "\n[simulation.disturbance]\nwind = [1.0, 0.0, 0.0]\n"));
   EXPECT_THAT(told, HasSubstr("vehicle     uav: feels the wind as air at [8.31, 0.00, 0.00] m/s\n"));
@@ -193,7 +219,7 @@ TEST(ReadVehicle, RefusesAWorldThatCannotBe) {
               HasSubstr("the period is 0.0125 s, expected a whole number of steps"));
   EXPECT_THAT(
       scenario_refusal(uav("rotor_drag = 0\n") + "\n[simulation.disturbance]\nwind = [1.0, 0.0, 0.0]\n"),
-      HasSubstr("expected one that wind, gusts and wakes can push"));
+      HasSubstr("expected one that wind, gusts, wakes and downwash can push"));
   std::string below = two;
   below.replace(below.find("1.0]"), 4, "-1.0]");
   EXPECT_EQ(scenario_refusal(below),
@@ -211,6 +237,8 @@ TEST(ReadVehicle, TheDocumentHasTheParametersAsTheCodeSaysThem) {
     }
   };
   described(Vehicle{});
+  described(Imu{});
+  described(DownwashOptions{});
   described(Odometry{});
 }
 
@@ -279,6 +307,26 @@ TEST(ReadVehicle, CooperativeLocalizationKeepsItsViewOnEveryVehicle) {
     const Flight flight = fly(scenario);
     EXPECT_TRUE(flight.finite) << flight.ended;
     EXPECT_LT(flight.watch.angle, 0.1) << preset;
+    EXPECT_GT(flight.watch.nearest, 1.0) << preset;
+    EXPECT_LT(flight.watch.farthest, 2.0) << preset;
+  }
+}
+
+TEST(ReadVehicle, WithDownwashImuAndOdometryItStillKeepsItsView) {
+  for (const char* preset : {"x500", "crazyflie", "ar_drone"}) {
+    Scenario scenario = cooperative(preset, 30.0);
+    scenario.downwash.scale = 1.0;
+    for (RobotVehicle& one : scenario.vehicles) one.vehicle.imu = Imu{};
+    scenario.simulation.disturbances.odometry = {.position_bias = 0.02,
+                                                 .position_walk = 0.005,
+                                                 .heading_bias = 0.01,
+                                                 .heading_walk = 0.002,
+                                                 .velocity_bias = 0.02,
+                                                 .velocity_walk = 0.002,
+                                                 .velocity_scale = 0.02};
+    const Flight flight = fly(scenario);
+    EXPECT_TRUE(flight.finite) << flight.ended;
+    EXPECT_LT(flight.watch.angle, 0.2) << preset;
     EXPECT_GT(flight.watch.nearest, 1.0) << preset;
     EXPECT_LT(flight.watch.farthest, 2.0) << preset;
   }

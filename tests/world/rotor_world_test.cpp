@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "sightline/model/ground_robots.hpp"
 #include "sightline/model/hover_multirotor.hpp"
@@ -272,6 +273,143 @@ TEST(RotorWorld, RefusesWhatItCannotFly) {
   EXPECT_THAT(refused({smooth}, {.disturbances = {.wind = {0, 1, 0}}}), HasSubstr("vehicle.drag of uav"));
   EXPECT_THAT(refused({smooth}, {.disturbances = {.gust_sigma = 0.1}}), HasSubstr("expected one that wind"));
   EXPECT_THAT(refused({heavy}, {}), HasSubstr("vehicle.mass = 5 kg"));
+  EXPECT_THAT(refused(fleet, {.downwash = {3.0}}), HasSubstr("world.downwash = 3, expected 0 to 2"));
+  smooth.vehicle.drag.z = 0;
+  EXPECT_THAT(refused({smooth}, {.downwash = {1.0}}), HasSubstr("wakes and downwash can push"));
+  smooth.vehicle.imu = Imu{.gyro_noise = -1};
+  EXPECT_THAT(refused({smooth}, {}), HasSubstr("vehicle.imu.gyro_noise = -1"));
+  EXPECT_THAT(refusal_of([] { ModelWorld(mixed_fleet(), fleet_start, {.downwash = {1.0}}); }),
+              HasSubstr("downwash = 1, expected 0 where no vehicles move"));
+}
+
+constexpr PlantOptions blowing = {.downwash = {1.0}};
+
+/// Vehicles of that kind that hover at these places under velocity commands.
+struct Hover {
+  Team team;
+  Numbers x0;
+  std::vector<RobotVehicle> vehicles;
+
+  Hover(const Vehicle& vehicle, const std::vector<Vec3<double>>& places) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const Vec3<double>& p = places[i];
+      const AgentId robot = team.add(VelocityMultirotor{}, {.name = "uav" + std::to_string(i)});
+      x0.insert(x0.end(), {p.x, p.y, p.z, 1, 0, 0, 0, 0, 0});
+      vehicles.push_back({robot, vehicle});
+    }
+  }
+  RotorWorld world(const PlantOptions& plant = blowing) const { return {team, x0, vehicles, plant}; }
+  Numbers rest() const { return Numbers(4 * vehicles.size()); }
+};
+const RigidBody& body_of(const RotorWorld& world, int robot) {
+  return world.rotorcraft(BodyId{robot})->body();
+}
+
+TEST(RotorWorld, AVehicleAbovePushesTheOneBelowDownWhichHoldsAgainstIt) {
+  for (const auto& preset : Vehicle::presets()) {
+    const Hover pair(preset.part, {{0, 0, 5}, {0, 0, 6.5}});
+    RotorWorld world = pair.world(), still = pair.world({});
+    const RigidBody &below = body_of(world, 0), &above = body_of(world, 1);
+    double lowest = 5.0, fastest = 0.0;
+    for (int k = 0; k < 1500; ++k) {
+      ASSERT_TRUE(world.apply(0.01 * k, {}, pair.rest(), 0.01, 1)) << world.ended();
+      lowest = std::min(lowest, below.p.z), fastest = std::min(fastest, below.v.z);
+    }
+    fly(still, 1500, pair.rest());
+    EXPECT_LT(lowest, 5.0 - 1e-3) << preset.name;
+    EXPECT_LT(fastest, -1e-2) << preset.name;
+    EXPECT_NEAR(below.v.z, 0.0, 0.02) << preset.name << ": its climb controller holds it";
+    // Thrust makes up for the drag of the air from above.
+    const Rotorcraft& craft = *world.rotorcraft(BodyId{0});
+    const Jet jet = {
+        .p = above.p, .thrust = preset.part.weight(), .radius2 = 4 * square(preset.part.rotor_radius)};
+    const double push = -preset.part.drag.z * jet.air(below.p).z;
+    EXPECT_GT(push, 0.01 * preset.part.weight()) << preset.name;
+    EXPECT_NEAR(craft.lift(), preset.part.weight() + push, 0.02 * push) << preset.name;
+    EXPECT_EQ(norm(above.p - body_of(still, 1).p), 0.0) << "who is above feels nothing";
+    EXPECT_NEAR(norm(below.p.x, below.p.y), 0.0, 1e-9) << "right below it stays there";
+  }
+}
+
+TEST(RotorWorld, DownwashFromBothSidesPushesStraightDown) {
+  const Hover three(Vehicle::x500(), {{0, 0, 5}, {0.4, 0, 7}, {-0.4, 0, 7}});
+  RotorWorld world = three.world();
+  fly(world, 300, three.rest());
+  EXPECT_LT(body_of(world, 0).p.z, 5.0 - 1e-3);
+  EXPECT_NEAR(body_of(world, 0).p.x, 0.0, 1e-9);
+  EXPECT_NEAR(body_of(world, 1).p.x, -body_of(world, 2).p.x, 1e-9);
+}
+
+TEST(RotorWorld, FarAsideAtOneHeightAndWithoutDownwashVehiclesFlyAsAloneBitForBit) {
+  for (const auto& [other, plant] : {std::pair{Vec3<double>{9, 0, 6}, blowing},
+                                     {{1.5, 0, 5}, blowing},
+                                     {{0, 0, 7}, PlantOptions{}},
+                                     {{0, 0, 7}, PlantOptions{.downwash = {0.0}}}}) {
+    const Hover pair(Vehicle::x500(), {{0, 0, 5}, other}), one(Vehicle::x500(), {{0, 0, 5}});
+    RotorWorld world = pair.world(plant), alone = one.world();
+    fly(world, 100, pair.rest());
+    fly(alone, 100, one.rest());
+    EXPECT_EQ(norm(body_of(world, 0).p - body_of(alone, 0).p), 0.0);
+  }
+}
+
+TEST(RotorWorld, WhoIsNotThereYetPushesNoAirAndWhoComesDoes) {
+  const Hover pair(Vehicle::x500(), {{0, 0, 5}, {0, 0, 7}}), one(Vehicle::x500(), {{0, 0, 5}});
+  RotorWorld world = pair.world(), alone = one.world();
+  using enum Presence;
+  world.set_presence(std::array{steered, absent});
+  fly(world, 100, pair.rest());
+  fly(alone, 100, one.rest());
+  EXPECT_EQ(norm(body_of(world, 0).p - body_of(alone, 0).p), 0.0);
+  world.set_presence(std::array{steered, steered});
+  for (int k = 100; k < 200; ++k) ASSERT_TRUE(world.apply(0.01 * k, {}, pair.rest(), 0.01, 1));
+  EXPECT_LT(body_of(world, 0).p.z, body_of(alone, 0).p.z - 1e-3);
+}
+
+TEST(RotorWorld, DownwashGrowsWithItsScale) {
+  double before = 5.0;
+  for (const double scale : {0.5, 1.0, 2.0}) {
+    const Hover pair(Vehicle::x500(), {{0, 0, 5}, {0, 0, 7}});
+    RotorWorld world = pair.world({.downwash = {scale}});
+    fly(world, 50, pair.rest());
+    EXPECT_LT(body_of(world, 0).p.z, before - 1e-3);
+    before = body_of(world, 0).p.z;
+  }
+}
+
+TEST(RotorWorld, WhatAVehicleMeasuresItselfHasTheErrorsOfItsImuAndTheTruthHasNone) {
+  Team team;
+  team.add(LaggingHoverMultirotor{}, {.name = "uav"});
+  Vehicle vehicle = Vehicle::x500();
+  vehicle.imu = Imu{};
+  RotorWorld world(team, {0, 0, 3, 0.6, 0.8, 0, 0, 0, 0, 0, 0}, {{BodyId{0}, vehicle}});
+  for (int k = 0; k < 200; ++k) {
+    const Measured now = world.measure(0.01 * k);
+    const RigidBody& body = world.rotorcraft(BodyId{0})->body();
+    EXPECT_EQ(part(now.measured, 0, 7), part(now.truth, 0, 7));
+    EXPECT_EQ(now.truth[10], heading_rate(rotation(body.q), body.w));
+    const RigidBody seen = world.rotorcraft(BodyId{0})->seen();
+    EXPECT_EQ(now.measured[10], heading_rate(rotation(seen.q), seen.w));
+    for (const std::size_t i : {7U, 8U, 10U}) {
+      EXPECT_NE(now.measured[i], now.truth[i]);
+      EXPECT_NEAR(now.measured[i], now.truth[i], 0.4);
+    }
+    ASSERT_TRUE(world.apply(0.01 * k, {}, Numbers{0.3, 0.1, 0, 0.2}, 0.01, 1));
+  }
+}
+
+TEST(RotorWorld, WithImuOdometryAndDownwashTheSameSeedGivesTheSameBytes) {
+  auto vehicles = fleet;
+  for (RobotVehicle& one : vehicles) one.vehicle.imu = Imu{};
+  const Odometry odometry = {.position_bias = 0.1, .position_walk = 0.01, .heading_walk = 0.01};
+  const auto flown = [&](std::uint64_t seed) {
+    RotorWorld world(mixed_fleet(), fleet_start, vehicles, {.seed = seed, .downwash = {1.0}},
+                     {.seed = seed, .odometry = odometry});
+    return fly(world, 200);
+  };
+  const Numbers first = flown(3);
+  EXPECT_EQ(first, flown(3));
+  EXPECT_NE(first, flown(4));
 }
 
 }  // namespace

@@ -300,5 +300,67 @@ TEST(Rotorcraft, FliesTheSameBitsAgain) {
   EXPECT_EQ(first, fly());
 }
 
+Vehicle with_imu(Vehicle vehicle, const Imu& imu) {
+  vehicle.imu = imu;
+  return vehicle;
+}
+
+TEST(Rotorcraft, AnImuWithoutErrorsChangesNoBit) {
+  const Imu perfect = {0, 0, 0, 0, 0, 0};
+  for (const Vehicle& v : all_vehicles()) {
+    Rotorcraft knowing = hovering(v), measuring = hovering(with_imu(v, perfect));
+    for (int k = 0; k < 3000; ++k) {
+      const Inputs u = {0.5 * std::sin(0.002 * k), 0.3, -0.1, 0.4};
+      knowing.step(u, {0.5, 0.2, 0}), measuring.step(u, {0.5, 0.2, 0});
+    }
+    EXPECT_EQ(norm(knowing.body().p - measuring.body().p), 0.0);
+    EXPECT_EQ(knowing.body().q, measuring.body().q);
+  }
+}
+
+TEST(Rotorcraft, WithTheErrorsOfAnImuItHoversALittleOffAndTheSameForTheSameSeed) {
+  for (const Vehicle& v : all_vehicles()) {
+    for (const auto& preset : Imu::presets()) {
+      const auto flown = [&, &imu = preset.part](std::uint64_t seed) {
+        Rotorcraft craft(with_imu(v, imu), Commands::velocity, seed);
+        craft.begin({0, 0, 100}, {1, 0}, {}, 0.0);
+        for (int k = 0; k < 30'000; ++k) {
+          craft.step({}, {});
+          EXPECT_GT(craft.attitude().z.z, 0.99) << preset.name;
+          EXPECT_LT(norm(craft.body().v), 0.3) << preset.name;
+        }
+        return craft.body();
+      };
+      const RigidBody one = flown(1);
+      EXPECT_EQ(norm(one.p - flown(1).p), 0.0);
+      EXPECT_GT(norm(one.p - flown(2).p), 1e-3);
+      EXPECT_GT(norm(one.w), 1e-5) << "it trembles";
+    }
+  }
+}
+
+// A bias b of the accelerometer is taken for a tilt away from it, so the vehicle leans towards it by b / g.
+TEST(Rotorcraft, UnderTiltCommandsItLeansByTheBiasOfItsAccelerometer) {
+  for (std::uint64_t seed = 1; seed < 6; ++seed) {
+    const Imu biased = {0, 0, 0, 0, 0.3, 0};
+    Rotorcraft craft(with_imu(Vehicle::x500(), biased), Commands::tilt, seed);
+    craft.begin({0, 0, 100}, {1, 0}, {}, 0.0);
+    for (int k = 0; k < 3000; ++k) craft.step({}, {});
+    const InertialErrors errors(biased, seed, 0);
+    const Vec3<double> z = craft.attitude().z, b = errors.accelerometer_bias();
+    EXPECT_NEAR(z.x, b.x / gravity, 2e-3);
+    EXPECT_NEAR(z.y, b.y / gravity, 2e-3);
+  }
+}
+
+TEST(Rotorcraft, ABatteryThatSagsLiftsLessThanItsRotorsWouldWithAFullOne) {
+  Vehicle v = Vehicle::x500();
+  v.battery_sag = 0.1, v.battery_time = 5.0;
+  Rotorcraft craft = hovering(v);
+  for (int k = 0; k < 15'000; ++k) craft.step({}, {});
+  EXPECT_NEAR(craft.lift(), v.weight(), 1e-3 * v.weight());
+  EXPECT_NEAR(craft.lift(), 0.9 * craft.thrust(), 1e-12);
+}
+
 }  // namespace
 }  // namespace sightline

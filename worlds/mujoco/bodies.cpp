@@ -39,8 +39,8 @@ ModelPointer model_of(const Team& team, const std::vector<RobotVehicle>& vehicle
 }  // namespace
 
 MujocoWorld::Bodies::Bodies(const Team& team, const std::vector<RobotVehicle>& vehicles,
-                            const std::optional<ModelFile>& surroundings)
-    : Fleet(team, vehicles),
+                            const PlantOptions& plant, const std::optional<ModelFile>& surroundings)
+    : Fleet(team, vehicles, plant),
       model_(model_of(team, vehicles, surroundings)),
       data_(data_of(*model_)),
       bodies_(size(team.bodies())),

@@ -25,7 +25,7 @@ class MujocoWorld::Bodies final : public Fleet {
   };
 
   /// @throws std::invalid_argument as MujocoWorld
-  Bodies(const Team& team, const std::vector<RobotVehicle>& vehicles,
+  Bodies(const Team& team, const std::vector<RobotVehicle>& vehicles, const PlantOptions& plant,
          const std::optional<ModelFile>& surroundings);
 
   void begin(BodyId robot, double t, const double* x) noexcept override;

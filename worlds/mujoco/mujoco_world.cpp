@@ -11,7 +11,7 @@ MujocoWorld::MujocoWorld(const Team& team, std::vector<double> x0, const std::ve
                          const PlantOptions& plant, const SensorOptions& sensor,
                          const std::optional<ModelFile>& surroundings)
     : VehicleWorld("mujoco", team, std::move(x0), vehicles,
-                   std::make_unique<Bodies>(team, vehicles, surroundings), plant, sensor) {
+                   std::make_unique<Bodies>(team, vehicles, plant, surroundings), plant, sensor) {
   before(0.0);
   bodies().check_start(team);
 }

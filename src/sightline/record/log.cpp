@@ -197,8 +197,9 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
     schemas_.barrier =
         json("sightline.Barrier", {{"active", "boolean"}, {"conflict", "boolean"}, {"reserve", "number"}});
   }
-  const bool is_measured =
-      scenario.simulation.disturbances.spoil_measurements() || !scenario.simulation.faults.empty();
+  const bool is_measured = scenario.simulation.disturbances.spoil_measurements() ||
+                           !scenario.simulation.faults.empty() ||
+                           std::any_of(scenario.vehicles.begin(), scenario.vehicles.end(), has_imu);
   for (int i = 0; i < team_.bodies(); ++i) open_body(BodyId{i}, is_measured, has_barrier);
   open_attitudes(scenario);
   rows_ = "time,update_us";

@@ -11,28 +11,48 @@
 #include "sightline/world/flight_controller.hpp"
 
 namespace sightline {
+namespace {
+
+bool has_vehicles(const TomlTable& at, std::string_view world) {
+  const auto worlds = at.parts().worlds.with_vehicles();
+  return std::find(worlds.begin(), worlds.end(), world) != worlds.end();
+}
+
+/// Refuses what only a world of vehicles would look at.
+/// @param what  it is: "table"
+void refuse_without_vehicles(const TomlTable& at, std::string_view key, std::string_view what,
+                             std::string_view world) {
+  if (!at.has(key) || has_vehicles(at, world)) return;
+  at.refuse(key, fmt::format("no such {} in the world \"{}\", only with world.kind = \"{}\"", what, world,
+                             fmt::join(at.parts().worlds.with_vehicles(), "\" or \"")));
+}
+
+}  // namespace
+
+DownwashOptions read_downwash(const TomlTable& world, std::string_view kind,
+                              std::span<const std::string_view> beside) {
+  for (const std::string_view key : parameter_keys<DownwashOptions>())
+    refuse_without_vehicles(world, key, "key", kind);
+  return read_part<DownwashOptions>(TableSource(world), beside);
+}
 
 std::optional<RobotVehicle> read_vehicle(const TomlTable& agent, const Model& model, std::string_view world) {
   constexpr std::string_view key = "vehicle";
-  const auto worlds = agent.parts().worlds.with_vehicles();
-  const bool has_vehicles = std::find(worlds.begin(), worlds.end(), world) != worlds.end();
   const std::optional<Commands> commands = commands_of(model);
-  if (agent.has(key) && !has_vehicles) {
-    agent.refuse(key, fmt::format("no such table in the world \"{}\", only with world.kind = \"{}\"", world,
-                                  fmt::join(worlds, "\" or \"")));
-  }
+  refuse_without_vehicles(agent, key, "table", world);
   if (agent.has(key) && !commands) {
     agent.refuse(key, fmt::format("no such table, the robot {} is no vehicle: those are {}", model.name(),
                                   robots_with_vehicles()));
   }
-  if (!has_vehicles || !commands) return std::nullopt;
+  if (!has_vehicles(agent, world) || !commands) return std::nullopt;
   if (commands == Commands::full_state && !agent.has(key)) return std::nullopt;  // a point may stay one
 
   const TomlTable at = agent.table_or_empty(key);
   const VehicleOfModel of_model = agent.parts().worlds.of_model(world);
-  const std::array<std::string_view, 2> of_file = {"model", "body"};
+  const std::array<std::string_view, 3> beside = {"imu", "model", "body"};
   RobotVehicle read;
-  read.vehicle = read_part<Vehicle>(TableSource(at), std::span(of_file).first(of_model ? 2 : 0));
+  read.vehicle = read_part<Vehicle>(TableSource(at), std::span(beside).first(of_model ? 3 : 1));
+  if (at.has("imu")) read.vehicle.imu = read_part<Imu>(TableSource(at.table("imu")));
   if (at.has("preset")) read.preset = at.text("preset", "a preset");
   if (at.has("body") && !at.has("model")) at.refuse("model", "the file that body is of");
   if (at.has("model")) {

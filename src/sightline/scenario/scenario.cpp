@@ -79,8 +79,9 @@ class Reader {
     const TomlTable at = root_.table_or_empty("world");
     const WorldList& worlds = root_.parts().worlds;
     if (at.has("kind")) scenario_.world = at.word("kind", worlds.names());
-    if (!worlds.of_model(scenario_.world)) return at.expect_only({"kind"});
-    at.expect_only({"kind", "model"});
+    const std::array<std::string_view, 2> beside = {"kind", "model"};
+    const bool reads_models = static_cast<bool>(worlds.of_model(scenario_.world));
+    scenario_.downwash = read_downwash(at, scenario_.world, std::span(beside).first(reads_models ? 2 : 1));
     if (at.has("model")) scenario_.model = read_model_file(at);
   }
 
@@ -385,7 +386,8 @@ PlantOptions plant_options(const Scenario& scenario) {
   PlantOptions options{.seed = scenario.simulation.seed,
                        .disturbances = scenario.simulation.disturbances,
                        .period = scenario.horizon.dt,
-                       .motions = {}};
+                       .motions = {},
+                       .downwash = scenario.downwash};
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     if (uncooperative.motion) options.motions.push_back({uncooperative.body, *uncooperative.motion});
   }
@@ -426,7 +428,8 @@ std::string summary(const Scenario& scenario) {
   line("horizon     {} s, {} stages, period {} s", horizon.T, horizon.N, horizon.dt);
   line("solver      {}", scenario.solver.name);
   if (scenario.world != "model")
-    line("world       {}{}", scenario.world, scenario.model ? " with " + scenario.model->name : "");
+    line("world       {}{}{}", scenario.world, scenario.model ? " with " + scenario.model->name : "",
+         scenario.downwash.scale > 0 ? fmt::format(", downwash {}", scenario.downwash.scale) : "");
   line("simulation  {} s, {:.0f} updates, seed {}", simulation.duration,
        std::round(simulation.duration / horizon.dt), simulation.seed);
   line("team        {} states, {} inputs", team.nx(), team.nu());

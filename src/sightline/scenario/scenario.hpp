@@ -110,6 +110,7 @@ struct Scenario {
   std::vector<Presence> presence;    ///< of the bodies at the start; those that are missing are there
   Script script{};                   ///< what changes the team in flight; `team` has all there will ever be
   std::string world = "model";       ///< what it flies in, one of the parts' worlds
+  DownwashOptions downwash{};        ///< of its vehicles
   std::optional<ModelFile> model{};  ///< of what else is in the world, where that reads such files
   std::vector<RobotCompensation> compensations{};  ///< of the robots that ask for one
   std::vector<RobotVehicle> vehicles{};            ///< of the robots that are one, in worlds that have them

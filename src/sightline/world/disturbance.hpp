@@ -103,7 +103,11 @@ enum class Chance : std::uint64_t {
   fault,
   position_drift,
   heading_drift,
-  velocity_drift
+  velocity_drift,
+  gyro_noise,
+  gyro_bias,
+  accelerometer_noise,
+  accelerometer_bias
 };
 
 /// Random numbers of one seed, purpose and body: SplitMix64, and Box-Muller on top.

@@ -29,10 +29,24 @@ std::vector<std::size_t> shown_by(const Model& model) {
   return all;
 }
 
+ShownNumbers shown_of(const RigidBody& body) {
+  const Rotation R = rotation(body.q);
+  const Vec2<double> d = heading(R), v = rotate<double>({d.x, -d.y}, {body.v.x, body.v.y});
+  const double lean = gravity / std::max(R.z.z, 0.1);  // finite, however it tumbles
+  const Vec2<double> a = rotate<double>({d.x, -d.y}, {lean * R.z.x, lean * R.z.y});
+  return {body.p.x, body.p.y, body.p.z, d.x,      d.y,      atan2(d.y, d.x),
+          v.x,      v.y,      body.v.x, body.v.y, body.v.z, heading_rate(R, body.w),
+          a.x,      a.y};
+}
+
+/// The first of those numbers that a vehicle measures itself.
+constexpr std::size_t first_sensed = 11;
+static_assert(shown_names[first_sensed] == "r");
+
 }  // namespace
 
-Fleet::Fleet(const Team& team, const std::vector<RobotVehicle>& vehicles)
-    : craft_of_(size(team.bodies()), -1) {
+Fleet::Fleet(const Team& team, const std::vector<RobotVehicle>& vehicles, const PlantOptions& plant)
+    : downwash_(plant.downwash.scale), jets_(vehicles.size()), craft_of_(size(team.bodies()), -1) {
   for (const RobotVehicle& one : vehicles) {
     if (one.robot.index < 0 || one.robot.index >= team.bodies() || !team.is_agent(one.robot))
       refuse("a vehicle is of body {}, expected a robot of the team", one.robot.index);
@@ -45,7 +59,7 @@ Fleet::Fleet(const Team& team, const std::vector<RobotVehicle>& vehicles)
     if (craft >= 0) refuse("{} is two vehicles, expected one", team.name(one.robot));
     craft = static_cast<int>(crafts_.size());
     crafts_.push_back({.robot = one.robot,
-                       .flown = Rotorcraft(one.vehicle, *commands),
+                       .flown = Rotorcraft(one.vehicle, *commands, plant.seed, one.robot.index),
                        .shown = shown_by(model),
                        .inputs = model.nu()});
   }
@@ -70,28 +84,56 @@ void Fleet::begin(BodyId robot, double, const double* x) noexcept {
 void Fleet::steer(BodyId robot, const double* u, const Vec3<double>& acceleration) noexcept {
   Craft& craft = crafts_[size(craft_of_[at(robot)])];
   std::copy_n(u, craft.inputs, craft.commands.begin());
-  craft.air = craft.flown.vehicle().air(acceleration);
+  craft.wind = craft.air = craft.flown.vehicle().air(acceleration);
   craft.steered = true;
 }
 
 void Fleet::move(double t) noexcept {
   const std::int64_t until = std::llround(t / rotorcraft_step);
-  if (until > tick_) advance(until - tick_);
-  tick_ = until;
+  while (tick_ < until) {
+    const bool blows = downwash_ > 0;
+    const std::int64_t steps = blows ? std::min(until - tick_, downwash_steps) : until - tick_;
+    if (blows) blow();
+    advance(steps);
+    tick_ += steps;
+  }
   for (Craft& craft : crafts_) craft.steered = false;
+}
+
+/// The air around each vehicle, by the jets of all others.
+void Fleet::blow() noexcept {
+  for (std::size_t i = 0; i < crafts_.size(); ++i) {
+    const Rotorcraft& one = crafts_[i].flown;
+    const Vehicle& v = one.vehicle();
+    jets_[i] = {.p = one.body().p,
+                .down = -1.0 * one.attitude().z,
+                .thrust = crafts_[i].steered ? one.lift() : 0.0,
+                .radius2 = static_cast<double>(v.rotors()) * square(v.rotor_radius)};
+  }
+  for (std::size_t i = 0; i < crafts_.size(); ++i) {
+    Craft& below = crafts_[i];
+    if (!below.steered) continue;
+    Vec3<double> pushed{};
+    for (std::size_t j = 0; j < jets_.size(); ++j) {
+      if (j != i && jets_[j].thrust > 0) pushed = pushed + jets_[j].air(below.flown.body().p);
+    }
+    below.air = below.wind + downwash_ * pushed;
+  }
 }
 
 void Fleet::show(BodyId robot, double* x) const noexcept {
   const Craft& craft = crafts_[size(craft_of_[at(robot)])];
-  const RigidBody& body = craft.flown.body();
-  const Vec2<double> d = craft.flown.heading(), v = rotate<double>({d.x, -d.y}, {body.v.x, body.v.y});
-  const Vec3<double> thrust = craft.flown.attitude().z;
-  const double lean = gravity / std::max(thrust.z, 0.1);  // finite, however it tumbles
-  const Vec2<double> a = rotate<double>({d.x, -d.y}, {lean * thrust.x, lean * thrust.y});
-  const ShownNumbers n = {body.p.x, body.p.y, body.p.z, d.x,      d.y,      atan2(d.y, d.x),
-                          v.x,      v.y,      body.v.x, body.v.y, body.v.z, craft.flown.heading_rate(),
-                          a.x,      a.y};
+  const ShownNumbers n = shown_of(craft.flown.body());
   for (std::size_t i = 0; i < craft.shown.size(); ++i) x[i] = n[craft.shown[i]];
+}
+
+void Fleet::sense(BodyId robot, double* x) const noexcept {
+  const Craft& craft = crafts_[size(craft_of_[at(robot)])];
+  if (!craft.flown.vehicle().imu) return;
+  const ShownNumbers n = shown_of(craft.flown.seen());
+  for (std::size_t i = 0; i < craft.shown.size(); ++i) {
+    if (craft.shown[i] >= first_sensed) x[i] = n[craft.shown[i]];
+  }
 }
 
 }  // namespace sightline

@@ -44,7 +44,8 @@ class FlightController {
   /// Forgets what it has integrated.
   void begin() noexcept;
   /// What the rotors are to lift, every `period`.
-  /// @param R  of body.q
+  /// @param body  as the vehicle knows it
+  /// @param R     of body.q
   Thrusts update(const RigidBody& body, const Rotation& R, const std::array<double, 4>& u) noexcept;
 
  private:

@@ -24,7 +24,7 @@ void ModelWorld::set_presence(std::span<const Presence> presence) noexcept {
 }
 
 Measured ModelWorld::measure(double t) noexcept {
-  const std::span<const double> measured = sensor_.measure(t, plant_.x());
+  const std::span<const double> measured = sensor_.measure(t, plant_.sensed());
   return {measured, sensor_.stamps(), plant_.x()};
 }
 

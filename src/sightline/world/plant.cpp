@@ -17,6 +17,9 @@ namespace {
 const PlantOptions& checked(const PlantOptions& options) {
   options.disturbances.check();
   require(options.period >= 1e-4, "plant", "period", options.period, ">= 1e-4 s");
+  options.downwash.check();
+  require(options.downwash.scale == 0 || options.dynamics != nullptr, "plant", "downwash",
+          options.downwash.scale, "0 where no vehicles move");
   return options;
 }
 
@@ -72,6 +75,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
   const std::span<const double> resting = delay_.at(0.0);
   for (const YawLag& lag : lags_) z_.push_back(disturbances_.input_gain * resting[lag.input]);
   start_ = z_;
+  sensed_.resize(nx_);
   scratch_.resize(RungeKuttaScratch::rows_needed * z_.size());
 
   const Vec3<double>& wind = disturbances_.wind;
@@ -121,6 +125,15 @@ void Plant::set_presence(std::span<const Presence> presence) noexcept {
     std::copy_n(&start_[part.x], n, &z_[part.x]);
     if (part.moved) dynamics_->begin(BodyId{static_cast<int>(i)}, time_, &z_[part.x]);
   }
+}
+
+std::span<const double> Plant::sensed() noexcept {
+  if (dynamics_ == nullptr) return x();
+  std::copy_n(z_.begin(), nx_, sensed_.begin());
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (parts_[i].moved) dynamics_->sense(BodyId{static_cast<int>(i)}, &sensed_[parts_[i].x]);
+  }
+  return sensed_;
 }
 
 void Plant::set_accelerations() noexcept {

@@ -9,6 +9,7 @@
 #include "sightline/math/integrate.hpp"
 #include "sightline/ocp/roster.hpp"
 #include "sightline/world/disturbance.hpp"
+#include "sightline/world/downwash.hpp"
 #include "sightline/world/motion.hpp"
 
 namespace sightline {
@@ -30,6 +31,8 @@ class RobotDynamics {
   virtual void move(double t) noexcept = 0;
   /// Writes the state x of the robot's model.
   virtual void show(BodyId robot, double* x) const noexcept = 0;
+  /// Puts what the robot measures of itself, with its errors, in place of those numbers of its true state x.
+  virtual void sense(BodyId /*robot*/, double* /*x*/) const noexcept {}
 };
 
 struct PlantOptions {
@@ -38,6 +41,7 @@ struct PlantOptions {
   double period = 0.01;  ///< shortest step that will be asked for [s]; sizes the queue of delayed commands
   std::vector<BodyMotion> motions{};  ///< of targets and obstacles; the others keep their velocity
   RobotDynamics* dynamics = nullptr;  ///< of the robots that it moves; outlives the plant
+  DownwashOptions downwash{};         ///< of vehicles; for the dynamics
 };
 
 /// x' = f(x, u) of each body by the classical Runge-Kutta step with u held (zero-order hold). After each step
@@ -67,6 +71,8 @@ class Plant {
 
   const Team& team() const { return team_; }
   std::span<const double> x() const noexcept { return std::span(z_).first(nx_); }
+  /// The same, with what robots measure of themselves as they do.
+  std::span<const double> sensed() noexcept;
   double time() const noexcept { return time_; }
 
  private:
@@ -92,7 +98,7 @@ class Plant {
   std::vector<Part> parts_;
   std::vector<YawLag> lags_;
   std::vector<double> z_;  // states of all bodies, then the lagging yaw inputs
-  std::vector<double> start_;
+  std::vector<double> start_, sensed_;
   std::vector<double> u_, scratch_;
   InputDelay delay_;
   std::optional<Gusts> gusts_;

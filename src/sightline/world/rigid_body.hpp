@@ -48,6 +48,13 @@ inline Vec2<double> lean(const Rotation& R) {
   const double up = R.z.z > least_up ? R.z.z : least_up;
   return rotate<double>({d.x, -d.y}, {R.z.x / up, R.z.y / up});
 }
+/// Rate of that direction [rad/s] at the angular velocity w, in B: R' = R [w], whose first column is w_z y - w_y z.
+inline double heading_rate(const Rotation& R, const Vec3<double>& w) {
+  const double level = square(R.x.x) + square(R.x.y);
+  if (!(level > 0)) return 0.0;
+  const Vec3<double> rate = w.z * R.y - w.y * R.z;
+  return (R.x.x * rate.y - R.x.y * rate.x) / level;
+}
 /// The attitude of this heading and lean: yaw, pitch atan(lean_f), roll.
 inline Quaternion leaning(const Vec2<double>& d, const Vec2<double>& lean) {
   const double yaw = 0.5 * atan2(d.y, d.x), pitch = 0.5 * atan2(lean.x, 1.0),

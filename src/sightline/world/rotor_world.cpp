@@ -21,8 +21,8 @@ class RotorFleet final : public Fleet {
 
 RotorWorld::RotorWorld(const Team& team, std::vector<double> x0, const std::vector<RobotVehicle>& vehicles,
                        const PlantOptions& plant, const SensorOptions& sensor)
-    : VehicleWorld("rotors", team, std::move(x0), vehicles, std::make_unique<RotorFleet>(team, vehicles),
-                   plant, sensor) {
+    : VehicleWorld("rotors", team, std::move(x0), vehicles,
+                   std::make_unique<RotorFleet>(team, vehicles, plant), plant, sensor) {
   for (const RobotVehicle& one : vehicles) {
     for (int i = 0; i < team.bodies(); ++i) {
       const BodyId other{i};

@@ -17,13 +17,14 @@ const Vehicle& checked(const Vehicle& vehicle) {
 
 }  // namespace
 
-Rotorcraft::Rotorcraft(const Vehicle& vehicle, Commands commands)
+Rotorcraft::Rotorcraft(const Vehicle& vehicle, Commands commands, std::uint64_t seed, int body)
     : vehicle_(checked(vehicle)),
       controller_(vehicle, commands),
       body_{.mass = vehicle.mass, .inertia = vehicle.inertia},
       rotors_(vehicle.rotors()),
       rise_(1 - exp(-rotorcraft_step / vehicle.tau_up)),
       fall_(1 - exp(-rotorcraft_step / vehicle.tau_down)) {
+  if (vehicle.imu) inertial_.emplace(*vehicle.imu, seed, body);
   begin({}, {1, 0}, {}, 0.0);
 }
 
@@ -34,6 +35,7 @@ void Rotorcraft::begin(const Vec3<double>& p, const Vec2<double>& d, const Vec3<
   speed_.fill(0.0);
   std::fill_n(speed_.begin(), rotors_, vehicle_.hover_speed());
   controller_.begin();
+  if (inertial_) inertial_->begin(attitude());
   ticks_ = 0;
   crash_speed_ = 0.0;
 }
@@ -46,16 +48,14 @@ void Rotorcraft::step(const std::array<double, 4>& u, const Vec3<double>& air) n
 
 Wrench Rotorcraft::push(const std::array<double, 4>& u, const Vec3<double>& air) noexcept {
   const Rotation R = attitude();
-  if (ticks_++ % ticks_per_control == 0) wanted_ = controller_.update(body_, R, u);
+  if (ticks_++ % ticks_per_control == 0) control(R, u);
   spin_up(wanted_);
 
-  // The flight controller knows nothing of the battery.
-  const double used = std::min(1.0, static_cast<double>(ticks_) * rotorcraft_step / vehicle_.battery_time);
-  const double k_f = vehicle_.k_f * (1.0 - vehicle_.battery_sag * used);
+  const double now = k_f();
   double lift = 0.0, speeds = 0.0;
   Vec3<double> torque{};
   for (std::size_t i = 0; i < rotors_; ++i) {
-    const double f = k_f * square(speed_[i]);
+    const double f = now * square(speed_[i]);
     lift += f;
     speeds += speed_[i];
     torque = torque +
@@ -66,6 +66,22 @@ Wrench Rotorcraft::push(const std::array<double, 4>& u, const Vec3<double>& air)
   const Vec3<double> force = {-(drag.x + in_plane) * wind.x, -(drag.y + in_plane) * wind.y,
                               lift - drag.z * wind.z};
   return {R.to_G(force), torque};
+}
+
+void Rotorcraft::control(const Rotation& R, const std::array<double, 4>& u) noexcept {
+  if (!inertial_) {
+    wanted_ = controller_.update(body_, R, u);
+    return;
+  }
+  inertial_->advance(R, FlightController::period);
+  const RigidBody body = seen();
+  wanted_ = controller_.update(body, rotation(body.q), u);
+}
+
+/// With the battery as it is, of which the flight controller knows nothing.
+double Rotorcraft::k_f() const noexcept {
+  const double used = std::min(1.0, static_cast<double>(ticks_) * rotorcraft_step / vehicle_.battery_time);
+  return vehicle_.k_f * (1.0 - vehicle_.battery_sag * used);
 }
 
 void Rotorcraft::spin_up(const Thrusts& wanted) noexcept {
@@ -84,19 +100,12 @@ void Rotorcraft::meet_ground() noexcept {
   body_.q = upright(heading());
 }
 
-// R' = R [w], whose first column is w_z y - w_y z.
-double Rotorcraft::heading_rate() const {
-  const Rotation R = attitude();
-  const double level = square(R.x.x) + square(R.x.y);
-  if (!(level > 0)) return 0.0;
-  const Vec3<double> rate = body_.w.z * R.y - body_.w.y * R.z;
-  return (R.x.x * rate.y - R.x.y * rate.x) / level;
-}
-
 double Rotorcraft::thrust() const {
   double lift = 0.0;
   for (const double s : speed_) lift += vehicle_.k_f * square(s);
   return lift;
 }
+
+double Rotorcraft::lift() const { return thrust() * (k_f() / vehicle_.k_f); }
 
 }  // namespace sightline

@@ -3,8 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "sightline/world/flight_controller.hpp"
+#include "sightline/world/imu.hpp"
 #include "sightline/world/mixer.hpp"
 #include "sightline/world/rigid_body.hpp"
 #include "sightline/world/vehicle.hpp"
@@ -30,8 +32,9 @@ struct Wrench {
 /// rest, until the thrust lifts it.
 class Rotorcraft {
  public:
+  /// @param seed, body  of the chance in its IMU
   /// @throws std::invalid_argument from Vehicle::check()
-  Rotorcraft(const Vehicle& vehicle, Commands commands);
+  Rotorcraft(const Vehicle& vehicle, Commands commands, std::uint64_t seed = 1, int body = 0);
 
   /// Upright, with the rotors at the speed of hover.
   /// @param d  heading
@@ -52,19 +55,25 @@ class Rotorcraft {
 
   const Vehicle& vehicle() const { return vehicle_; }
   const RigidBody& body() const { return body_; }
+  /// As its flight controller takes it to be: the true one, but for the errors of an IMU.
+  RigidBody seen() const noexcept { return inertial_ ? inertial_->seen(body_) : body_; }
   Rotation attitude() const { return rotation(body_.q); }
   Vec2<double> heading() const { return sightline::heading(attitude()); }
-  double heading_rate() const;  ///< of that direction [rad/s]
-  double thrust() const;        ///< of all rotors [N]
+  double heading_rate() const { return sightline::heading_rate(attitude(), body_.w); }  ///< [rad/s]
+  double thrust() const;  ///< of all rotors [N], with a full battery
+  double lift() const;    ///< the same with the battery as it is [N]
   /// The speed at which it touched the ground, where it was above landing_speed_max, else 0 [m/s].
   double crash_speed() const { return crash_speed_; }
 
  private:
+  void control(const Rotation& R, const std::array<double, 4>& u) noexcept;
+  double k_f() const noexcept;
   void spin_up(const Thrusts& wanted) noexcept;
   void meet_ground() noexcept;
 
   Vehicle vehicle_;
   FlightController controller_;
+  std::optional<InertialErrors> inertial_;
   RigidBody body_;
   std::size_t rotors_;
   double rise_, fall_;  // share of the way in a step

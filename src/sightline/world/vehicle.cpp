@@ -18,6 +18,7 @@ Vehicle Vehicle::crazyflie() {
   v.inertia = {16.8e-6, 16.8e-6, 29.8e-6};
   v.rotor_x = {0.0325, -0.0325, 0.0325, -0.0325};
   v.rotor_y = {-0.0325, 0.0325, 0.0325, -0.0325};
+  v.rotor_radius = 0.0231;
   v.k_f = 2.88e-8;
   v.k_m = 0.006;
   v.speed_max = 2041.0;
@@ -36,6 +37,7 @@ Vehicle Vehicle::ar_drone() {
   v.inertia = {0.0022, 0.0030, 0.0048};
   v.rotor_x = {0.126, -0.126, 0.126, -0.126};
   v.rotor_y = {-0.126, 0.126, 0.126, -0.126};
+  v.rotor_radius = 0.1;
   v.k_f = 8.86e-6;
   v.k_m = 0.016;
   v.speed_max = 490.0;
@@ -81,6 +83,7 @@ Vehicle& Vehicle::set_attitude(double omega, double zeta, double tau) {
 
 void Vehicle::check() const {
   check_parameters(*this);
+  if (imu) imu->check();
   const std::size_t n = rotors();
   if (n < rotors_min || n > rotors_max)
     refuse("vehicle.rotor_x has {} rotors, expected {} to {}", n, rotors_min, rotors_max);
@@ -129,8 +132,8 @@ std::string in_words(const RobotVehicle& vehicle) {
   const Vehicle& v = vehicle.vehicle;
   const std::string body =
       vehicle.model ? fmt::format(" as {} of {}", vehicle.model->body, vehicle.model->file.name) : "";
-  return fmt::format("{}{}, {:.6g} kg, {} rotors, thrust to weight {:.2f}", vehicle.preset, body, v.mass,
-                     v.rotors(), v.thrust_max() / v.weight());
+  return fmt::format("{}{}, {:.6g} kg, {} rotors, thrust to weight {:.2f}{}", vehicle.preset, body, v.mass,
+                     v.rotors(), v.thrust_max() / v.weight(), v.imu ? ", an IMU with errors" : "");
 }
 
 }  // namespace sightline

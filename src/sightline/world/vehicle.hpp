@@ -11,6 +11,7 @@
 #include "sightline/base/parameter.hpp"
 #include "sightline/math/fixed.hpp"
 #include "sightline/ocp/team.hpp"
+#include "sightline/world/imu.hpp"
 
 namespace sightline {
 
@@ -32,6 +33,7 @@ struct Vehicle {
   std::vector<double> rotor_x = {0.174, -0.174, 0.174, -0.174};
   std::vector<double> rotor_y = {-0.174, 0.174, 0.174, -0.174};
   std::vector<double> spin = {1, 1, -1, -1};
+  double rotor_radius = 0.127;
   double k_f = 8.54858e-6;
   double k_m = 0.016;
   double speed_max = 1000.0;
@@ -56,6 +58,7 @@ struct Vehicle {
   double climb_max = 1.0;
   double yaw_max = 1.6;
   double tilt_limit = 0.6;
+  std::optional<Imu> imu{};  ///< none: the flight controller knows the truth
 
   static constexpr auto parameters() {
     using V = Vehicle;
@@ -73,6 +76,7 @@ struct Vehicle {
         ListParameter<V, double>{"spin", &V::spin, "",
                                  "of each rotor seen from above: 1 anticlockwise, -1 clockwise", false,
                                  false},
+        parameter("rotor_radius", &V::rotor_radius, "m", above_zero, "of the disc of a rotor, for downwash"),
         parameter("k_f", &V::k_f, "N s^2", above_zero, "thrust of a rotor over its speed squared"),
         parameter("k_m", &V::k_m, "m", above_zero, "torque of a rotor over its thrust"),
         parameter("speed_max", &V::speed_max, "rad/s", above_zero, "greatest speed of a rotor"),
@@ -146,6 +150,9 @@ struct RobotVehicle {
   std::string preset = "x500";       ///< that its numbers began with
   std::optional<ModelBody> model{};  ///< that has its mass, inertia and shape
 };
+
+/// Whether its flight controller measures with errors.
+inline bool has_imu(const RobotVehicle& vehicle) { return vehicle.vehicle.imu.has_value(); }
 
 /// "x500, 2.06 kg, 4 rotors, thrust to weight 1.69"
 std::string in_words(const RobotVehicle& vehicle);

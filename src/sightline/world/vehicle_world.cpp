@@ -22,14 +22,17 @@ void check_period(std::string_view kind, double period) {
 }
 
 /// Refuses wind that finds no drag to push.
-void check_wind(const Vehicle& vehicle, std::string_view name, const Disturbances& d) {
+void check_wind(const Vehicle& vehicle, std::string_view name, const PlantOptions& plant) {
+  const Disturbances& d = plant.disturbances;
   const Vec3<double> drag = vehicle.hover_drag();
   const bool everywhere = d.gust_sigma > 0, level = everywhere || d.airflow.amplitude > 0;
   const bool calm = (drag.x > 0 || !(level || d.wind.x != 0 || d.wind.y != 0)) &&
-                    (drag.z > 0 || !(everywhere || d.wind.z != 0));
+                    (drag.z > 0 || !(everywhere || d.wind.z != 0 || plant.downwash.scale > 0));
   if (!calm)
-    refuse("vehicle.drag of {} is [{}, {}, {}] N s/m, expected one that wind, gusts and wakes can push", name,
-           vehicle.drag.x, vehicle.drag.y, vehicle.drag.z);
+    refuse(
+        "vehicle.drag of {} is [{}, {}, {}] N s/m, expected one that wind, gusts, wakes and downwash can "
+        "push",
+        name, vehicle.drag.x, vehicle.drag.y, vehicle.drag.z);
 }
 
 }  // namespace
@@ -45,7 +48,7 @@ VehicleWorld::VehicleWorld(std::string_view kind, const Team& team, std::vector<
   rest_.resize(size(team.nu()));
   attitudes_.resize(presence_.size(), no_attitude);
   for (const RobotVehicle& one : vehicles) {
-    check_wind(one.vehicle, team.name(one.robot), plant.disturbances);
+    check_wind(one.vehicle, team.name(one.robot), plant);
     if (const double z = sight(one.robot).p.z; z < 0)
       refuse("{} starts at a height of {} m, expected one above the ground, at least 0 m",
              team.name(one.robot), z);

@@ -14,8 +14,8 @@ namespace sightline {
 
 /// A ModelWorld whose vehicles a Fleet moves. Targets, obstacles and robots that are no vehicles move as in a ModelWorld; delays, noise,
 /// faults and presence are those of one. Wind, gusts and wakes are air that moves: an acceleration a is air at Vehicle::air(a), whose drag
-/// accelerates the hovering vehicle by a; in flight the drag acts on the velocity through that air. Commands come into force at whole
-/// milliseconds.
+/// accelerates the hovering vehicle by a; in flight the drag acts on the velocity through that air. So does the downwash of the other
+/// vehicles (downwash.hpp). Commands come into force at whole milliseconds.
 ///
 /// A vehicle that touches the ground at more than landing_speed_max, or another body, ends the world.
 class VehicleWorld : public World {
