@@ -74,18 +74,20 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::vector both = {Seen::pose, Seen::pose_and_motion};
+  const std::vector<Model> velocity = {VelocityMultirotor{},
+                                       VelocityMultirotor{.frame = VelocityFrame::level}};
   const std::vector<Generator> parts = {
       stages_of("multirotor", {Multirotor{}}, {Seen::pose}),
       stages_of("multirotor_motion", {Multirotor{}}, {Seen::pose_and_motion}),
       limits_of_a_multirotor(),
       stages_of("angle_multirotor", {AngleMultirotor{}}, both),
-      stages_of("velocity_multirotor", {VelocityMultirotor{}}, {Seen::pose}),
-      stages_of("velocity_multirotor_motion", {VelocityMultirotor{}}, {Seen::pose_and_motion}),
+      stages_of("velocity_multirotor", velocity, {Seen::pose}),
+      stages_of("velocity_multirotor_motion", velocity, {Seen::pose_and_motion}),
       stages_of("hover_multirotor", {HoverMultirotor{}, LaggingHoverMultirotor{}}, {Seen::pose}),
       stages_of("hover_multirotor_motion", {HoverMultirotor{}, LaggingHoverMultirotor{}},
                 {Seen::pose_and_motion}),
       stages_of("leaning_multirotor", {Multirotor{}}, {Seen::leaning}),
-      stages_of("leaning_velocity_multirotor", {VelocityMultirotor{}}, {Seen::leaning}),
+      stages_of("leaning_velocity_multirotor", velocity, {Seen::leaning}),
       stages_of("leaning_hover_multirotor", {HoverMultirotor{}, LaggingHoverMultirotor{}}, {Seen::leaning}),
       stages_of("ground_robots", {OmniRover{}, Unicycle{}}, both),
       stages_of("point_mass", {PointMass{}, PointMass{.drag = 0.3}}, both),

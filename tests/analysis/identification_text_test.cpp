@@ -47,9 +47,10 @@ TEST(IdentificationText, OfEachKindOfRobotTheTemplateIsReadBack) {
   const Identification velocity =
       identified(alone("robot = \"velocity_multirotor\"", 9, noise, "[world]\nkind = \"rotors\"\n"));
   const std::string of_velocity = template_text(velocity, velocity.best, "uav");
-  EXPECT_THAT(of_velocity, HasSubstr("v_max = 3.0, climb_max = 1.0, yaw_max = 0.78"));
-  EXPECT_THAT(of_velocity, HasSubstr("# the flight also shows the Coriolis term"));
+  EXPECT_THAT(of_velocity, HasSubstr("v_max = 3.0, climb_max = 1.0, yaw_max = 0.78, frame = \"level\" }"));
   EXPECT_EQ(like(of_velocity, 9).team.model(BodyId{0}).name(), "velocity_multirotor");
+  const Identification along = identified(alone("robot = \"velocity_multirotor\"", 9, noise));
+  EXPECT_THAT(template_text(along, along.best, "uav"), HasSubstr("frame = \"heading\" }"));
 }
 
 TEST(IdentificationText, TableJsonAndPageSayTheSame) {

@@ -29,6 +29,9 @@ TEST(Identify, ChoosesTheStructureOfTheRobotThatFlew) {
   EXPECT_EQ(identified(alone("robot = \"velocity_multirotor\"", 9, noise + "\ninput_delay = 0.1"))
                 .best.structure.name(),
             "lags + delay");
+  EXPECT_EQ(identified(alone("robot = \"velocity_multirotor\"\nparameters = { frame = \"level\" }", 9, noise))
+                .best.structure.name(),
+            "lags + Coriolis");
   const Identification rotors = identified(test::vehicle("x500"));
   EXPECT_EQ(rotors.best.structure.name(), "(24) + delay + Coriolis + lags");
   ASSERT_TRUE(rotors.lumped);

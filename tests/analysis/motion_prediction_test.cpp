@@ -83,10 +83,12 @@ TEST(MotionPrediction, IsTheMotionOfTheRobotThatHasTheStructure) {
                      .tau_z = l.tau_z,
                      .tau_psi = l.tau_psi},
                     1e-3);
-  const VelocityMultirotor v;
-  expect_prediction(
-      flight(v, 0.7), {Commands::velocity, true, false, true},
-      {.tau_f = v.tau_f, .tau_s = v.tau_s, .delay = delay, .tau_z = v.tau_z, .tau_psi = v.tau_psi}, 1e-4);
+  for (const VelocityFrame frame : {VelocityFrame::heading, VelocityFrame::level}) {
+    const VelocityMultirotor v{.frame = frame};
+    expect_prediction(
+        flight(v, 0.7), {Commands::velocity, true, frame == VelocityFrame::level, true},
+        {.tau_f = v.tau_f, .tau_s = v.tau_s, .delay = delay, .tau_z = v.tau_z, .tau_psi = v.tau_psi}, 1e-4);
+  }
 }
 
 TEST(MotionPrediction, MovesSmoothlyWithTheDelay) {

@@ -50,6 +50,48 @@ TEST(VelocityMultirotor, SettlesAtTheVelocityInVAndTheYawRateItWasTold) {
   EXPECT_NEAR(x[3] * rate[4] - x[4] * rate[3], u[3], 1e-9);
 }
 
+TEST(VelocityMultirotor, InTheLevelFrameYawingAloneTurnsNoVelocity) {
+  Random random(5);
+  for (int trial = 0; trial < 20; ++trial) {
+    const auto start = uniform_array<9>(random, -1, 1);
+    const auto coasts = [&](VelocityFrame frame, double yaw_rate) {
+      const Model model = VelocityMultirotor{.tau_f = 0.6, .tau_s = 0.6, .frame = frame};
+      std::array<double, 9> x = start;
+      EXPECT_TRUE(model.normalise(x.data()));
+      const std::array<double, 4> u = {0, 0, 0, yaw_rate};
+      for (int step = 0; step < 100; ++step) model.step(x.data(), u.data(), 0.01);
+      return model.sight(x.data(), u.data()).v;
+    };
+    const Vec3<double> straight = coasts(VelocityFrame::level, 0.0),
+                       turned = coasts(VelocityFrame::level, 1.5);
+    EXPECT_NEAR(turned.x, straight.x, 1e-8);
+    EXPECT_NEAR(turned.y, straight.y, 1e-8);
+    const Vec3<double> along = coasts(VelocityFrame::heading, 1.5);
+    EXPECT_GT(norm(along.x - turned.x, along.y - turned.y), 0.1 * norm(turned.x, turned.y));
+    EXPECT_NEAR(norm(along.x, along.y), norm(turned.x, turned.y), 1e-6);
+  }
+}
+
+TEST(VelocityMultirotor, LeansByItsAccelerationInGInBothFrames) {
+  Random random(6);
+  for (const VelocityFrame frame : {VelocityFrame::heading, VelocityFrame::level}) {
+    const Model model = VelocityMultirotor{.tau_f = 0.4, .tau_s = 0.7, .frame = frame};
+    for (int trial = 0; trial < 50; ++trial) {
+      auto x = uniform_array<9>(random, -1, 1);
+      ASSERT_TRUE(model.normalise(x.data()));
+      const auto u = uniform_array<4>(random, -1, 1);
+      const Sight<double> now = model.sight(x.data(), u.data());
+      constexpr double dt = 1e-6;
+      model.step(x.data(), u.data(), dt);
+      const Sight<double> then = model.sight(x.data(), u.data());
+      const Vec2<double> a =
+          rotate<double>({now.d.x, -now.d.y}, {(then.v.x - now.v.x) / dt, (then.v.y - now.v.y) / dt});
+      EXPECT_NEAR(now.lean.x, a.x / gravity, 1e-5);
+      EXPECT_NEAR(now.lean.y, a.y / gravity, 1e-5);
+    }
+  }
+}
+
 TEST(VelocityMultirotor, TheArDroneMovesInItsPlaneAsEquation24) {
   Random random(2);
   const Multirotor paper;

@@ -59,13 +59,15 @@ struct DraggedClimb {
 };
 
 TEST(Authority, OfARobotThatClimbsLateIsItsLagAndWhereItTurnsLateNoCorner) {
-  const Model px4{VelocityMultirotor{}};
-  const Authority a = authority_of(px4, px4.u_min(), px4.u_max());
-  EXPECT_NEAR(a.climb_lag, 0.35, 1e-4);
-  EXPECT_NEAR(a.climb, 1.0, 1e-3);
-  EXPECT_TRUE(a.climbs);
-  EXPECT_EQ(a.thrust_count, 0);
-  EXPECT_GT(a.acceleration, 2.0);
+  for (const VelocityFrame frame : {VelocityFrame::heading, VelocityFrame::level}) {
+    const Model px4{VelocityMultirotor{.frame = frame}};
+    const Authority a = authority_of(px4, px4.u_min(), px4.u_max());
+    EXPECT_NEAR(a.climb_lag, 0.35, 1e-4);
+    EXPECT_NEAR(a.climb, 1.0, 1e-3);
+    EXPECT_TRUE(a.climbs);
+    EXPECT_EQ(a.thrust_count, 0);
+    EXPECT_GT(a.acceleration, 2.0);
+  }
   const Model at_once{Multirotor{}};
   EXPECT_EQ(authority_of(at_once, at_once.u_min(), at_once.u_max()).climb_lag, 0.0);
 }

@@ -410,9 +410,9 @@ TEST(Barrier, WithPartOfItsLimitsHeldForWindItKeepsTheDistanceFromFartherAway) {
 
 // A robot of px4's numbers flies at a pursuer that is as fast in height as in the plane, up, down and at random.
 TEST(Barrier, KeepsTheDistanceAndTheFloorOfARobotThatClimbsAndTurnsLate) {
-  const Model px4{VelocityMultirotor{}};
-  const Barrier late(px4, px4.u_min(), px4.u_max(), control_period, {.floor = 0.3});
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < 120; ++seed) {
+    const Model px4{VelocityMultirotor{.frame = seed < 60 ? VelocityFrame::heading : VelocityFrame::level}};
+    const Barrier late(px4, px4.u_min(), px4.u_max(), control_period, {.floor = 0.3});
     Random random(seed);
     std::vector<double> x(static_cast<std::size_t>(px4.nx())), u(4), wanted(4);
     const double psi = uniform(random, -3, 3);

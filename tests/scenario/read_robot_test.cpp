@@ -92,6 +92,17 @@ TEST(ReadRobot, APresetSetsWhatIsNotSaidBesideIt) {
   EXPECT_EQ(mixed.u_min()[2], -2.0);
 }
 
+TEST(ReadRobot, TheFrameOfAVelocityIsAWord) {
+  const std::vector<double> x = {0, 0, 0, 1, 0, 0.3, 0.2, 0.1, 0.4};
+  EXPECT_EQ(rates(velocity_multirotor("frame = \"heading\""), x), rates(VelocityMultirotor{}, x));
+  EXPECT_EQ(rates(velocity_multirotor("frame = \"level\""), x),
+            rates(VelocityMultirotor{.frame = VelocityFrame::level}, x));
+  EXPECT_NE(rates(velocity_multirotor("frame = \"level\""), x), rates(VelocityMultirotor{}, x));
+  EXPECT_EQ(
+      robot_refusal("robot = \"velocity_multirotor\"\nparameters = { frame = \"body\" }\n"),
+      "a:2: parameters.frame = \"body\", expected one of \"heading\", \"level\", the nearest is \"level\"");
+}
+
 TEST(ReadRobot, ALagOfZeroIsNoState) {
   EXPECT_EQ(velocity_multirotor("").nx(), 9);
   EXPECT_EQ(velocity_multirotor("tau_z = 0.0").states().back(), "r");

@@ -79,6 +79,7 @@ TEST(KernelTable, CompiledAndInterpretedGroupsGiveTheSameBits) {
     expect_same_bits(PointMass{}, seen);
     expect_same_bits(PointMass{.drag = 0.7}, seen);
     expect_same_bits(VelocityMultirotor{}, seen);
+    expect_same_bits(VelocityMultirotor{.frame = VelocityFrame::level}, seen);
     expect_same_bits(LaggedMultirotor<Lags::plane>{}, seen);
     expect_same_bits(HoverMultirotor{}, seen);
     expect_same_bits(LaggingHoverMultirotor{}, seen);
@@ -90,6 +91,7 @@ TEST(KernelTable, CompiledAndInterpretedGroupsGiveTheSameBits) {
 TEST(KernelTable, RobotsThatAreSeenToLeanAreCompiledToo) {
   expect_same_bits(Multirotor{}, Seen::leaning);
   expect_same_bits(VelocityMultirotor{}, Seen::leaning);
+  expect_same_bits(VelocityMultirotor{.frame = VelocityFrame::level}, Seen::leaning);
   expect_same_bits(VelocityMultirotor{.tau_f = 0.4, .tau_s = 0.45, .tau_z = 0.6, .tau_psi = 0.15},
                    Seen::leaning);
   expect_same_bits(HoverMultirotor{}, Seen::leaning);

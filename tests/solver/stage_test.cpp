@@ -200,6 +200,7 @@ TEST(Stage, TheTracedRecursionIsTheDenseOne) {
       expect_stage_is_the_dense_one(Unicycle{}, seen, random);
       expect_stage_is_the_dense_one(PointMass{.drag = 0.31}, seen, random);
       expect_stage_is_the_dense_one(VelocityMultirotor{}, seen, random);
+      expect_stage_is_the_dense_one(VelocityMultirotor{.frame = VelocityFrame::level}, seen, random);
       expect_stage_is_the_dense_one(HoverMultirotor{}, seen, random);
       expect_stage_is_the_dense_one(LaggingHoverMultirotor{}, seen, random);
     }
@@ -257,6 +258,10 @@ TEST(Stage, NoParameterAndNoStageLengthChangesTheStructureOfAModel) {
   expect_one_structure([](Random& r) { return PointMass{a_positive(r)}; });
   expect_one_structure([](Random& r) {
     return VelocityMultirotor{a_positive(r), a_positive(r), a_positive(r), a_positive(r)};
+  });
+  expect_one_structure([](Random& r) {
+    return VelocityMultirotor{a_positive(r),       a_positive(r), a_positive(r), a_positive(r), 1, 1, 1,
+                              VelocityFrame::level};
   });
   expect_one_structure([](Random& r) {
     return HoverMultirotor{any_number(r), any_number(r), any_number(r),

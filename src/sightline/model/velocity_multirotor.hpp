@@ -12,11 +12,21 @@ namespace sightline {
 /// Which velocities follow their commands with a lag, and so are states, besides those in the plane of V.
 enum class Lags { plane, climb, yaw, all };
 
+/// Where the velocity in the plane stays while the vehicle yaws.
+enum class VelocityFrame {
+  heading,  ///< in V: it turns along with the heading
+  level,    ///< in G, as that of a body with mass does
+};
+inline constexpr std::array<std::string_view, 2> velocity_frames = {"heading", "level"};
+
 /// Multirotor under velocity commands in V: a velocity follows its command by
 ///
 ///   v' = (u - v) / tau,   or at once, where it is no state
 ///
-/// With a lag, height and heading go on moving for a while when a command ends.
+/// With a lag, height and heading go on moving for a while when a command ends. With the frame `level` the Coriolis term of V is
+/// there, r the rate of the heading:
+///
+///   v_f' = (u_f - v_f) / tau_f + r v_s,   v_s' = (u_s - v_s) / tau_s - r v_f
 ///
 ///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s, v_z, r]  position [m], heading, velocity forward, to the left and up
 ///                                                    [m/s], yaw rate [rad/s]; v_z and r where they lag
@@ -46,6 +56,7 @@ struct LaggedMultirotor {
   double v_max = 3.0;
   double climb_max = 1.0;
   double yaw_max = 0.78;
+  VelocityFrame frame = VelocityFrame::heading;
 
   static constexpr auto parameters() {
     using M = LaggedMultirotor;
@@ -58,7 +69,9 @@ struct LaggedMultirotor {
         parameter("tau_psi", &M::tau_psi, "s", lag_or_none, "lag of the yaw rate; 0: r is no state"),
         parameter("v_max", &M::v_max, "m/s", above_zero, "limit of u_f and u_s"),
         parameter("climb_max", &M::climb_max, "m/s", above_zero, "limit of u_z"),
-        parameter("yaw_max", &M::yaw_max, "rad/s", above_zero, "limit of u_psi")};
+        parameter("yaw_max", &M::yaw_max, "rad/s", above_zero, "limit of u_psi"),
+        parameter("frame", &M::frame, velocity_frames,
+                  "where its velocity stays while it yaws: with the heading, or level, in G")};
   }
 
   /// A quadrotor of the PX4 class, flown with care. Its lags are ours and want identifying on one's own vehicle.
@@ -90,7 +103,7 @@ struct LaggedMultirotor {
   /// The same vehicle with other lags as states.
   template <Lags others>
   static constexpr LaggedMultirotor of(const LaggedMultirotor<others>& m) {
-    return {m.tau_f, m.tau_s, m.tau_z, m.tau_psi, m.v_max, m.climb_max, m.yaw_max};
+    return {m.tau_f, m.tau_s, m.tau_z, m.tau_psi, m.v_max, m.climb_max, m.yaw_max, m.frame};
   }
 
   std::array<double, nu> u_max() const { return {v_max, v_max, climb_max, yaw_max}; }
@@ -110,6 +123,10 @@ struct LaggedMultirotor {
                                 d.x * rate,
                                 a_f * v_V.x + b_f * u[0],
                                 a_s * v_V.y - b_s * u[1]};
+    if (frame == VelocityFrame::level) {
+      change[5] = change[5] + rate * v_V.y;
+      change[6] = change[6] - rate * v_V.x;
+    }
     if constexpr (climb_lags) change[climb_at] = (1 / tau_z) * (u[2] - x[climb_at]);
     if constexpr (yaw_lags) change[rate_at] = (1 / tau_psi) * (u[3] - x[rate_at]);
     return change;
@@ -120,10 +137,13 @@ struct LaggedMultirotor {
     return {{x[0], x[1], x[2]}, {x[3], x[4]}};
   }
 
-  /// Of the acceleration in G that follows from (u - v) / tau, by its components in V. The model knows no drag, and the climb
-  /// is left out: 1 m/s^2 of it changes the lean by a tenth.
+  /// Of the acceleration in G, by its components in V: (u - v) / tau, and what turns the velocity along with the heading where
+  /// it does. The model knows no drag, and the climb is left out: 1 m/s^2 of it changes the lean by a tenth.
   template <class S>
   Vec2<S> lean(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
+    if (frame == VelocityFrame::level) {
+      return {(1 / gravity) * ((1 / tau_f) * (u[0] - x[5])), (1 / gravity) * ((1 / tau_s) * (u[1] - x[6]))};
+    }
     const S rate = yaw_lags ? x[rate_at] : u[3];
     return {(1 / gravity) * ((1 / tau_f) * (u[0] - x[5]) - rate * x[6]),
             (1 / gravity) * ((1 / tau_s) * (u[1] - x[6]) + rate * x[5])};

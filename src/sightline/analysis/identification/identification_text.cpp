@@ -79,13 +79,11 @@ std::string template_text(const Identification& found, const FittedModel& model,
     numbers += fmt::format("{}{} = {}", numbers.empty() ? "" : ", ", one.number.key, digits(one.value));
   }
   if (!tilts)
-    numbers += fmt::format(", v_max = {}, climb_max = {}, yaw_max = {}",
+    numbers += fmt::format(", v_max = {}, climb_max = {}, yaw_max = {}, frame = \"{}\"",
                            digits(std::max(found.u_max[0], found.u_max[1])), digits(found.u_max[2]),
-                           digits(found.u_max[3]));
+                           digits(found.u_max[3]), s.coriolis ? "level" : "heading");
   text += fmt::format("parameters = {{ {} }}\n", numbers);
   if (s.delay && delay >= shortest_delay) text += fmt::format("command_delay = {:.3f}\n", delay);
-  if (!tilts && s.coriolis)
-    text += "# the flight also shows the Coriolis term r x v, which velocity_multirotor does not have\n";
   if (tilts && s.lags && !s.coriolis)
     text += "# the flight does not show the Coriolis term r x v, which hover_multirotor has\n";
   return text;
