@@ -242,7 +242,7 @@ TEST_P(StaleData, NoMessageMakesACommandThatIsNotFiniteOrTooLarge) {
       const auto plan = solver->solve(t, believed).u;
       u.assign(plan.begin(), plan.end());
     }
-    guard.fall_back(t, believed, plan_ages, u);
+    guard.fall_back(t, believed, plan_ages, std::vector<double>(u.size()), u);
     guard.keep_distances(t, believed, std::vector<double>(u.size()), u);
     guard.record(t, u);
     for (const double value : u) ASSERT_TRUE(std::abs(value) <= 1.0) << k;

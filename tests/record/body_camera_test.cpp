@@ -31,6 +31,20 @@ TEST(BodyCamera, PlannedWithItsLeanSeesBetterThanPlannedLevel) {
   EXPECT_EQ(body.in_view_fraction, 1.0);
 }
 
+TEST(BodyCamera, InWindThePlanHasTheLeanThatHoldsIt) {
+  for (const double from : {0.0, 2.0, 4.0}) {
+    const auto values = fly_leaning({.radius = 0.5,
+                                     .speed = 0.15,
+                                     .duration = 16.0,
+                                     .wind = {1.0 * std::cos(from), 1.0 * std::sin(from), 0.0}})
+                            .summary.values();
+    const auto& pair = values.pairs.at(0);
+    EXPECT_GT(values.robots.at(0).tilt_max, 0.09);
+    EXPECT_LT(pair.planned_view_rms, 0.01) << from;
+    EXPECT_LT(pair.view_angle_max, 0.05) << from;
+  }
+}
+
 TEST(BodyCamera, InTheWorldOfModelsItLeansAsTheModelDoes) {
   const auto values = fly_leaning({.estimates = false, .world = "model", .duration = 12.0}).summary.values();
   const auto& pair = values.pairs.at(0);

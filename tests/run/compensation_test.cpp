@@ -7,6 +7,7 @@
 #include <random>
 
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/run/loop.hpp"
@@ -167,6 +168,35 @@ TEST(Compensation, leaves_no_offset_in_wind_from_anywhere_even_with_a_wrong_gain
       EXPECT_LT(offset(Multirotor{}, wind, gain, {how}), 1e-3);
       EXPECT_LT(offset(VelocityMultirotor{}, wind, gain, {how}), 1e-3);
     }
+  }
+}
+
+// A robot of its own states is told the rest of its state and of its lean; both together are what it has in the wind.
+TEST(Compensation, tells_how_what_it_adds_makes_a_robot_lean) {
+  const Vec3<double> wind = {0.6, -0.3, 0.0};
+  for (const Alone& alone : {Alone(Multirotor{}), Alone(AngleMultirotor{}), Alone(VelocityMultirotor{}),
+                             Alone(HoverMultirotor{}), Alone(LaggingHoverMultirotor{}), Alone(PointMass{})}) {
+    const Model& model = alone.team.model(BodyId{0});
+    SCOPED_TRACE(fmt::format("{} of {} states", model.name(), model.nx()));
+    Watched watched(alone, {BodyId{0}, 0.0, 0.3}, {.wind = wind});
+    for (int k = 0; k < 1000; ++k) watched.step();
+    const Vec3<double> w = watched.compensation.disturbance(BodyId{0});
+    const Numbers& rest = watched.met.back();
+    Numbers whole = rest, u(watched.compensation.added().begin(), watched.compensation.added().end());
+    for (std::size_t i = 0; i < whole.size(); ++i) whole[i] += watched.compensation.held()[i];
+    const Sight<double> without = model.sight(rest.data(), Numbers(u.size()).data()),
+                        with = model.sight(whole.data(), u.data());
+    const Vec2<double> lean = watched.compensation.lean()[0];
+    EXPECT_NEAR(lean.x, with.lean.x - without.lean.x, 1e-6);
+    EXPECT_NEAR(lean.y, with.lean.y - without.lean.y, 1e-6);
+    // It leans against the wind.
+    const Vec2<double> in_G = model.turns() ? rotate(without.d, lean) : lean;
+    EXPECT_NEAR(in_G.x, -w.x / gravity, 1e-4);
+    EXPECT_NEAR(in_G.y, -w.y / gravity, 1e-4);
+    EXPECT_NEAR(w.x, wind.x, 0.02);
+    watched.compensation.forget(BodyId{0});
+    EXPECT_EQ(norm(watched.compensation.lean()[0].x, watched.compensation.lean()[0].y), 0.0);
+    for (const double held : watched.compensation.held()) EXPECT_EQ(held, 0.0);
   }
 }
 

@@ -32,7 +32,7 @@ struct GuardedFlight {
     }
     believed = guard.believe(t, measured, stamps);
     u = asked;
-    guard.fall_back(t, believed, Numbers(3, 0.0), u);
+    guard.fall_back(t, believed, Numbers(3, 0.0), Numbers(u.size()), u);
     guard.keep_distances(t, believed, Numbers(u.size()), u);
     guard.record(t, u);
     events.insert(events.end(), guard.events().begin(), guard.events().end());

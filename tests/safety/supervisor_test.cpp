@@ -55,7 +55,7 @@ struct World {
     const auto states = supervisor.believe(t, measured, stamps);
     believed.assign(states.begin(), states.end());
     u = asked;
-    supervisor.command(t, believed, Numbers(3, plan_age), u);
+    supervisor.command(t, believed, Numbers(3, plan_age), added, u);
     for (const Notice& notice : supervisor.notices()) notices.push_back(notice);
     supervisor.record(t, u);
     fly();
@@ -77,7 +77,7 @@ struct World {
   Plant plant{team, start_of_two()};
   Supervisor supervisor;
   Numbers x = start_of_two(), measured = x, stamps = Numbers(3, -infinity);
-  Numbers asked = {0.3, -0.2, 0.1, 0.4, -0.5, 0.6, 0.2, -0.7}, u = Numbers(8), believed;
+  Numbers asked = {0.3, -0.2, 0.1, 0.4, -0.5, 0.6, 0.2, -0.7}, u = Numbers(8), added = Numbers(8), believed;
   std::vector<Notice> notices;
   double t = 0.0;
 };
@@ -138,6 +138,28 @@ TEST(Supervisor, EachRungHasItsCommand) {
   EXPECT_EQ(world.a(), land);
   const Sight<double> sight = world.team.model(BodyId{0}).sight(&world.x[0], &world.u[0]);
   EXPECT_LT(norm(sight.v - Vec3<double>{0, 0, -0.3}), 0.01);
+}
+
+TEST(Supervisor, WhatIsAddedAfterwardsMovesTheLimitsOfItsCommands) {
+  for (const double added : {0.0, 0.6, -0.6}) {
+    World world;
+    world.added[0] = added;
+    world.step();
+    // Far too fast forward or backward: it brakes with all there is.
+    for (const double speed : {4.0, -4.0}) {
+      world.measured[5] = speed;
+      Numbers u(8);
+      for (int k = 0; k < 60; ++k) {
+        world.t += 0.01;
+        world.supervisor.believe(world.t, world.measured, world.stamps);
+        Numbers x = world.measured;
+        u = world.asked;
+        world.supervisor.command(world.t, x, Numbers(3, 1.0), world.added, u);
+      }
+      ASSERT_EQ(world.a(), hold);
+      EXPECT_NEAR(u[0] + added, speed > 0 ? -1.0 : 1.0, 1e-12);
+    }
+  }
 }
 
 TEST(Supervisor, ARobotThatHoldsComesToRestAndStays) {

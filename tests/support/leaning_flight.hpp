@@ -22,6 +22,7 @@ struct LeaningTask {
   bool estimates = true;                   ///< with disturbance_time
   std::string_view world = "rotors";
   double duration = 20.0;
+  Vec3<double> wind{};  ///< [m/s^2]
 };
 
 /// cooperative_localization with hover_multirotor and its lags, for vehicles that tilt by up to 0.4 rad: b = 4.17 m/s^2.
@@ -59,6 +60,7 @@ inline Scenario leaning_scenario(const LeaningTask& task) {
   Scenario scenario = parse_scenario(text, "leaning.toml", parts_of_sightline(), {.set = set});
   scenario.simulation.duration = task.duration;
   scenario.simulation.settle = 6.0;
+  scenario.simulation.disturbances.wind = task.wind;
   return scenario;
 }
 

@@ -35,11 +35,12 @@ std::vector<char> shown_states(const Model& model) {
 struct Settled {
   std::vector<double> x;
   Vec3<double> acceleration;
+  Vec2<double> lean;
 };
 
 Settled settle(const Model& model, const std::vector<char>& shown, const std::vector<double>& u) {
   constexpr double step = 1e-3, longest = 5.0, difference = 1e-6;  // [s]
-  Settled settled{std::vector<double>(size(model.nx())), {}};
+  Settled settled{std::vector<double>(size(model.nx())), {}, {}};
   std::vector<double>& x = settled.x;
   model.at_rest({{0, 0, 1}, {1, 0}}, x.data());
   std::vector<double> rate(x.size());
@@ -51,8 +52,9 @@ Settled settle(const Model& model, const std::vector<char>& shown, const std::ve
   model.f(x.data(), u.data(), rate.data());
   std::vector<double> later = x;
   for (std::size_t i = 0; i < x.size(); ++i) later[i] += difference * rate[i];
-  settled.acceleration =
-      (1 / difference) * (model.sight(later.data(), u.data()).v - model.sight(x.data(), u.data()).v);
+  const Sight<double> now = model.sight(x.data(), u.data());
+  settled.acceleration = (1 / difference) * (model.sight(later.data(), u.data()).v - now.v);
+  settled.lean = now.lean;
   return settled;
 }
 
@@ -73,11 +75,14 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
                resting_inputs(team)),
       lead_(0.0),
       x_(size(team.nx())),
-      added_(size(team.nu())) {
+      added_(size(team.nu())),
+      held_(x_.size()),
+      lean_(size(team.bodies())) {
   const auto add = [&](BodyId body, double delay, double time) {
     member_of_[at(body.index)] = static_cast<int>(members_.size());
     const Model& model = team.model(body);
-    members_.push_back({.x = size(team.state_offset(body)),
+    members_.push_back({.body = at(body),
+                        .x = size(team.state_offset(body)),
                         .u = team.is_agent(body) ? size(team.input_offset(body)) : 0,
                         .nx = size(model.nx()),
                         .nu = size(model.nu()),
@@ -86,6 +91,7 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
                         .time = time,
                         .counter = {},
                         .held = {},
+                        .leans = {},
                         .shown = {},
                         .reach = {},
                         .last = std::vector<double>(size(model.nx())),
@@ -125,6 +131,7 @@ void Compensation::find_counter(Member& member, const Agent& agent) {
                   less = settle(member.model, member.shown, down);
     for (std::size_t i = 0; i < member.nx; ++i)
       member.held[k * member.nx + i] = (more.x[i] - less.x[i]) / (2 * by);
+    member.leans.push_back({(more.lean.x - less.lean.x) / (2 * by), (more.lean.y - less.lean.y) / (2 * by)});
     const Vec3<double> b = (half / (2 * by)) * (more.acceleration - less.acceleration);
     gram[0] = gram[0] + b.x * b, gram[1] = gram[1] + b.y * b, gram[2] = gram[2] + b.z * b;
     columns.push_back(b);
@@ -180,9 +187,17 @@ std::span<const double> Compensation::ahead(double t, std::span<const double> be
     carry(member.model, x, history_, member.u, t - member.delay, t, member.w, scratch_);
     if (member.time == 0) continue;
     find_steady(member, x);
+    Vec2<double>& lean = lean_[member.body] = {};
+    for (std::size_t k = 0; k < member.nu; ++k) {
+      lean.x += added_[member.u + k] * member.leans[k].x;
+      lean.y += added_[member.u + k] * member.leans[k].y;
+    }
     for (std::size_t i = 0; i < member.nx; ++i) {
-      for (std::size_t k = 0; k < member.nu; ++k)
-        x[i] -= member.held[k * member.nx + i] * added_[member.u + k];
+      double& held = held_[member.x + i] = 0.0;
+      for (std::size_t k = 0; k < member.nu; ++k) {
+        const double by = member.held[k * member.nx + i] * added_[member.u + k];
+        x[i] -= by, held += by;
+      }
     }
   }
   return x_;
@@ -213,6 +228,8 @@ void Compensation::forget(BodyId robot) noexcept {
   member.stamp = never;
   member.w = {};
   std::fill_n(added_.begin() + static_cast<std::ptrdiff_t>(member.u), member.nu, 0.0);
+  std::fill_n(held_.begin() + static_cast<std::ptrdiff_t>(member.x), member.nx, 0.0);
+  lean_[member.body] = {};
 }
 
 Vec3<double> Compensation::disturbance(BodyId robot) const noexcept {

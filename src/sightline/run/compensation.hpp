@@ -16,7 +16,8 @@
 ///   B u_w = -w,   B = d v' / d u once the lags are over, least squares, inputs in parts of their range,
 ///
 /// is added to what the controllers ask for. They plan without w and for the rest of the command, from a state without what
-/// u_w holds of the lags: as if w were both in their prediction and, as u_w, in u*.
+/// u_w holds of the lags: as if w were both in their prediction and, as u_w, in u*. What u_w makes a robot lean, its plan
+/// leans besides.
 #pragma once
 
 #include <cstddef>
@@ -59,6 +60,10 @@ class Compensation {
   std::span<const double> ahead(double t, std::span<const double> believed) noexcept;
   /// u_w of all robots (nu), to be added to what is asked of them.
   std::span<const double> added() const noexcept { return added_; }
+  /// What u_w holds of the states of all bodies (nx), which those of ahead() are free of.
+  std::span<const double> held() const noexcept { return held_; }
+  /// What u_w makes each body lean (Sight::lean), beside what the controllers ask for.
+  std::span<const Vec2<double>> lean() const noexcept { return lean_; }
   /// The inputs u of all robots (nu) are given at t.
   void record(double t, std::span<const double> u) noexcept { history_.record(t, u); }
   /// The robot comes to be there: nothing is known of it.
@@ -72,11 +77,12 @@ class Compensation {
  private:
   /// A body, compensated or carried on.
   struct Member {
-    std::size_t x, u, nx, nu;  // offsets and lengths
+    std::size_t body, x, u, nx, nu;  // place in the team, offsets and lengths
     Model model;
     double delay, time;
-    std::vector<double> counter;  // u_w over reach, of 1 m/s^2 along x, y, z of V, or else of G: 3 x nu
-    std::vector<double> held;     // what a unit of an input holds of each state in the end: nu x nx
+    std::vector<double> counter;      // u_w over reach, of 1 m/s^2 along x, y, z of V, or else of G: 3 x nu
+    std::vector<double> held;         // what a unit of an input holds of each state in the end: nu x nx
+    std::vector<Vec2<double>> leans;  // what a unit of each input makes it lean then
     std::vector<char> shown;    // whether each state is a pose or a velocity; the others follow from commands
     std::vector<double> reach;  // what each input can do either way
     std::vector<double> last;   // measured before, with own inner states
@@ -91,7 +97,8 @@ class Compensation {
   std::vector<int> member_of_;  // of each body; -1: none
   InputHistory history_;
   double lead_;
-  std::vector<double> x_, scratch_, added_;
+  std::vector<double> x_, scratch_, added_, held_;
+  std::vector<Vec2<double>> lean_;
 };
 
 }  // namespace sightline

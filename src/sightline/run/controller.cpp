@@ -47,6 +47,7 @@ Controller::Controller(const Team& world, Solver& given, std::size_t number) : s
   const Team& team = given.ocp().team();
   states.resize(size(team.nx()));
   for (std::vector<double>* u : {&plan, &before, &added}) u->resize(size(team.nu()));
+  lean.resize(size(team.bodies()));
   for (int i = 0; i < team.bodies(); ++i) members.push_back(match(world, team, BodyId{i}, number));
 }
 
@@ -62,12 +63,14 @@ void Controller::gather(const Team& world, std::span<const double> x, std::span<
 }
 
 void Controller::set_applied(const AppliedInputs& of_world) noexcept {
-  for (const Member& m : members) {
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const Member& m = members[i];
     if (m.limits == nullptr) continue;
     std::copy_n(of_world.before.begin() + static_cast<std::ptrdiff_t>(m.world_u), m.nu, &before[m.ocp_u]);
     std::copy_n(of_world.added.begin() + static_cast<std::ptrdiff_t>(m.world_u), m.nu, &added[m.ocp_u]);
+    if (!of_world.lean.empty()) lean[i] = of_world.lean[at(m.body)];
   }
-  solver->set_applied({before, added});
+  solver->set_applied({before, added, lean});
 }
 
 UncontrolledRobot::UncontrolledRobot(const Team& world, BodyId robot, bool lands, double period)
@@ -83,11 +86,13 @@ UncontrolledRobot::UncontrolledRobot(const Team& world, BodyId robot, bool lands
       sink_speed(lands ? landing_speed : 0.0),
       most_change(change_rate * period) {}
 
-void UncontrolledRobot::steer(double t, std::span<const double> believed, std::span<double> u_min,
-                              std::span<double> u_max, std::span<double> u_world) noexcept {
+void UncontrolledRobot::steer(double t, std::span<const double> believed, std::span<const double> added,
+                              std::span<double> u_min, std::span<double> u_max,
+                              std::span<double> u_world) noexcept {
   const std::span<const double> state = believed.subspan(x, nx);
   const std::span<double> input = u_world.subspan(u, nu);
   limits.at(t, u_min.first(nu), u_max.first(nu));
+  for (std::size_t i = 0; i < nu; ++i) u_min[i] -= added[u + i], u_max[i] -= added[u + i];
   constexpr double touch_down = 0.5;  // time constant near the ground [s]
   const double height = model.sight(state.data(), input.data()).p.z - ground;
   const double sinking = std::clamp(height / touch_down, 0.0, sink_speed);

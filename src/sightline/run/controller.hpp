@@ -29,6 +29,7 @@ struct Controller {
   std::vector<double> states{};           ///< what the solver is given (its nx)
   std::vector<double> plan{};             ///< inputs of a plan that is late or goes on (its nu)
   std::vector<double> before{}, added{};  ///< AppliedInputs (its nu)
+  std::vector<Vec2<double>> lean{};       ///< the same (its bodies)
   Status status{};
   int left_out = 0;                      ///< pairs of swarms, at the last update
   bool at_work = false;                  ///< on a late update
@@ -64,8 +65,9 @@ struct UncontrolledRobot {
   UncontrolledRobot(const Team& world, BodyId robot, bool lands, double period);
 
   /// Writes its input into those of the world; the limits are work space of nu at least.
-  void steer(double t, std::span<const double> believed, std::span<double> u_min, std::span<double> u_max,
-             std::span<double> u_world) noexcept;
+  /// @param added  to the inputs of the world afterwards: limits hold for the sum
+  void steer(double t, std::span<const double> believed, std::span<const double> added,
+             std::span<double> u_min, std::span<double> u_max, std::span<double> u_world) noexcept;
 };
 
 }  // namespace sightline

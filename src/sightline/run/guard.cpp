@@ -125,9 +125,9 @@ void Guard::follow(const Membership& now, double t, std::span<const double> x) n
 }
 
 void Guard::fall_back(double t, std::span<const double> x, std::span<const double> plan_ages,
-                      std::span<double> u) noexcept {
+                      std::span<const double> added, std::span<double> u) noexcept {
   if (!supervisor_) return;
-  supervisor_->command(t, x, plan_ages, u);
+  supervisor_->command(t, x, plan_ages, added, u);
   for (const Notice& notice : supervisor_->notices()) {
     tell({t, kind_of(notice), 0, static_cast<double>(notice.body.index)});
   }

@@ -62,10 +62,10 @@ class Guard {
 
   /// Where nothing better is known of a robot, the supervisor's command.
   /// @param plan_ages  of each body [s]; those of no robot do not count
+  /// @param added      to the inputs afterwards (nu), such as what holds robots against wind: limits hold for the sum
   void fall_back(double t, std::span<const double> x, std::span<const double> plan_ages,
-                 std::span<double> u) noexcept;
-  /// The nearest inputs that keep the hard distances.
-  /// @param added  to the inputs afterwards (nu), such as what holds robots against wind: limits hold for the sum
+                 std::span<const double> added, std::span<double> u) noexcept;
+  /// The nearest inputs that keep the hard distances; `added` as above.
   void keep_distances(double t, std::span<const double> x, std::span<const double> added,
                       std::span<double> u) noexcept;
   /// The inputs u (nu) are applied from t on.

@@ -249,7 +249,7 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   if (sample.has_path) {
     for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = believed[i % believed.size()];
     sample.path_time = t + lead_;
-    for (std::size_t i = 0; i < sample.path_u.size(); ++i) sample.path_u[i] = u_[i % u_.size()];
+    for (std::size_t i = 0; i < sample.path_u.size(); ++i) sample.path_u[i] = applied_[i % u_.size()];
   }
   std::copy(u_.begin(), u_.end(), sample.raw_u.begin());  // of those that nobody is asked for
   const std::span<Controller> asked = controllers();
@@ -308,6 +308,12 @@ std::span<const double> Loop::added() const noexcept {
   return options_.compensation != nullptr ? options_.compensation->added() : std::span<const double>(none_);
 }
 
+/// What that makes bodies lean.
+std::span<const Vec2<double>> Loop::added_lean() const noexcept {
+  if (options_.compensation == nullptr) return {};
+  return options_.compensation->lean();
+}
+
 /// Lets no input with what is added change faster than it may.
 void Loop::keep_rates() noexcept {
   const Team& team = world_.team();
@@ -353,7 +359,7 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
     solution.status = Status::invalid_state;
   } else if (!controller.at_work) {
     controller.gather(world_.team(), believed, u_);
-    if (told_) controller.set_applied({applied_, added()});
+    if (told_) controller.set_applied({applied_, added(), added_lean()});
     controller.asked_at = t;
     const auto late = std::find_if(options_.late_plans.begin(), options_.late_plans.end(),
                                    [&](const LatePlan& l) { return l.strikes(t); });
@@ -391,7 +397,7 @@ std::span<Controller> Loop::controllers() noexcept {
 void Loop::drift(double t, std::span<const double> believed, Sample& sample) noexcept {
   if (options_.team_switcher == nullptr) return;
   for (UncontrolledRobot& robot : options_.team_switcher->present().uncontrolled) {
-    robot.steer(t, believed, u_min_, u_max_, u_);
+    robot.steer(t, believed, added(), u_min_, u_max_, u_);
     std::copy_n(&u_[robot.u], robot.nu, &sample.raw_u[robot.u]);
     planned_at_[size(robot.body.index)] = t;
   }
@@ -400,7 +406,7 @@ void Loop::drift(double t, std::span<const double> believed, Sample& sample) noe
 /// Lets the guard make of the controllers' inputs what is applied.
 void Loop::guard(double t, std::span<const double> x, Sample& sample) noexcept {
   for (std::size_t i = 0; i < plan_ages_.size(); ++i) plan_ages_[i] = t - planned_at_[i];
-  options_.guard->fall_back(t, x, plan_ages_, u_);
+  options_.guard->fall_back(t, x, plan_ages_, added(), u_);
   keep_rates();
   options_.guard->keep_distances(t, x, added(), u_);
   for (const Event& event : options_.guard->events()) tell(event);
@@ -453,7 +459,9 @@ void Loop::write_path(const Controller& controller, const Solution& solution, Sa
     const double *from = &solution.x[stage * nx], *to = from + nx;
     for (const Controller::Member& m : controller.members) {
       for (std::size_t q = 0; q < m.nx; ++q) {
-        sample.path[i * world_nx + m.world_x + q] = (1 - w) * from[m.ocp_x + q] + w * to[m.ocp_x + q];
+        double& x = sample.path[i * world_nx + m.world_x + q];
+        x = (1 - w) * from[m.ocp_x + q] + w * to[m.ocp_x + q];
+        if (options_.compensation != nullptr) x += options_.compensation->held()[m.world_x + q];
       }
     }
   }
@@ -463,7 +471,9 @@ void Loop::write_path(const Controller& controller, const Solution& solution, Sa
     controller.solver->planned(sample.path_time + static_cast<double>(i) * sample.path_step, u);
     for (const Controller::Member& m : controller.members) {
       if (m.limits == nullptr) continue;
-      std::copy_n(u.data() + m.ocp_u, m.nu, sample.path_u.data() + i * world_nu + m.world_u);
+      for (std::size_t j = 0; j < m.nu; ++j) {
+        sample.path_u[i * world_nu + m.world_u + j] = u[m.ocp_u + j] + added()[m.world_u + j];
+      }
     }
   }
 }

@@ -92,6 +92,7 @@ class Loop {
   void welcome(BodyId body, double t, std::span<const double> x) noexcept;
   std::span<const double> compensate(double t, const Measured& seen) noexcept;
   std::span<const double> added() const noexcept;
+  std::span<const Vec2<double>> added_lean() const noexcept;
   void keep_rates() noexcept;
   void give(double t) noexcept;
   void rest(BodyId robot, double t) noexcept;

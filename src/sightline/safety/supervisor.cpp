@@ -161,11 +161,13 @@ Ages Supervisor::ages_of(const Robot& robot, std::span<const double> plan_ages) 
 }
 
 void Supervisor::command(double t, std::span<const double> x, std::span<const double> plan_ages,
-                         std::span<double> u) noexcept {
+                         std::span<const double> added, std::span<double> u) noexcept {
   assert(plan_ages.size() == tracks_.size() && "a plan has an age for each body");
   for (Robot& robot : robots_) {
     if (!is_there(robot.body)) continue;
     robot.limits->at(t, robot.u_min, robot.u_max);
+    for (std::size_t i = 0; i < robot.nu; ++i)
+      robot.u_min[i] -= added[robot.u + i], robot.u_max[i] -= added[robot.u + i];
     const Ages ages = ages_of(robot, plan_ages);
     const double height = team_.model(robot.body).sight(&x[robot.x], robot.u_ref.data()).p.z;
     const bool on_ground = height <= options_.ground + at_the_ground;

@@ -55,9 +55,10 @@ class Supervisor {
   /// Changes the inputs of robots that are slowed, hold or land; all are finite and within limits afterwards.
   /// @param x          states that the commands meet (nx)
   /// @param plan_ages  age of the plan that u comes from, for each body; those of no robot do not count [s]
+  /// @param added      to the inputs afterwards (nu), such as what holds robots against wind: limits hold for the sum
   /// @param u          inputs of all robots (nu)
   void command(double t, std::span<const double> x, std::span<const double> plan_ages,
-               std::span<double> u) noexcept;
+               std::span<const double> added, std::span<double> u) noexcept;
   /// u (nu) is applied from t [s] on.
   void record(double t, std::span<const double> u) noexcept { history_.record(t, u); }
 

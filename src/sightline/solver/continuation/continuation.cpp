@@ -153,6 +153,12 @@ void Continuation::restart() noexcept {
   plan_time_ = plan_h_ = 0.0;
 }
 
+void Continuation::set_applied(const AppliedInputs &applied) noexcept {
+  if (applied.added.size() != u_.size()) return;
+  here_.set_added(applied.added);
+  there_.set_added(applied.added);
+}
+
 void Continuation::limit_rows(const Hamiltonian &hamiltonian, const double *U, double *F) const noexcept {
   for (int i = 0; i < N_; ++i) {
     const double *const u = U + at(i, stride()), *const mu = u + nu_, *const s = mu + nu_;

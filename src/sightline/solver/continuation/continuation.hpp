@@ -38,6 +38,8 @@ class Continuation : public Solver {
   double kkt(double time, std::span<const double> states) noexcept override;
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;
+  /// Of it, limits reckon with what is added.
+  void set_applied(const AppliedInputs& applied) noexcept override;
 
   /// Numbers that the solver carries from update to update.
   virtual int unknowns() const { return unknowns_; }

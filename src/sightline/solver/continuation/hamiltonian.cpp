@@ -22,6 +22,7 @@ Hamiltonian::Hamiltonian(const Ocp& ocp)
       g_(nx_ + nu_, N_),
       u_min_(at(N_, nu_)),
       u_max_(at(N_, nu_)),
+      added_(at(nu_, 1)),
       x_end_ref_(at(1, nx_)),
       stage_x_(at(1, nx_)),
       stage_u_(at(1, nu_)),
@@ -120,6 +121,8 @@ void Hamiltonian::set_time(double t, double h) noexcept {
       const std::size_t n = at(agent.model.nu(), 1);
       agent.limits.at(tau, {&u_min_[at(i, nu_) + at(u0, 1)], n}, {&u_max_[at(i, nu_) + at(u0, 1)], n});
     }
+    for (int j = 0; i < N_ && j < nu_; ++j)
+      u_min_[at(i, nu_) + at(j, 1)] -= added_[at(j, 1)], u_max_[at(i, nu_) + at(j, 1)] -= added_[at(j, 1)];
   }
 }
 

@@ -11,6 +11,7 @@
 /// stride.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,10 @@ class Hamiltonian {
   /// The horizon from t [s] in steps of h [s]: references, limits, stage times.
   void set_time(double t, double h) noexcept;
   double h() const { return h_; }
+  /// What is added to the inputs of all agents afterwards (nu): from the next set_time() on limits hold for the sum.
+  void set_added(std::span<const double> added) noexcept {
+    std::copy(added.begin(), added.end(), added_.begin());
+  }
 
   /// Limits of stage i, all agents (nu).
   const double* u_min(int i) const { return &u_min_[at(i, nu_)]; }
@@ -98,7 +103,7 @@ class Hamiltonian {
   Rows g_;  // l_z: nx + nu rows
   std::vector<Rows> agent_first_, agent_second_, pair_first_, pair_second_;
   std::vector<Evaluation> agent_first_run_, agent_second_run_, pair_first_run_, pair_second_run_;
-  std::vector<double> u_min_, u_max_, x_end_ref_, stage_x_, stage_u_, stage_rate_, H_z_;
+  std::vector<double> u_min_, u_max_, added_, x_end_ref_, stage_x_, stage_u_, stage_rate_, H_z_;
   std::vector<AgentTangent> tangents_;
   Rows tangent_;  // [stage 0..N]: padded [dx | du | dlambda_next]
   Rows d_input_;  // one agent's rows of dF

@@ -107,6 +107,7 @@ PartitionedSolver::PartitionedSolver(const Team& whole_team, const Partition& pa
     member.subteam = std::make_unique<Subteam>(team, own, make);
     member.u.resize(at(member.subteam->ocp().nu()));
     member.before.resize(member.u.size());
+    member.lean.resize(at(member.subteam->ocp().team().bodies()));
     members_.push_back(std::move(member));
   }
   x_now_.resize(at(team.nx()));
@@ -265,7 +266,9 @@ void PartitionedSolver::set_applied(const AppliedInputs& applied) noexcept {
   for (Member& member : members_) {
     gather(*member.subteam, applied.before, member.before);
     gather(*member.subteam, applied.added, member.u);
-    member.subteam->set_applied({member.before, member.u});
+    for (int b = 0; b < static_cast<int>(member.lean.size()) && !applied.lean.empty(); ++b)
+      member.lean[at(b)] = applied.lean[at(member.subteam->in_whole(BodyId{b}))];
+    member.subteam->set_applied({member.before, member.u, member.lean});
   }
 }
 

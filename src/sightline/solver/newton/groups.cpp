@@ -117,7 +117,7 @@ void Groups::copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x
 }
 
 Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice)
-    : h_(ocp.horizon().h()) {
+    : h_(ocp.horizon().h()), lean_(ocp.agent_bodies().size()) {
   for (const BodyId body : ocp.agent_bodies()) {
     const Model& model = ocp.team().model(body);
     limited_.push_back({model, ocp.team().barriers(body), std::vector<double>(at(model.nx())),
@@ -165,6 +165,13 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
 void Groups::roll_out(const double* u, double* s) noexcept {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     groups_[g]->roll_out(u + layout_.groups[g].u, s + layout_.groups[g].s);
+  }
+  constexpr int first = seen_size(Seen::pose_and_motion);
+  for (int a = 0; a < static_cast<int>(lean_.size()); ++a) {
+    const Vec2<double>& lean = lean_[at(a)];
+    if ((lean.x == 0 && lean.y == 0) || layout_.part(a).ns < seen_size(Seen::leaning)) continue;
+    const Layout::View of = layout_.s(a);
+    for (int k = 0; k < layout_.stages; ++k) s[of(k, first)] += lean.x, s[of(k, first + 1)] += lean.y;
   }
 }
 

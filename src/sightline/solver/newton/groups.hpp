@@ -28,6 +28,10 @@ class Groups {
     return *groups_[static_cast<std::size_t>(layout_.place(agent).group)];
   }
 
+  /// What an agent leans in each roll-out from now on, beside what its model says; it does not depend on the state.
+  void set_lean(int agent, const Vec2<double>& lean) noexcept {
+    lean_[static_cast<std::size_t>(agent)] = lean;
+  }
   void roll_out(const double* u, double* s) noexcept;
   /// States of the last roll-out, agent a of stage k at x + k stage + x_at[a].
   void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept;
@@ -56,6 +60,7 @@ class Groups {
   std::vector<std::unique_ptr<Group>> groups_;
   std::vector<std::vector<int>> members_;  // [group][lane]: agent
   std::vector<Limited> limited_;           // [agent]
+  std::vector<Vec2<double>> lean_;         // [agent]
 };
 
 }  // namespace sightline

@@ -211,6 +211,9 @@ void NewtonUpdate::set_applied(const AppliedInputs& applied) noexcept {
   limits_move_ = true;
   before_.assign(applied.before.begin(), applied.before.end());
   added_.assign(applied.added.begin(), applied.added.end());
+  if (applied.lean.size() != predictions_.size()) return;
+  for (std::size_t a = 0; a < x_at_.size(); ++a)
+    groups_.set_lean(static_cast<int>(a), applied.lean[at(ocp_.agent_bodies()[a])]);
 }
 
 void NewtonUpdate::start() noexcept {
