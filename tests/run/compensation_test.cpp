@@ -11,6 +11,8 @@
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/run/loop.hpp"
+#include "sightline/solver/continuation/cgmres.hpp"
+#include "sightline/solver/distributed/partition.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/model_world.hpp"
 #include "tests/support/period.hpp"
@@ -197,6 +199,41 @@ TEST(Compensation, tells_how_what_it_adds_makes_a_robot_lean) {
     watched.compensation.forget(BodyId{0});
     EXPECT_EQ(norm(watched.compensation.lean()[0].x, watched.compensation.lean()[0].y), 0.0);
     for (const double held : watched.compensation.held()) EXPECT_EQ(held, 0.0);
+  }
+}
+
+// How far a robot is from its circle after 20 s, in a wind and with a gain of which it knows nothing.
+double beside_its_circle(FeedForwardFrom feed_forward, double gain, std::string_view solver_name) {
+  const Circle circle = {.centre = {0, 0, 1}, .radius = 0.5, .rate = 0.3};
+  const Alone alone(HoverMultirotor{});
+  Team team;
+  team.add(HoverMultirotor{}, {.Q = {1.5, 1.5, 1.6, 0, 0, 0, 0}, .x_ref = circle});
+  const Horizon horizon = {.T = 1.0, .N = 20, .dt = control_period};
+  std::unique_ptr<Solver> solver;
+  if (solver_name == "cgmres") solver = std::make_unique<Cgmres>(team, horizon);
+  if (solver_name == "newton_riccati") solver = std::make_unique<NewtonRiccati>(team, horizon);
+  if (solver_name == "parts")
+    solver = std::make_unique<PartitionedSolver>(team, Partition{{AgentId{{0}}}}, [&](const Team& t) {
+      return std::make_unique<NewtonRiccati>(t, horizon);
+    });
+  ModelWorld world(team, alone.start,
+                   {.disturbances = {.wind = {0.4, -0.3, 0}, .input_delay = 0.1, .input_gain = gain}});
+  SimulatedClock clock;
+  Nowhere nowhere(sized_sample(team, {*solver}));
+  Compensation compensation(team, {{BodyId{0}, 0.1, 0.5, feed_forward}}, control_period);
+  Loop(world, {*solver}, clock, nowhere, {.duration = 20.0, .compensation = &compensation}).run();
+  const auto x = world.x();
+  return norm(x[0] - circle(20.0).p.x, x[1] - circle(20.0).p.y);
+}
+
+TEST(Compensation, feeds_a_circle_forward_that_a_plan_would_cut_whatever_the_gain) {
+  for (const std::string_view solver : {"newton_riccati", "parts", "cgmres"}) {
+    for (const double gain : {1 / 0.7, 1.0, 1 / 1.5}) {
+      SCOPED_TRACE(fmt::format("{}, gain {}", solver, gain));
+      const double fed = beside_its_circle(FeedForwardFrom::reference, gain, solver);
+      EXPECT_LT(fed, 0.01);
+      EXPECT_LT(fed, 0.5 * beside_its_circle(FeedForwardFrom::none, gain, solver));
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/refuse.hpp"
+#include "sightline/run/settled.hpp"
 #include "sightline/safety/carry.hpp"
 
 namespace sightline {
@@ -16,47 +17,6 @@ constexpr double never = -std::numeric_limits<double>::infinity();
 constexpr double longest_gap = 0.5;    // between two measurements that an estimate uses [s]
 constexpr double oldest = 1.0;         // measurement that one uses [s]
 constexpr double largest_rate = 20.0;  // of a velocity that is believed [m/s^2]
-
-/// Whether each state is a place, a heading or a velocity.
-std::vector<char> shown_states(const Model& model) {
-  const StateRoles roles = roles_of(model);
-  std::vector<char> shown(size(model.nx()));
-  const auto mark = [&](int state) {
-    if (state >= 0) shown[size(state)] = 1;
-  };
-  for (const int state : roles.position) mark(state);
-  for (const int state : roles.direction) mark(state);
-  for (const int state : roles.velocities) mark(state);
-  mark(roles.angle);
-  return shown;
-}
-
-/// What a robot at rest, heading along x, comes to under a constant input while it is kept in place.
-struct Settled {
-  std::vector<double> x;
-  Vec3<double> acceleration;
-  Vec2<double> lean;
-};
-
-Settled settle(const Model& model, const std::vector<char>& shown, const std::vector<double>& u) {
-  constexpr double step = 1e-3, longest = 5.0, difference = 1e-6;  // [s]
-  Settled settled{std::vector<double>(size(model.nx())), {}, {}};
-  std::vector<double>& x = settled.x;
-  model.at_rest({{0, 0, 1}, {1, 0}}, x.data());
-  std::vector<double> rate(x.size());
-  const bool all_shown = std::find(shown.begin(), shown.end(), 0) == shown.end();
-  for (double t = 0; !all_shown && t < longest; t += step) {
-    model.f(x.data(), u.data(), rate.data());
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] += shown[i] ? 0.0 : step * rate[i];
-  }
-  model.f(x.data(), u.data(), rate.data());
-  std::vector<double> later = x;
-  for (std::size_t i = 0; i < x.size(); ++i) later[i] += difference * rate[i];
-  const Sight<double> now = model.sight(x.data(), u.data());
-  settled.acceleration = (1 / difference) * (model.sight(later.data(), u.data()).v - now.v);
-  settled.lean = now.lean;
-  return settled;
-}
 
 /// The inverse of a symmetric matrix, rows one after the other.
 std::array<Vec3<double>, 3> inverse(const std::array<Vec3<double>, 3>& m) {
@@ -92,13 +52,14 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
                         .counter = {},
                         .held = {},
                         .leans = {},
+                        .feed_forward = {},
                         .shown = {},
                         .reach = {},
                         .last = std::vector<double>(size(model.nx())),
                         .stamp = never});
     scratch_.resize(std::max(scratch_.size(), RungeKuttaScratch::rows_needed * size(model.nx())));
   };
-  for (const auto& [robot, delay, time] : robots) {
+  for (const auto& [robot, delay, time, feed_forward] : robots) {
     if (robot.index < 0 || robot.index >= team.bodies() || !team.is_agent(robot))
       refuse("body {} is compensated, expected a robot of the team", robot.index);
     const std::string_view name = team.name(robot);
@@ -109,6 +70,7 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
       refuse("disturbance_time of {} = {}, expected {} to {} s", name, time, least_time, longest_time);
     add(robot, delay, time);
     if (time > 0) find_counter(members_.back(), team.agent(robot));
+    if (feed_forward == FeedForwardFrom::reference) members_.back().feed_forward.emplace(team.agent(robot));
     lead_ = std::max(lead_, delay);
   }
   for (int i = 0; lead_ > 0 && i < team.bodies(); ++i) {
@@ -127,8 +89,8 @@ void Compensation::find_counter(Member& member, const Agent& agent) {
     const double half = 0.5 * (u_max[k] - u_min[k]), by = 0.5 * half;
     std::vector<double> up = agent.u_ref, down = agent.u_ref;
     up[k] += by, down[k] -= by;
-    const Settled more = settle(member.model, member.shown, up),
-                  less = settle(member.model, member.shown, down);
+    const Settled more = settle(member.model, state_at_rest(member.model), up),
+                  less = settle(member.model, state_at_rest(member.model), down);
     for (std::size_t i = 0; i < member.nx; ++i)
       member.held[k * member.nx + i] = (more.x[i] - less.x[i]) / (2 * by);
     member.leans.push_back({(more.lean.x - less.lean.x) / (2 * by), (more.lean.y - less.lean.y) / (2 * by)});
@@ -219,6 +181,14 @@ void Compensation::find_steady(const Member& member, std::span<const double> x) 
     part = std::max(part, std::abs(steady[k]));
   }
   for (std::size_t k = 0; k < member.nu; ++k) steady[k] *= member.reach[k] * most_part / part;
+}
+
+void Compensation::refer(BodyId robot, const Reference& x_ref, double t, const double* x,
+                         std::span<double> u_ref) noexcept {
+  const int i = member_of_[at(robot.index)];
+  if (i < 0 || !members_[at(i)].feed_forward) return;
+  Member& member = members_[at(i)];
+  (*member.feed_forward)(x_ref, t, member.model.sight(x, u_ref.data()).d, u_ref);
 }
 
 void Compensation::forget(BodyId robot) noexcept {

@@ -20,21 +20,32 @@
 /// leans besides.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
-#include "sightline/model/state_roles.hpp"
 #include "sightline/ocp/team.hpp"
+#include "sightline/run/feed_forward.hpp"
 #include "sightline/safety/input_history.hpp"
 
 namespace sightline {
+
+/// What a robot's u* follows from.
+enum class FeedForwardFrom {
+  none,       ///< it is the team's
+  reference,  ///< it is the input by which the robot's model follows its reference: feed_forward.hpp
+};
+inline constexpr std::array<std::string_view, 2> feed_forwards = {"none", "reference"};
 
 /// Of one robot.
 struct RobotCompensation {
   BodyId robot;
   double command_delay = 0.0;     ///< from command to effect, and what stands for lags [s], in [0, 1]
   double disturbance_time = 0.0;  ///< of the estimate of w [s], in [0.05, 60]; 0: none
+  FeedForwardFrom feed_forward = FeedForwardFrom::none;  ///< what its u* follows from
 };
 
 class Compensation {
@@ -64,6 +75,9 @@ class Compensation {
   std::span<const double> held() const noexcept { return held_; }
   /// What u_w makes each body lean (Sight::lean), beside what the controllers ask for.
   std::span<const Vec2<double>> lean() const noexcept { return lean_; }
+  /// Writes a robot's u* (nu) at time t [s] and state x (nx of the robot), where it follows from its reference; else nothing.
+  void refer(BodyId robot, const Reference& x_ref, double t, const double* x,
+             std::span<double> u_ref) noexcept;
   /// The inputs u of all robots (nu) are given at t.
   void record(double t, std::span<const double> u) noexcept { history_.record(t, u); }
   /// The robot comes to be there: nothing is known of it.
@@ -83,6 +97,7 @@ class Compensation {
     std::vector<double> counter;      // u_w over reach, of 1 m/s^2 along x, y, z of V, or else of G: 3 x nu
     std::vector<double> held;         // what a unit of an input holds of each state in the end: nu x nx
     std::vector<Vec2<double>> leans;  // what a unit of each input makes it lean then
+    std::optional<FeedForward> feed_forward;
     std::vector<char> shown;    // whether each state is a pose or a velocity; the others follow from commands
     std::vector<double> reach;  // what each input can do either way
     std::vector<double> last;   // measured before, with own inner states

@@ -48,6 +48,7 @@ Controller::Controller(const Team& world, Solver& given, std::size_t number) : s
   states.resize(size(team.nx()));
   for (std::vector<double>* u : {&plan, &before, &added}) u->resize(size(team.nu()));
   lean.resize(size(team.bodies()));
+  u_ref = resting_inputs(team);
   for (int i = 0; i < team.bodies(); ++i) members.push_back(match(world, team, BodyId{i}, number));
 }
 
@@ -70,7 +71,7 @@ void Controller::set_applied(const AppliedInputs& of_world) noexcept {
     std::copy_n(of_world.added.begin() + static_cast<std::ptrdiff_t>(m.world_u), m.nu, &added[m.ocp_u]);
     if (!of_world.lean.empty()) lean[i] = of_world.lean[at(m.body)];
   }
-  solver->set_applied({before, added, lean});
+  solver->set_applied({before, added, lean, u_ref});
 }
 
 UncontrolledRobot::UncontrolledRobot(const Team& world, BodyId robot, bool lands, double period)

@@ -30,6 +30,7 @@ struct Controller {
   std::vector<double> plan{};             ///< inputs of a plan that is late or goes on (its nu)
   std::vector<double> before{}, added{};  ///< AppliedInputs (its nu)
   std::vector<Vec2<double>> lean{};       ///< the same (its bodies)
+  std::vector<double> u_ref{};            ///< the same (its nu)
   Status status{};
   int left_out = 0;                      ///< pairs of swarms, at the last update
   bool at_work = false;                  ///< on a late update

@@ -350,6 +350,17 @@ void Loop::give(double t) noexcept {
   if (options_.guard != nullptr) options_.guard->record(t, applied_);
 }
 
+/// Finds u* of robots where it follows from their references.
+void Loop::refer(Controller& controller, double t, std::span<const double> x) noexcept {
+  const Team& team = controller.solver->ocp().team();
+  for (std::size_t i = 0; i < controller.members.size(); ++i) {
+    const Controller::Member& m = controller.members[i];
+    if (m.limits == nullptr) continue;
+    options_.compensation->refer(m.body, team.agent(BodyId{static_cast<int>(i)}).x_ref, t + lead_,
+                                 &x[m.world_x], std::span(controller.u_ref).subspan(m.ocp_u, m.nu));
+  }
+}
+
 /// An update; while a late one is at work, what the plan before it has for this time.
 Solution Loop::ask(Controller& controller, double t, std::span<const double> believed) noexcept {
   Solver& solver = *controller.solver;
@@ -359,6 +370,7 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
     solution.status = Status::invalid_state;
   } else if (!controller.at_work) {
     controller.gather(world_.team(), believed, u_);
+    if (options_.compensation != nullptr) refer(controller, t, believed);
     if (told_) controller.set_applied({applied_, added(), added_lean()});
     controller.asked_at = t;
     const auto late = std::find_if(options_.late_plans.begin(), options_.late_plans.end(),

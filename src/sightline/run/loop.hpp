@@ -93,6 +93,7 @@ class Loop {
   std::span<const double> compensate(double t, const Measured& seen) noexcept;
   std::span<const double> added() const noexcept;
   std::span<const Vec2<double>> added_lean() const noexcept;
+  void refer(Controller& controller, double t, std::span<const double> x) noexcept;
   void keep_rates() noexcept;
   void give(double t) noexcept;
   void rest(BodyId robot, double t) noexcept;

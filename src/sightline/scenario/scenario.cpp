@@ -152,7 +152,7 @@ class Reader {
     for (const auto& [name, at] : agents) {
       at.expect_only({"robot", "parameters", "start", "Q", "R", "Q_f", "u_ref", "u_min", "u_max", "limits",
                       "rate_max", "reference", "sensor", "present", "vehicle", "command_delay",
-                      "disturbance_time"});
+                      "disturbance_time", "feed_forward"});
       const Model model = read_robot(at);
       const auto nx = static_cast<std::size_t>(model.nx()), nu = static_cast<std::size_t>(model.nu());
       const auto list = [&at = at](std::string_view key, std::size_t n, double missing, const Range& range) {
@@ -200,12 +200,14 @@ class Reader {
   }
 
   void read_compensation(const TomlTable& at, BodyId robot) {
-    if (!at.has("command_delay") && !at.has("disturbance_time")) return;
+    if (!at.has("command_delay") && !at.has("disturbance_time") && !at.has("feed_forward")) return;
     constexpr Range delay = {0.0, Compensation::longest_delay, "0 to 1 s"},
                     time = {Compensation::least_time, Compensation::longest_time, "0.05 to 60 s"};
     RobotCompensation of{robot};
     if (at.has("command_delay")) of.command_delay = at.number("command_delay", delay);
     if (at.has("disturbance_time")) of.disturbance_time = at.number("disturbance_time", time);
+    if (at.has("feed_forward") && at.word("feed_forward", feed_forwards) == feed_forwards[1])
+      of.feed_forward = FeedForwardFrom::reference;
     at.checked([&] { Compensation(scenario_.team, {of}, scenario_.horizon.dt); });
     scenario_.compensations.push_back(of);
   }
@@ -442,9 +444,9 @@ std::string summary(const Scenario& scenario) {
       line("rates       {}: inputs move by at most {} 1/s", agent.name, fmt::join(agent.rate_max, ", "));
   }
   for (const RobotCompensation& of : scenario.compensations) {
-    line(
-        "compensate  {}: commands act after {} s{}", team.name(of.robot), of.command_delay,
-        of.disturbance_time > 0 ? fmt::format(", disturbance estimated over {} s", of.disturbance_time) : "");
+    line("compensate  {}: commands act after {} s{}{}", team.name(of.robot), of.command_delay,
+         of.disturbance_time > 0 ? fmt::format(", disturbance estimated over {} s", of.disturbance_time) : "",
+         of.feed_forward == FeedForwardFrom::reference ? ", u* follows from its reference" : "");
   }
   for (const RobotVehicle& vehicle : scenario.vehicles) {
     line("vehicle     {}: {}", team.name(vehicle.robot), in_words(vehicle));

@@ -18,6 +18,7 @@ struct AppliedInputs {
   std::span<const double>
       added;  ///< to the solver's inputs afterwards, such as what holds a robot against wind
   std::span<const Vec2<double>> lean{};  ///< of each body, that `added` gives it beside its own; empty: none
+  std::span<const double> u_ref{};       ///< u* in the costs of the agents; empty: the team's
 };
 
 /// How an update ended, the better first. In every case `Solution::u` is finite, within its limits and usable.
@@ -71,9 +72,9 @@ class Solver {
   /// One update: from the measured states of all bodies (nx) at `time` [s] to the inputs.
   virtual Solution solve(double time, std::span<const double> states) noexcept = 0;
 
-  /// For the updates that follow: limits of inputs then hold for u + added, rate_max for their change from `before`, and
-  /// robots are seen to lean by `lean` more. Never told, nothing is added and inputs may jump. What a solver does not
-  /// reckon with, it leaves to the loop, which keeps both limits.
+  /// For the updates that follow: limits of inputs then hold for u + added, rate_max for their change from
+  /// `before`, robots are seen to lean by `lean` more, and u* is u_ref over the whole horizon. Never told, nothing is added
+  /// and inputs may jump. What a solver does not reckon with, it leaves to the loop, which keeps both limits.
   virtual void set_applied(const AppliedInputs& /*applied*/) noexcept {}
 
   /// Projected KKT infinity norm of the present iterate at these states, without the solver's own

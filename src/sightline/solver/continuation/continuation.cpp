@@ -157,6 +157,9 @@ void Continuation::set_applied(const AppliedInputs &applied) noexcept {
   if (applied.added.size() != u_.size()) return;
   here_.set_added(applied.added);
   there_.set_added(applied.added);
+  if (applied.u_ref.size() != u_.size()) return;
+  here_.set_u_ref(applied.u_ref);
+  there_.set_u_ref(applied.u_ref);
 }
 
 void Continuation::limit_rows(const Hamiltonian &hamiltonian, const double *U, double *F) const noexcept {

@@ -38,7 +38,7 @@ class Continuation : public Solver {
   double kkt(double time, std::span<const double> states) noexcept override;
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;
-  /// Of it, limits reckon with what is added.
+  /// Of it, limits reckon with what is added, and costs with u_ref.
   void set_applied(const AppliedInputs& applied) noexcept override;
 
   /// Numbers that the solver carries from update to update.

@@ -126,6 +126,10 @@ void Hamiltonian::set_time(double t, double h) noexcept {
   }
 }
 
+void Hamiltonian::set_u_ref(std::span<const double> u_ref) noexcept {
+  for (int j = 0; j < nu_; ++j) std::fill_n(u_ref_[j], u_ref_.stride(), u_ref[at(j, 1)]);
+}
+
 void Hamiltonian::flow(const double* x, const double* u, double* rate) const noexcept {
   for (std::size_t b = 0; b < x_at_.size(); ++b) {
     ocp_.team().model(BodyId{static_cast<int>(b)}).f(x + x_at_[b], u + u_at_[b], rate + x_at_[b]);

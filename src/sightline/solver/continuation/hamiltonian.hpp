@@ -35,6 +35,9 @@ class Hamiltonian {
     std::copy(added.begin(), added.end(), added_.begin());
   }
 
+  /// u* of all agents (nu), at all stages.
+  void set_u_ref(std::span<const double> u_ref) noexcept;
+
   /// Limits of stage i, all agents (nu).
   const double* u_min(int i) const { return &u_min_[at(i, nu_)]; }
   const double* u_max(int i) const { return &u_max_[at(i, nu_)]; }

@@ -106,7 +106,7 @@ PartitionedSolver::PartitionedSolver(const Team& whole_team, const Partition& pa
     Member member;
     member.subteam = std::make_unique<Subteam>(team, own, make);
     member.u.resize(at(member.subteam->ocp().nu()));
-    member.before.resize(member.u.size());
+    for (std::vector<double>* u : {&member.before, &member.u_ref}) u->resize(member.u.size());
     member.lean.resize(at(member.subteam->ocp().team().bodies()));
     members_.push_back(std::move(member));
   }
@@ -268,7 +268,10 @@ void PartitionedSolver::set_applied(const AppliedInputs& applied) noexcept {
     gather(*member.subteam, applied.added, member.u);
     for (int b = 0; b < static_cast<int>(member.lean.size()) && !applied.lean.empty(); ++b)
       member.lean[at(b)] = applied.lean[at(member.subteam->in_whole(BodyId{b}))];
-    member.subteam->set_applied({member.before, member.u, member.lean});
+    const bool refers = applied.u_ref.size() == u_.size();
+    if (refers) gather(*member.subteam, applied.u_ref, member.u_ref);
+    member.subteam->set_applied({member.before, member.u, member.lean,
+                                 std::span(member.u_ref).first(refers ? member.u_ref.size() : 0)});
   }
 }
 

@@ -68,11 +68,11 @@ class PartitionedSolver : public Solver, public TeamPlanner {
  private:
   struct Member {
     std::unique_ptr<Subteam> subteam;
-    mutable std::vector<double> u;   // scratch, in the subteam's order
-    std::vector<double> before;      // the same
-    std::vector<Vec2<double>> lean;  // the same, of each body
-    double elapsed = 0.0;            // of the last update [s]
-    Solution solution = {};          // of the last exchange
+    mutable std::vector<double> u;      // scratch, in the subteam's order
+    std::vector<double> before, u_ref;  // the same
+    std::vector<Vec2<double>> lean;     // the same, of each body
+    double elapsed = 0.0;               // of the last update [s]
+    Solution solution = {};             // of the last exchange
   };
 
   bool accepts(double time, std::span<const double> states) noexcept;

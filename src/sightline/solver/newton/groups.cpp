@@ -157,9 +157,15 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
     const int lane = layout_.place(a).lane, nx = group.sizes().nx, nu = group.sizes().nu;
     for (int i = 0; i < nx; ++i) group.weight(i, lane) = 2.0 * h_ * agent.Q[at(i)];
     for (int i = 0; i < nu; ++i) group.weight(nx + i, lane) = 2.0 * h_ * agent.R[at(i)];
-    for (int i = 0; i < nu; ++i) group.weight(nx + nu + i, lane) = agent.u_ref[at(i)];
+    set_u_ref(a, agent.u_ref.data());
     for (int i = 0; i < nx; ++i) group.Q_f(i, lane) = agent.Q_f[at(i)];
   }
+}
+
+void Groups::set_u_ref(int agent, const double* u_ref) noexcept {
+  Group& group = group_of(agent);
+  const int nx = group.sizes().nx, nu = group.sizes().nu;
+  for (int i = 0; i < nu; ++i) group.weight(nx + nu + i, layout_.place(agent).lane) = u_ref[i];
 }
 
 void Groups::roll_out(const double* u, double* s) noexcept {

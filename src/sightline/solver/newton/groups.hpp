@@ -32,6 +32,8 @@ class Groups {
   void set_lean(int agent, const Vec2<double>& lean) noexcept {
     lean_[static_cast<std::size_t>(agent)] = lean;
   }
+  /// An agent's u* from now on (nu).
+  void set_u_ref(int agent, const double* u_ref) noexcept;
   void roll_out(const double* u, double* s) noexcept;
   /// States of the last roll-out, agent a of stage k at x + k stage + x_at[a].
   void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept;

@@ -211,9 +211,12 @@ void NewtonUpdate::set_applied(const AppliedInputs& applied) noexcept {
   limits_move_ = true;
   before_.assign(applied.before.begin(), applied.before.end());
   added_.assign(applied.added.begin(), applied.added.end());
-  if (applied.lean.size() != predictions_.size()) return;
-  for (std::size_t a = 0; a < x_at_.size(); ++a)
-    groups_.set_lean(static_cast<int>(a), applied.lean[at(ocp_.agent_bodies()[a])]);
+  for (int a = 0; a < static_cast<int>(x_at_.size()); ++a) {
+    const BodyId robot = ocp_.agent_bodies()[at(a)];
+    if (applied.lean.size() == predictions_.size()) groups_.set_lean(a, applied.lean[at(robot)]);
+    if (applied.u_ref.size() == u_out_.size())
+      groups_.set_u_ref(a, applied.u_ref.data() + ocp_.team().input_offset(robot));
+  }
 }
 
 void NewtonUpdate::start() noexcept {

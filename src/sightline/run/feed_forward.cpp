@@ -1,0 +1,95 @@
+#include "sightline/run/feed_forward.hpp"
+
+#include <cmath>
+
+#include "sightline/base/index.hpp"
+#include "sightline/model/state_roles.hpp"
+#include "sightline/run/settled.hpp"
+
+namespace sightline {
+namespace {
+
+/// Solves A y = b of a symmetric positive definite A, in place: b becomes y.
+void solve_symmetric(std::vector<std::vector<double>>& A, std::vector<double>& b) {
+  const std::size_t n = b.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t i = k + 1; i < n; ++i) {
+      const double by = A[i][k] / A[k][k];
+      for (std::size_t j = k; j < n; ++j) A[i][j] -= by * A[k][j];
+      b[i] -= by * b[k];
+    }
+  }
+  for (std::size_t k = n; k-- > 0;) {
+    for (std::size_t j = k + 1; j < n; ++j) b[k] -= A[k][j] * b[j];
+    b[k] /= A[k][k];
+  }
+}
+
+}  // namespace
+
+FeedForward::FeedForward(const Agent& agent)
+    : model_(agent.model), u_ref_(agent.u_ref), x_(size(model_.nx())), gain_(u_ref_.size()) {
+  using Column = std::array<double, rows>;
+  std::vector<Column> columns;  // of the velocities, then of the inputs in parts of what they reach
+  const auto add = [&](const Settled& more, const Settled& less, double by) {
+    const Vec3<double> v = (1 / by) * (more.velocity - less.velocity),
+                       a = (1 / by) * (more.acceleration - less.acceleration);
+    columns.push_back({v.x, v.y, v.z, a.x, a.y, a.z});
+  };
+  for (const int state : roles_of(model_).velocities) {
+    constexpr double by = 0.1;  // [m/s]
+    std::vector<double> up = state_at_rest(model_), down = up;
+    up[size(state)] += by, down[size(state)] -= by;
+    add(settle(model_, up, u_ref_), settle(model_, down, u_ref_), 2 * by);
+  }
+  const std::size_t velocities = columns.size();
+  std::vector<double> reach;
+  for (std::size_t k = 0; k < u_ref_.size(); ++k) {
+    reach.push_back(0.5 * (agent.limits.u_max().front()[k] - agent.limits.u_min().front()[k]));
+    constexpr double part = 0.1;
+    std::vector<double> up = u_ref_, down = u_ref_;
+    up[k] += part * reach[k], down[k] -= part * reach[k];
+    add(settle(model_, state_at_rest(model_), up), settle(model_, state_at_rest(model_), down), 2 * part);
+  }
+  // (M'M + damping) y = M' e for each unit vector e of v and a; of y, what the inputs are.
+  constexpr double damping = 1e-9;
+  const auto product = [](const Column& a, const Column& b) {
+    double sum = 0.0;
+    for (std::size_t r = 0; r < rows; ++r) sum += a[r] * b[r];
+    return sum;
+  };
+  for (std::size_t r = 0; r < rows; ++r) {
+    std::vector<std::vector<double>> A(columns.size(), std::vector<double>(columns.size()));
+    std::vector<double> y;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      for (std::size_t j = 0; j < columns.size(); ++j)
+        A[i][j] = product(columns[i], columns[j]) + (i == j ? damping : 0.0);
+      y.push_back(columns[i][r]);
+    }
+    solve_symmetric(A, y);
+    for (std::size_t k = 0; k < u_ref_.size(); ++k) gain_[k][r] = y[velocities + k] * reach[k];
+  }
+}
+
+void FeedForward::operator()(const Reference& x_ref, double t, const Vec2<double>& d,
+                             std::span<double> u) noexcept {
+  const auto place = [&](double time) {
+    x_ref(time, model_, x_);
+    return model_.sight(x_.data(), u_ref_.data()).p;
+  };
+  const Vec3<double> before = place(t - difference), now = place(t), after = place(t + difference);
+  Vec3<double> v = (0.5 / difference) * (after - before),
+               a = (1 / (difference * difference)) * ((after - now) - (now - before));
+  if (model_.turns()) {
+    const Vec2<double> v_V = rotate<double>({d.x, -d.y}, {v.x, v.y}),
+                       a_V = rotate<double>({d.x, -d.y}, {a.x, a.y});
+    v.x = v_V.x, v.y = v_V.y, a.x = a_V.x, a.y = a_V.y;
+  }
+  for (std::size_t k = 0; k < u_ref_.size(); ++k) {
+    const std::array<double, rows>& g = gain_[k];
+    const double by = g[0] * v.x + g[1] * v.y + g[2] * v.z + g[3] * a.x + g[4] * a.y + g[5] * a.z;
+    u[k] = std::isfinite(by) ? u_ref_[k] + by : u_ref_[k];
+  }
+}
+
+}  // namespace sightline

@@ -1,0 +1,25 @@
+/// What a robot comes to once its lags are over, while pose and velocity are held.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sightline/model/model.hpp"
+
+namespace sightline {
+
+struct Settled {
+  std::vector<double> x;      ///< its state, inner states settled
+  Vec3<double> velocity;      ///< [m/s], in G
+  Vec3<double> acceleration;  ///< [m/s^2], in G
+  Vec2<double> lean;          ///< Sight::lean
+};
+
+/// Whether each state is a place, a heading or a velocity; the others, such as a tilt that lags, follow from commands.
+std::vector<char> shown_states(const Model& model);
+/// At rest at the origin, heading along x.
+std::vector<double> state_at_rest(const Model& model);
+/// From the state x (nx) under a constant input u (nu): states that are shown stay, the others settle for 5 s. Set-up.
+Settled settle(const Model& model, std::vector<double> x, std::span<const double> u);
+
+}  // namespace sightline
