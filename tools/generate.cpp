@@ -30,6 +30,14 @@ Generator stages_of(const char* part, const std::vector<Model>& models, const st
   return generator;
 }
 
+Generator smooth_multirotor() {
+  Generator generator("smooth_multirotor");
+  const std::vector<double> R_rate(4, 1.0);
+  for (const Seen seen : {Seen::pose, Seen::pose_and_motion})
+    generator.add(Multirotor{}, seen, {}, {R_rate, 0.01});
+  return generator;
+}
+
 Generator limits_of_a_multirotor() {
   Generator generator("multirotor_limits");
   generator.add(Multirotor{}, Seen::pose, {RelaxedBarrier{SpeedLimit{}}});
@@ -80,6 +88,7 @@ int main(int argc, char** argv) {
       stages_of("multirotor", {Multirotor{}}, {Seen::pose}),
       stages_of("multirotor_motion", {Multirotor{}}, {Seen::pose_and_motion}),
       limits_of_a_multirotor(),
+      smooth_multirotor(),
       stages_of("angle_multirotor", {AngleMultirotor{}}, both),
       stages_of("velocity_multirotor", velocity, {Seen::pose}),
       stages_of("velocity_multirotor_motion", velocity, {Seen::pose_and_motion}),

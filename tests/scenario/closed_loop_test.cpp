@@ -120,6 +120,20 @@ TEST(ClosedLoop, ASolverThatAScenarioAsksTooMuchOfIsRefusedWithTheNeedAndThoseTh
   EXPECT_EQ(team_planners(), "newton_riccati");
 }
 
+TEST(ClosedLoop, ACostOfRatesIsRefusedBeforeAnythingFliesByASolverThatHasNone) {
+  const std::string text =
+      "[agent.uav]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\nR_rate = [1, 1, 1, 1]\n";
+  Scenario smooth = parse_scenario(text, "smooth.toml");
+  EXPECT_EQ(refusal_of([&] { check_solvers(smooth); }), "");
+  const std::string sentence =
+      "uav has a cost of its inputs' rates, R_rate, expected the solver newton_riccati, which plans with it";
+  smooth.simulation.compare = {"cmscgmres"};
+  EXPECT_EQ(refusal_of([&] { check_solvers(smooth); }), sentence);
+  smooth.simulation.compare = {};
+  smooth.solver = solver_named("cgmres");
+  EXPECT_EQ(refusal_of([&] { check_solvers(smooth); }), sentence);
+}
+
 TEST(ClosedLoop, InSimulatedTimeNoDeadlineActs) {
   SolverChoice choice{.options = NewtonRiccatiOptions{.deadline = 1e-3, .start_steps = 7}};
   lift_deadline(choice);

@@ -56,8 +56,10 @@ std::vector<double> all_results(Group& group, int width, std::uint64_t seed) {
 }
 
 template <RobotModel M>
-void expect_same_bits(const M& model, Seen seen, const std::vector<RelaxedBarrier>& barriers = {}) {
-  const auto programs = std::make_shared<const StagePrograms>(trace_stage(model, 0.04, seen, barriers));
+void expect_same_bits(const M& model, Seen seen, const std::vector<RelaxedBarrier>& barriers = {},
+                      const RateCost& rates = {}) {
+  const auto programs =
+      std::make_shared<const StagePrograms>(trace_stage(model, 0.04, seen, barriers, {}, rates));
   for (const int width : {2, native_width}) {
     const auto compiled = make_group(programs, stages, width, KernelChoice::compiled_if_there);
     const auto interpreted = make_group(programs, stages, width, KernelChoice::interpreted);
@@ -86,6 +88,12 @@ TEST(KernelTable, CompiledAndInterpretedGroupsGiveTheSameBits) {
     expect_same_bits(LaggingHoverMultirotor::crazyflie(), seen);
     expect_same_bits(VelocityMultirotor{.tau_f = 0.4, .tau_s = 0.45, .tau_z = 0.6, .tau_psi = 0.15}, seen);
   }
+}
+
+TEST(KernelTable, AMultirotorWhoseInputRatesCostIsCompiledWhateverTheCost) {
+  const std::vector<double> some = {0.1, 0.0, 0.3, 2.0};
+  for (const Seen seen : {Seen::pose, Seen::pose_and_motion})
+    expect_same_bits(Multirotor{.a_f = -0.4}, seen, {}, {some, 0.02});
 }
 
 TEST(KernelTable, RobotsThatAreSeenToLeanAreCompiledToo) {

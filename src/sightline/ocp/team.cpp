@@ -93,6 +93,7 @@ AgentId Team::add(Agent agent) {
   check_weights(agent.name, "R", agent.R, nu, true);
   check_weights(agent.name, "Q_f", agent.Q_f, nx, false);
   if (!agent.rate_max.empty()) check_weights(agent.name, "rate_max", agent.rate_max, nu, true);
+  if (!agent.R_rate.empty()) check_weights(agent.name, "R_rate", agent.R_rate, nu, false);
   if (static_cast<int>(agent.u_ref.size()) != nu || !all_finite(agent.u_ref)) {
     refuse("{}.u_ref has {} entries, expected {} finite numbers", agent.name, agent.u_ref.size(), nu);
   }

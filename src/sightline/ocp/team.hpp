@@ -67,6 +67,7 @@ struct Agent {
   std::vector<double> u_ref{};  ///< nu; empty: 0
   InputLimits limits;
   std::vector<double> rate_max{};  ///< of the inputs either way, nu, > 0 [1/s]; empty: any
+  std::vector<double> R_rate{};    ///< of du/dt' diag(R_rate) du/dt in its cost, nu, >= 0 [s^2]; empty: 0
 };
 
 /// What each input of an agent is measured in (nu) where a solver compares steps, residuals and distances to limits with
@@ -158,6 +159,7 @@ struct AgentOptions {
   InputBound<M::nu> u_max{};
   std::string name{};
   std::vector<double> rate_max{};
+  std::vector<double> R_rate{};
 
   static constexpr std::array<double, M::nu> filled(double value) {
     std::array<double, M::nu> a{};
@@ -186,7 +188,8 @@ class Team {
                      .x_ref = o.x_ref,
                      .u_ref = list(o.u_ref),
                      .limits = InputLimits(o.u_min.or_else(erased.u_min()), o.u_max.or_else(erased.u_max())),
-                     .rate_max = o.rate_max});
+                     .rate_max = o.rate_max,
+                     .R_rate = o.R_rate});
   }
   AgentId add(Agent agent);
   BodyId add(Obstacle obstacle);

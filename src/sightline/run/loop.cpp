@@ -92,7 +92,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
       plan_(u_.size()),
       spare_(sized_sample(world, controllers)) {
   told_ = options_.compensation != nullptr;
-  for (const Agent& agent : world.team().agents()) told_ |= !agent.rate_max.empty();
+  for (const Agent& agent : world.team().agents()) told_ |= !agent.rate_max.empty() || !agent.R_rate.empty();
   for (const LatePlan& late : options_.late_plans) late.check();
   std::stable_sort(options_.signals.begin(), options_.signals.end(),
                    [](const TimedSignal& a, const TimedSignal& b) { return a.at < b.at; });

@@ -76,6 +76,13 @@ void check_solvers(const Scenario& scenario) {
       throw std::invalid_argument(
           fmt::format("the solver {} knows no keep_apart, expected {}", name, solvers_that(can_keep_apart)));
     }
+    for (const Agent& agent : scenario.team.agents()) {
+      if (agent.R_rate.empty()) continue;
+      Team one;  // what it refuses, it says
+      one.add(agent);
+      make_solver(solver_named(name), one, scenario.horizon);
+      break;
+    }
   }
 }
 

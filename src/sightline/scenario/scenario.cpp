@@ -152,7 +152,7 @@ class Reader {
     for (const auto& [name, at] : agents) {
       at.expect_only({"robot", "parameters", "start", "Q", "R", "Q_f", "u_ref", "u_min", "u_max", "limits",
                       "rate_max", "reference", "sensor", "present", "vehicle", "command_delay",
-                      "disturbance_time", "feed_forward"});
+                      "disturbance_time", "feed_forward", "R_rate"});
       const Model model = read_robot(at);
       const auto nx = static_cast<std::size_t>(model.nx()), nu = static_cast<std::size_t>(model.nu());
       const auto list = [&at = at](std::string_view key, std::size_t n, double missing, const Range& range) {
@@ -170,6 +170,7 @@ class Reader {
                   .u_ref = list("u_ref", nu, 0.0, any_number()),
                   .limits = read_limits(at, bound("u_min", model.u_min()), bound("u_max", model.u_max()))};
       if (at.has("rate_max")) agent.rate_max = at.numbers("rate_max", nu, positive("> 0 1/s"));
+      if (at.has("R_rate")) agent.R_rate = at.numbers("R_rate", nu, not_negative(">= 0 s^2"));
       const std::vector<double> start = read_start(at.table("start", "a table with p and heading"), model);
       check_motion(at, model, start, agent.u_ref);
       if (is_present(at)) check_place(name, at, model.sight(start.data(), agent.u_ref.data()).p);
@@ -442,6 +443,8 @@ std::string summary(const Scenario& scenario) {
          agent.model.nu(), present ? "" : ", not there at first");
     if (!agent.rate_max.empty())
       line("rates       {}: inputs move by at most {} 1/s", agent.name, fmt::join(agent.rate_max, ", "));
+    if (!agent.R_rate.empty())
+      line("rates       {}: of inputs cost {} s^2", agent.name, fmt::join(agent.R_rate, ", "));
   }
   for (const RobotCompensation& of : scenario.compensations) {
     line("compensate  {}: commands act after {} s{}{}", team.name(of.robot), of.command_delay,

@@ -72,7 +72,7 @@ class Solver {
   /// One update: from the measured states of all bodies (nx) at `time` [s] to the inputs.
   virtual Solution solve(double time, std::span<const double> states) noexcept = 0;
 
-  /// For the updates that follow: limits of inputs then hold for u + added, rate_max for their change from
+  /// For the updates that follow: limits of inputs then hold for u + added, rate_max and R_rate for their change from
   /// `before`, robots are seen to lean by `lean` more, and u* is u_ref over the whole horizon. Never told, nothing is added
   /// and inputs may jump. What a solver does not reckon with, it leaves to the loop, which keeps both limits.
   virtual void set_applied(const AppliedInputs& /*applied*/) noexcept {}

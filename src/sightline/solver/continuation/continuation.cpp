@@ -29,6 +29,17 @@ ContinuationOptions checked(const ContinuationOptions &o) {
   return o;
 }
 
+/// Unknowns of one stage do not know those of the stage before.
+Ocp without_rate_costs(Ocp ocp) {
+  for (const Agent &agent : ocp.team().agents()) {
+    if (agent.R_rate.empty()) continue;
+    throw std::invalid_argument(fmt::format(
+        "{} has a cost of its inputs' rates, R_rate, expected the solver newton_riccati, which plans with it",
+        agent.name));
+  }
+  return ocp;
+}
+
 /// A root is followed, of a problem that stays what it is.
 Ocp with_steady_weights(Ocp ocp) {
   const auto moves = [](const auto &term) { return term.ramp != Ramp{}; };
@@ -56,7 +67,7 @@ double largest(std::span<const double> values) noexcept {
 }  // namespace
 
 Continuation::Continuation(Ocp ocp, const ContinuationOptions &options)
-    : ocp_(with_steady_weights(std::move(ocp))),
+    : ocp_(without_rate_costs(with_steady_weights(std::move(ocp)))),
       options_(checked(options)),
       N_(ocp_.horizon().N),
       nx_(ocp_.nx()),

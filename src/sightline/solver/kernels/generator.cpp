@@ -40,14 +40,16 @@ std::string declaration(std::string_view part) {
 
 }  // namespace
 
-void Generator::add(const Model& model, Seen seen, const std::vector<RelaxedBarrier>& barriers) {
-  const StagePrograms programs = trace_stage(model, h, seen, barriers);
+void Generator::add(const Model& model, Seen seen, const std::vector<RelaxedBarrier>& barriers,
+                    const RateCost& rates) {
+  const StagePrograms programs = trace_stage(model, h, seen, barriers, {}, rates);
   const std::uint64_t key = structure(programs);
   if (!known_.insert(key).second) return;
   const StageSizes& n = programs.sizes;
   const std::string name = fmt::format("Stage_{:016x}", key);
-  functions_ += fmt::format("/// {}\nstruct {} {{\nstatic constexpr StageSizes sizes{{{}, {}, {}, {}}};\n",
-                            model.name(), name, n.nx, n.nu, n.ns, n.stored);
+  functions_ += fmt::format("/// {}\nstruct {} {{\nstatic constexpr StageSizes sizes{{{}, {}, {}, {}{}}};\n",
+                            model.name(), name, n.nx, n.nu, n.ns, n.stored,
+                            n.before > 0 ? fmt::format(", {}", n.before) : "");
   constexpr std::array<std::string_view, 5> names = {"step", "back", "back_first", "precondition_back",
                                                      "precondition_forward"};
   for (std::size_t i = 0; i < names.size(); ++i) functions_ += member(*programs.all()[i], names[i]);

@@ -24,8 +24,9 @@ class Generator {
   /// The file that makes one table of the library's parts, built_in_kernels().
   static std::string index(std::span<const Generator> parts);
 
-  /// The stage programs of a model with these barriers, in this order.
-  void add(const Model& model, Seen seen, const std::vector<RelaxedBarrier>& barriers = {});
+  /// The stage programs of a model with these barriers, in this order; with a cost of its inputs' rates, whatever its numbers.
+  void add(const Model& model, Seen seen, const std::vector<RelaxedBarrier>& barriers = {},
+           const RateCost& rates = {});
   /// The sum of potentials between two bodies, or of one robot, whatever their numbers and their order; felt by
   /// both ends, by either, and where the second is not controlled.
   void add(const std::vector<Weighted>& terms);

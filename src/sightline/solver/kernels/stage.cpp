@@ -54,11 +54,13 @@ struct Flow {
 Flow record(Graph& graph, const Model& model, const Symbol& h, Seen seen, std::span<const Symbol> x,
             std::span<const Symbol> u) {
   Flow flow{std::vector<Symbol>(x.size()), std::vector<Symbol>(at(sight_size)), {}};
+  const std::size_t own = at(model.nx());
   graph.keep_parameters(Zeros::folded);
-  model.f(x, u, flow.F);
-  flow.sight = model.sight(x, u);
+  model.f(x.first(own), u, std::span(flow.F).first(own));
+  flow.sight = model.sight(x.first(own), u);
   graph.keep_values();
-  for (std::size_t i = 0; i < x.size(); ++i) flow.F[i] = x[i] + h * flow.F[i];
+  for (std::size_t i = 0; i < own; ++i) flow.F[i] = x[i] + h * flow.F[i];
+  for (std::size_t i = own; i < x.size(); ++i) flow.F[i] = u[i - own];  // what was before, next time
   write_sight(flow.sight, flow.s);
   flow.s.resize(at(seen_size(seen)));
   return flow;
@@ -134,12 +136,26 @@ Linearisation linearise(Graph& graph, const Flow& flow, std::span<const Symbol> 
   return l;
 }
 
+/// @param before  of the states, inputs of the stage before
+BlockProgram step_of(const Model& model, double h, Seen seen, int before) {
+  Tracer t;
+  const auto x = t.inputs("x", model.nx() + before), u = t.inputs("u", model.nu());
+  const Flow flow = record(t.graph, model, parameter(t.graph, h), seen, x, u);
+  t.block("F");
+  t.output(flow.F);
+  t.block("s");
+  t.output(flow.s);
+  return t.finish();
+}
+
 class StageTracer {
  public:
   StageTracer(const Model& model, double h, Seen seen, std::span<const RelaxedBarrier> barriers,
-              std::span<const double> scales)
-      : model_(model), h_(h), seen_(seen), barriers_(barriers), scales_(scales) {
-    sizes_ = {.nx = model.nx(), .nu = model.nu(), .ns = seen_size(seen), .stored = 0};
+              std::span<const double> scales, const RateCost& rates)
+      : model_(model), h_(h), seen_(seen), barriers_(barriers), scales_(scales), rates_(rates) {
+    const int before = static_cast<int>(rates.R.size());
+    sizes_ = {
+        .nx = model.nx() + before, .nu = model.nu(), .ns = seen_size(seen), .stored = 0, .before = before};
     const auto x = plain_.inputs("x", sizes_.nx), u = plain_.inputs("u", sizes_.nu);
     const Symbol length = parameter(plain_.graph, h);
     linear_ = linearise(plain_.graph, record(plain_.graph, model, length, seen, x, u), x, u);
@@ -148,8 +164,12 @@ class StageTracer {
   }
 
   StagePrograms trace() {
-    return {sizes_,      trace_step(model_, h_, seen_), back(true),
-            back(false), precondition_back(),           precondition_forward()};
+    return {sizes_,
+            step_of(model_, h_, seen_, sizes_.before),
+            back(true),
+            back(false),
+            precondition_back(),
+            precondition_forward()};
   }
 
  private:
@@ -172,8 +192,12 @@ class StageTracer {
     const Symbol h = parameter(graph, h_);
     const Flow flow = record(graph, model_, h, seen_, x, u);
     Linearisation l = linearise(graph, flow, x, u);
-    const Symbol cost =
-        0.5 * tracking_cost<Symbol>(x, x_ref, Q, u, u_ref, R) + h * cost_of_limits(graph, flow.sight, x, u);
+    Symbol cost = 0.5 * tracking_cost<Symbol>(x, x_ref, Q, u, u_ref, R) +
+                  h * cost_of_limits(graph, flow.sight, part(x, 0, nx - sizes_.before), u);
+    for (int a = 0; a < sizes_.before; ++a) {
+      const Symbol change = u[at(a)] - x[at(nx - nu + a)];
+      cost += parameter(graph, rates_.R[at(a)] / (carries_on ? h_ : rates_.first)) * (change * change);
+    }
     Symbol along = 0.0;
     for (int i = 0; i < nx; ++i) along += lambda[at(i)] * flow.F[at(i)];
     for (int i = 0; i < ns; ++i) along += coupling[at(i)] * flow.s[at(i)];
@@ -396,6 +420,7 @@ class StageTracer {
   Seen seen_;
   std::span<const RelaxedBarrier> barriers_;
   std::span<const double> scales_;
+  RateCost rates_;
   StageSizes sizes_;
   Tracer plain_;
   Linearisation linear_{{0, 0}, {0, 0}, {0, 0}, {0, 0}, {}};
@@ -404,16 +429,7 @@ class StageTracer {
 
 }  // namespace
 
-BlockProgram trace_step(const Model& model, double h, Seen seen) {
-  Tracer t;
-  const auto x = t.inputs("x", model.nx()), u = t.inputs("u", model.nu());
-  const Flow flow = record(t.graph, model, parameter(t.graph, h), seen, x, u);
-  t.block("F");
-  t.output(flow.F);
-  t.block("s");
-  t.output(flow.s);
-  return t.finish();
-}
+BlockProgram trace_step(const Model& model, double h, Seen seen) { return step_of(model, h, seen, 0); }
 
 Program trace_barriers(const Model& model, std::span<const RelaxedBarrier> barriers) {
   Tracer t;
@@ -424,8 +440,8 @@ Program trace_barriers(const Model& model, std::span<const RelaxedBarrier> barri
 }
 
 StagePrograms trace_stage(const Model& model, double h, Seen seen, std::span<const RelaxedBarrier> barriers,
-                          std::span<const double> scales) {
-  return StageTracer(model, h, seen, barriers, scales).trace();
+                          std::span<const double> scales, const RateCost& rates) {
+  return StageTracer(model, h, seen, barriers, scales, rates).trace();
 }
 
 ProgramSize size_of(const StagePrograms& programs) {

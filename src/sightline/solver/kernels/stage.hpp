@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -39,6 +40,8 @@ struct BlockProgram {
 struct StageSizes {
   int nx = 0, nu = 0, ns = 0;
   int stored = 0;  ///< distinct entries of A, B, J that change
+  int before =
+      0;  ///< of the states, inputs of the stage before: the last ones, where their rate costs; else none
 
   constexpr int weights() const { return nx + 2 * nu + 1; }  ///< 2 h Q, 2 h R, u*, rho
   constexpr int coupling() const {
@@ -75,6 +78,13 @@ struct StagePrograms {
 /// A pivot of the Riccati factorisation below this, per h and with the input in its scale, is not trusted.
 inline constexpr double pivot_floor = 1e-3;
 
+/// A cost of the rate of inputs, du/dt' diag(R) du/dt. The inputs of the stage before are states then, the last ones, which
+/// become u in a step; Phi has R (u - before)^2 / h besides, or / first at stage 0, whose input was in force `first` before.
+struct RateCost {
+  std::span<const double> R{};  ///< nu, parameters; empty: none
+  double first = 0.0;           ///< [s]
+};
+
 /// The first of the programs alone: equal ones belong to equal models.
 BlockProgram trace_step(const Model& model, double h, Seen seen);
 
@@ -83,7 +93,8 @@ Program trace_barriers(const Model& model, std::span<const RelaxedBarrier> barri
 
 /// @param scales  of the inputs, in which rho and the least pivot are meant (nu), parameters too; empty: 1
 StagePrograms trace_stage(const Model& model, double h, Seen seen,
-                          std::span<const RelaxedBarrier> barriers = {}, std::span<const double> scales = {});
+                          std::span<const RelaxedBarrier> barriers = {}, std::span<const double> scales = {},
+                          const RateCost& rates = {});
 
 /// The same for models that differ in the values of their parameters alone.
 std::uint64_t structure(const StagePrograms& programs);

@@ -16,7 +16,7 @@ struct Kind {
   Seen seen;
   BlockProgram step;
   Program barriers;
-  std::vector<double> scales;
+  std::vector<double> scales, R_rate;
   std::shared_ptr<const StagePrograms> programs;
   std::vector<int> agents;
 };
@@ -55,19 +55,23 @@ std::vector<Kind> sort_into_kinds(const Ocp& ocp, std::span<const BodyPotential>
     const std::vector<RelaxedBarrier> limits = ocp.team().barriers(ocp.agent_bodies()[at(a)]);
     BlockProgram step = trace_step(model, h, seen);
     Program barriers = trace_barriers(model, limits);
-    std::vector<double> scales = input_scales(ocp.team().agents()[at(a)]);
+    const Agent& agent = ocp.team().agents()[at(a)];
+    std::vector<double> scales = input_scales(agent);
     const auto same = [&](const Kind& k) {
       return k.seen == seen && k.step.program == step.program && k.step.inputs == step.inputs &&
-             k.step.outputs == step.outputs && k.barriers == barriers && k.scales == scales;
+             k.step.outputs == step.outputs && k.barriers == barriers && k.scales == scales &&
+             k.R_rate == agent.R_rate;
     };
     auto kind = std::find_if(kinds.begin(), kinds.end(), same);
     if (kind == kinds.end()) {
-      auto programs = std::make_shared<const StagePrograms>(trace_stage(model, h, seen, limits, scales));
+      auto programs = std::make_shared<const StagePrograms>(
+          trace_stage(model, h, seen, limits, scales, {agent.R_rate, ocp.horizon().dt}));
       kind = kinds.insert(kinds.end(), {model.name(),
                                         seen,
                                         std::move(step),
                                         std::move(barriers),
                                         std::move(scales),
+                                        agent.R_rate,
                                         std::move(programs),
                                         {}});
     }
@@ -102,7 +106,7 @@ void Group::copy_states(double* const* to, std::ptrdiff_t stage, int n) const no
   for (int k = 0; k <= stages_; ++k, from += sizes_.nx * width_) {
     for (int lane = 0; lane < n; ++lane) {
       double* const of_stage = to[lane] + k * stage;
-      for (int i = 0; i < sizes_.nx; ++i) of_stage[i] = from[i * width_ + lane];
+      for (int i = 0; i < sizes_.nx - sizes_.before; ++i) of_stage[i] = from[i * width_ + lane];
     }
   }
 }
@@ -117,11 +121,11 @@ void Groups::copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x
 }
 
 Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice)
-    : h_(ocp.horizon().h()), lean_(ocp.agent_bodies().size()) {
+    : h_(ocp.horizon().h()), dt_(ocp.horizon().dt), lean_(ocp.agent_bodies().size()) {
   for (const BodyId body : ocp.agent_bodies()) {
     const Model& model = ocp.team().model(body);
     limited_.push_back({model, ocp.team().barriers(body), std::vector<double>(at(model.nx())),
-                        std::vector<double>(at(model.nu()))});
+                        std::vector<double>(at(model.nu())), ocp.team().agent(body).R_rate});
   }
   const std::vector<Kind> kinds = sort_into_kinds(ocp, potentials);
   const bool few =
@@ -155,10 +159,11 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
     const Agent& agent = ocp.team().agents()[at(a)];
     Group& group = group_of(a);
     const int lane = layout_.place(a).lane, nx = group.sizes().nx, nu = group.sizes().nu;
-    for (int i = 0; i < nx; ++i) group.weight(i, lane) = 2.0 * h_ * agent.Q[at(i)];
+    const int own = nx - group.sizes().before;
+    for (int i = 0; i < own; ++i) group.weight(i, lane) = 2.0 * h_ * agent.Q[at(i)];
     for (int i = 0; i < nu; ++i) group.weight(nx + i, lane) = 2.0 * h_ * agent.R[at(i)];
     set_u_ref(a, agent.u_ref.data());
-    for (int i = 0; i < nx; ++i) group.Q_f(i, lane) = agent.Q_f[at(i)];
+    for (int i = 0; i < own; ++i) group.Q_f(i, lane) = agent.Q_f[at(i)];
   }
 }
 
@@ -186,10 +191,17 @@ double Groups::own_cost(const double* u, int agent) noexcept {
   const int lane = layout_.place(agent).lane;
   double cost = group.tracking_cost(u + layout_.part(agent).u, lane);
   Limited& robot = limited_[at(agent)];
-  if (robot.barriers.empty()) return cost;
   const Layout::View input = layout_.u(agent);
+  const int own = group.sizes().nx - group.sizes().before;
   for (int k = 0; k < layout_.stages; ++k) {
-    for (int i = 0; i < group.sizes().nx; ++i) robot.x[at(i)] = group.x(k, i, lane);
+    for (int i = 0; i < group.sizes().before; ++i) {
+      const double change = u[input(k, i)] - group.x(k, own + i, lane);
+      cost += robot.R_rate[at(i)] / (k > 0 ? h_ : dt_) * change * change;
+    }
+  }
+  if (robot.barriers.empty()) return cost;
+  for (int k = 0; k < layout_.stages; ++k) {
+    for (int i = 0; i < own; ++i) robot.x[at(i)] = group.x(k, i, lane);
     for (int i = 0; i < group.sizes().nu; ++i) robot.u[at(i)] = u[input(k, i)];
     const Sight<double> sight = robot.model.sight(robot.x.data(), robot.u.data());
     for (const RelaxedBarrier& barrier : robot.barriers) {

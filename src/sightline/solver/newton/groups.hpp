@@ -37,7 +37,7 @@ class Groups {
   void roll_out(const double* u, double* s) noexcept;
   /// States of the last roll-out, agent a of stage k at x + k stage + x_at[a].
   void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept;
-  /// Tracking cost and barriers of one agent along the last roll-out, times h.
+  /// Tracking cost, barriers and the inputs' rates of one agent along the last roll-out, times h.
   double own_cost(const double* u, int agent) noexcept;
   /// The step of each agent by itself: factorises at the last roll-out, and goes forward while the gains are near.
   /// Where a pivot is not sound, the lane is damped (Levenberg) until all are.
@@ -49,14 +49,15 @@ class Groups {
   void precondition(const double* r, double* du, double* ds) noexcept;
 
  private:
-  /// What the barriers of an agent are evaluated with.
+  /// What the barriers of an agent are evaluated with, and the cost of its inputs' rates.
   struct Limited {
     Model model;
     std::vector<RelaxedBarrier> barriers;
     std::vector<double> x, u;
+    std::vector<double> R_rate;
   };
 
-  double h_;
+  double h_, dt_;
   Layout layout_;
   KernelUse kernels_;
   std::vector<std::unique_ptr<Group>> groups_;

@@ -53,4 +53,17 @@ void NewtonUpdate::set_prediction(const Prediction& prediction) noexcept {
   to.sights.assign(prediction.sights.begin(), prediction.sights.end());
 }
 
+void NewtonUpdate::set_applied(const AppliedInputs& applied) noexcept {
+  if (applied.before.size() != u_out_.size() || applied.added.size() != u_out_.size()) return;
+  limits_move_ = true;
+  before_.assign(applied.before.begin(), applied.before.end());
+  added_.assign(applied.added.begin(), applied.added.end());
+  for (int a = 0; a < static_cast<int>(x_at_.size()); ++a) {
+    const BodyId robot = ocp_.agent_bodies()[at(a)];
+    if (applied.lean.size() == predictions_.size()) groups_.set_lean(a, applied.lean[at(robot)]);
+    if (applied.u_ref.size() == u_out_.size())
+      groups_.set_u_ref(a, applied.u_ref.data() + ocp_.team().input_offset(robot));
+  }
+}
+
 }  // namespace sightline

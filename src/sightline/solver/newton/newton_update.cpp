@@ -132,11 +132,17 @@ bool NewtonUpdate::accept(std::span<const double> states) noexcept {
     Group& group = groups_.group_of(a);
     const int lane = groups_.layout().place(a).lane, lanes = groups_.layout().width;
     const double* const x = &x_now_[at(team.state_offset(ocp_.agent_bodies()[at(a)]))];
-    for (int i = 0; i < group.sizes().nx; ++i) {
+    const int own = group.sizes().nx - group.sizes().before;
+    for (int i = 0; i < own; ++i) {
       group.x(0, i, lane) = x[i];
       if (!started_) {  // lanes at rest begin somewhere that exists
         for (int l = lane + 1; l < lanes; ++l) group.x(0, i, l) = x[i];
       }
+    }
+    const std::size_t input = at(team.input_offset(ocp_.agent_bodies()[at(a)]));
+    for (int i = 0; i < group.sizes().before; ++i) {
+      const std::size_t at_u = input + at(i);
+      group.x(0, own + i, lane) = before_.empty() ? u_out_[at_u] : before_[at_u] - added_[at_u];
     }
   }
   return true;
@@ -203,19 +209,6 @@ void NewtonUpdate::find_limits(const Agent& agent, std::size_t input, double tim
       low[i] = slow_low, high[i] = slow_high;
     }
     low[i] -= added_[input + i], high[i] -= added_[input + i];
-  }
-}
-
-void NewtonUpdate::set_applied(const AppliedInputs& applied) noexcept {
-  if (applied.before.size() != u_out_.size() || applied.added.size() != u_out_.size()) return;
-  limits_move_ = true;
-  before_.assign(applied.before.begin(), applied.before.end());
-  added_.assign(applied.added.begin(), applied.added.end());
-  for (int a = 0; a < static_cast<int>(x_at_.size()); ++a) {
-    const BodyId robot = ocp_.agent_bodies()[at(a)];
-    if (applied.lean.size() == predictions_.size()) groups_.set_lean(a, applied.lean[at(robot)]);
-    if (applied.u_ref.size() == u_out_.size())
-      groups_.set_u_ref(a, applied.u_ref.data() + ocp_.team().input_offset(robot));
   }
 }
 
