@@ -6,6 +6,13 @@ namespace {
 constexpr int runs_max = 1'000'000'000;
 constexpr std::uint64_t seed_max = 9'223'372'036'854'775'807;  // as in a scenario
 
+void add_set(CLI::App& command, std::vector<std::string>& set) {
+  command
+      .add_option("--set", set,
+                  "KEY=VALUE of the scenario, couple[0].weight=0.5 or world.kind=rotors; as often as need be")
+      ->allow_extra_args(false);
+}
+
 }  // namespace
 
 Arguments::Arguments()
@@ -18,6 +25,7 @@ Arguments::Arguments()
   run_command = app.add_subcommand("run", "Fly a scenario; write log, summary and report");
   run_command->add_option("SCENARIO", run.scenario, "Scenario file (TOML)")->required();
   run_command->add_option("-o,--output", run.output, "Folder for the results [out/NAME]");
+  add_set(*run_command, run.set);
   run_command->add_option("--solver", run.solver, "Solver, instead of the scenario's");
   run_command->add_option("--seed", run.seed, "Seed of all random numbers, instead of the scenario's")
       ->check(CLI::Range(std::uint64_t{0}, seed_max));
@@ -32,8 +40,10 @@ Arguments::Arguments()
       ->needs(partition);
 
   check_command = app.add_subcommand("check", "Check a scenario and print what it describes");
-  check_command->add_option("SCENARIO", scenario, "Scenario file (TOML)")->required();
-  check_command->add_flag("--print", expanded, "Print the scenario with its templates and ranges expanded");
+  check_command->add_option("SCENARIO", check.scenario, "Scenario file (TOML)")->required();
+  add_set(*check_command, check.set);
+  check_command->add_flag("--print", check.expanded,
+                          "Print the scenario with its templates and ranges expanded");
 
   report_command = app.add_subcommand("report", "Make report.html again from a run's files");
   report_command->add_option("DIR", folder, "Folder of a run")->required();
@@ -41,14 +51,14 @@ Arguments::Arguments()
   replay_command = app.add_subcommand("replay", "Fly a run's measurements again and compare its commands");
   replay_command->add_option("DIR", replay.folder, "Folder of a run")->required();
   replay_command->add_option("--solver", replay.solver, "Solver, instead of the flight's");
-  replay_command->add_option("--set", replay.set, "KEY=VALUE of the scenario, couple[0].weight=0.5; often")
-      ->allow_extra_args(false);
+  add_set(*replay_command, replay.set);
   replay_command->add_flag("--json", replay.json, "JSON instead of a table");
 
   identify_command = app.add_subcommand(
       "identify", "Fit the model of a multirotor to a flight that excites it, or to a run");
   identify_command->add_option("SCENARIO", identify.of, "Scenario file (TOML), or the folder of a run")
       ->required();
+  add_set(*identify_command, identify.set);
   identify_command->add_option("--agent", identify.agent, "Robot [the only multirotor]");
   identify_command
       ->add_option("--excitation", identify.excitation, "steps, chirp, 3211 or bang_bang, in a scenario")
@@ -68,17 +78,20 @@ Arguments::Arguments()
   potential_command =
       app.add_subcommand("potential", "Draw and judge the potentials of a scenario's couplings");
   potential_command->add_option("SCENARIO", potential.scenario, "Scenario file (TOML)")->required();
+  add_set(*potential_command, potential.set);
   potential_command->add_option("--couple", potential.couple, "One coupling, from 0 in the file's order");
   potential_command->add_option("-o,--output", potential.output,
                                 "Folder for the results [out/NAME/potential]");
 
   explain_command =
       app.add_subcommand("explain", "Analyse which limits can hold together and what they cost");
-  explain_command->add_option("SCENARIO", scenario, "Scenario file (TOML)")->required();
+  explain_command->add_option("SCENARIO", explain.scenario, "Scenario file (TOML)")->required();
+  add_set(*explain_command, explain.set);
 
   campaign_command =
       app.add_subcommand("campaign", "Fly a scenario many times with random draws, [campaign]");
   campaign_command->add_option("SCENARIO", campaign.scenario, "Scenario file (TOML)")->required();
+  add_set(*campaign_command, campaign.set);
   campaign_command->add_option("--runs", campaign.runs, "Number of runs")
       ->capture_default_str()
       ->check(CLI::Range(1, runs_max));

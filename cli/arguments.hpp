@@ -15,8 +15,10 @@ struct Arguments {
 
   CLI::App app;
   RunOptions run;
-  std::filesystem::path scenario, folder;
-  bool expanded = false, parts_as_json = false;
+  CheckCommand check;
+  ExplainCommand explain;
+  std::filesystem::path folder;
+  bool parts_as_json = false;
   ReplayCommand replay;
   IdentifyCommand identify;
   PotentialOptions potential;

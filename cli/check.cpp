@@ -10,15 +10,15 @@
 
 namespace sightline::cli {
 
-int check(const std::filesystem::path& scenario, bool expanded, const Parts& parts) {
+int check(const CheckCommand& command, const Parts& parts) {
   try {
-    const Scenario read = read_scenario(scenario, parts);
+    const Scenario read = read_scenario(command.scenario, parts, command.set);
     const Controls controls(read);
     const Preflight known = preflight(read);
     for (const std::string& refusal : known.refusals) tell("{}\n", refusal);
     if (!known.refusals.empty()) return 2;
-    if (expanded) {
-      TomlDocument document = parse_toml(read.text, scenario.native());
+    if (command.expanded) {
+      TomlDocument document = parse_toml(read.text, command.scenario.native());
       expand(document);
       print("{}", printed(document));
       return 0;

@@ -23,12 +23,12 @@ int execute(int argc, char** argv, const Parts& parts) {
     return code == 0 ? 0 : 2;
   }
   if (words.run_command->parsed()) return run(words.run, parts);
-  if (words.check_command->parsed()) return check(words.scenario, words.expanded, parts);
+  if (words.check_command->parsed()) return check(words.check, parts);
   if (words.report_command->parsed()) return report(words.folder);
   if (words.replay_command->parsed()) return replay(words.replay, parts);
   if (words.identify_command->parsed()) return identify(words.identify, parts);
   if (words.potential_command->parsed()) return potential(words.potential, parts);
-  if (words.explain_command->parsed()) return explain(words.scenario, parts);
+  if (words.explain_command->parsed()) return explain(words.explain, parts);
   if (words.campaign_command->parsed()) return campaign(words.campaign, parts);
   if (words.parts_command->parsed()) return list_parts(words.parts_as_json, parts);
   if (words.version_command->parsed()) return show_version();

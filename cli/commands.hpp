@@ -15,8 +15,20 @@
 
 namespace sightline::cli {
 
+struct CheckCommand {
+  std::filesystem::path scenario;
+  std::vector<std::string> set;  ///< "KEY=VALUE", of the scenario; as in each command below
+  bool expanded = false;         ///< print it, as TOML
+};
+
+struct ExplainCommand {
+  std::filesystem::path scenario;
+  std::vector<std::string> set;
+};
+
 struct RunOptions {
   std::filesystem::path scenario;
+  std::vector<std::string> set;
   std::filesystem::path output;  ///< empty: out/NAME
   std::optional<std::string> solver;
   std::optional<std::uint64_t> seed;
@@ -35,6 +47,7 @@ struct BenchCommand {
 
 struct PotentialOptions {
   std::filesystem::path scenario;
+  std::vector<std::string> set;
   std::filesystem::path output;     ///< empty: out/NAME/potential
   std::optional<long long> couple;  ///< none: all
 };
@@ -42,12 +55,13 @@ struct PotentialOptions {
 struct ReplayCommand {
   std::filesystem::path folder;       ///< of a run
   std::optional<std::string> solver;  ///< none: the flight's own
-  std::vector<std::string> set;       ///< "KEY=VALUE", of the scenario
+  std::vector<std::string> set;       ///< of the scenario in the log
   bool json = false;
 };
 
 struct IdentifyCommand {
-  std::filesystem::path of;      ///< a scenario, or the folder of a run
+  std::filesystem::path of;  ///< a scenario, or the folder of a run
+  std::vector<std::string> set;
   std::filesystem::path output;  ///< empty: out/NAME/identify, of a run its own folder
   std::string agent;             ///< empty: the only multirotor there is
   std::string excitation = "steps";
@@ -59,6 +73,7 @@ struct IdentifyCommand {
 
 struct CampaignCommand {
   std::filesystem::path scenario;
+  std::vector<std::string> set;  ///< of the scenario and of the one beside
   std::filesystem::path output;  ///< empty: out/NAME/campaign
   std::filesystem::path beside;  ///< another scenario that flies the same draws; empty: none
   int runs = 200;
@@ -90,7 +105,7 @@ int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const Partitio
 /// not recovered.
 int campaign(const CampaignCommand& command, const Parts& parts);
 /// Reads a scenario and says what it describes, or what is wrong with it; or prints it expanded, as TOML.
-int check(const std::filesystem::path& scenario, bool expanded, const Parts& parts);
+int check(const CheckCommand& command, const Parts& parts);
 /// Makes report.html again from what a run left.
 int report(const std::filesystem::path& folder);
 /// Feeds the measurements of a run through its loop again and compares each command, bit for bit: 1 where one differs.
@@ -101,7 +116,7 @@ int identify(const IdentifyCommand& command, const Parts& parts);
 /// Draws and judges the potentials of a scenario: index.html and verdict.json.
 int potential(const PotentialOptions& options, const Parts& parts);
 /// Says which limits of a scenario can hold together and what each is worth.
-int explain(const std::filesystem::path& scenario, const Parts& parts);
+int explain(const ExplainCommand& command, const Parts& parts);
 /// Says which parts a scenario may call by name, with their parameters: tables of Markdown, or JSON.
 int list_parts(bool json, const Parts& parts);
 int show_version();

@@ -43,7 +43,8 @@ FlownMotion flown(const IdentifyCommand& command, const Parts& parts) {
     throw std::invalid_argument(
         fmt::format("{}: no run.mcap, expected a scenario or the folder of a run", command.of.native()));
   const FlownAs flight = flown_as(log);
-  const Scenario scenario = parse_scenario(flight.text, log, parts, {.files = flight.files});
+  const Scenario scenario =
+      parse_scenario(flight.text, log, parts, {.files = flight.files, .set = command.set});
   const RecordedFlight recorded(log, scenario.team, scenario.x0, scenario.horizon.dt);
   return in(command.of, [&] { return motion_of(recorded, scenario.horizon.dt, command.agent); });
 }
@@ -65,7 +66,7 @@ int identify(const IdentifyCommand& command, const Parts& parts) {
       lock_in(command.of);
       found = in(command.of, [&] { return sightline::identify(motion); });
     } else {
-      const Scenario scenario = read_scenario(command.of, parts);
+      const Scenario scenario = read_scenario(command.of, parts, command.set);
       const AgentId robot = in(command.of, [&] { return identified_robot(scenario.team, command.agent); });
       const ExcitationOptions options{.kind = kind_of(command.excitation),
                                       .seconds = command.seconds,

@@ -27,7 +27,7 @@ std::size_t ring_capacity(const Sample& sample) {
 }
 
 Scenario read(const RunOptions& options, const Parts& parts) {
-  Scenario scenario = read_scenario(options.scenario, parts);
+  Scenario scenario = read_scenario(options.scenario, parts, options.set);
   if (options.seed) scenario.simulation.seed = *options.seed;
   // The scenario's own options hold for its own solver.
   if (options.solver && *options.solver != scenario.solver.name)

@@ -37,7 +37,22 @@ TEST(SetValue, PutsAValueWhereAnotherStoodOrNoneDid) {
   EXPECT_EQ(scenario.x0[9], 3.0);
   EXPECT_EQ(scenario.solver.name, "cgmres");
   EXPECT_EQ(scenario.team.agents()[0].R, (std::vector<double>{1, 2, 3, 4}));
-  EXPECT_EQ(scenario.text, team_text) << "the text stays as it was read";
+  EXPECT_EQ(summary(parse_scenario(scenario.text, "team.toml")), summary(scenario))
+      << "the text says what is set";
+}
+
+TEST(SetValue, AWordThatIsNoValueIsAText) {
+  const Scenario scenario = with_set(
+      {"world.kind=rotors", "agent.a.vehicle.preset=x500", "agent.b.vehicle={ preset = \"crazyflie\" }"});
+  EXPECT_EQ(scenario.world, "rotors");
+  ASSERT_EQ(scenario.vehicles.size(), 2u);
+  EXPECT_EQ(scenario.vehicles[0].preset, "x500");
+  EXPECT_EQ(scenario.vehicles[1].preset, "crazyflie");
+  EXPECT_EQ(set_refusal("agent.a.present=maybe"),
+            "--set agent.a.present=maybe: agent.a.present = \"maybe\", expected true or false");
+  EXPECT_THAT(
+      set_refusal("agent.a.vehicle.mass=1"),
+      testing::StartsWith("--set agent.a.vehicle.mass=1: agent.a.vehicle = {...}, expected no such table"));
 }
 
 TEST(SetValue, TheLastOfSeveralHolds) {
@@ -49,7 +64,7 @@ TEST(SetValue, WhatIsNoAssignmentIsRefusedInOneLine) {
        {"", "=", "=1", "horizon.stages", "horizon..stages=1", "horizon.stages=", "a[=1", "a[x]=1", "a]=1",
         "horizon.stages=1\nb=2", "horizon.stages=[1", "couple[0]x=1", "a.\"b=1", "horizon.stages=1 2"}) {
     const std::string sentence = set_refusal(bad);
-    EXPECT_THAT(sentence, testing::StartsWith("team.toml")) << bad;
+    EXPECT_THAT(sentence, testing::StartsWith("--set ")) << bad;
     EXPECT_THAT(sentence, testing::HasSubstr("expected")) << bad;
     EXPECT_THAT(sentence, testing::Not(testing::HasSubstr("\n"))) << bad;
   }
@@ -62,8 +77,9 @@ TEST(SetValue, PlacesThatCannotBeAreToldWithWhatCan) {
 }
 
 TEST(SetValue, WhatTheValueMeansIsCheckedAsInTheFile) {
-  EXPECT_EQ(set_refusal("couple[0].wieght=1"),
-            "team.toml: couple[0].wieght = 1, expected a known key, the nearest is \"weight\"");
+  EXPECT_EQ(
+      set_refusal("couple[0].wieght=1"),
+      "--set couple[0].wieght=1: couple[0].wieght = 1, expected a known key, the nearest is \"weight\"");
   EXPECT_THAT(set_refusal("horizon.stages=0"),
               testing::HasSubstr("horizon.stages = 0, expected an integer, 1 to 1000"));
 }

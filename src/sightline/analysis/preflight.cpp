@@ -39,13 +39,12 @@ Vec3<double> middle(const Scenario& scenario) {
 class Regions {
  public:
   Regions(const Scenario& scenario, Preflight& to)
-      : file_(scenario.file.native()),
-        to_(to),
+      : to_(to),
         search_{.until = scenario.simulation.duration + scenario.horizon.T,
                 .period = scenario.horizon.dt,
                 .centre = middle(scenario)} {}
 
-  /// @param where         ":line" of the file, or nothing
+  /// @param where         the file, and the line where it is known
   /// @param whole_flight  else it is in force for a part of the flight that is not known
   void look_at(const Potential& potential, std::string_view where, std::string_view who, bool whole_flight) {
     const std::optional<Rounding> rounding = potential.rounding();
@@ -59,15 +58,14 @@ class Regions {
     const std::string what = fmt::format("{} is no finite number with {}", who, to_string(*spot));
     if (whole_flight || !spot->ends) {
       to_.refusals.push_back(
-          fmt::format("{}{}: {}, expected one everywhere until {:.6g} s, the end of the last plan", file_,
-                      where, what, search_.until));
+          fmt::format("{}: {}, expected one everywhere until {:.6g} s, the end of the last plan", where, what,
+                      search_.until));
     } else {
       to_.warnings.push_back(what + ": let an event end it before");
     }
   }
 
  private:
-  std::string file_;
   Preflight& to_;
   FiniteSearch search_;
 };
@@ -81,13 +79,14 @@ void look_at_regions(const Scenario& scenario, Preflight& to) {
     const Potential& potential = couplings[i].term.potential;
     const std::string who = of_file ? fmt::format("couple[{}] {}", i, potential.name())
                                     : fmt::format("{} of an event", potential.name());
-    const std::string where = of_file ? fmt::format(":{}", scenario.coupling_lines[i]) : "";
+    const std::string& where = of_file ? scenario.coupling_places[i] : scenario.file.native();
     regions.look_at(potential, where, who, of_file && script.empty());
   }
   const auto& constraints = scenario.team.constraints();
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     const Potential& potential = constraints[i].term.potential;
-    regions.look_at(potential, "", fmt::format("constrain[{}] {}", i, potential.name()), script.empty());
+    regions.look_at(potential, scenario.file.native(), fmt::format("constrain[{}] {}", i, potential.name()),
+                    script.empty());
   }
 }
 

@@ -56,10 +56,10 @@ Distribution read_distribution(const TomlTable& at, const Range& range) {
   return d;
 }
 
-/// Reads what is drawn, and looks up in the document what it is drawn for.
+/// Reads what is drawn, and looks up what it is drawn for.
 class PlanReader {
  public:
-  PlanReader(const TomlDocument& document, const Team& team) : numbers_(numbers_of(document)), team_(team) {
+  PlanReader(ScenarioNumbers numbers, const Team& team) : numbers_(std::move(numbers)), team_(team) {
     for (const auto& [key, number] : numbers_) {
       if (!key.starts_with("campaign.")) keys_.push_back(key);
     }
@@ -176,7 +176,7 @@ EvasionPlan read_evasion(const TomlTable& at, const Team& team) {
   return plan;
 }
 
-CampaignPlan read_campaign(const TomlDocument& document, const Team& team) {
+CampaignPlan read_campaign(const TomlDocument& document, ScenarioNumbers numbers, const Team& team) {
   CampaignPlan plan;
   const TomlTable at = TomlTable(document).table("campaign");
   at.read({{"duration", &plan.duration, positive("> 0 s")},
@@ -185,7 +185,7 @@ CampaignPlan read_campaign(const TomlDocument& document, const Team& team) {
            {"braking", &plan.braking, positive("> 0 m/s^2")}},
           {"start", "draw", "evasion"});
   if (at.has("evasion")) plan.evasion = read_evasion(at.table("evasion"), team);
-  PlanReader reader(document, team);
+  PlanReader reader(std::move(numbers), team);
   for (const TomlTable& start : at.tables("start")) plan.starts.push_back(reader.read_start(start));
   for (const TomlTable& draw : at.tables("draw")) plan.draws.push_back(reader.read_draw(draw));
   return plan;

@@ -3,13 +3,15 @@
 
 #include "sightline/ocp/team.hpp"
 #include "sightline/scenario/campaign_plan.hpp"
+#include "sightline/scenario/scenario_numbers.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {
 
-/// @param document  holds [campaign], and the numbers that it draws
+/// @param document  holds [campaign]
+/// @param numbers   of the scenario, of which it draws some
 /// @throws ScenarioError
-CampaignPlan read_campaign(const TomlDocument& document, const Team& team);
+CampaignPlan read_campaign(const TomlDocument& document, ScenarioNumbers numbers, const Team& team);
 
 /// [campaign.evasion].
 /// @throws ScenarioError

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/layers.hpp"
 #include "sightline/scenario/read_campaign.hpp"
 #include "sightline/scenario/read_coupling.hpp"
 #include "sightline/scenario/read_event.hpp"
@@ -20,7 +21,7 @@
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/scenario/read_shape.hpp"
 #include "sightline/scenario/read_vehicle.hpp"
-#include "sightline/scenario/set_value.hpp"
+#include "sightline/scenario/scenario_numbers.hpp"
 #include "sightline/scenario/templates.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
@@ -45,11 +46,11 @@ class Reader {
     read_bodies("obstacle", scenario_.obstacles);
     for (const TomlTable& at : root_.tables("couple")) {
       read_couple(at, observers_, scenario_.team);
-      scenario_.coupling_lines.resize(scenario_.team.couplings().size(), at.line());
+      scenario_.coupling_places.resize(scenario_.team.couplings().size(), at.where());
     }
     for (const TomlTable& at : root_.tables("shape")) {
       read_shape(at, observers_, scenario_.team, scenario_.script);
-      scenario_.coupling_lines.resize(scenario_.team.couplings().size(), at.line());
+      scenario_.coupling_places.resize(scenario_.team.couplings().size(), at.where());
     }
     for (const TomlTable& at : root_.tables("keep_apart")) read_keep_apart(at, scenario_.team);
     read_constraints();
@@ -363,16 +364,25 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file, con
                         const ScenarioChanges& changes) {
   Scenario scenario;
   scenario.parts = std::make_shared<const Parts>(parts);
-  TomlDocument document = parse_toml(text, file.native());
+  TomlDocument document = layered(text, file.native(), changes.set);
   document.parts = scenario.parts.get();
   document.from_disk = !changes.files;
   if (changes.files) document.files = *changes.files;
-  for (const std::string& assignment : changes.set) set_value(document, assignment);
+  const bool in_layers = !document.layers.empty();
+  if (in_layers) text = printed(document);
   expand(document);
   Reader(document, scenario).read();
-  // A campaign draws numbers of the file as it is written.
-  if (document.root.contains("campaign"))
-    scenario.campaign = read_campaign(parse_toml(text, file.native()), scenario.team);
+  // A campaign draws numbers of the text as it is written.
+  if (document.root.contains("campaign")) {
+    scenario.campaign =
+        read_campaign(as_written(document), numbers_of(parse_toml(text, file.native())), scenario.team);
+  }
+  if (in_layers) {  // what is good in its layers flies by its one text, as from a log
+    auto places = std::move(scenario.coupling_places);
+    scenario = parse_scenario(std::move(text), file, parts, {.files = changes.files});
+    scenario.coupling_places = std::move(places);
+    return scenario;
+  }
   scenario.name = file.stem().string();
   scenario.file = file;
   scenario.text = std::move(text);
@@ -381,8 +391,9 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file, con
   return scenario;
 }
 
-Scenario read_scenario(const std::filesystem::path& file, const Parts& parts) {
-  return parse_scenario(read_text(file), file, parts);
+Scenario read_scenario(const std::filesystem::path& file, const Parts& parts,
+                       const std::vector<std::string>& set) {
+  return parse_scenario(read_text(file), file, parts, {.files = {}, .set = set});
 }
 
 PlantOptions plant_options(const Scenario& scenario) {

@@ -94,15 +94,16 @@ inline constexpr double updates_max = 1e9;        // duration / period
 inline constexpr std::size_t name_size_max = 64;  // of a robot; names become topics of the log
 
 struct Scenario {
-  std::string name;   ///< of the file, without folder and extension
-  std::string text;   ///< as it was read
+  std::string name;  ///< of the file, without folder and extension
+  std::string
+      text;  ///< as it was read; of several files, or with values set, the one text that says the same
   FileTexts files{};  ///< that it names, as they were read
   std::filesystem::path file;
   std::shared_ptr<const Parts> parts{};  ///< by which it was read, and will be read again
   Horizon horizon{};
   SolverChoice solver{};
   Team team{};  ///< robots, then targets, then obstacles, each in the order of the file
-  std::vector<std::size_t> coupling_lines;  ///< of the file, where each coupling of the team is said
+  std::vector<std::string> coupling_places;  ///< where each coupling of the team is said, "file:line"
   std::vector<BodyId> targets;
   std::vector<BodyId> obstacles;
   std::vector<UncooperativeBody> uncooperative;  ///< targets, then obstacles
@@ -121,8 +122,10 @@ struct Scenario {
 };
 
 /// @param parts  what it may call by name
+/// @param set    as in ScenarioChanges
 /// @throws ScenarioError
-Scenario read_scenario(const std::filesystem::path& file, const Parts& parts = parts_of_sightline());
+Scenario read_scenario(const std::filesystem::path& file, const Parts& parts = parts_of_sightline(),
+                       const std::vector<std::string>& set = {});
 
 /// What stands in place of what a scenario's files say.
 struct ScenarioChanges {

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -14,10 +16,8 @@ namespace {
 
 using Step = std::variant<std::string, std::size_t>;  // a key of a table, a place in an array
 
-[[noreturn]] void refuse(const TomlDocument& document, std::string_view assignment,
-                         std::string_view expected) {
-  throw ScenarioError(document.file, 0,
-                      fmt::format("set {}, expected {}", shortened(assignment, 80), expected));
+[[noreturn]] void refuse_layer(const TomlLayer& layer, std::string_view expected) {
+  throw ScenarioError(layer.name, 0, fmt::format("expected {}", expected));
 }
 
 /// "agent.\"a b\".start.p[2]" step by step; none where it is no key.
@@ -58,44 +58,63 @@ std::string_view trimmed(std::string_view text) {
   return from == std::string_view::npos ? "" : text.substr(from, text.find_last_not_of(space) - from + 1);
 }
 
+/// The value as the only one of a table, which keeps its place.
+std::optional<toml::table> value_of(std::string_view text, const TomlLayer& layer) {
+  try {
+    toml::table parsed = parse_layer(fmt::format("value = {}", text), layer.name);
+    if (parsed.size() == 1 && parsed.contains("value")) return parsed;
+  } catch (const ScenarioError&) {  // said by who asks
+  }
+  return std::nullopt;
+}
+
+bool is_word(std::string_view text) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const auto may_follow = [&](char c) {
+    return is_letter(c) || (c >= '0' && c <= '9') ||
+           std::string_view("_-./").find(c) != std::string_view::npos;
+  };
+  return !text.empty() && is_letter(text[0]) && std::all_of(text.begin(), text.end(), may_follow);
+}
+
 }  // namespace
 
-void set_value(TomlDocument& document, std::string_view assignment) {
+void set_value(toml::table& root, const TomlLayer& layer) {
+  const std::string_view assignment = layer.text;
   const std::size_t equals = assignment.find('=');
   const auto steps = steps_of(trimmed(assignment.substr(0, equals)));
-  if (equals == std::string_view::npos || !steps) {
-    refuse(document, assignment, "KEY=VALUE with a key as couple[0].weight");
-  }
-  const std::string value = fmt::format("value = {}", trimmed(assignment.substr(equals + 1)));
-  toml::table parsed;
-  try {
-    check_text(value, document.file);
-    parsed = toml::parse(value);
-  } catch (const std::exception&) {  // of the text, or of TOML
-    refuse(document, assignment, "a value as in TOML: a number, \"a text\", true, [an, array], { a = 1 }");
-  }
-  if (parsed.size() != 1 || !parsed.contains("value")) refuse(document, assignment, "one value");
+  if (equals == std::string_view::npos || !steps)
+    refuse_layer(layer, "KEY=VALUE with a key as couple[0].weight");
+  const std::string_view text = trimmed(assignment.substr(equals + 1));
+  std::optional<toml::table> parsed = value_of(text, layer);
+  if (!parsed && is_word(text)) parsed = value_of(fmt::format("\"{}\"", text), layer);
+  if (!parsed)
+    refuse_layer(layer, "one value as in TOML: a number, \"a text\", true, [an, array], { a = 1 }");
+  toml::node& value = *parsed->get("value");
+  const toml::source_region place = value.source();
 
-  toml::node* node = &document.root;
+  toml::node* node = &root;
   for (std::size_t i = 0; i < steps->size(); ++i) {
     const bool last = i + 1 == steps->size();
-    if (const auto* place = std::get_if<std::size_t>(&(*steps)[i])) {
+    if (const auto* index = std::get_if<std::size_t>(&(*steps)[i])) {
       toml::array* array = node->as_array();
-      if (array == nullptr || *place >= array->size()) {
-        refuse(document, assignment,
-               array == nullptr ? std::string("a key that holds an array before [...]")
-                                : fmt::format("a place in [0, {})", array->size()));
-      }
-      if (last) array->replace(array->cbegin() + static_cast<std::ptrdiff_t>(*place), *parsed.get("value"));
-      node = array->get(*place);
+      if (array == nullptr) refuse_layer(layer, "a key that holds an array before [...]");
+      if (*index >= array->size()) refuse_layer(layer, fmt::format("a place in [0, {})", array->size()));
+      if (last) array->replace(array->cbegin() + static_cast<std::ptrdiff_t>(*index), std::move(value));
+      node = array->get(*index);
       continue;
     }
     toml::table* table = node->as_table();
-    if (table == nullptr) refuse(document, assignment, "a key of a table");
-    const auto& key = std::get<std::string>((*steps)[i]);
-    if (last) table->insert_or_assign(key, *parsed.get("value"));
-    if (!last && !table->contains(key)) table->insert(key, toml::table{});
-    node = table->get(key);
+    if (table == nullptr) refuse_layer(layer, "a key of a table");
+    const toml::key key(std::get<std::string>((*steps)[i]), toml::source_region(place));
+    if (last) {
+      table->insert_or_assign(key, std::move(value));
+    } else if (!table->contains(key.str())) {
+      toml::table section = std::move(*value_of("{}", layer)->get("value")->as_table());
+      section.is_inline(false);
+      table->insert(key, std::move(section));
+    }
+    node = table->get(key.str());
   }
 }
 

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "sightline/base/index.hpp"
+#include "sightline/scenario/layers.hpp"
 
 namespace sightline {
 namespace {
@@ -219,7 +220,7 @@ class Expansion {
       }
       for (std::size_t i = 0; i < names.size(); ++i) {
         // Each from a document of its own: what is moved keeps its lines, and what is copied loses them.
-        TomlDocument own = parse_toml(document_.text, document_.file);
+        TomlDocument own = as_written(document_);
         toml::table robot = std::move(*own.root[section][name].as_table());
         const std::string path = fmt::format("{}.{}", section, names[i]);
         like(robot, own, TomlTable(document_, *into[name].as_table(), path), {});
@@ -286,7 +287,7 @@ class Expansion {
 
 class Printer {
  public:
-  explicit Printer(const TomlDocument& document) { print(document.root, ""); }
+  explicit Printer(const TomlDocument& document) : document_(document) { print(document.root, ""); }
   std::string text() { return std::move(text_); }
 
  private:
@@ -304,7 +305,7 @@ class Printer {
     return out.str();
   }
 
-  static std::string value_of(const toml::node& node) {
+  std::string value_of(const toml::node& node) const {
     if (const auto* text = node.as_string()) return quoted(text->get());
     if (const auto* real = node.as_floating_point()) {
       const std::string digits = fmt::format("{}", real->get());
@@ -327,11 +328,11 @@ class Printer {
   }
 
   /// In the order of the file; what has no place there comes first.
-  static std::vector<std::pair<std::string_view, const toml::node*>> entries(const toml::table& table) {
+  std::vector<std::pair<std::string_view, const toml::node*>> entries(const toml::table& table) const {
     std::vector<std::pair<const toml::key*, const toml::node*>> found;
     for (const auto& [key, node] : table) found.emplace_back(&key, &node);
-    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
-      return a.first->source().begin < b.first->source().begin;
+    std::stable_sort(found.begin(), found.end(), [this](const auto& a, const auto& b) {
+      return stands_before(document_, a.first->source(), b.first->source());
     });
     std::vector<std::pair<std::string_view, const toml::node*>> list;
     for (const auto& [key, node] : found) list.emplace_back(key->str(), node);
@@ -368,6 +369,7 @@ class Printer {
     }
   }
 
+  const TomlDocument& document_;
   std::string text_;
 };
 

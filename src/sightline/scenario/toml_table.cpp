@@ -13,8 +13,6 @@
 namespace sightline {
 namespace {
 
-std::size_t line_of(const toml::node& node) { return std::max<std::size_t>(node.source().begin.line, 1); }
-
 std::string shown_key(std::string_view key) {
   const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -41,7 +39,7 @@ std::string shown(const toml::node& node) {
 }
 
 /// A text is a name, a path or a formula; those of the system end where U+0000 stands.
-void refuse_null_characters(const toml::node& node, const std::string& key, std::string_view file) {
+void refuse_null_characters(const toml::node& node, const std::string& key, const std::string& file) {
   if (const toml::table* table = node.as_table()) {
     for (const auto& [name, inner] : *table)
       refuse_null_characters(inner, key.empty() ? shown_key(name.str()) : key + '.' + shown_key(name.str()),
@@ -51,29 +49,67 @@ void refuse_null_characters(const toml::node& node, const std::string& key, std:
       refuse_null_characters((*array)[i], fmt::format("{}[{}]", key, i), file);
   } else if (const auto* text = node.as_string();
              text != nullptr && text->get().find('\0') != std::string::npos) {
-    throw ScenarioError(file, line_of(node),
+    throw ScenarioError(file, node.source().begin.line,
                         fmt::format("{} = {}, expected a text without U+0000", key, shown(node)));
   }
 }
 
+/// The layer that a place is in, from the lowest; without layers 0.
+std::size_t layer_of(const TomlDocument& document, const toml::source_region& source) {
+  if (document.layers.empty() || !source.path) return 0;
+  const auto is = [&](const TomlLayer& layer) { return layer.name == *source.path; };
+  return static_cast<std::size_t>(std::find_if(document.layers.begin(), document.layers.end() - 1, is) -
+                                  document.layers.begin());
+}
+
+/// The sentence, at its place in the document.
+[[noreturn]] void refuse_at_place(const TomlDocument& document, const toml::source_region& source,
+                                  std::string_view sentence) {
+  const TomlPlace at = place_of(document, source);
+  throw ScenarioError(at.file, at.line, sentence);
+}
+
 }  // namespace
 
+TomlPlace place_of(const TomlDocument& document, const toml::source_region& source) {
+  const std::size_t line = std::max<std::size_t>(source.begin.line, 1);
+  if (document.layers.empty() || !source.path) return {document.file, line};
+  const TomlLayer& layer = document.layers[layer_of(document, source)];
+  return {layer.name, layer.is_file ? line : 0};
+}
+
+bool stands_before(const TomlDocument& document, const toml::source_region& one,
+                   const toml::source_region& other) {
+  const std::size_t a = layer_of(document, one), b = layer_of(document, other);
+  return a != b ? a < b : one.begin < other.begin;
+}
+
 TomlDocument parse_toml(std::string_view text, std::string file) {
+  toml::table root = parse_layer(text, file);
+  return {std::move(file), std::move(root), std::string(text)};
+}
+
+toml::table parse_layer(std::string_view text, const std::string& file) {
   check_text(text, file);
   try {
-    toml::table root = toml::parse(text);
+    toml::table root = toml::parse(text, file);
     refuse_null_characters(root, "", file);
-    return {std::move(file), std::move(root), std::string(text)};
+    return root;
   } catch (const toml::parse_error& error) {
     throw ScenarioError(file, std::max<std::size_t>(error.source().begin.line, 1),
                         fmt::format("{}, expected TOML", shortened(error.description(), 4 * shown_size)));
   }
 }
 
-TomlTable::TomlTable(const TomlDocument& document) : document_(&document), table_(&document.root), line_(1) {}
+TomlTable::TomlTable(const TomlDocument& document) : document_(&document), table_(&document.root) {}
 
 TomlTable::TomlTable(const TomlDocument& document, const toml::table& table, std::string path)
-    : document_(&document), table_(&table), path_(std::move(path)), line_(line_of(table)) {}
+    : document_(&document), table_(&table), path_(std::move(path)), source_(table.source()) {}
+
+std::string TomlTable::where() const {
+  const TomlPlace at = place_of(*document_, source_);
+  return at.line > 0 ? fmt::format("{}:{}", at.file, at.line) : at.file;
+}
 
 const Parts& TomlTable::parts() const {
   return document_->parts != nullptr ? *document_->parts : parts_of_sightline();
@@ -111,8 +147,8 @@ void TomlTable::expect_only(std::span<const std::string_view> known) const {
                                      ? std::string("no key here")
                                      : fmt::format("a known key, the nearest is \"{}\"",
                                                    nearest(shortened(key.str(), shown_size), known));
-    throw ScenarioError(file(), key.source().begin.line,
-                        fmt::format("{} = {}, expected {}", place(key.str()), shown(node), expected));
+    refuse_at_place(*document_, key.source(),
+                    fmt::format("{} = {}, expected {}", place(key.str()), shown(node), expected));
   }
 }
 
@@ -255,7 +291,7 @@ TomlTable TomlTable::table_or_empty(std::string_view key) const {
   if (has(key)) return table(key);
   static const toml::table empty;
   TomlTable inner(*document_, empty, place(key));
-  inner.line_ = line_;
+  inner.source_ = source_;
   return inner;
 }
 
@@ -285,8 +321,9 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
 std::vector<std::string> TomlTable::keys() const {
   std::vector<const toml::key*> keys;
   for (const auto& entry : *table_) keys.push_back(&entry.first);
-  std::sort(keys.begin(), keys.end(),
-            [](const toml::key* a, const toml::key* b) { return a->source().begin < b->source().begin; });
+  std::sort(keys.begin(), keys.end(), [this](const toml::key* a, const toml::key* b) {
+    return stands_before(*document_, a->source(), b->source());
+  });
   std::vector<std::string> list;
   for (const toml::key* k : keys) list.emplace_back(k->str());
   return list;
@@ -319,27 +356,31 @@ double TomlValue::number(const Range& range) const {
 }
 
 void TomlValue::refuse(std::string_view expected) const {
-  throw ScenarioError(document_->file, line_of(*node_),
-                      fmt::format("{} = {}, expected {}", path_, shown(*node_), expected));
+  refuse_at_place(*document_, node_->source(),
+                  fmt::format("{} = {}, expected {}", path_, shown(*node_), expected));
 }
 
 void TomlValue::refuse_at(std::size_t offset, std::string_view sentence) const {
-  const auto begin = node_->source().begin;
-  const TextPlace place = place_in_string(document_->text, {begin.line, begin.column},
+  const toml::source_region& source = node_->source();
+  const std::string said = fmt::format("{} = {}, {}", path_, shown(*node_), sentence);
+  const TomlPlace at = place_of(*document_, source);
+  if (at.line == 0) refuse_at_place(*document_, source, said);
+  const std::string& file_text =
+      document_->layers.empty() ? document_->text : document_->layers[layer_of(*document_, source)].text;
+  const TextPlace place = place_in_string(file_text, {source.begin.line, source.begin.column},
                                           is_text() ? text() : std::string_view(), offset);
-  throw ScenarioError(document_->file, place.line, place.column,
-                      fmt::format("{} = {}, {}", path_, shown(*node_), sentence));
+  throw ScenarioError(at.file, place.line, place.column, said);
 }
 
 void TomlTable::refuse_node(const toml::node& node, std::string_view at, std::string_view expected) const {
   // A value that was put in place of another has no line of its own.
-  const std::size_t line = node.source().begin.line > 0 ? line_of(node) : line_;
-  throw ScenarioError(file(), line, fmt::format("{} = {}, expected {}", at, shown(node), expected));
+  refuse_at_place(*document_, node.source().begin.line > 0 ? node.source() : source_,
+                  fmt::format("{} = {}, expected {}", at, shown(node), expected));
 }
 
 void TomlTable::refuse(std::string_view key, std::string_view expected) const {
   if (const toml::node* node = find(key)) refuse_node(*node, place(key), expected);
-  throw ScenarioError(file(), line_, fmt::format("{} is missing, expected {}", place(key), expected));
+  refuse_at_place(*document_, source_, fmt::format("{} is missing, expected {}", place(key), expected));
 }
 
 void TomlTable::refuse(std::string_view key, std::size_t i, std::string_view expected) const {
@@ -347,7 +388,7 @@ void TomlTable::refuse(std::string_view key, std::size_t i, std::string_view exp
 }
 
 void TomlTable::refuse(std::string_view expected) const {
-  throw ScenarioError(file(), line_, fmt::format("{} = {}, expected {}", path_, shown(*table_), expected));
+  refuse_at_place(*document_, source_, fmt::format("{} = {}, expected {}", path_, shown(*table_), expected));
 }
 
 void TomlTable::refuse_as_said(std::string_view sentence) const {
@@ -357,10 +398,10 @@ void TomlTable::refuse_as_said(std::string_view sentence) const {
     const std::size_t begin = dot < equals ? dot + 1 : 0;
     const std::string_view key = sentence.substr(begin, equals - begin);
     if (const toml::node* node = find(key)) {
-      throw ScenarioError(file(), line_of(*node), fmt::format("{}{}", place(key), sentence.substr(equals)));
+      refuse_at_place(*document_, node->source(), fmt::format("{}{}", place(key), sentence.substr(equals)));
     }
   }
-  throw ScenarioError(file(), line_, fmt::format("{}: {}", path_, sentence));
+  refuse_at_place(*document_, source_, fmt::format("{}: {}", path_, sentence));
 }
 
 }  // namespace sightline

@@ -50,11 +50,19 @@ Read find(const std::array<Named<Read>, n>& list, std::string_view name) {
 
 struct Parts;
 
+/// One of the texts that a document is made of.
+struct TomlLayer {
+  std::string name;  ///< the file; of a value that is set from outside "--set KEY=VALUE"
+  std::string text;  ///< of that value KEY=VALUE
+  bool is_file = true;
+};
+
 /// A parsed file, owner of what its tables look at.
 struct TomlDocument {
   std::string file;
   toml::table root;
   std::string text{};
+  std::vector<TomlLayer> layers{};  ///< from the lowest up, where it is more than its own text
   bool from_disk = true;         ///< files that it names are read from the disk; else they stand in `files`
   mutable FileTexts files{};     ///< those that were asked for
   const Parts* parts = nullptr;  ///< which it may call by name, outlive it; none: those of sightline
@@ -62,6 +70,18 @@ struct TomlDocument {
 
 /// @throws ScenarioError where the text is refused by check_text() or is not TOML
 TomlDocument parse_toml(std::string_view text, std::string file);
+/// The table alone, whose nodes know the name of the file.
+toml::table parse_layer(std::string_view text, const std::string& file);
+
+/// Where a key or a value of a document stands.
+struct TomlPlace {
+  const std::string& file;  ///< or the name of another layer
+  std::size_t line;         ///< from 1; 0 in a layer that is no file
+};
+TomlPlace place_of(const TomlDocument& document, const toml::source_region& source);
+/// Whether one stands before the other: in a lower layer, or earlier in the same.
+bool stands_before(const TomlDocument& document, const toml::source_region& one,
+                   const toml::source_region& other);
 
 class TomlValue;
 
@@ -154,8 +174,8 @@ class TomlTable {
   const Parts& parts() const;
   /// The file, as its refusals name it.
   const std::string& file() const { return document_->file; }
-  /// The line on which it begins, from 1.
-  std::size_t line() const { return line_; }
+  /// Where it begins, `file:line`.
+  std::string where() const;
 
  private:
   friend class TomlValue;
@@ -171,7 +191,7 @@ class TomlTable {
   const TomlDocument* document_;
   const toml::table* table_;
   std::string path_;
-  std::size_t line_;
+  toml::source_region source_{};
 };
 
 /// A value of any kind. A view, as a table is.

@@ -1,0 +1,122 @@
+#include "sightline/scenario/layers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "sightline/scenario/set_value.hpp"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view based_on_key = "based_on";
+constexpr std::array<std::string_view, 2> file_keys = {"file", "model"};  // of a region, of MuJoCo
+
+bool is_section_table(const toml::node& node) { return node.is_table() && !node.as_table()->is_inline(); }
+
+bool goes_on(const toml::node& node) {
+  const toml::array* list = node.as_array();
+  return list != nullptr && !list->empty() && std::all_of(list->begin(), list->end(), is_section_table);
+}
+
+/// Puts one table over another.
+void put_over(toml::table& into, toml::table&& upper) {
+  for (auto&& [key, node] : upper) {
+    toml::node* below = into.get(key.str());
+    if (below != nullptr && below->is_table() && is_section_table(node)) {
+      put_over(*below->as_table(), std::move(*node.as_table()));
+    } else if (below != nullptr && below->is_array() && goes_on(node)) {
+      for (toml::node& item : *node.as_array()) below->as_array()->push_back(std::move(item));
+    } else {
+      into.insert_or_assign(toml::key(key), std::move(node));
+    }
+  }
+}
+
+/// The names of files, relative to `folder`, as seen from where that is relative to.
+void name_files_from(toml::node& node, const fs::path& folder) {
+  if (toml::table* table = node.as_table()) {
+    for (auto&& [key, inner] : *table) {
+      auto* name = inner.as_string();
+      if (name != nullptr && std::find(file_keys.begin(), file_keys.end(), key.str()) != file_keys.end()) {
+        name->get() = (folder / name->get()).lexically_normal().native();
+      } else {
+        name_files_from(inner, folder);
+      }
+    }
+  } else if (toml::array* array = node.as_array()) {
+    for (toml::node& item : *array) name_files_from(item, folder);
+  }
+}
+
+/// Puts the file's text onto the layers, behind those of the files it is based on.
+void stack(std::string_view text, const std::string& file, std::vector<fs::path> above,
+           std::vector<TomlLayer>& layers) {
+  const toml::table root = parse_layer(text, file);
+  if (const toml::node* based_on = root.get(based_on_key)) {
+    const auto refuse = [&](std::string_view value, std::string_view expected) {
+      throw ScenarioError(file, based_on->source().begin.line,
+                          fmt::format("{} = {}, expected a scenario file, relative to this one{}",
+                                      based_on_key, value, expected));
+    };
+    const auto* name = based_on->as_string();
+    if (name == nullptr) refuse("...", "");
+    const std::string shown = fmt::format("\"{}\"", shortened(name->get(), shown_size));
+    const fs::path below = (fs::path(file).parent_path() / name->get()).lexically_normal();
+    above.push_back(fs::weakly_canonical(file));
+    if (std::find(above.begin(), above.end(), fs::weakly_canonical(below)) != above.end())
+      refuse(shown, " and not based on itself");
+    std::string of_below;
+    try {
+      of_below = read_text(below);
+    } catch (const ScenarioError& error) {
+      refuse(shown, fmt::format(" ({})", error.what()));
+    }
+    stack(of_below, below.native(), above, layers);
+  }
+  layers.push_back({file, std::string(text)});
+}
+
+toml::table root_of(const TomlDocument& document) {
+  toml::table root;
+  for (const TomlLayer& layer : document.layers) {
+    if (!layer.is_file) {
+      set_value(root, layer);
+      continue;
+    }
+    toml::table upper = parse_layer(layer.text, layer.name);
+    upper.erase(based_on_key);
+    const fs::path folder = fs::path(layer.name)
+                                .lexically_normal()
+                                .parent_path()
+                                .lexically_relative(fs::path(document.file).lexically_normal().parent_path());
+    if (folder != "." && !folder.empty()) name_files_from(upper, folder);
+    put_over(root, std::move(upper));
+  }
+  return root;
+}
+
+}  // namespace
+
+TomlDocument layered(std::string_view text, std::string file, std::span<const std::string> set) {
+  TomlDocument document = parse_toml(text, std::move(file));
+  if (set.empty() && !document.root.contains(based_on_key)) return document;
+  stack(text, document.file, {}, document.layers);
+  for (const std::string& assignment : set)
+    document.layers.push_back({"--set " + shortened(assignment, 80), assignment, false});
+  document.root = root_of(document);
+  return document;
+}
+
+TomlDocument as_written(const TomlDocument& document) {
+  if (document.layers.empty()) return parse_toml(document.text, document.file);
+  return {document.file, root_of(document), document.text, document.layers};
+}
+
+}  // namespace sightline

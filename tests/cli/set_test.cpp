@@ -1,0 +1,73 @@
+// --set KEY=VALUE of the commands that take a scenario.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sightline/record/replay.hpp"
+#include "tests/support/command.hpp"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::fresh_folder;
+using test::read_file;
+using test::sightline;
+using testing::HasSubstr;
+
+const std::string pair = "scenarios/cooperative_localization.toml";
+const std::string in_rotors =
+    " --set world.kind=rotors --set agent.uav0.vehicle.preset=crazyflie --set simulation.duration=2 ";
+
+TEST(Set, AFlightIsThatOfTheChangedScenarioAndItsLogNeedsNoSet) {
+  const fs::path folder = fresh_folder(), out = folder / "out";
+  const auto run = sightline(
+      "run " + pair + in_rotors + "--set 'simulation.compare=[\"newton_riccati\"]' -o " + out.string(),
+      folder);
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(json::parse(read_file(out / "summary.json")).at("updates"), 200);
+  EXPECT_THAT(flown_as(out / "run.mcap").text, HasSubstr("[agent.uav0.vehicle]\npreset = \"crazyflie\"\n"));
+  EXPECT_THAT(sightline("replay " + out.string(), folder).out, HasSubstr("400 commands, 0 differ"));
+  EXPECT_EQ(sightline("report " + out.string(), folder).code, 0);
+}
+
+TEST(Set, TheChangedFileIsPrintedAndFliesToTheSameLog) {
+  const fs::path folder = fresh_folder();
+  const std::string set = in_rotors + "--set 'simulation.compare=[\"newton_riccati\"]' ";
+  const auto printed = sightline("check " + pair + set + "--print", folder);
+  ASSERT_EQ(printed.code, 0) << printed.err;
+  EXPECT_THAT(printed.out, HasSubstr("kind = \"rotors\""));
+  const fs::path file = folder / "cooperative_localization.toml";
+  std::ofstream(file) << printed.out;
+  ASSERT_EQ(sightline("run " + file.string() + " -o " + (folder / "a").string(), folder).code, 0);
+  ASSERT_EQ(sightline("run " + pair + set + "-o " + (folder / "b").string(), folder).code, 0);
+  EXPECT_EQ(read_file(folder / "a/run.mcap"), read_file(folder / "b/run.mcap"));
+}
+
+TEST(Set, EachCommandThatTakesAScenarioKnowsItAndNamesItWhereItIsWrong) {
+  const fs::path folder = fresh_folder();
+  for (const char* command : {"run", "check", "campaign", "identify", "potential", "explain"}) {
+    const auto refused = sightline(std::string(command) + " " + pair + " --set world.kid=rotors", folder);
+    EXPECT_EQ(refused.code, 2) << command;
+    EXPECT_EQ(
+        refused.err,
+        "--set world.kid=rotors: world.kid = \"rotors\", expected a known key, the nearest is \"kind\"\n")
+        << command;
+  }
+}
+
+TEST(Set, ACampaignHoldsOfBothScenariosAndTellsItWhereARunFliesAgain) {
+  const fs::path folder = fresh_folder();
+  const std::string words = "campaign " + pair +
+                            " --beside scenarios/paper_7_1.toml --set campaign.duration=1 "
+                            "--set campaign.view_within=1 --runs 2 -o " +
+                            (folder / "out").string();
+  const auto flown = sightline(words, folder);
+  ASSERT_NE(flown.code, 2) << flown.err;
+  EXPECT_THAT(read_file(folder / "out/campaign.html"), HasSubstr("--set campaign.duration=1"));
+}
+
+}  // namespace
+}  // namespace sightline
