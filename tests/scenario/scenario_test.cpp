@@ -71,6 +71,20 @@ TEST(Scenario, each_shipped_scenario_is_read_and_summed_up) {
   }
 }
 
+TEST(Scenario, each_shipped_scenario_of_vehicles_is_that_of_the_model_s_world_but_for_what_flies) {
+  for (const auto& file : files_in(tree / "scenarios/rotors")) {
+    const Scenario vehicles = read_scenario(file),
+                   model = read_scenario(tree / "scenarios" / file.filename());
+    EXPECT_EQ(vehicles.name, model.name);
+    EXPECT_EQ(vehicles.world, "rotors");
+    EXPECT_FALSE(vehicles.vehicles.empty()) << file;
+    EXPECT_EQ(vehicles.team.bodies(), model.team.bodies());
+    EXPECT_EQ(vehicles.team.couplings().size(), model.team.couplings().size());
+    EXPECT_EQ(vehicles.simulation.duration, model.simulation.duration);
+    EXPECT_EQ(summary(parse_scenario(vehicles.text, file)), summary(vehicles)) << file;
+  }
+}
+
 TEST(Scenario, the_paper_s_scenario_is_the_paper_s) {
   const Scenario s = read_scenario(tree / "scenarios/paper_7_1.toml");
   EXPECT_EQ(s.x0, (std::vector<double>{-0.6, -0.3, 0.6, 1, 0, 0, 0, 0, 0, 0.5, 1, 0, 0, 0}));
