@@ -145,6 +145,9 @@ std::string words_of(const RunDraw& run, const RunResult& result, const Campaign
   }
   if (std::isfinite(result.min_distance))
     words += fmt::format(", least distance {:.3f} m", result.min_distance);
+  if (result.barrier_conflict > 0)
+    words += fmt::format(", barrier in conflict {:.1f} % of the time", 100 * result.barrier_conflict);
+  if (!result.reason.empty()) words += fmt::format("\n{:24}  {}", "failed by", result.reason);
   words += '\n';
   const std::vector<std::string> names = drawn_names(plan);
   for (std::size_t i = 0; i < names.size(); ++i) words += fmt::format("{:24}  {}\n", names[i], run.values[i]);

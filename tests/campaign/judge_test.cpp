@@ -17,9 +17,12 @@ class Flown {
  public:
   /// @param d_hard  that the scenario itself asks for [m]
   /// @param walls   that it asks for
-  explicit Flown(CampaignPlan plan, std::optional<double> d_hard = {}, std::optional<Walls> walls = {})
+  /// @param barrier  that it has
+  explicit Flown(CampaignPlan plan, std::optional<double> d_hard = {}, std::optional<Walls> walls = {},
+                 BarrierMode barrier = BarrierMode::off)
       : plan_(std::move(plan)) {
-    if (walls) scenario_.safety.emplace().judged = *walls;
+    if (walls || barrier != BarrierMode::off) scenario_.safety.emplace().barrier = barrier;
+    if (walls) scenario_.safety->judged = *walls;
     const AgentId seer = scenario_.team.add(Multirotor{}, {.R = {1, 2, 3, 4}, .name = "seer"});
     const BodyId tag = scenario_.team.add(Obstacle{"tag"});
     scenario_.uncooperative.push_back({.body = tag, .d_hard = d_hard});
@@ -45,11 +48,11 @@ class Flown {
   void fly_to_end(double distance) {
     while (updates_ < std::llround(plan_.duration / period)) fly(distance);
   }
-  RunResult result(bool finite = true) {
+  RunResult result(bool finite = true, const std::string& ended = {}) {
     LoopOutcome outcome;
     outcome.updates = updates_;
     outcome.finite = finite;
-    return judge_->result(outcome);
+    return judge_->result(outcome, ended);
   }
   Sample& sample() { return *judge_->claim(); }
 
@@ -188,6 +191,53 @@ TEST(Judge, AFloorCeilingOrBoundOfTheWorldThatIsBrokenFails) {
   EXPECT_EQ(outcome({.ceiling = 1.5}, 2, 1.501), Outcome::failed);
   EXPECT_EQ(outcome({.world = 3.0}, 0, 2.999), Outcome::recovered);
   EXPECT_EQ(outcome({.world = 3.0}, 0, 3.001), Outcome::failed);
+}
+
+TEST(Judge, AFailedRunSaysWhatWentWrongFirstAndOthersSayNothing) {
+  Flown good(judged_plan()), lost(judged_plan());
+  good.fly_to_end(2.0);
+  lost.fly_to_end(-2.0);
+  EXPECT_EQ(good.result().reason, "");
+  EXPECT_EQ(lost.result().reason, "");
+
+  Flown both(judged_plan());
+  for (int i = 0; i < 30; ++i) both.fly(2.0);
+  both.fly(2.0, 1.5);
+  both.sample().x[2] = std::nan("");
+  both.fly_to_end(2.0);
+  EXPECT_EQ(both.result().reason, "an applied input was beyond its limit at 0.30 s");
+  EXPECT_EQ(both.result(false, "seer touched the ground at 0.40 s").reason,
+            "seer touched the ground at 0.40 s");
+
+  Flown nowhere(judged_plan()), planless(judged_plan()), low(judged_plan(), {}, Walls{.floor = 0.5}),
+      brief(judged_plan());
+  nowhere.fly(2.0);
+  nowhere.fly(2.0, std::nan(""));
+  nowhere.fly_to_end(2.0);
+  EXPECT_EQ(nowhere.result().reason, "a state or an input was not finite at 0.01 s");
+  planless.sample().solvers[0].status = Status::not_finite;
+  planless.fly_to_end(2.0);
+  EXPECT_EQ(planless.result().reason, "a solver gave no plan for longer than 0.5 s, at 0.50 s");
+  low.fly(2.0);
+  low.sample().x[2] = 0.4;
+  low.fly_to_end(2.0);
+  EXPECT_EQ(low.result().reason, "seer came to a height of 0.4 m at 0.01 s, the floor is 0.5 m");
+  brief.fly(2.0);
+  EXPECT_EQ(brief.result().reason, "the run broke off");
+}
+
+TEST(Judge, TheLargestShareOfConflictsOfABarrierIsToldWhereThereIsOne) {
+  Flown without(judged_plan());
+  without.fly_to_end(2.0);
+  EXPECT_TRUE(std::isnan(without.result().barrier_conflict));
+
+  Flown with(judged_plan(), {}, {}, BarrierMode::on);
+  for (int i = 0; i < 100; ++i) {
+    with.sample().barriers = {{.active = true, .conflict = i < 25}};
+    with.fly(2.0);
+  }
+  EXPECT_EQ(with.result().barrier_conflict, 0.25);
+  EXPECT_EQ(with.result().outcome, Outcome::recovered);
 }
 
 TEST(Judge, ChatterAndDriftAreToldAndAreNoOutcome) {

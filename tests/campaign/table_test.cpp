@@ -144,14 +144,14 @@ TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
   std::vector<std::string> names;
   Database::Statement columns(database, "SELECT name FROM pragma_table_info('runs')");
   while (columns.step()) names.push_back(columns.text(0));
-  EXPECT_THAT(names, testing::ElementsAre("index", "seed", "outcome", "min_distance", "time_to_first_view",
-                                          "fraction_in_view", "could_brake", "violations", "energy",
-                                          "chatter", "drift", "longest_without_plan", "status_converged",
-                                          "status_stepped", "status_iteration_limit", "status_deadline",
-                                          "status_not_finite", "status_invalid_state", "uav0.range",
-                                          "uav0.bearing", "uav0.height", "uav0.heading", "uav0.v_f",
-                                          "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
-                                          "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy"));
+  EXPECT_THAT(names, testing::ElementsAre(
+                         "index", "seed", "outcome", "reason", "min_distance", "time_to_first_view",
+                         "fraction_in_view", "could_brake", "violations", "energy", "chatter", "drift",
+                         "longest_without_plan", "barrier_conflict", "status_converged", "status_stepped",
+                         "status_iteration_limit", "status_deadline", "status_not_finite",
+                         "status_invalid_state", "uav0.range", "uav0.bearing", "uav0.height", "uav0.heading",
+                         "uav0.v_f", "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
+                         "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy"));
   Database::Statement about(database,
                             "SELECT group_concat(value, '|') FROM campaign WHERE key IN "
                             "('scenario', 'seed', 'version', 'duration')");
@@ -173,20 +173,22 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
     EXPECT_EQ(rows.integer(0), i);
     EXPECT_EQ(static_cast<std::uint64_t>(rows.integer(1)), run.seed);
     EXPECT_EQ(rows.text(2), to_string(r.outcome));
-    EXPECT_EQ(rows.number(3), r.min_distance);
-    EXPECT_EQ(rows.number(4).value_or(-1), std::isnan(r.time_to_first_view) ? -1 : r.time_to_first_view);
-    EXPECT_EQ(rows.number(5), r.fraction_in_view);
-    EXPECT_EQ(rows.integer(6), r.could_brake ? 1 : 0);
-    EXPECT_EQ(rows.integer(7), r.violations);
-    EXPECT_EQ(rows.number(8), r.energy);
-    EXPECT_EQ(rows.number(9), r.chatter);
-    EXPECT_FALSE(rows.number(10)) << "a second is too short to judge";
+    EXPECT_FALSE(rows.number(3)) << "it did not fail";
+    EXPECT_EQ(rows.number(4), r.min_distance);
+    EXPECT_EQ(rows.number(13), r.barrier_conflict) << "the barrier is on";
+    EXPECT_EQ(rows.number(5).value_or(-1), std::isnan(r.time_to_first_view) ? -1 : r.time_to_first_view);
+    EXPECT_EQ(rows.number(6), r.fraction_in_view);
+    EXPECT_EQ(rows.integer(7), r.could_brake ? 1 : 0);
+    EXPECT_EQ(rows.integer(8), r.violations);
+    EXPECT_EQ(rows.number(9), r.energy);
+    EXPECT_EQ(rows.number(10), r.chatter);
+    EXPECT_FALSE(rows.number(11)) << "a second is too short to judge";
     std::int64_t updates = 0;
-    for (int s = 0; s < status_count; ++s) updates += rows.integer(12 + s);
+    for (int s = 0; s < status_count; ++s) updates += rows.integer(14 + s);
     EXPECT_EQ(updates, 100);
     for (std::size_t v = 0; v < run.values.size(); ++v)
-      EXPECT_EQ(rows.number(12 + status_count + static_cast<int>(v)), run.values[v]);
-    const int last = 12 + status_count + static_cast<int>(run.values.size());
+      EXPECT_EQ(rows.number(14 + status_count + static_cast<int>(v)), run.values[v]);
+    const int last = 14 + status_count + static_cast<int>(run.values.size());
     ASSERT_EQ(r.energies.size(), 2U);
     EXPECT_EQ(rows.number(last), r.energies[0]);
     EXPECT_EQ(rows.number(last + 1), r.energies[1]);

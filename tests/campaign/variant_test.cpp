@@ -161,7 +161,9 @@ TEST(Variant, ANumberThatAnotherScenarioDoesNotHaveIsNamed) {
     FAIL() << "expected a refusal";
   } catch (const ScenarioError& error) {
     EXPECT_STREQ(error.what(),
-                 "some.toml:1: couple[1].weight is missing, expected the number that the campaign draws");
+                 "some.toml:1: couple[1].weight is missing, expected the number that the campaign draws, or "
+                 "a place for it "
+                 "(expected a place in [0, 1))");
   }
 }
 
@@ -196,6 +198,61 @@ uniform = [0.4, 0.6]
   const RunDraw run = draw_run(*scenario.campaign, 1, 0);
   const Scenario drawn = variants.of(run);
   for (const Agent& agent : drawn.team.agents()) EXPECT_EQ(agent.R[1], run.values[0]);
+}
+
+/// The same team as vehicles whose numbers only their presets say, with a campaign.
+Scenario of_vehicles(const std::string& campaign) {
+  return parse_scenario(
+      text + "[world]\nkind = \"rotors\"\n[agent.seen.vehicle]\npreset = \"crazyflie\"\n[campaign]\n" +
+          campaign,
+      "some.toml");
+}
+
+TEST(Variant, ANumberThatTheFileDoesNotWriteIsAddedToIt) {
+  const Scenario base = of_vehicles(
+      "[[campaign.draw]]\nkey = \"agent.seer.vehicle.mass\"\nuniform = [1.9, 2.3]\n"
+      "also = [{ key = \"agent.seen.vehicle.mass\", times = 0.015 }, { key = \"agent.seer.command_delay\", "
+      "times = 0.05 }]\n"
+      "[[campaign.draw]]\nkey = \"agent.seen.vehicle.tau_up\"\nchoice = [0.01, 0.02]\n");
+  ASSERT_TRUE(base.campaign);
+  const Variants variants(base, *base.campaign);
+  for (int index = 0; index < 5; ++index) {
+    const RunDraw run = draw_run(*base.campaign, 1, index);
+    const Scenario made = variants.of(run);
+    ASSERT_EQ(made.vehicles.size(), 2u);
+    EXPECT_EQ(made.vehicles[0].vehicle.mass, run.values[0]);
+    EXPECT_EQ(made.vehicles[1].vehicle.mass, 0.015 * run.values[0]);
+    EXPECT_EQ(made.vehicles[1].vehicle.tau_up, run.values[1]);
+    ASSERT_EQ(made.compensations.size(), 1u);
+    EXPECT_EQ(made.compensations[0].command_delay, 0.05 * run.values[0]);
+    EXPECT_EQ(made.vehicles[0].vehicle.k_f, base.vehicles[0].vehicle.k_f) << "the others stay the preset's";
+    EXPECT_EQ(parse_scenario(made.text, "some.toml").vehicles[0].vehicle.mass, run.values[0])
+        << "its text says it";
+  }
+}
+
+TEST(Variant, AVehiclesNumbersNeedNoSolverOfTheirOwn) {
+  const Scenario base = of_vehicles(
+      "[[campaign.draw]]\nkey = \"agent.seer.vehicle.mass\"\nuniform = [1.9, 2.3]\n"
+      "[[campaign.draw]]\nkey = \"couple[0].weight\"\nuniform = [1.0, 2.0]\n");
+  const RunDraw run = draw_run(*base.campaign, 1, 0);
+  EXPECT_EQ(Variants(base, *base.campaign).team_values(run), std::vector<double>{run.values[1]});
+}
+
+TEST(Variant, WindIsDrawnBySizeAndDirection) {
+  const Scenario base = of_vehicles(
+      "[[campaign.draw]]\nkey = \"simulation.disturbance.wind.size\"\nuniform = [0.2, 1.0]\n"
+      "[[campaign.draw]]\nkey = \"simulation.disturbance.wind.direction\"\nuniform = [-3.0, 3.0]\n");
+  const RunDraw run = draw_run(*base.campaign, 1, 3);
+  const Vec3<double> wind = Variants(base, *base.campaign).of(run).simulation.disturbances.wind;
+  EXPECT_NEAR(norm(wind), run.values[0], 1e-12);
+  EXPECT_NEAR(std::atan2(wind.y, wind.x), run.values[1], 1e-12);
+}
+
+TEST(Variant, ANumberThatAnotherScenarioCannotTakeIsRefusedBeforeARun) {
+  const Scenario base =
+      of_vehicles("[[campaign.draw]]\nkey = \"agent.seer.vehicle.mass\"\nuniform = [1.9, 2.3]\n");
+  EXPECT_THROW(Variants(parse_scenario(text, "other.toml"), *base.campaign), ScenarioError);
 }
 
 }  // namespace

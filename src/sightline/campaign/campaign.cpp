@@ -88,7 +88,8 @@ RunResult Pilot::fly(const RunDraw& run) {
   const auto world = make_world(scenario);
   Judge judge(scenario, plan_, sized_sample(*world, controllers));
   ClosedLoop loop(scenario, *world, controllers, clock, judge);
-  return judge.result(loop.fly());
+  const LoopOutcome outcome = loop.fly();
+  return judge.result(outcome, outcome.finite ? std::string() : world->ended());
 }
 
 int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const CampaignOptions& options,

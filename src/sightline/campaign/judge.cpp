@@ -1,7 +1,10 @@
 #include "sightline/campaign/judge.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
@@ -111,8 +114,9 @@ void Judge::publish() noexcept {
   }
   ++updates_;
   look(sample_.u);
-  const bool good = inputs_hold() && all_finite(sample_.x);
-  sound_ = sound_ && good;
+  const bool in_limits = inputs_hold(), finite = all_finite(sample_.x) && all_finite(sample_.u);
+  const bool good = in_limits && finite;
+  if (!good) blame(finite ? Fault::input : Fault::not_finite);
   const bool apart = distances_hold();
   safety_.add(sample_.time, sights_, sample_.presence, sample_.barriers, sample_.levels);
   too_close_ = too_close_ || !apart;
@@ -131,11 +135,34 @@ void Judge::publish() noexcept {
     const SolverRecord& record = sample_.solvers[c];
     gaps_[c].add(sample_.time, period_, record);
     ++result_.statuses[static_cast<std::size_t>(record.status)];
-    sound_ = sound_ && gaps_[c].failed().longest <= hold_after_ + same_time;
+    if (gaps_[c].failed().longest > hold_after_ + same_time) blame(Fault::no_plan);
   }
 }
 
-RunResult Judge::result(const LoopOutcome& outcome) const {
+void Judge::blame(Fault fault) noexcept {
+  if (fault_ != Fault::none) return;
+  fault_ = fault;
+  fault_time_ = sample_.time;
+}
+
+std::string Judge::reason(std::string ended, bool whole) const {
+  if (!ended.empty()) return ended;
+  switch (fault_) {
+    case Fault::not_finite:
+      return fmt::format("a state or an input was not finite at {:.2f} s", fault_time_);
+    case Fault::input:
+      return fmt::format("an applied input was beyond its limit at {:.2f} s", fault_time_);
+    case Fault::no_plan:
+      return fmt::format("a solver gave no plan for longer than {} s, at {:.2f} s", hold_after_, fault_time_);
+    case Fault::none:
+      break;
+  }
+  const std::vector<std::string> walls = safety_.broken_walls();
+  if (!walls.empty()) return walls.front();
+  return whole ? "" : "the run broke off";
+}
+
+RunResult Judge::result(const LoopOutcome& outcome, std::string ended) const {
   RunResult result = result_;
   const auto periods = std::llround(plan_.duration / period_);
   if (!std::isfinite(result.min_distance)) result.min_distance = no_value;
@@ -154,13 +181,12 @@ RunResult Judge::result(const LoopOutcome& outcome) const {
   result.drift = !drift ? no_value : drift->empty() ? 0.0 : norm(drift->front().v);
   for (const PlanGaps& gaps : gaps_)
     result.longest_without_plan = std::max(result.longest_without_plan, gaps.any().longest);
-  const auto& walls = safety_.bounds();
-  const bool within =
-      std::all_of(walls.begin(), walls.end(), [](const SafetySummary::Bound& wall) { return wall.kept(); });
-  result.outcome = !sound_ || !within || !outcome.finite || updates_ != periods ? Outcome::failed
-                   : too_close_                                                 ? Outcome::too_close
-                   : !(in_time && at_end)                                       ? Outcome::lost
-                                                                                : Outcome::recovered;
+  result.barrier_conflict = safety_.conflict_share();
+  result.reason = reason(std::move(ended), outcome.finite && updates_ == periods);
+  result.outcome = !result.reason.empty() ? Outcome::failed
+                   : too_close_           ? Outcome::too_close
+                   : !(in_time && at_end) ? Outcome::lost
+                                          : Outcome::recovered;
   return result;
 }
 

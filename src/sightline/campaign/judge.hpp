@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -45,6 +46,10 @@ struct RunResult {
   /// the run was too short to judge.
   double drift = 0.0;
   double longest_without_plan = 0.0;  ///< of all solvers, whatever the reason [s]; 0: each update gave one
+  /// Largest share of the time in which the barrier found no command that keeps a robot's distances and walls; not a number
+  /// without a barrier.
+  double barrier_conflict = 0.0;
+  std::string reason{};  ///< of a failed run: the sentence of what went wrong first; else empty
 };
 
 /// Takes the samples of a loop and judges them as they come; keeps none. The hard distance of a pair is that of
@@ -58,7 +63,8 @@ class Judge final : public Sink<Sample> {
   void publish() noexcept override;
   void close() noexcept override {}
 
-  RunResult result(const LoopOutcome& outcome) const;
+  /// @param ended  why the world ended the flight, a sentence; empty where it did not
+  RunResult result(const LoopOutcome& outcome, std::string ended = {}) const;
 
  private:
   struct View {
@@ -73,6 +79,11 @@ class Judge final : public Sink<Sample> {
     bool could_brake = true;  // at the start
   };
 
+  enum class Fault : std::uint8_t { none, not_finite, input, no_plan };
+
+  void blame(Fault fault) noexcept;
+  /// Empty where nothing failed. @param whole  the loop flew to the end of the run
+  std::string reason(std::string ended, bool whole) const;
   void look(std::span<const double> u) noexcept;
   void look_at_brakes() noexcept;
   bool distances_hold() noexcept;
@@ -94,7 +105,9 @@ class Judge final : public Sink<Sample> {
 
   std::int64_t updates_ = 0, seen_ = 0;
   std::vector<PlanGaps> gaps_;  // of each solver
-  bool sound_ = true, too_close_ = false;
+  Fault fault_ = Fault::none;   // the first
+  double fault_time_ = 0.0;     // [s]
+  bool too_close_ = false;
   RunResult result_;
 };
 

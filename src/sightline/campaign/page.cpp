@@ -20,6 +20,7 @@ namespace sightline {
 namespace {
 
 constexpr int worst_runs = 12;
+constexpr int reasons_max = 3;         // told in the lines; the table has all
 constexpr std::size_t robots_max = 8;  // whose energies are told one by one
 
 /// Questions to one table of runs.
@@ -69,6 +70,17 @@ class Runs {
     return map;
   }
 
+  /// What went wrong in the first runs that failed, by their indices.
+  std::vector<std::pair<std::int64_t, std::string>> reasons() {
+    std::vector<std::pair<std::int64_t, std::string>> told;
+    Database::Statement ask(*database_,
+                            fmt::format("SELECT \"index\", reason FROM runs WHERE reason IS NOT NULL "
+                                        "ORDER BY \"index\" LIMIT {}",
+                                        reasons_max));
+    while (ask.step()) told.emplace_back(ask.integer(0), ask.text(1));
+    return told;
+  }
+
   /// The columns of robots' energies.
   std::vector<std::string> energies() {
     std::vector<std::string> names;
@@ -110,6 +122,8 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
     const std::int64_t these = runs.count(fmt::format("outcome = '{}'", outcome));
     if (these > 0 || i == 0) lines.push_back({outcome, share_words(these, all)});
   }
+  for (const auto& [index, reason] : runs.reasons())
+    lines.push_back({fmt::format("run {} failed", index), reason});
   const auto quantile = [&](std::string_view column, double share, std::string_view unit) {
     return in(runs.quantile(column, share), unit);
   };
@@ -143,6 +157,8 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
   restless("chatter", "of the time", "an input jumps to and fro each period");
   restless("drift", "m/s", "a robot leaves where it was asked to be until the end");
   restless("longest_without_plan", "s", "a solver gives no plan for a time");
+  if (runs.count("barrier_conflict IS NOT NULL") > 0)
+    restless("barrier_conflict", "of the time", "no command keeps all that the barrier is to keep");
   lines.push_back({"periods with a violation", quantile("(SELECT sum(violations) FROM runs)", 0.0, "")});
   return lines;
 }
@@ -236,20 +252,23 @@ std::string worst(Runs& runs, const std::string& command, const std::filesystem:
   Database::Statement ask(
       runs.database(),
       fmt::format(
-          "SELECT \"index\", outcome, min_distance, time_to_first_view, fraction_in_view FROM runs ORDER BY "
+          "SELECT \"index\", outcome, min_distance, time_to_first_view, fraction_in_view, barrier_conflict, "
+          "coalesce(reason, '') FROM runs ORDER BY "
           "CASE outcome WHEN 'failed' THEN 0 WHEN 'too_close' THEN 1 WHEN 'lost' THEN 2 ELSE 3 END, "
           "CASE outcome WHEN 'too_close' THEN min_distance ELSE -coalesce(time_to_first_view, 1e9) END, "
           "\"index\" LIMIT {}",
           worst_runs));
   std::string html =
       "<h2>Worst runs</h2>\n<table>\n<tr class=\"soft\"><td>run</td><td>outcome</td><td>least distance</td>"
-      "<td>first view</td><td>in view</td></tr>\n";
+      "<td>first view</td><td>in view</td><td>barrier in conflict</td><td>failed by</td></tr>\n";
   std::string lines;
   while (ask.step()) {
     const std::int64_t index = ask.integer(0);
     const auto value = [&](int column) { return ask.number(column).value_or(std::nan("")); };
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", index,
-                        escaped(ask.text(1)), in(value(2), "m"), in(value(3), "s"), in(100 * value(4), "%"));
+    html += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", index,
+        escaped(ask.text(1)), in(value(2), "m"), in(value(3), "s"), in(100 * value(4), "%"),
+        in(100 * value(5), "%"), escaped(ask.text(6)));
     lines += fmt::format("{} --only {} -o {}\n", command, index,
                          shell_word((folder / fmt::format("run_{}", index)).native()));
   }

@@ -16,6 +16,7 @@ std::vector<std::string> fixed_columns() {
   std::vector<std::string> names = {"index",
                                     "seed",
                                     "outcome",
+                                    "reason",
                                     "min_distance",
                                     "time_to_first_view",
                                     "fraction_in_view",
@@ -24,7 +25,8 @@ std::vector<std::string> fixed_columns() {
                                     "energy",
                                     "chatter",
                                     "drift",
-                                    "longest_without_plan"};
+                                    "longest_without_plan",
+                                    "barrier_conflict"};
   for (int i = 0; i < status_count; ++i)
     names.push_back(fmt::format("status_{}", to_string(static_cast<Status>(i))));
   return names;
@@ -36,9 +38,20 @@ constexpr std::chrono::milliseconds pause{500};  // between two commits
 constexpr std::size_t waiting_max = 4096;        // rows; a disk that cannot keep up holds the runs up
 
 std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
-  constexpr std::string_view types[] = {
-      "INTEGER PRIMARY KEY", "INTEGER NOT NULL", "TEXT NOT NULL", "REAL",          "REAL", "REAL",
-      "INTEGER NOT NULL",    "INTEGER NOT NULL", "REAL NOT NULL", "REAL NOT NULL", "REAL", "REAL NOT NULL"};
+  constexpr std::string_view types[] = {"INTEGER PRIMARY KEY",
+                                        "INTEGER NOT NULL",
+                                        "TEXT NOT NULL",
+                                        "TEXT",
+                                        "REAL",
+                                        "REAL",
+                                        "REAL",
+                                        "INTEGER NOT NULL",
+                                        "INTEGER NOT NULL",
+                                        "REAL NOT NULL",
+                                        "REAL NOT NULL",
+                                        "REAL",
+                                        "REAL NOT NULL",
+                                        "REAL"};
   std::vector<std::string> columns;
   for (const std::string& name : fixed_columns()) {
     const bool typed = columns.size() < std::size(types);
@@ -62,11 +75,14 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
   whole(run.index);
   whole(static_cast<std::int64_t>(run.seed));
   row.emplace_back(std::string(to_string(result.outcome)));
+  Database::Value& reason = row.emplace_back();
+  if (!result.reason.empty()) reason = result.reason;
   for (const double value : {result.min_distance, result.time_to_first_view, result.fraction_in_view})
     real(value);
   whole(result.could_brake ? 1 : 0);
   whole(result.violations);
-  for (const double value : {result.energy, result.chatter, result.drift, result.longest_without_plan})
+  for (const double value :
+       {result.energy, result.chatter, result.drift, result.longest_without_plan, result.barrier_conflict})
     real(value);
   for (const std::int64_t count : result.statuses) whole(count);
   for (const double value : run.values) real(value);

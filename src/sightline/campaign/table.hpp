@@ -20,8 +20,8 @@ namespace sightline {
 
 /// Writes
 ///
-///   runs      "index", seed, outcome, min_distance, time_to_first_view, fraction_in_view, could_brake, violations,
-///             energy, chatter, drift, a column status_NAME for each Status, a column for each number drawn, by its name, and
+///   runs      "index", seed, outcome, reason, min_distance, time_to_first_view, fraction_in_view, could_brake, violations,
+///             energy, chatter, drift, longest_without_plan, barrier_conflict, a column status_NAME for each Status, a column for each number drawn, by its name, and
 ///             ROBOT.energy for each robot
 ///   campaign  key, value: scenario, text, plan (the text of the scenario that draws, where that is another), seed,
 ///             duration, version, compiler

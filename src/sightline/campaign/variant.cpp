@@ -16,7 +16,8 @@ bool shapes_the_team(std::string_view key) {
   for (const std::string_view section : {"simulation.", "target.", "obstacle.", "safety", "log."}) {
     if (key.starts_with(section)) return false;
   }
-  return !(key.starts_with("agent.") && key.find(".start.") != std::string_view::npos);
+  const auto is_of = [&](std::string_view table) { return key.find(table) != std::string_view::npos; };
+  return !(key.starts_with("agent.") && (is_of(".start.") || is_of(".vehicle.")));
 }
 
 }  // namespace
@@ -34,6 +35,10 @@ Variants::Variants(const Scenario& base, const CampaignPlan& plan)
     if (found != numbers.end()) return found->second;
     throw ScenarioError(file_.native(), 1,
                         fmt::format("{} is missing, expected the number that the campaign draws", key));
+  };
+  const auto written = [&](const std::string& key) {
+    const auto found = numbers.find(key);
+    return found != numbers.end() ? std::optional(found->second) : std::nullopt;
   };
   const auto position = [&](const std::string& body, int i) {
     for (const char* form : {"agent.{}.start.p[{}]", "target.{}.p[{}]"}) {
@@ -57,10 +62,10 @@ Variants::Variants(const Scenario& base, const CampaignPlan& plan)
   for (std::size_t i = 0; i < plan_.draws.size(); ++i) {
     const NumberDraw& draw = plan_.draws[i];
     bool of_team = shapes_the_team(draw.key);
-    draws_.push_back({find(draw.key), before + i, 1.0, 0.0});
+    draws_.push_back({written(draw.key), draw.key, before + i, 1.0, 0.0});
     for (const NumberDraw::Linked& linked : draw.also) {
       of_team = of_team || shapes_the_team(linked.key);
-      draws_.push_back({find(linked.key), before + i, linked.times, linked.plus});
+      draws_.push_back({written(linked.key), linked.key, before + i, linked.times, linked.plus});
     }
     if (of_team) of_team_.push_back(before + i);
   }
@@ -69,6 +74,26 @@ Variants::Variants(const Scenario& base, const CampaignPlan& plan)
     if (const auto found = numbers.find(key); found != numbers.end()) *place = found->second;
   }
   lift_deadline(solver_);
+  try_additions();
+}
+
+void Variants::try_additions() const {
+  const auto is_added = [](const Drawn& drawn) { return !drawn.number; };
+  if (std::none_of(draws_.begin(), draws_.end(), is_added)) return;
+  try {
+    (void)of(draw_run(plan_, 0, 0));
+  } catch (const ScenarioError& error) {
+    const std::string_view sentence = error.what();
+    for (const Drawn& drawn : draws_) {
+      if (!is_added(drawn) || !sentence.starts_with(fmt::format("--set {}=", drawn.key))) continue;
+      throw ScenarioError(
+          file_.native(), 1,
+          fmt::format("{} is missing, expected the number that the campaign draws, or a place "
+                      "for it ({})",
+                      drawn.key, sentence.substr(sentence.find(": ") + 2)));
+    }
+    throw;
+  }
 }
 
 void Variants::place_start(const StartDraw& draw, const Start& at, const double*& value,
@@ -96,15 +121,23 @@ void Variants::place_start(const StartDraw& draw, const Start& at, const double*
 Scenario Variants::of(const RunDraw& run) const {
   Changes changes;
   // What is drawn by key comes first: a start may be around a body whose own place is drawn.
-  for (const Drawn& drawn : draws_)
-    changes.emplace_back(drawn.number, drawn.times * run.values[drawn.draw] + drawn.plus);
+  std::vector<std::string> added;
+  for (const Drawn& drawn : draws_) {
+    const double value = drawn.times * run.values[drawn.draw] + drawn.plus;
+    if (drawn.number) {
+      changes.emplace_back(*drawn.number, value);
+    } else {
+      added.push_back(fmt::format("{}={}", drawn.key, value));
+    }
+  }
   const double* value = run.values.data();
   for (std::size_t i = 0; i < starts_.size(); ++i) place_start(plan_.starts[i], starts_[i], value, changes);
   if (duration_) changes.emplace_back(*duration_, plan_.duration);
   if (seed_) changes.emplace_back(*seed_, static_cast<double>(run.seed));  // below 2^53
   std::string text = with_numbers(text_, changes);
 
-  Scenario scenario = parse_scenario(std::move(text), file_, parts_ ? *parts_ : parts_of_sightline());
+  Scenario scenario = parse_scenario(std::move(text), file_, parts_ ? *parts_ : parts_of_sightline(),
+                                     {.files = {}, .set = std::move(added)});
   scenario.name = name_;
   scenario.solver = solver_;
   scenario.simulation.duration = plan_.duration;

@@ -16,7 +16,7 @@ class Variants {
  public:
   /// @param base  its text is what is written over
   /// @param plan  of the same scenario, or of another whose numbers are in this one too
-  /// @throws ScenarioError where a number of the plan is not in the text
+  /// @throws ScenarioError where a number of the plan is neither in the text nor may be added to it
   Variants(const Scenario& base, const CampaignPlan& plan);
 
   /// @throws ScenarioError where a number drawn is refused
@@ -32,6 +32,8 @@ class Variants {
   };
   using Changes = std::vector<std::pair<NumberInText, double>>;
 
+  /// What is to be added must be something that may be added, which a run shows.
+  void try_additions() const;
   void place_start(const StartDraw& draw, const Start& at, const double*& value, Changes& changes) const;
 
   CampaignPlan plan_;
@@ -41,7 +43,8 @@ class Variants {
   std::vector<Start> starts_;
   /// A number that follows from a drawn value.
   struct Drawn {
-    NumberInText number;
+    std::optional<NumberInText> number;  // none: it is added
+    std::string key;
     std::size_t draw;
     double times, plus;
   };

@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
@@ -164,6 +165,12 @@ std::vector<std::string> SafetySummary::broken() const {
                                     names_[at(pair.a)], std::sqrt(pair.least2), names_[at(pair.b)], pair.time,
                                     pair.d_hard));
   }
+  for (std::string& sentence : broken_walls()) sentences.push_back(std::move(sentence));
+  return sentences;
+}
+
+std::vector<std::string> SafetySummary::broken_walls() const {
+  std::vector<std::string> sentences;
   for (const Bound& bound : by_excess()) {
     if (bound.kept()) continue;
     const std::string& who = names_[at(bound.robot)];
@@ -176,6 +183,13 @@ std::vector<std::string> SafetySummary::broken() const {
                                           who, where, bound.worst(), bound.time, limit));
   }
   return sentences;
+}
+
+double SafetySummary::conflict_share() const {
+  if (mode_ == BarrierMode::off || samples_ == 0) return no_value;
+  std::int64_t most = 0;
+  for (const Robot& robot : robots_) most = std::max(most, robot.conflicts);
+  return static_cast<double>(most) / static_cast<double>(samples_);
 }
 
 std::string SafetySummary::json() const {

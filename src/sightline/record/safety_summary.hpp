@@ -53,6 +53,10 @@ class SafetySummary {
 
   /// A sentence for each hard distance and each wall that was broken; the worst first, at most eight of each.
   std::vector<std::string> broken() const;
+  std::vector<std::string> broken_walls() const;
+
+  /// Largest share of the samples in which the barrier told a conflict for one robot; not a number without a barrier.
+  double conflict_share() const;
 
   /// The value of `safety` in summary.json; empty where the scenario asks for nothing.
   std::string json() const;

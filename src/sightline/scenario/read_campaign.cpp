@@ -95,27 +95,58 @@ class PlanReader {
     known.insert(known.end(), {"key", "also"});
     at.expect_only(known);
     NumberDraw draw{read_key(at), read_distribution(at, any_number())};
+    const double value = draw.distribution.values[0];
+    note_missing(at, draw.key, value);
     for (const TomlTable& inner : at.tables("also")) {
       NumberDraw::Linked linked{read_key(inner)};
       inner.read({{"times", &linked.times}, {"plus", &linked.plus}}, {"key"});
+      note_missing(inner, linked.key, linked.times * value + linked.plus);
       draw.also.push_back(linked);
     }
     return draw;
+  }
+
+  /// What the file does not write must be something that may be added to it.
+  void try_missing(const std::function<void(const std::vector<std::string>& set)>& try_set) const {
+    if (missing_.empty()) return;
+    std::vector<std::string> set;
+    for (const Missing& missing : missing_) set.push_back(missing.assignment);
+    try {
+      try_set(set);
+    } catch (const ScenarioError& error) {
+      const std::string_view why = error.what();
+      const auto of_it = [&](const Missing& missing) {
+        return why.starts_with(fmt::format("--set {}: ", missing.assignment));
+      };
+      const auto found = std::find_if(missing_.begin(), missing_.end(), of_it);
+      if (found == missing_.end()) refuse_key(missing_.front().at, why);
+      refuse_key(found->at, why.substr(std::string_view("--set : ").size() + found->assignment.size()));
+    }
   }
 
  private:
   /// Of a number of the file that a campaign may draw, once.
   std::string read_key(const TomlTable& at) {
     std::string key = at.text("key", "the key of a number in this file, as agent.uav0.start.p[0]");
-    if (std::find(keys_.begin(), keys_.end(), key) == keys_.end()) {
-      const std::vector<std::string_view> all(keys_.begin(), keys_.end());
-      at.refuse("key", fmt::format("the key of a number that this file writes out, the nearest is \"{}\"",
-                                   nearest(shortened(key, shown_size), all)));
-    }
+    if (key.starts_with("campaign.")) refuse_key(at, "those of [campaign] are not drawn");
     if (key == "simulation.seed" || key == "simulation.duration")
       at.refuse("key", "another number, each run has the campaign's own seed and duration");
-    claim(at, "key", key);
+    if (!drawn_.insert(key).second) at.refuse("key", fmt::format("{} to be drawn once", key));
     return key;
+  }
+
+  void note_missing(const TomlTable& at, const std::string& key, double value) {
+    if (!numbers_.contains(key)) missing_.push_back({at, fmt::format("{}={}", key, value)});
+  }
+
+  [[noreturn]] void refuse_key(const TomlTable& at, std::string_view why) const {
+    const std::string key = at.text("key", "");
+    const std::vector<std::string_view> all(keys_.begin(), keys_.end());
+    at.refuse(
+        "key",
+        fmt::format(
+            "the key of a number that this file writes out or may, the nearest it writes is \"{}\" ({})",
+            nearest(shortened(key, shown_size), all), why));
   }
 
   std::string position_key(const std::string& name, int i) const {
@@ -145,6 +176,11 @@ class PlanReader {
   std::vector<std::string> keys_;
   const Team& team_;
   std::set<std::string> drawn_;
+  struct Missing {
+    TomlTable at;
+    std::string assignment;  // "KEY=VALUE", of a value that is drawn
+  };
+  std::vector<Missing> missing_;
 };
 
 EvasionColumns read_columns(const TomlTable& at) {
@@ -176,7 +212,8 @@ EvasionPlan read_evasion(const TomlTable& at, const Team& team) {
   return plan;
 }
 
-CampaignPlan read_campaign(const TomlDocument& document, ScenarioNumbers numbers, const Team& team) {
+CampaignPlan read_campaign(const TomlDocument& document, ScenarioNumbers numbers, const Team& team,
+                           const std::function<void(const std::vector<std::string>& set)>& try_set) {
   CampaignPlan plan;
   const TomlTable at = TomlTable(document).table("campaign");
   at.read({{"duration", &plan.duration, positive("> 0 s")},
@@ -188,6 +225,7 @@ CampaignPlan read_campaign(const TomlDocument& document, ScenarioNumbers numbers
   PlanReader reader(std::move(numbers), team);
   for (const TomlTable& start : at.tables("start")) plan.starts.push_back(reader.read_start(start));
   for (const TomlTable& draw : at.tables("draw")) plan.draws.push_back(reader.read_draw(draw));
+  reader.try_missing(try_set);
   return plan;
 }
 

@@ -14,6 +14,7 @@
 #include "sightline/scenario/layers.hpp"
 #include "sightline/scenario/read_campaign.hpp"
 #include "sightline/scenario/read_coupling.hpp"
+#include "sightline/scenario/read_disturbances.hpp"
 #include "sightline/scenario/read_event.hpp"
 #include "sightline/scenario/read_motion.hpp"
 #include "sightline/scenario/read_part.hpp"
@@ -104,7 +105,7 @@ class Reader {
     }
     if (updates < 0.5)
       at.refuse("duration", fmt::format("at least one period of {} s", scenario_.horizon.dt));
-    read_disturbances(at.table_or_empty("disturbance"));
+    s.disturbances = read_disturbances(at.table_or_empty("disturbance"));
   }
 
   void read_compare(const TomlTable& at) {
@@ -118,28 +119,6 @@ class Reader {
         at.refuse("compare", i, fmt::format("one of {}, each once", fmt::join(known, ", ")));
       }
     }
-  }
-
-  void read_disturbances(const TomlTable& at) {
-    Disturbances& d = scenario_.simulation.disturbances;
-    constexpr Range delay = {0.0, 1.0, "0 to 1 s"};
-    at.read({{"input_delay", &d.input_delay, delay},
-             {"yaw_lag", &d.yaw_lag, not_negative("0 or >= 0.001 s")},
-             {"input_gain", &d.input_gain, positive("> 0")},
-             {"slip", &d.slip, {0.0, 0.9, "0 to 0.9"}},
-             {"delay", &d.measurement_delay, delay}},
-            {"wind", "gust", "airflow", "noise", "odometry"});
-    if (at.has("wind")) d.wind = at.vec3("wind");
-    at.table_or_empty("gust").read(
-        {{"sigma", &d.gust_sigma, not_negative(">= 0 m/s^2")}, {"time", &d.gust_time, positive("> 0 s")}});
-    at.table_or_empty("airflow").read({{"amplitude", &d.airflow.amplitude, not_negative(">= 0 m/s^2")},
-                                       {"distance", &d.airflow.distance, positive("> 0 m")},
-                                       {"frequency", &d.airflow.frequency, not_negative(">= 0 Hz")}});
-    at.table_or_empty("noise").read({{"position", &d.noise.position, not_negative(">= 0 m")},
-                                     {"heading", &d.noise.heading, not_negative(">= 0 rad")},
-                                     {"velocity", &d.noise.velocity, not_negative(">= 0 m/s")}});
-    d.odometry = read_part<Odometry>(TableSource(at.table_or_empty("odometry")));
-    at.checked([&] { d.check(); });
   }
 
   void read_log() {
@@ -374,8 +353,13 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file, con
   Reader(document, scenario).read();
   // A campaign draws numbers of the text as it is written.
   if (document.root.contains("campaign")) {
-    scenario.campaign =
-        read_campaign(as_written(document), numbers_of(parse_toml(text, file.native())), scenario.team);
+    const auto try_set = [&](const std::vector<std::string>& set) {
+      TomlDocument flight = parse_toml(text, file.native());
+      flight.root.erase("campaign");
+      parse_scenario(printed(flight), file, parts, {.files = changes.files, .set = set});
+    };
+    scenario.campaign = read_campaign(as_written(document), numbers_of(parse_toml(text, file.native())),
+                                      scenario.team, try_set);
   }
   if (in_layers) {  // what is good in its layers flies by its one text, as from a log
     auto places = std::move(scenario.coupling_places);

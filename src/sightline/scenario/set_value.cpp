@@ -42,7 +42,9 @@ std::optional<std::vector<Step>> steps_of(std::string_view key) {
       name = key.substr(at + 1, end - at - 1);
       at = end + 1;
     } else {
-      const std::size_t end = std::min(key.find_first_of(".[", at), key.size());
+      std::size_t end = key.find_first_of(".[{", at);
+      if (end < key.size() && key[end] == '{') end = key.find_first_of(".[", key.find('}', end));  // a range
+      end = std::min(end, key.size());
       name = key.substr(at, end - at);
       at = end;
     }
@@ -90,8 +92,7 @@ void set_value(toml::table& root, const TomlLayer& layer) {
   if (!parsed && is_word(text)) parsed = value_of(fmt::format("\"{}\"", text), layer);
   if (!parsed)
     refuse_layer(layer, "one value as in TOML: a number, \"a text\", true, [an, array], { a = 1 }");
-  toml::node& value = *parsed->get("value");
-  const toml::source_region place = value.source();
+  const toml::source_region place = parsed->get("value")->source();
 
   toml::node* node = &root;
   for (std::size_t i = 0; i < steps->size(); ++i) {
@@ -100,7 +101,9 @@ void set_value(toml::table& root, const TomlLayer& layer) {
       toml::array* array = node->as_array();
       if (array == nullptr) refuse_layer(layer, "a key that holds an array before [...]");
       if (*index >= array->size()) refuse_layer(layer, fmt::format("a place in [0, {})", array->size()));
-      if (last) array->replace(array->cbegin() + static_cast<std::ptrdiff_t>(*index), std::move(value));
+      if (last)
+        array->replace(array->cbegin() + static_cast<std::ptrdiff_t>(*index),
+                       std::move(*parsed->get("value")));
       node = array->get(*index);
       continue;
     }
@@ -108,7 +111,7 @@ void set_value(toml::table& root, const TomlLayer& layer) {
     if (table == nullptr) refuse_layer(layer, "a key of a table");
     const toml::key key(std::get<std::string>((*steps)[i]), toml::source_region(place));
     if (last) {
-      table->insert_or_assign(key, std::move(value));
+      table->insert_or_assign(key, std::move(*parsed->get("value")));
     } else if (!table->contains(key.str())) {
       toml::table section = std::move(*value_of("{}", layer)->get("value")->as_table());
       section.is_inline(false);

@@ -1,0 +1,13 @@
+/// [simulation.disturbance] of a scenario.
+#pragma once
+
+#include "sightline/scenario/toml_table.hpp"
+#include "sightline/world/disturbance.hpp"
+
+namespace sightline {
+
+/// Wind is [x, y, z] or, level, { size, direction }: where it blows to, from the x axis of G to the left.
+/// @throws ScenarioError
+Disturbances read_disturbances(const TomlTable& at);
+
+}  // namespace sightline
