@@ -42,6 +42,10 @@ CampaignTable some_table(const std::filesystem::path& folder, const std::string&
       result.outcome = i == 3 ? Outcome::failed : i == 7 ? Outcome::too_close : Outcome::lost;
       result.time_to_first_view = std::numeric_limits<double>::quiet_NaN();
     }
+    if (result.outcome == Outcome::failed) {
+      result.reason = "uav0 touched uav1 at 1.2 s with 0.7 m/s";
+      result.barrier_conflict = 0.125;
+    }
     runs.add(draw_run(shown_plan(), 1, i), result);
   }
   runs.finish();
@@ -77,6 +81,9 @@ TEST(CampaignPage, LinesCountOutcomesWithTheirBounds) {
   const auto lines = campaign_lines(some_table(test::fresh_folder(), "some"));
   EXPECT_EQ(value(lines, "recovered"), "30 of 40, 75.00 % (95 %: 58.80 % to 87.31 %)");
   EXPECT_THAT(value(lines, "failed"), testing::StartsWith("1 of 40, 2.50 %"));
+  EXPECT_EQ(value(lines, "run 3 failed"), "uav0 touched uav1 at 1.2 s with 0.7 m/s");
+  EXPECT_EQ(value(lines, "barrier_conflict"),
+            "in 1 of 40 runs no command keeps all that the barrier is to keep, at most 0.125 of the time");
   EXPECT_THAT(value(lines, "too_close"), testing::StartsWith("1 of 40"));
   EXPECT_THAT(value(lines, "lost"), testing::StartsWith("8 of 40"));
   EXPECT_THAT(value(lines, "time to first view"), HasSubstr("last 0.48 s; never in 10 runs"));
@@ -110,6 +117,7 @@ TEST(CampaignPage, TheWorstRunsComeFirstEachWithWhatFliesItAgain) {
                              " -o out/a/run_" + std::to_string(run);
     return page.find(line + "\n");
   };
+  EXPECT_THAT(page, HasSubstr("<td>12.5 %</td><td>uav0 touched uav1 at 1.2 s with 0.7 m/s</td>"));
   EXPECT_LT(at(3), at(7)) << "failed before too close";
   EXPECT_LT(at(7), at(11)) << "too close before lost";
   EXPECT_LT(at(39), at(38)) << "lost before recovered";
