@@ -107,9 +107,8 @@ std::vector<std::string> warnings_of_speeds(const Scenario& scenario) {
 std::vector<std::string> warnings_of_touches(const Scenario& scenario) {
   std::vector<std::string> sentences;
   const auto radius = [&](BodyId body) {
-    const auto is = [&](const RobotVehicle& vehicle) { return vehicle.robot == body; };
-    const auto found = std::find_if(scenario.vehicles.begin(), scenario.vehicles.end(), is);
-    return found != scenario.vehicles.end() ? found->vehicle.radius : 0.0;
+    const RobotVehicle* vehicle = vehicle_of(scenario, body);
+    return vehicle != nullptr ? vehicle->vehicle.radius : 0.0;
   };
   for (const RobotVehicle& vehicle : scenario.vehicles) {
     for (int i = 0; i < scenario.team.bodies(); ++i) {

@@ -380,6 +380,13 @@ Scenario read_scenario(const std::filesystem::path& file, const Parts& parts,
   return parse_scenario(read_text(file), file, parts, {.files = {}, .set = set});
 }
 
+const RobotVehicle* vehicle_of(const Scenario& scenario, BodyId body) {
+  const auto& vehicles = scenario.vehicles;
+  const auto found = std::find_if(vehicles.begin(), vehicles.end(),
+                                  [&](const RobotVehicle& vehicle) { return vehicle.robot == body; });
+  return found != vehicles.end() ? &*found : nullptr;
+}
+
 PlantOptions plant_options(const Scenario& scenario) {
   PlantOptions options{.seed = scenario.simulation.seed,
                        .disturbances = scenario.simulation.disturbances,

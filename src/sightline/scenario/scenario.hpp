@@ -138,6 +138,9 @@ struct ScenarioChanges {
 Scenario parse_scenario(std::string text, const std::filesystem::path& file,
                         const Parts& parts = parts_of_sightline(), const ScenarioChanges& changes = {});
 
+/// The vehicle that a body is; none where it is none.
+const RobotVehicle* vehicle_of(const Scenario& scenario, BodyId body);
+
 /// The simulated world of a scenario, and what its controllers see of it.
 PlantOptions plant_options(const Scenario& scenario);
 SensorOptions sensor_options(const Scenario& scenario);
