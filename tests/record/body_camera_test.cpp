@@ -85,9 +85,10 @@ TEST(BodyCamera, TheLogHasItsTrueAttitudeAndTheRecordingItsLean) {
   EXPECT_GT(largest, 0.1);
   // Nobody else's log says anything new.
   const Scenario level = test::leaning_scenario({.frame = "level", .world = "model"});
-  EXPECT_FALSE(has_body_camera(level, BodyId{0}));
-  EXPECT_TRUE(has_body_camera(scenario, BodyId{0}));
-  EXPECT_FALSE(has_body_camera(scenario, BodyId{1}));
+  EXPECT_EQ(leaning_bodies(level), (std::vector<bool>{false, false}));
+  Scenario in_the_model = scenario;
+  in_the_model.vehicles.clear();
+  EXPECT_EQ(leaning_bodies(in_the_model), (std::vector<bool>{true, false}));
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "sightline/world/rigid_body.hpp"
+
 namespace sightline {
 namespace {
 
@@ -81,6 +83,28 @@ TEST(Cdr, AttitudesComeBackBitForBit) {
     EXPECT_EQ(decoded->q, q);
     bytes.pop_back();
     EXPECT_FALSE(decode_attitude(bytes));
+  }
+}
+
+TEST(Cdr, APoseThatLeansComesBackAndIsItsAttitude) {
+  std::mt19937_64 random(5);
+  Bytes bytes, attitude;
+  for (int k = 0; k < 1000; ++k) {
+    StampedPose pose = random_pose(random);
+    pose.lean = {0.001 * k, 0.3 - 0.0005 * k};
+    encode_pose(bytes, "map", pose);
+    const auto decoded = decode_pose(bytes);
+    ASSERT_TRUE(decoded);
+    EXPECT_EQ(decoded->p, pose.p);
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(decoded->d[i], pose.d[i], 1e-12);
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(decoded->lean[i], pose.lean[i], 1e-9);
+    const Quaternion q = leaning({decoded->d[0], decoded->d[1]}, {pose.lean[0], pose.lean[1]});
+    encode_attitude(attitude, "map", {pose.time, {q.x, q.y, q.z, q.w}});
+    const auto turned = decode_attitude(attitude);
+    ASSERT_TRUE(turned);
+    const Rotation R = rotation({turned->q[3], turned->q[0], turned->q[1], turned->q[2]});
+    EXPECT_NEAR(lean(R).x, decoded->lean[0], 1e-9);
+    EXPECT_NEAR(lean(R).y, decoded->lean[1], 1e-9);
   }
 }
 

@@ -82,5 +82,32 @@ TEST(PlannedView, WhatDoesNotCountOrWasLostIsNotCompared) {
   EXPECT_NEAR(view.rms(), 0.25, 1e-12) << "what was planned at 5 s";
 }
 
+TEST(PlannedView, MeanAndGreatestAreThoseOfWhatWasPlannedAndCompared) {
+  WatchedTarget watched;
+  PlannedView view;
+  EXPECT_TRUE(std::isnan(view.mean()));
+  EXPECT_TRUE(std::isnan(view.max()));
+  for (int k = 0; k < 60; ++k) {
+    const double planned = k < 20 ? 0.1 : 0.3;
+    watched.add(
+        view, 0.01 * k, 0.0, [&](double) { return planned; }, 0.0);
+  }
+  EXPECT_NEAR(view.mean(), 0.2, 1e-9) << "20 of each; those for later than the end are not compared";
+  EXPECT_NEAR(view.max(), 0.3, 1e-9);
+}
+
+TEST(PlannedTilt, IsThatOfThePlannedLean) {
+  WatchedTarget watched;
+  PlannedTilt tilt;
+  for (int k = 0; k < 50; ++k) {
+    PlannedView ignored;
+    watched.add(
+        ignored, 0.01 * k, 0.0, [](double) { return -0.2; }, 0.0);
+    tilt.add(watched.team, BodyId{0}, watched.sample, 0.25, true);
+  }
+  EXPECT_NEAR(tilt.max(), 0.2, 1e-9) << "whichever way it leans";
+  EXPECT_NEAR(tilt.rms(), 0.05, 1e-9);
+}
+
 }  // namespace
 }  // namespace sightline

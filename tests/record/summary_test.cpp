@@ -262,7 +262,16 @@ TEST(Summary, PositionErrorCountsFromRmsFromOnAndOnlyWhereQAsksForAPlace) {
   }
   const SummaryValues values = summary.values();
   EXPECT_NEAR(values.robots[0].rms_position_error, std::sqrt(0.125), 1e-12);
-  EXPECT_TRUE(std::isnan(values.robots[1].rms_position_error));
+  EXPECT_NEAR(values.robots[0].position_offset, 0.05, 1e-12) << "the mean of 0.3 and -0.4";
+  EXPECT_NEAR(values.robots[0].tracking_error, 0.35, 1e-12) << "the rest";
+  const Json agents = Json::parse(summary.json()).at("agents");
+  EXPECT_NEAR(agents.at(0).at("position_offset").get<double>(), 0.05, 1e-12);
+  EXPECT_NEAR(agents.at(0).at("tracking_error").get<double>(), 0.35, 1e-12);
+  for (const double none : {values.robots[1].rms_position_error, values.robots[1].position_offset,
+                            values.robots[1].tracking_error})
+    EXPECT_TRUE(std::isnan(none));
+  EXPECT_FALSE(agents.at(1).contains("position_offset"));
+  EXPECT_FALSE(agents.at(0).contains("planned_tilt")) << "it does not lean";
 }
 
 TEST(Summary, TimesAreExactOverAllSolvesAndAllocationsTheMostOfOneUpdate) {

@@ -4,6 +4,7 @@
 #include <initializer_list>
 
 #include "sightline/math/fixed.hpp"
+#include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
 namespace {
@@ -43,10 +44,16 @@ void put_header(CdrEncoder& to, std::uint64_t time, std::string_view frame) {
   to.put(static_cast<std::int32_t>(time / second)).put(static_cast<std::uint32_t>(time % second)).put(frame);
 }
 
-// The turn about z that takes the x axis to d: (cos ψ/2, sin ψ/2) without an angle, w >= 0.
+// Upright the turn about z that takes the x axis to d: (cos ψ/2, sin ψ/2) without an angle, w >= 0.
 void put_pose(CdrEncoder& to, const StampedPose& pose) {
   const double length = norm(pose.d[0], pose.d[1]);
   const double c = pose.d[0] / length, s = pose.d[1] / length;
+  if (pose.lean[0] != 0 || pose.lean[1] != 0) {
+    const Quaternion q = leaning({c, s}, {pose.lean[0], pose.lean[1]});
+    for (const double x : pose.p) to.put(x);
+    to.put(q.x).put(q.y).put(q.z).put(q.w);
+    return;
+  }
   const double larger = std::sqrt(0.5 * (1 + std::abs(c)));
   const double smaller = 0.5 * std::abs(s) / larger;
   const double w = c >= 0 ? larger : smaller;
@@ -69,6 +76,11 @@ StampedPose read_pose(CdrDecoder& from) {
   const auto x = from.number<double>(), y = from.number<double>(), z = from.number<double>(),
              w = from.number<double>();
   pose.d = {w * w + x * x - y * y - z * z, 2 * (w * z + x * y)};
+  if (x == 0 && y == 0) return pose;
+  const Rotation R = rotation({w, x, y, z});
+  const Vec2<double> d = heading(R), tilt = lean(R);
+  pose.d = {d.x, d.y};
+  pose.lean = {tilt.x, tilt.y};
   return pose;
 }
 

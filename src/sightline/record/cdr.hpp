@@ -108,6 +108,7 @@ struct StampedPose {
   std::array<double, 3> p{};  ///< position [m]
   std::array<double, 2> d{1,
                           0};  ///< heading (cos ψ, sin ψ) [-]; any length but 0 when encoded, 1 when decoded
+  std::array<double, 2> lean{};  ///< tangent of the tilt, forward and to the left [-]
 };
 
 /// Velocity at a time.

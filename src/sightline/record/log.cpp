@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <exception>
@@ -249,11 +248,9 @@ void Log::Files::open_body(BodyId body, bool is_measured, bool has_barrier) {
 
 /// Of vehicles, and of robots with a camera that leans with them.
 void Log::Files::open_attitudes(const Scenario& scenario) {
+  const std::vector<bool> leans = leaning_bodies(scenario);
   for (BodyChannels& channels : bodies_) {
-    const auto is_it = [&](const RobotVehicle& v) { return v.robot == channels.body; };
-    if (std::none_of(scenario.vehicles.begin(), scenario.vehicles.end(), is_it) &&
-        !has_body_camera(scenario, channels.body))
-      continue;
+    if (!leans[size(channels.body.index)]) continue;
     if (!schemas_.attitude) {
       const RosSchema schema = attitude_schema();
       schemas_.attitude = mcap_.schema(schema.name, "ros2msg", schema.text);
@@ -365,14 +362,17 @@ void Log::Files::add_barrier(BodyChannels& channels, const Sample& sample) {
 
 void Log::Files::add_path(BodyChannels& channels, const Sample& sample) {
   const Model& model = team_.model(channels.body);
-  const std::size_t stages = sample.path.size() / sample.x.size();
+  const bool leans = channels.attitude && !sample.path_u.empty();
   path_.clear();
-  for (std::size_t i = 0; i < stages; ++i) {
+  for (std::size_t i = 0; i < sample.path.size() / sample.x.size(); ++i) {
     const double* x = &sample.path[i * sample.x.size() + size(team_.state_offset(channels.body))];
-    const Pose<double> pose = model.sight(x, no_input_.data());
-    if (!all_finite({x, size(model.nx())}) || (pose.d.x == 0 && pose.d.y == 0)) return;
-    const double ahead = sample.path_step * static_cast<double>(i);
-    path_.push_back({nanoseconds(sample.time + ahead), {pose.p.x, pose.p.y, pose.p.z}, {pose.d.x, pose.d.y}});
+    const double* u = leans ? &sample.path_u[i * sample.u.size() + size(team_.input_offset(channels.body))]
+                            : no_input_.data();
+    const Sight<double> seen = model.sight(x, u);
+    if (!all_finite({x, size(model.nx())}) || (seen.d.x == 0 && seen.d.y == 0)) return;
+    const double time = sample.path_time + sample.path_step * static_cast<double>(i);
+    path_.push_back({nanoseconds(time), {seen.p.x, seen.p.y, seen.p.z}, {seen.d.x, seen.d.y}});
+    if (leans) path_.back().lean = {seen.lean.x, seen.lean.y};
   }
   encode_path(bytes_, frame, nanoseconds(sample.time), path_);
   send_bytes(*channels.path, sample.time);

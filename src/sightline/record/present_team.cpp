@@ -56,11 +56,14 @@ std::vector<Coupling> all_couplings(const Scenario& scenario) {
   return all;
 }
 
-bool has_body_camera(const Scenario& scenario, BodyId robot) {
-  const std::vector<Observation> all = observations(all_couplings(scenario));
-  return std::any_of(all.begin(), all.end(), [&](const Observation& o) {
-    return o.observer == robot && o.mount.frame == MountFrame::body;
-  });
+std::vector<bool> leaning_bodies(const Scenario& scenario) {
+  std::vector<bool> leans;
+  for (int i = 0; i < scenario.team.bodies(); ++i)
+    leans.push_back(vehicle_of(scenario, BodyId{i}) != nullptr);
+  for (const Observation& o : observations(all_couplings(scenario))) {
+    if (o.mount.frame == MountFrame::body) leans[size(o.observer.index)] = true;
+  }
+  return leans;
 }
 
 PresentTeam::PresentTeam(const Scenario& scenario)

@@ -26,8 +26,9 @@ std::vector<Observation> observations(std::span<const Coupling> couplings);
 /// All couplings that may be in force at some time of a run, those of the start first. Bodies are the scenario's.
 std::vector<Coupling> all_couplings(const Scenario& scenario);
 
-/// Whether a camera that is fixed to its body looks from that robot at some time of a run.
-bool has_body_camera(const Scenario& scenario, BodyId robot);
+/// Of each body, whether its lean is judged and logged: vehicles, and robots from which a camera that is fixed to the body
+/// looks at some time of a run.
+std::vector<bool> leaning_bodies(const Scenario& scenario);
 
 /// Ids are the scenario's throughout.
 class PresentTeam {

@@ -17,8 +17,10 @@
 #include <system_error>
 
 #include "sightline/base/no_value.hpp"
+#include "sightline/base/same_time.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/mcap.hpp"
+#include "sightline/record/planned_view.hpp"
 #include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
@@ -111,6 +113,7 @@ class RowReader {
       places_[topic + "pose"] = [&body](const McapMessage& m) { pose(body, m); };
       places_[topic + "twist"] = [&body](const McapMessage& m) { twist(body, m); };
       places_[topic + "attitude"] = [&body](const McapMessage& m) { attitude(body, m); };
+      places_[topic + "path"] = [&body](const McapMessage& m) { path(body, m); };
       places_[topic + "input"] = [&body](const McapMessage& m) { input(body, m); };
       places_[topic + "barrier"] = [&body](const McapMessage& m) { barrier(body, m); };
       places_[topic + "reference"] = [&body](const McapMessage& m) { reference(body, m); };
@@ -190,6 +193,27 @@ class RowReader {
     if (!attitude || body.lean.empty()) refuse("a message of {} is no attitude of a state", message.topic);
     const auto& [x, y, z, w] = attitude->q;
     body.lean.back() = lean(rotation({w, x, y, z}));
+    body.leans = true;
+  }
+  /// Keeps of a plan what it says for PlannedAhead::ahead later, on a line between two stages.
+  static void path(Recording::Body& body, const McapMessage& message) {
+    const auto path = decode_path(message.bytes);
+    if (!path) refuse("a message of {} is no path", message.topic);
+    constexpr double nanosecond = 1e-9;  // [s]
+    const auto time_of = [&](const StampedPose& pose) { return nanosecond * static_cast<double>(pose.time); };
+    const double then = nanosecond * static_cast<double>(message.log_time) + PlannedAhead::ahead;
+    const auto later = std::upper_bound(path->begin(), path->end(), then + same_time,
+                                        [&](double t, const StampedPose& pose) { return t < time_of(pose); });
+    if (later == path->begin() || later == path->end()) return;
+    const StampedPose &a = *(later - 1), &b = *later;
+    const double w = (then - time_of(a)) / (time_of(b) - time_of(a));
+    const auto between = [w](double from, double to) { return from + w * (to - from); };
+    Sight<double> planned;
+    planned.p = {between(a.p[0], b.p[0]), between(a.p[1], b.p[1]), between(a.p[2], b.p[2])};
+    planned.d = {between(a.d[0], b.d[0]), between(a.d[1], b.d[1])};
+    planned.lean = {between(a.lean[0], b.lean[0]), between(a.lean[1], b.lean[1])};
+    body.planned_time.push_back(then);
+    body.planned.push_back(planned);
   }
   static void input(Recording::Body& body, const McapMessage& message) {
     const json values = parsed(message).at("u");

@@ -22,7 +22,11 @@ struct Recording {
     std::vector<double> heading;  ///< psi [rad], unwrapped, one a period
     std::vector<Vec3<double>> v;  ///< in G [m/s], one a period
     std::vector<Vec2<double>>
-        lean{};  ///< true one, forward and to the left, one a period; 0 where it is not logged
+        lean{};          ///< true one, forward and to the left, one a period; 0 where it is not logged
+    bool leans = false;  ///< the true one is logged: a vehicle, or with a camera that is fixed to the body
+    std::vector<double> planned_time{};  ///< [s], rising, one for each predicted path
+    std::vector<Sight<double>>
+        planned{};  ///< pose and lean that were planned for then, PlannedAhead::ahead before
     std::vector<std::string> inputs;     ///< names of the inputs
     std::vector<double> u_min, u_max;    ///< at the start, one for each input
     std::vector<std::vector<double>> u;  ///< applied, [input][period]

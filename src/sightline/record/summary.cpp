@@ -60,6 +60,7 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
       safety_(scenario),
       plans_(scenario, controllers),
       period_(scenario.horizon.dt),
+      leans_(leaning_bodies(scenario)),
       chatter_(static_cast<std::size_t>(scenario.team.nu())),
       drift_(scenario.team, scenario.simulation.settle),
       least_distance2_(infinity) {
@@ -73,10 +74,7 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
   for (int i = 0; i < team.bodies(); ++i) {
     if (!team.is_agent(BodyId{i})) continue;
     robots_.push_back({BodyId{i}, roles_of(team.model(BodyId{i}))});
-    const auto& vehicles = scenario_.vehicles;
-    robots_.back().leans = has_body_camera(scenario_, BodyId{i}) ||
-                           std::any_of(vehicles.begin(), vehicles.end(),
-                                       [&](const RobotVehicle& v) { return v.robot == BodyId{i}; });
+    robots_.back().leans = leans_[at(BodyId{i})];
   }
   sights_.resize(static_cast<std::size_t>(team.bodies()));
   presence_.assign(sights_.size(), Presence::steered);
@@ -89,6 +87,7 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
 
 void Summary::add_view(const Observation& pair) {
   views_.push_back({pair, infinity, -infinity, -infinity, no_value, no_value});
+  views_.back().from_leaning = leans_[at(pair.observer)];
 }
 
 void Summary::add_limit(const Potential& potential, BodyId a, BodyId b) {
@@ -218,9 +217,12 @@ void Summary::add_inputs(const Sample& sample) {
 void Summary::add_robots(const Sample& sample) {
   for (Robot& robot : robots_) {
     if (robot.is_idle) robot.idle.count(sample.time, period_);
-    if (robot.leans && is_there(robot.body) && sample.time >= scenario_.simulation.settle - same_time) {
+    if (robot.leans && is_there(robot.body)) {
+      const bool settled = sample.time >= scenario_.simulation.settle - same_time;
       const Vec2<double>& lean = sight(robot.body).lean;
-      robot.steepest = std::max(robot.steepest, norm(lean.x, lean.y));
+      const double steep = norm(lean.x, lean.y);
+      if (settled) robot.steepest = std::max(robot.steepest, steep);
+      robot.planned.add(scenario_.team, robot.body, sample, std::atan(steep), settled);
     }
     const Agent* const steered = present_.agent(robot.body);
     if (steered == nullptr) continue;
@@ -239,6 +241,7 @@ void Summary::add_robots(const Sample& sample) {
     agent.x_ref(sample.time, agent.model, x_ref_);
     const Vec3<double> e = sight(robot.body).p - agent.model.sight(x_ref_.data(), agent.u_ref.data()).p;
     robot.squared_error += dot(e, e);
+    robot.error = robot.error + e;
     ++robot.errors;
   }
 }
@@ -269,8 +272,7 @@ void Summary::add_views(const Sample& sample) {
     if (std::isnan(begun)) begun = time;
     over = no_value;
     const bool settled = time >= scenario_.simulation.settle - same_time;
-    if (view.pair.mount.frame == MountFrame::body)
-      view.planned.add(scenario_.team, view.pair, sample, angle, settled);
+    if (view.from_leaning) view.planned.add(scenario_.team, view.pair, sample, angle, settled);
     if (!settled) continue;
     const double distance = norm(observer.p - target.p);
     view.nearest = std::min(view.nearest, distance);
@@ -387,14 +389,17 @@ SummaryValues Summary::values() const {
   for (const View& view : views_) {
     v.pairs.push_back({name(view.pair.observer), name(view.pair.target), counted(view.nearest),
                        counted(view.farthest), counted(view.angle_max), view.in_since,
-                       share(view.seen, view.settled), view.time, view.pair.mount.frame == MountFrame::body,
+                       share(view.seen, view.settled), view.time, view.from_leaning,
                        view.settled > 0 ? view.angles / static_cast<double>(view.settled) : no_value,
-                       view.planned.rms()});
+                       view.planned.rms(), view.planned.mean()});
   }
   for (const Robot& robot : robots_) {
-    const double mean_square = robot.squared_error / static_cast<double>(robot.errors);
-    v.robots.push_back({name(robot.body), robot.errors > 0 ? std::sqrt(mean_square) : no_value, robot.energy,
-                        robot.leans ? std::atan(robot.steepest) : no_value,
+    const auto errors = static_cast<double>(robot.errors);  // of none all are 0 / 0
+    const double mean_square = robot.squared_error / errors, offset = norm(robot.error) / errors;
+    v.robots.push_back({name(robot.body), std::sqrt(mean_square), offset,
+                        std::sqrt(mean_square - std::min(mean_square, offset * offset)), robot.energy,
+                        robot.leans ? std::atan(robot.steepest) : no_value, robot.planned.max(),
+                        robot.planned.rms(),
                         scenario_.team.agent(robot.body).rate_max.empty() ? no_value : robot.rate_ratio});
     if (robot.idle.total > 0) v.idle_observers.push_back({name(robot.body), robot.idle});
   }

@@ -40,10 +40,11 @@ struct SummaryValues {
     double in_view_from;                ///< in view from here to the end [s]
     double in_view_fraction;            ///< after settle
     TimeInForce in_force;
-    bool from_body = false;        ///< seen by a camera that is fixed to the body; only then:
+    bool from_leaning = false;     ///< by a vehicle, or by a camera that is fixed to the body; only then:
     double view_angle_mean = 0.0;  ///< after settle [rad]
     double planned_view_rms =
         0.0;  ///< of flown against planned PlannedView::ahead before, after settle [rad]
+    double planned_view_mean = 0.0;  ///< as planned [rad]
   };
   /// A robot that was asked to observe, while nothing that it was to see was there.
   struct Idle {
@@ -53,9 +54,12 @@ struct SummaryValues {
   struct Robot {
     std::string name;
     double rms_position_error;  ///< from rms_from on [m]
+    double position_offset;     ///< steady part of that error: the length of its mean in G [m]
+    double tracking_error;      ///< root mean square of the rest [m]
     double energy;              ///< sum of dt u'Ru of the applied input [s]
     double tilt_max;  ///< after settle [rad], of a vehicle or one with a camera that is fixed to its body
-    double input_rate_ratio;  ///< largest rate of an applied input over its rate_max
+    double planned_tilt_max, planned_tilt_rms;  ///< planned PlannedTilt::ahead before, where it leans [rad]
+    double input_rate_ratio;                    ///< largest rate of an applied input over its rate_max
   };
   struct Limit {
     std::string name;  ///< "keep_out uav0-uav1"
@@ -140,7 +144,8 @@ class Summary {
     std::int64_t settled = 0, seen = 0;   // samples after settle, and those of them in view
     bool in_force = true;
     TimeInForce time{};
-    double angles = 0.0;  // sum after settle [rad]
+    double angles = 0.0;        // sum after settle [rad]
+    bool from_leaning = false;  // its plan is told
     PlannedView planned{};
   };
   struct Limit {
@@ -157,9 +162,11 @@ class Summary {
     BodyId body;
     StateRoles roles;
     double squared_error = 0.0, energy = 0.0;
+    Vec3<double> error{};  // sum [m]
     std::int64_t errors = 0;
-    bool leans = false;            // its tilt is told
-    double steepest = 0.0;         // tangent of the largest tilt
+    bool leans = false;     // its tilt is told
+    double steepest = 0.0;  // tangent of the largest tilt
+    PlannedTilt planned{};
     double rate_ratio = 0.0;       // of an input to its rate_max
     std::vector<double> before{};  // applied inputs of the sample before
     double time_before = 0.0;      // [s]
@@ -188,7 +195,8 @@ class Summary {
   std::vector<Presence> presence_;
   SafetySummary safety_;
   PlanSummary plans_;
-  double period_;  // [s]
+  double period_;            // [s]
+  std::vector<bool> leans_;  // of all bodies
   std::vector<View> views_;
   std::vector<Limit> limits_;
   std::vector<Robot> robots_;
@@ -217,6 +225,11 @@ struct SummaryLine {
 /// summary.json in words and units.
 /// @throws std::runtime_error where the text is no such summary
 std::vector<SummaryLine> summary_lines(std::string_view json);
+
+/// How planned and flown compare, in words and units, for pairs and robots that lean: what it is, as planned, as flown, and root
+/// mean square of the difference.
+/// @throws std::runtime_error where the text is no such summary
+std::vector<std::array<std::string, 4>> planned_rows(std::string_view json);
 
 /// Solvers side by side: a line for each summary.json, with its times to solve and its cost.
 /// @throws std::runtime_error where a text is no such summary

@@ -50,10 +50,11 @@ std::string Summary::json() const {
                              {"view_angle_max", pair.view_angle_max},
                              {"in_view_from", pair.in_view_from},
                              {"in_view_fraction", pair.in_view_fraction}});
-    if (pair.from_body) {
+    if (pair.from_leaning) {
       Json& seen = json["pairs"].back();
       seen["view_angle_mean"] = pair.view_angle_mean;
-      seen["planned_view_angle"] = {{"ahead", PlannedView::ahead}, {"rms", pair.planned_view_rms}};
+      seen["planned_view_angle"] = {
+          {"ahead", PlannedView::ahead}, {"mean", pair.planned_view_mean}, {"rms", pair.planned_view_rms}};
     }
     add_time(json["pairs"].back(), pair.in_force);
   }
@@ -64,7 +65,15 @@ std::string Summary::json() const {
   for (const auto& robot : v.robots) {
     json["agents"].push_back(
         {{"name", robot.name}, {"rms_position_error", robot.rms_position_error}, {"energy", robot.energy}});
-    if (!std::isnan(robot.tilt_max)) json["agents"].back()["tilt_max"] = robot.tilt_max;
+    if (!std::isnan(robot.rms_position_error)) {
+      json["agents"].back()["position_offset"] = robot.position_offset;
+      json["agents"].back()["tracking_error"] = robot.tracking_error;
+    }
+    if (!std::isnan(robot.tilt_max)) {
+      json["agents"].back()["tilt_max"] = robot.tilt_max;
+      json["agents"].back()["planned_tilt"] = {
+          {"ahead", PlannedTilt::ahead}, {"max", robot.planned_tilt_max}, {"rms", robot.planned_tilt_rms}};
+    }
     if (!std::isnan(robot.input_rate_ratio))
       json["agents"].back()["input_rate_ratio"] = robot.input_rate_ratio;
   }

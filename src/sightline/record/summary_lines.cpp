@@ -40,7 +40,7 @@ std::string times_to_solve(const Json& s) {
 
 // What is not there, or of another kind, is a summary's fault.
 template <class Read>
-std::vector<SummaryLine> of_summary(Read&& read) {
+auto of_summary(Read&& read) {
   try {
     return read();
   } catch (const Json::exception& e) {
@@ -138,8 +138,11 @@ std::vector<SummaryLine> lines_of(const Json& s) {
   }
   const auto tell_agent = [&](const Json& agent) {
     const Json& error = agent.at("rms_position_error");
+    const std::string steady = agent.contains("tilt_max") && agent.contains("position_offset")
+                                   ? fmt::format(", {} of it steady", words(agent.at("position_offset"), "m"))
+                                   : "";
     add(name(agent.at("name")),
-        (error.is_null() ? "" : fmt::format("position error {} (RMS), ", words(error, "m"))) +
+        (error.is_null() ? "" : fmt::format("position error {} (RMS{}), ", words(error, "m"), steady)) +
             fmt::format("input energy {}, u'Ru summed over time", words(agent.at("energy"), "s")) +
             (agent.contains("tilt_max") ? fmt::format(", tilt at most {}", words(agent.at("tilt_max"), "rad"))
                                         : "") +
@@ -205,6 +208,33 @@ std::vector<SummaryLine> lines_of(const Json& s) {
 
 std::vector<SummaryLine> summary_lines(std::string_view json) {
   return of_summary([&] { return lines_of(Json::parse(json)); });
+}
+
+std::vector<std::array<std::string, 4>> planned_rows(std::string_view text) {
+  return of_summary([&] {
+    const Json s = Json::parse(text);
+    std::vector<std::array<std::string, 4>> rows;
+    for (const Json& pair : s.at("pairs")) {
+      if (!pair.contains("planned_view_angle")) continue;
+      const Json& planned = pair.at("planned_view_angle");
+      rows.push_back({fmt::format("{} sees {}: view angle, mean", pair.at("observer").get<std::string>(),
+                                  pair.at("target").get<std::string>()),
+                      words(planned.at("mean"), "rad"), words(pair.at("view_angle_mean"), "rad"),
+                      words(planned.at("rms"), "rad")});
+    }
+    for (const Json& agent : s.at("agents")) {
+      if (!agent.contains("planned_tilt")) continue;
+      const Json& planned = agent.at("planned_tilt");
+      const std::string who = agent.at("name").get<std::string>();
+      rows.push_back({who + ": tilt, largest", words(planned.at("max"), "rad"),
+                      words(agent.at("tilt_max"), "rad"), words(planned.at("rms"), "rad")});
+      if (!agent.contains("position_offset")) continue;
+      rows.push_back(
+          {who + ": distance from its reference, steady", "", words(agent.at("position_offset"), "m"), ""});
+      rows.push_back({who + ": the rest of it, RMS", "", words(agent.at("tracking_error"), "m"), ""});
+    }
+    return rows;
+  });
 }
 
 std::vector<SummaryLine> comparison_lines(std::span<const std::string> summaries) {

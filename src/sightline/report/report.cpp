@@ -20,9 +20,11 @@
 #include "sightline/base/reason.hpp"
 #include "sightline/plot/page.hpp"
 #include "sightline/record/event_words.hpp"
+#include "sightline/record/planned_view.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/record/text_file.hpp"
 #include "sightline/report/curves.hpp"
+#include "sightline/report/flown_figure.hpp"
 #include "sightline/report/graph_figure.hpp"
 #include "sightline/report/nearness_figure.hpp"
 #include "sightline/report/paths_figure.hpp"
@@ -169,8 +171,11 @@ void add_pair(const Recording& r, const Curves& curves, const Recording::Pair& p
       curves.level(fmt::format("d_min = {:.4g} m", pair.d_min), Drawing::limit_colour, pair.d_min),
       curves.level(fmt::format("d_max = {:.4g} m", pair.d_max), Drawing::limit_colour, pair.d_max)};
   Panel angle{.x_label = "t [s]", .y_label = "α_t [rad]", .height = 160};
+  const PlannedAngles planned = planned_angles(r, pair);
   angle.curves = {
       curves.over_time("view angle α_t", 0, Mark::line, angles),
+      curves.curve(fmt::format("planned {} s before", PlannedAhead::ahead), 1, Mark::dashed, planned.time,
+                   planned.angle),
       curves.level(fmt::format("limit α = {:.4g} rad", pair.alpha), Drawing::limit_colour, pair.alpha)};
   drawings.push_back(
       {fmt::format("{} sees {}: distance and view angle", observer.name, target.name),
@@ -357,6 +362,12 @@ std::vector<Drawing> drawings_of(const Recording& recording) {
     add_headings(recording, curves, group, shown.size(), drawings);
   }
   for (const auto& group : groups_of(robots_a_figure, shown)) {
+    if (auto flown = flown_drawing(recording, curves, group)) {
+      flown->title = group_title(flown->title, group, recording, shown.size());
+      drawings.push_back(std::move(*flown));
+    }
+  }
+  for (const auto& group : groups_of(robots_a_figure, shown)) {
     add_inputs(recording, curves, group, shown.size(), drawings);
   }
   add_solver(recording, curves, drawings);
@@ -453,7 +464,7 @@ std::string report_html(const Recording& recording, std::string_view summary, st
         fmt::format("<p class=\"warning\">The run did not end by itself: its log stops at {:.6g} s{}.</p>\n",
                     end, summary.empty() ? ", and there is no summary.json" : "");
   }
-  if (!summary.empty()) page += summary_table(summary);
+  if (!summary.empty()) page += summary_table(summary) + flown_table(summary);
   page += comparison_table(r, summary);
   page += partition_table(summary, partition);
   for (const Figure& figure : graph_figures(r)) page += page_figure(figure);
