@@ -28,8 +28,8 @@ class PlannedAhead {
     compare(sample.time, flown, counts);
     const auto place = place_in(sample);
     if (!place) return;
-    const double first = at_stage(place->stage), second = at_stage(place->stage + 1);
-    planned_.push_back({sample.time + ahead, first + place->share * (second - first)});
+    const double here = at_stage(place->stage), next = at_stage(place->stage + 1);
+    planned_.push_back({sample.time + ahead, here + place->share * (next - here)});
   }
 
   /// Of what was compared, not a number of nothing: root mean square of flown minus planned, mean and greatest planned.
