@@ -28,6 +28,7 @@ endmacro()
 
 # The oldest that are known to do.
 set(least_CLI11 2.1)
+set(least_CycloneDDS 0.10)
 set(least_Eigen3 3.4)
 set(least_GTest 1.11)
 set(least_MuJoCo 2.2.2...<3)  # 3 has other calls for files in memory
