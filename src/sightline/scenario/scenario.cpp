@@ -16,6 +16,7 @@
 #include "sightline/scenario/read_coupling.hpp"
 #include "sightline/scenario/read_disturbances.hpp"
 #include "sightline/scenario/read_event.hpp"
+#include "sightline/scenario/read_link.hpp"
 #include "sightline/scenario/read_motion.hpp"
 #include "sightline/scenario/read_part.hpp"
 #include "sightline/scenario/read_robot.hpp"
@@ -36,12 +37,13 @@ class Reader {
 
   void read() {
     root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart",
-                       "constrain", "event", "world", "simulation", "safety", "log", "campaign"});
+                       "constrain", "event", "world", "simulation", "safety", "log", "fleet", "campaign"});
     read_horizon();
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
     read_world();
     read_simulation();
     read_log();
+    if (auto network = read_fleet(root_)) scenario_.fleet = FleetPlan{.network = std::move(*network)};
     read_agents();
     read_bodies("target", scenario_.targets);
     read_bodies("obstacle", scenario_.obstacles);
@@ -131,7 +133,7 @@ class Reader {
     if (agents.size() > agents_max) root_.refuse("agent", fmt::format("at most {} robots", agents_max));
     for (const auto& [name, at] : agents) {
       at.expect_only({"robot", "parameters", "start", "Q", "R", "Q_f", "u_ref", "u_min", "u_max", "limits",
-                      "rate_max", "reference", "sensor", "present", "vehicle", "command_delay",
+                      "rate_max", "reference", "sensor", "present", "vehicle", "link", "command_delay",
                       "disturbance_time", "feed_forward", "R_rate"});
       const Model model = read_robot(at);
       const auto nx = static_cast<std::size_t>(model.nx()), nu = static_cast<std::size_t>(model.nu());
@@ -176,6 +178,10 @@ class Reader {
         scenario_.vehicles.push_back(std::move(*vehicle));
       }
       read_compensation(at, bodies_.at(name));
+      if (auto link = read_link(at, name, scenario_.fleet.has_value())) {
+        link->robot = bodies_.at(name);
+        scenario_.fleet->links.push_back(std::move(*link));
+      }
       scenario_.presence.push_back(is_present(at) ? Presence::steered : Presence::absent);
     }
   }
@@ -460,6 +466,10 @@ std::string summary(const Scenario& scenario) {
     const Vec3<double> air = vehicle.vehicle.air(wind);
     line("vehicle     {}: feels the wind as air at [{:.2f}, {:.2f}, {:.2f}] m/s", team.name(vehicle.robot),
          air.x, air.y, air.z);
+  }
+  if (scenario.fleet) {
+    line("{}", in_words(scenario.fleet->network));
+    for (const Link& link : scenario.fleet->links) line("{}", in_words(link, team.name(link.robot)));
   }
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     const auto& targets = scenario.targets;

@@ -19,6 +19,7 @@
 #include "sightline/run/compensation.hpp"
 #include "sightline/run/guard.hpp"
 #include "sightline/scenario/campaign_plan.hpp"
+#include "sightline/scenario/link.hpp"
 #include "sightline/scenario/scenario_text.hpp"
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
@@ -118,6 +119,7 @@ struct Scenario {
   Simulation simulation{};
   std::optional<Safety> safety{};
   LogOptions log{};
+  std::optional<FleetPlan> fleet{};  ///< how its robots are reached, where they are not simulated
   std::optional<CampaignPlan> campaign{};
 };
 

@@ -1,0 +1,103 @@
+/// How robots that are not simulated are reached: what [fleet] and [agent.NAME.link] say. Read everywhere; only a bridge flies it.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <variant>
+#include <vector>
+
+#include "sightline/base/parameter.hpp"
+#include "sightline/math/fixed.hpp"
+#include "sightline/ocp/roster.hpp"
+
+namespace sightline {
+
+/// Releases of PX4 whose messages are known.
+enum class Px4Release { v1_14, v1_15, v1_16, v1_17, v1_18 };
+
+/// A vehicle of PX4 behind its uXRCE-DDS agent.
+struct Px4Link {
+  static constexpr std::string_view name = "px4";
+
+  Px4Release release = Px4Release::v1_16;
+  std::string name_space{};  ///< of its topics, "/px4_1"; empty: none
+  int target_system = 0;     ///< MAV_SYS_ID, that it must have; 0: any
+
+  static constexpr auto parameters() {
+    constexpr std::array<std::string_view, 5> releases = {"1.14", "1.15", "1.16", "1.17", "1.18"};
+    return std::tuple{parameter("release", &Px4Link::release, releases, "release of its firmware"),
+                      parameter("target_system", &Px4Link::target_system, "", {1, 255, "1 to 255"},
+                                "MAV_SYS_ID that it must have; none: any")};
+  }
+};
+
+/// A Crazyflie behind the server of Crazyswarm2.
+struct Crazyswarm2Link {
+  static constexpr std::string_view name = "crazyswarm2";
+
+  std::string name_space{};  ///< of its topics and services, "/cf1"
+  double takeoff_height = 0.5, takeoff_time = 2.0;
+
+  static constexpr auto parameters() {
+    return std::tuple{parameter("takeoff_height", &Crazyswarm2Link::takeoff_height, "m",
+                                {0.1, 10, "0.1 to 10"}, "above the ground, where the task begins"),
+                      parameter("takeoff_time", &Crazyswarm2Link::takeoff_time, "s", {0.5, 20, "0.5 to 20"},
+                                "from the ground to there")};
+  }
+};
+
+/// A robot with an odometry and a cmd_vel topic: rovers, and multirotors that take velocities.
+struct Ros2Link {
+  static constexpr std::string_view name = "ros2";
+
+  std::string odometry{}, cmd_vel{};  ///< topics
+  bool stamped = false;               ///< cmd_vel is a TwistStamped
+  std::string frame{}, body_frame{};  ///< that the odometry must be in and of; empty: any
+
+  static constexpr auto parameters() { return std::tuple{}; }
+};
+
+/// Where a robot's poses come from.
+enum class PoseSource { odometry, mocap, tf };
+inline constexpr std::array<std::string_view, 3> pose_sources = {"odometry", "mocap", "tf"};
+
+/// Where a local frame lies in G.
+struct LinkOrigin {
+  Vec3<double> p{};      ///< [m]
+  double heading = 0.0;  ///< of its x axis, where it is ENU [rad]
+};
+
+struct Link {
+  BodyId robot{};
+  std::variant<Px4Link, Crazyswarm2Link, Ros2Link> kind{};
+  LinkOrigin origin{};  ///< of the frame that its odometry is in
+  PoseSource poses = PoseSource::odometry;
+  std::string pose_topic{};  ///< of mocap: PoseStamped, or NamedPoseArray where the body has a name
+  std::string pose_name{};   ///< of the body in a NamedPoseArray; of tf, the frame of the robot
+
+  /// "px4"
+  std::string_view kind_name() const {
+    return std::visit([](const auto& k) { return std::remove_cvref_t<decltype(k)>::name; }, kind);
+  }
+};
+
+/// Who hears us, and whom we hear.
+enum class Multicast { off, on };
+struct FleetNetwork {
+  int domain = 0;                                  ///< of DDS
+  std::vector<std::string> interfaces = {"lo"};    ///< by which messages leave, by name
+  std::vector<std::string> peers = {"127.0.0.1"};  ///< machines that are asked who is there
+  Multicast multicast = Multicast::off;
+  int participants = 32;  ///< most programs of one machine
+};
+inline constexpr int domain_max = 230;
+
+struct FleetPlan {
+  FleetNetwork network{};
+  std::vector<Link> links{};  ///< of each robot, in the order of the team
+};
+
+}  // namespace sightline

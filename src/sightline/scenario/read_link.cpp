@@ -1,0 +1,189 @@
+#include "sightline/scenario/read_link.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "sightline/scenario/read_part.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr std::size_t link_text_max = 128, network_texts_max = 16;
+
+bool is_network_name(const std::string& text) {
+  return !text.empty() && text.size() <= 64 && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '.' || c == ':' || c == '_' || c == '-' || c == '%';
+  });
+}
+
+/// "/a/b_2": parts of letters, digits and _, none of which begins with a digit.
+bool is_ros_name(std::string_view text) {
+  if (text.size() < 2 || text.size() > link_text_max || text[0] != '/') return false;
+  char before = '\0';
+  for (const char c : text) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_',
+               digit = c >= '0' && c <= '9';
+    if (!letter && !digit && c != '/') return false;
+    if (before == '/' && !letter) return false;
+    before = c;
+  }
+  return before != '/';
+}
+
+std::string read_ros_name(const TomlTable& at, std::string_view key, std::string_view what) {
+  const std::string expected = fmt::format("{}, as \"/a/b\": letters, digits and _", what);
+  std::string name = at.text(key, expected);
+  if (!is_ros_name(name)) at.refuse(key, expected);
+  return name;
+}
+
+/// A frame or a body, as others call it: anything that fits in a line.
+std::string read_frame(const TomlTable& at, std::string_view key, std::string_view what) {
+  std::string name = at.text(key, what);
+  if (name.empty() || name.size() > link_text_max)
+    at.refuse(key, fmt::format("{} of 1 to {} bytes", what, link_text_max));
+  return name;
+}
+
+std::vector<std::string> read_network_names(const TomlTable& at, std::string_view key,
+                                            std::string_view what) {
+  std::vector<std::string> names = at.texts(key, TomlTable::any_length, what);
+  if (names.size() > network_texts_max) at.refuse(key, fmt::format("at most {} {}", network_texts_max, what));
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (!is_network_name(names[i])) at.refuse(key, i, fmt::format("{}: letters, digits and .:_-%", what));
+  return names;
+}
+
+// Of each kind, what stands beside what the kind says of its parameters.
+constexpr std::array<std::string_view, 5> common = {"kind", "origin", "poses", "pose_topic", "pose_name"};
+
+template <class Kind>
+Kind read_kind(const TomlTable& at, std::initializer_list<std::string_view> texts) {
+  std::vector<std::string_view> beside(common.begin(), common.end());
+  beside.insert(beside.end(), texts);
+  return read_part<Kind>(TableSource(at), beside);
+}
+
+using LinkKind = decltype(Link::kind);
+
+LinkKind read_px4(const TomlTable& at, const std::string&) {
+  Px4Link link = read_kind<Px4Link>(at, {"namespace"});
+  if (!at.has("release")) at.refuse("release", "the release of its firmware, \"1.14\" to \"1.18\"");
+  if (at.has("namespace")) link.name_space = read_ros_name(at, "namespace", "the namespace of its topics");
+  return link;
+}
+
+LinkKind read_crazyswarm2(const TomlTable& at, const std::string& agent) {
+  Crazyswarm2Link link = read_kind<Crazyswarm2Link>(at, {"namespace"});
+  link.name_space = at.has("namespace") ? read_ros_name(at, "namespace", "the namespace of its topics")
+                                        : fmt::format("/{}", agent);
+  if (!is_ros_name(link.name_space))
+    at.refuse("namespace", "the namespace of its topics: the robot's name cannot be one");
+  return link;
+}
+
+LinkKind read_ros2(const TomlTable& at, const std::string&) {
+  Ros2Link link = read_kind<Ros2Link>(at, {"odometry", "cmd_vel", "stamped", "frame", "body_frame"});
+  link.odometry = read_ros_name(at, "odometry", "the topic of its odometry");
+  link.cmd_vel = read_ros_name(at, "cmd_vel", "the topic of its velocity commands");
+  if (at.has("stamped")) link.stamped = at.boolean("stamped");
+  if (at.has("frame")) link.frame = read_frame(at, "frame", "the frame of its odometry");
+  if (at.has("body_frame")) link.body_frame = read_frame(at, "body_frame", "the frame of its body");
+  return link;
+}
+
+using ReadKind = LinkKind (*)(const TomlTable&, const std::string&);
+constexpr std::array<Named<ReadKind>, 3> kinds = {
+    {{Px4Link::name, read_px4}, {Crazyswarm2Link::name, read_crazyswarm2}, {Ros2Link::name, read_ros2}}};
+
+void read_poses(const TomlTable& at, Link& link) {
+  if (at.has("poses")) {
+    if (at.text("poses", "where its poses come from") == "estimate")
+      at.refuse("poses", fmt::format("one of {}: what an estimator makes of detections is not there yet",
+                                     fmt::join(pose_sources, ", ")));
+    const std::string_view word = at.word("poses", pose_sources);
+    link.poses = static_cast<PoseSource>(std::find(pose_sources.begin(), pose_sources.end(), word) -
+                                         pose_sources.begin());
+  }
+  const bool mocap = link.poses == PoseSource::mocap, odometry = link.poses == PoseSource::odometry;
+  if (at.has("pose_topic") && !mocap) at.refuse("pose_topic", "no such key, only with poses = \"mocap\"");
+  if (at.has("pose_name") && odometry)
+    at.refuse("pose_name", "no such key, only with poses = \"mocap\" or \"tf\"");
+  if (mocap) link.pose_topic = read_ros_name(at, "pose_topic", "the topic of its poses");
+  if (!odometry && (at.has("pose_name") || !mocap))
+    link.pose_name = read_frame(at, "pose_name", "what motion capture or /tf calls it");
+}
+
+}  // namespace
+
+std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
+  if (!root.has("fleet")) return std::nullopt;
+  const TomlTable at = root.table("fleet");
+  at.expect_only({"domain", "interfaces", "discovery"});
+  FleetNetwork network;
+  if (at.has("domain")) network.domain = static_cast<int>(at.integer("domain", 0, domain_max));
+  if (at.has("interfaces")) network.interfaces = read_network_names(at, "interfaces", "names of interfaces");
+  const TomlTable discovery = at.table_or_empty("discovery");
+  discovery.expect_only({"peers", "multicast", "participants"});
+  if (discovery.has("multicast") && discovery.boolean("multicast")) network.multicast = Multicast::on;
+  if (discovery.has("participants"))
+    network.participants = static_cast<int>(discovery.integer("participants", 2, 120));
+  if (discovery.has("peers")) {
+    network.peers = read_network_names(discovery, "peers", "addresses");
+  } else if (network.interfaces != FleetNetwork{}.interfaces && network.multicast == Multicast::off) {
+    discovery.refuse("peers", "the addresses of the other machines, since multicast is off");
+  }
+  return network;
+}
+
+std::optional<Link> read_link(const TomlTable& agent, const std::string& name, bool fleet) {
+  if (agent.has("link") && !fleet) agent.refuse("link", "no such table without a [fleet]");
+  if (!fleet) return std::nullopt;
+  const TomlTable at =
+      agent.table("link", "a table that says how the robot is reached, as for each of a [fleet]");
+  Link link;
+  link.kind = find(kinds, at.word("kind", names(kinds)))(at, name);
+  read_poses(at, link);
+  if (at.has("origin")) {
+    const TomlTable origin = at.table("origin", "a table with p and heading");
+    origin.read({{"heading",
+                  &link.origin.heading,
+                  {-2 * std::numbers::pi, 2 * std::numbers::pi, "-2 pi to 2 pi rad"}}},
+                {"p"});
+    link.origin.p = origin.vec3("p");
+  } else if (std::holds_alternative<Px4Link>(link.kind) && link.poses == PoseSource::odometry) {
+    at.refuse("origin",
+              "a table with p and heading: where in G its estimator starts, its local frame's origin");
+  }
+  return link;
+}
+
+std::string in_words(const FleetNetwork& network) {
+  return fmt::format("fleet       domain {} on {}, {}", network.domain, fmt::join(network.interfaces, ", "),
+                     network.multicast == Multicast::on
+                         ? "by multicast"
+                         : fmt::format("asks {}, no multicast", fmt::join(network.peers, ", ")));
+}
+
+std::string in_words(const Link& link, std::string_view name) {
+  std::string how;
+  if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) {
+    how = fmt::format("{} of PX4 1.{}",
+                      px4->name_space.empty() ? "topics without a namespace" : px4->name_space,
+                      14 + static_cast<int>(px4->release));
+  } else if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind)) {
+    how = fmt::format("{} of Crazyswarm2", crazyflie->name_space);
+  } else {
+    const auto& ros2 = std::get<Ros2Link>(link.kind);
+    how = fmt::format("{} and {}", ros2.odometry, ros2.cmd_vel);
+  }
+  const Vec3<double>& p = link.origin.p;
+  return fmt::format("link        {}: {}, poses by {}, origin [{}, {}, {}] m", name, how,
+                     pose_sources[static_cast<std::size_t>(link.poses)], p.x, p.y, p.z);
+}
+
+}  // namespace sightline

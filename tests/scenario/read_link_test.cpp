@@ -1,0 +1,120 @@
+#include "sightline/scenario/read_link.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/scenario_text.hpp"
+
+namespace sightline {
+namespace {
+
+using test::scenario_of;
+using test::scenario_refusal;
+using testing::EndsWith;
+using testing::HasSubstr;
+
+const std::string agent = "[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\n";
+
+std::string fleet(const std::string& link, const std::string& network = "") {
+  return "[fleet]\n" + network + agent + "[agent.uav0.link]\n" + link;
+}
+const std::string px4 = "kind = \"px4\"\nrelease = \"1.16\"\norigin = { p = [1, 2, 3], heading = 0.5 }\n";
+
+TEST(ReadLink, EachKindHasWhatTheFileSaysAndDefaultsForTheRest) {
+  const Scenario a = scenario_of(fleet(px4 + "namespace = \"/px4_1\"\ntarget_system = 2\n"));
+  ASSERT_TRUE(a.fleet);
+  ASSERT_EQ(a.fleet->links.size(), 1u);
+  const Link& link = a.fleet->links[0];
+  const auto& vehicle = std::get<Px4Link>(link.kind);
+  EXPECT_EQ(vehicle.release, Px4Release::v1_16);
+  EXPECT_EQ(vehicle.name_space, "/px4_1");
+  EXPECT_EQ(vehicle.target_system, 2);
+  EXPECT_EQ(link.origin.p.z, 3.0);
+  EXPECT_EQ(link.origin.heading, 0.5);
+  EXPECT_EQ(link.poses, PoseSource::odometry);
+  EXPECT_THAT(summary(a),
+              HasSubstr("link        uav0: /px4_1 of PX4 1.16, poses by odometry, origin [1, 2, 3] m\n"));
+
+  const Scenario b = scenario_of(
+      fleet("kind = \"crazyswarm2\"\nposes = \"mocap\"\npose_topic = \"/poses\"\npose_name = \"cf1\"\n"));
+  const auto& crazyflie = std::get<Crazyswarm2Link>(b.fleet->links[0].kind);
+  EXPECT_EQ(crazyflie.name_space, "/uav0");
+  EXPECT_EQ(b.fleet->links[0].poses, PoseSource::mocap);
+  EXPECT_EQ(b.fleet->links[0].pose_name, "cf1");
+
+  const Scenario c =
+      scenario_of(fleet("kind = \"ros2\"\nodometry = \"/r/odom\"\ncmd_vel = \"/r/cmd_vel\"\nstamped = "
+                        "true\nframe = \"odom\"\nposes = \"tf\"\npose_name = \"base_link\"\n"));
+  const auto& rover = std::get<Ros2Link>(c.fleet->links[0].kind);
+  EXPECT_EQ(rover.odometry, "/r/odom");
+  EXPECT_TRUE(rover.stamped);
+  EXPECT_EQ(rover.frame, "odom");
+}
+
+TEST(ReadLink, ANetworkIsLoopbackUnlessItIsSaid) {
+  const Scenario a = scenario_of(fleet(px4));
+  EXPECT_EQ(a.fleet->network.interfaces, std::vector<std::string>{"lo"});
+  EXPECT_THAT(summary(a), HasSubstr("fleet       domain 0 on lo, asks 127.0.0.1, no multicast\n"));
+  const Scenario b = scenario_of(fleet(
+      px4,
+      "domain = 5\ninterfaces = [\"eth0\"]\ndiscovery = { peers = [\"10.0.0.2\"], participants = 9 }\n"));
+  EXPECT_EQ(b.fleet->network.domain, 5);
+  EXPECT_EQ(b.fleet->network.peers, std::vector<std::string>{"10.0.0.2"});
+  EXPECT_EQ(b.fleet->network.participants, 9);
+  EXPECT_EQ(scenario_of(fleet(px4, "interfaces = [\"eth0\"]\ndiscovery = { multicast = true }\n"))
+                .fleet->network.multicast,
+            Multicast::on);
+}
+
+TEST(ReadLink, WithoutAFleetAScenarioIsWhatItWas) {
+  EXPECT_FALSE(scenario_of(agent).fleet);
+  EXPECT_THAT(scenario_refusal(agent + "[agent.uav0.link]\n" + px4),
+              EndsWith("expected no such table without a [fleet]"));
+}
+
+TEST(ReadLink, WhatDoesNotHoldIsRefusedWithItsPlace) {
+  struct Case {
+    std::string text, said;
+  };
+  const std::vector<Case> cases = {
+      {"[fleet]\n" + agent,
+       "agent.uav0.link is missing, expected a table that says how the robot is reached"},
+      {fleet("kind = \"px5\"\n"),
+       "a.toml:6: agent.uav0.link.kind = \"px5\", expected one of \"px4\", \"crazyswarm2\", \"ros2\""},
+      {fleet("kind = \"px4\"\norigin = { p = [0, 0, 0] }\n"),
+       "agent.uav0.link.release is missing, expected the release of its firmware"},
+      {fleet("kind = \"px4\"\nrelease = \"1.13\"\norigin = { p = [0, 0, 0] }\n"),
+       "link.release = \"1.13\", expected one of \"1.14\""},
+      {fleet("kind = \"px4\"\nrelease = \"1.16\"\n"),
+       "agent.uav0.link.origin is missing, expected a table with p and heading"},
+      {fleet(px4 + "target_system = 0\n"), "link.target_system = 0, expected"},
+      {fleet(px4 + "namespace = \"px4_1\"\n"),
+       "link.namespace = \"px4_1\", expected the namespace of its topics, as \"/a/b\""},
+      {fleet(px4 + "namespace = \"/px4//1\"\n"), "link.namespace = \"/px4//1\", expected"},
+      {fleet(px4 + "namespace = \"/1\"\n"), "link.namespace = \"/1\", expected"},
+      {fleet(px4 + "odometry = \"/a\"\n"), "link.odometry = \"/a\", expected a known key"},
+      {fleet(px4 + "poses = \"estimate\"\n"),
+       "link.poses = \"estimate\", expected one of odometry, mocap, tf: what an estimator makes of "
+       "detections is not there yet"},
+      {fleet(px4 + "poses = \"gps\"\n"),
+       "link.poses = \"gps\", expected one of \"odometry\", \"mocap\", \"tf\""},
+      {fleet(px4 + "poses = \"mocap\"\n"), "link.pose_topic is missing, expected the topic of its poses"},
+      {fleet(px4 + "poses = \"tf\"\n"),
+       "link.pose_name is missing, expected what motion capture or /tf calls it"},
+      {fleet(px4 + "pose_topic = \"/p\"\n"),
+       "link.pose_topic = \"/p\", expected no such key, only with poses = \"mocap\""},
+      {fleet("kind = \"ros2\"\nodometry = \"/o\"\n"),
+       "link.cmd_vel is missing, expected the topic of its velocity commands"},
+      {fleet(px4, "domain = 231\n"), "fleet.domain = 231, expected an integer, 0 to 230"},
+      {fleet(px4, "interfaces = [\"eth0\"]\n"),
+       "fleet.discovery.peers is missing, expected the addresses of the other machines"},
+      {fleet(px4, "interfaces = [\"<x/>\"]\n"),
+       "fleet.interfaces[0] = \"<x/>\", expected names of interfaces"},
+      {fleet(px4, "interfaces = []\n"),
+       "fleet.interfaces = [], expected an array of one or more names of interfaces"},
+      {fleet(px4, "discovery = { peer = [\"a\"] }\n"), "expected a known key, the nearest is \"peers\""}};
+  for (const Case& one : cases) EXPECT_THAT(scenario_refusal(one.text), HasSubstr(one.said)) << one.text;
+}
+
+}  // namespace
+}  // namespace sightline
