@@ -45,13 +45,13 @@ double turned_over_yaw(double yaw) {
   return heading <= -std::numbers::pi ? std::numbers::pi : heading;
 }
 
-Motion in_G(const LocalOrigin& origin, const Motion& local) {
+Motion in_G(const LinkOrigin& origin, const Motion& local) {
   Motion motion = turned(local, origin.heading);
   motion.p = origin.p + motion.p;
   return motion;
 }
 
-Motion in_local(const LocalOrigin& origin, const Motion& motion) {
+Motion in_local(const LinkOrigin& origin, const Motion& motion) {
   Motion from = motion;
   from.p = motion.p - origin.p;
   return turned(from, -origin.heading);

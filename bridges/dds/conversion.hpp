@@ -9,6 +9,7 @@
 
 #include "sightline/math/fixed.hpp"
 #include "sightline/model/frames.hpp"
+#include "sightline/scenario/link.hpp"
 #include "sightline/world/rigid_body.hpp"
 
 namespace sightline::dds {
@@ -36,14 +37,9 @@ Quaternion operator*(const Quaternion& a, const Quaternion& b);
 /// Of length 1; no_attitude where it has none, or is not finite.
 Quaternion normalised(const Quaternion& q);
 
-/// Where the local frame of a vehicle lies in G.
-struct LocalOrigin {
-  Vec3<double> p{};      ///< in G [m]
-  double heading = 0.0;  ///< of its x axis where it is ENU, anticlockwise [rad]
-};
 /// What is said in the local frame, in G; and back.
-Motion in_G(const LocalOrigin& origin, const Motion& local);
-Motion in_local(const LocalOrigin& origin, const Motion& motion);
+Motion in_G(const LinkOrigin& origin, const Motion& local);
+Motion in_local(const LinkOrigin& origin, const Motion& motion);
 
 /// Latitude and longitude [deg], altitude [m].
 struct GeoPoint {

@@ -13,7 +13,7 @@ namespace sightline::dds {
 /// earlier look (a sequence lock whose words are atomic).
 template <class T>
 class Mailbox {
-  static_assert(std::is_trivially_copyable_v<T> && std::is_default_constructible_v<T>);
+  static_assert(std::is_trivially_copyable_v<T>);
   static constexpr std::size_t words = (sizeof(T) + 7) / 8;
   using Words = std::array<std::uint64_t, words>;
 

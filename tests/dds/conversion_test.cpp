@@ -58,7 +58,7 @@ TEST(Conversion, TheHeadingOfALevelAttitudeIsItsYawTurnedOver) {
 }
 
 TEST(Conversion, ALocalFrameIsTurnedAndMovedAndBack) {
-  const LocalOrigin origin = {{1, 2, 3}, pi / 2};
+  const LinkOrigin origin = {{1, 2, 3}, pi / 2};
   const Motion local = {{1, 0, 1}, about({0, 0, 1}, 0.0), {0, 2, 1}, 0.3};
   const Motion in = in_G(origin, local);
   expect_near(in.p, {1, 3, 4});

@@ -157,9 +157,9 @@ TEST(MessageType, AFixedMessageLiesInMemoryAsOnTheWire) {
   EXPECT_EQ(places("VehicleStatus", 18)[5], offsetof(Status, latest_disarming_reason));
   EXPECT_EQ(places("VehicleStatus", 18)[6], offsetof(Status, nav_state_timestamp));
   EXPECT_EQ(places("VehicleStatus", 18).back() - 1, offsetof(Status, pre_flight_checks_pass));
-  using Odometry = px4_msgs_msg_dds__VehicleOdometry_;
-  EXPECT_EQ(places("VehicleOdometry", 16)[3], offsetof(Odometry, position));
-  EXPECT_EQ(places("VehicleOdometry", 16).back() - 1, offsetof(Odometry, quality));
+  using OdometryLayout = px4_msgs_msg_dds__VehicleOdometry_;
+  EXPECT_EQ(places("VehicleOdometry", 16)[3], offsetof(OdometryLayout, position));
+  EXPECT_EQ(places("VehicleOdometry", 16).back() - 1, offsetof(OdometryLayout, quality));
   using Command = px4_msgs_msg_dds__VehicleCommand_15_;
   EXPECT_EQ(places("VehicleCommand", 15)[5], offsetof(Command, param5));
   EXPECT_EQ(places("VehicleCommand", 15).back() - 1, offsetof(Command, from_external));

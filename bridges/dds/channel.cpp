@@ -1,0 +1,168 @@
+#include "bridges/dds/channel.hpp"
+
+#include <dds/ddsi/ddsi_serdata.h>
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+
+namespace sightline::dds {
+namespace {
+
+constexpr std::size_t header = 4;  // of a serialised message [bytes]
+
+struct QosDelete {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using Qos = std::unique_ptr<dds_qos_t, QosDelete>;
+
+Qos qos_of(Quality quality, const MessageType& type) {
+  Qos qos(dds_create_qos());
+  dds_qset_reliability(qos.get(), quality.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                       DDS_MSECS(100));
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, quality.depth);
+  dds_qset_durability(qos.get(),
+                      quality.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_writer_data_lifecycle(qos.get(), false);
+  const dds_data_representation_id_t plain = DDS_DATA_REPRESENTATION_XCDR1;
+  dds_qset_data_representation(qos.get(), 1, &plain);
+  const std::string hash = fmt::format("typehash={};", type_hash(type));
+  dds_qset_userdata(qos.get(), hash.data(), hash.size());
+  return qos;
+}
+
+/// The topic under the name that its type has on the wire.
+dds_entity_t made_topic(dds_entity_t participant, const dds_topic_descriptor_t& type,
+                        const std::string& topic) {
+  const std::string type_name = wire_type(type.m_typename);
+  dds_topic_descriptor_t named = type;
+  named.m_typename = type_name.c_str();
+  const dds_entity_t made = dds_create_topic(participant, &named, topic.c_str(), nullptr, nullptr);
+  if (made < 0) throw std::runtime_error(fmt::format("topic {}: {}", topic, dds_strretcode(-made)));
+  return made;
+}
+
+std::string on_wire(const std::string& topic) { return topic.starts_with('/') ? wire_topic(topic) : topic; }
+
+std::int64_t now_of(clockid_t clock) noexcept {
+  timespec t{};
+  ::clock_gettime(clock, &t);
+  return t.tv_sec * std::int64_t{1'000'000'000} + t.tv_nsec;
+}
+
+/// Each writer of the domain that is alive.
+template <class Do>
+void each_writer(dds_entity_t participant, Do&& take) {
+  const dds_entity_t reader =
+      dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
+  if (reader < 0) throw std::runtime_error(fmt::format("who writes: {}", dds_strretcode(-reader)));
+  constexpr std::uint32_t most = 4096;
+  std::vector<void*> samples(most, nullptr);
+  std::vector<dds_sample_info_t> infos(most);
+  const dds_return_t count = dds_read(reader, samples.data(), infos.data(), most, most);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(0, count)); ++i) {
+    if (infos[i].valid_data && infos[i].instance_state == DDS_ALIVE_INSTANCE_STATE)
+      take(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]));
+  }
+  if (count > 0) dds_return_loan(reader, samples.data(), count);
+  dds_delete(reader);
+}
+
+}  // namespace
+
+std::int64_t monotonic_now() noexcept { return now_of(CLOCK_MONOTONIC); }
+std::int64_t realtime_now() noexcept { return now_of(CLOCK_REALTIME); }
+
+RawWriter::RawWriter(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
+                     Quality quality)
+    : topic_(on_wire(topic)), participant_(participant) {
+  const Qos qos = qos_of(quality, message_type(type.m_typename));
+  entity_ = dds_create_writer(participant, made_topic(participant, type, topic_), qos.get(), nullptr);
+  if (entity_ < 0)
+    throw std::runtime_error(fmt::format("writer of {}: {}", topic_, dds_strretcode(-entity_)));
+}
+
+int RawWriter::matched() const noexcept {
+  return std::max(0, static_cast<int>(dds_get_matched_subscriptions(entity_, nullptr, 0)));
+}
+
+int RawWriter::rivals() const {
+  dds_guid_t ours{};
+  dds_get_guid(entity_, &ours);
+  int others = 0;
+  each_writer(participant_, [&](const dds_builtintopic_endpoint_t& writer) {
+    if (topic_ == writer.topic_name && std::memcmp(&writer.key, &ours, sizeof ours) != 0) ++others;
+  });
+  return others;
+}
+
+std::vector<WrittenTopic> written_topics(dds_entity_t participant) {
+  std::vector<WrittenTopic> topics;
+  each_writer(participant, [&](const dds_builtintopic_endpoint_t& writer) {
+    topics.push_back({writer.topic_name, writer.type_name});
+  });
+  return topics;
+}
+
+RawReader::RawReader(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
+                     Quality quality, std::optional<std::size_t> payload, Writers writers, Take take)
+    : topic_(on_wire(topic)),
+      type_(type),
+      payload_(payload),
+      writers_(writers),
+      take_(std::move(take)),
+      scratch_((type.m_size + 7) / 8) {
+  const Qos qos = qos_of(quality, message_type(type.m_typename));
+  const std::unique_ptr<dds_listener_t, void (*)(dds_listener_t*)> listener(dds_create_listener(this),
+                                                                            dds_delete_listener);
+  dds_lset_data_available(listener.get(), on_data);
+  entity_ = dds_create_reader(participant, made_topic(participant, type, topic_), qos.get(), listener.get());
+  if (entity_ < 0)
+    throw std::runtime_error(fmt::format("reader of {}: {}", topic_, dds_strretcode(-entity_)));
+}
+
+RawReader::~RawReader() { dds_delete(entity_); }  // waits for its listener
+
+int RawReader::matched() const noexcept {
+  return std::max(0, static_cast<int>(dds_get_matched_publications(entity_, nullptr, 0)));
+}
+
+void RawReader::take(const ddsi_serdata* data, std::uint64_t writer) {
+  if (payload_) {
+    // On the wire a message is filled up to a multiple of 4.
+    const std::size_t size = ddsi_serdata_size(data) - header, wanted = (*payload_ + 3) / 4 * 4;
+    if (size != wanted && size != *payload_) {
+      ++(size < wanted ? counts_.too_short : counts_.too_long);
+      counts_.wrong_size = static_cast<std::uint32_t>(size);
+      return;
+    }
+  }
+  if (first_writer_ == 0) first_writer_ = writer;
+  if (writers_ == Writers::first && writer != first_writer_) {
+    ++counts_.foreign;
+    return;
+  }
+  std::fill(scratch_.begin(), scratch_.end(), 0);
+  if (ddsi_serdata_to_sample(data, scratch_.data(), nullptr, nullptr)) {
+    ++counts_.received;
+    take_(scratch_.data(), {monotonic_now(), writer});
+  }
+  dds_sample_free(scratch_.data(), &type_, DDS_FREE_CONTENTS);
+}
+
+void RawReader::on_data(dds_entity_t reader, void* self) {
+  auto& own = *static_cast<RawReader*>(self);
+  constexpr std::uint32_t most = 8;
+  ddsi_serdata* data[most] = {};
+  dds_sample_info_t info[most];
+  for (dds_return_t n; (n = dds_takecdr(reader, data, most, info, DDS_ANY_STATE)) > 0;) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+      if (info[i].valid_data) own.take(data[i], info[i].publication_handle);
+      ddsi_serdata_unref(data[i]);
+    }
+  }
+}
+
+}  // namespace sightline::dds

@@ -1,0 +1,124 @@
+/// Writers and readers of one message each, under the names and with the qualities of service that ROS 2 has.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <atomic>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bridges/dds/message_type.hpp"
+
+struct ddsi_serdata;
+
+namespace sightline::dds {
+
+struct Quality {
+  bool reliable = false, transient_local = false;
+  int depth = 1;
+};
+inline constexpr Quality of_sensors = {};                     // whatever comes, the newest
+inline constexpr Quality of_px4_output = {false, true, 1};    // what a client of PX4 writes by
+inline constexpr Quality of_ros_commands = {true, false, 1};  // matches readers of both kinds
+inline constexpr Quality of_services = {true, false, 10};
+
+/// A writer of messages of a type of IDL.
+class RawWriter {
+ public:
+  /// @param topic  of ROS, "/a/b"; as on the wire where it does not begin with /
+  /// @throws std::runtime_error with the topic
+  RawWriter(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
+            Quality quality);
+
+  /// Sends; a reader that does not keep up misses it. Nothing is allocated for messages up to 256 bytes.
+  bool write(const void* message) noexcept { return dds_write(entity_, message) == DDS_RETCODE_OK; }
+  /// Readers that there are.
+  int matched() const noexcept;
+  /// Writers of the same topic that are not ours, in this domain.
+  int rivals() const;
+  const std::string& topic() const { return topic_; }
+
+ private:
+  std::string topic_;
+  dds_entity_t participant_, entity_;
+};
+
+template <class M>
+class Writer : public RawWriter {
+ public:
+  using RawWriter::RawWriter;
+  bool operator()(const M& message) noexcept { return write(&message); }
+};
+
+/// What is known of a message besides what it says.
+struct Arrival {
+  std::int64_t monotonic = 0;  ///< when it came [ns]
+  std::uint64_t writer = 0;    ///< a number of its own for each
+};
+
+/// What a reader met. Read by any thread.
+struct ReaderCounts {
+  std::atomic<std::int64_t> received{0};
+  std::atomic<std::int64_t> too_short{0}, too_long{0};  ///< of another release
+  std::atomic<std::int64_t> foreign{0};                 ///< of a second writer, where one is kept
+  std::atomic<std::uint32_t> wrong_size{0};             ///< the last of these [bytes]
+};
+
+enum class Writers { all, first };
+
+/// Reads in the thread that receives, whole messages of the right size alone: Cyclone DDS drops those that are too short and
+/// delivers those that are too long with wrong fields.
+class RawReader {
+ public:
+  using Take = std::function<void(const void* message, const Arrival&)>;
+  /// @param payload  its size on the wire [bytes]; none: any
+  /// @param take     called in the thread that receives
+  /// @throws std::runtime_error with the topic
+  RawReader(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
+            Quality quality, std::optional<std::size_t> payload, Writers writers, Take take);
+  ~RawReader();
+  RawReader(const RawReader&) = delete;
+  RawReader& operator=(const RawReader&) = delete;
+
+  const ReaderCounts& counts() const { return counts_; }
+  const std::string& topic() const { return topic_; }
+  /// Writers that there are.
+  int matched() const noexcept;
+
+ private:
+  static void on_data(dds_entity_t reader, void* self);
+  void take(const ddsi_serdata* data, std::uint64_t writer);
+
+  std::string topic_;
+  const dds_topic_descriptor_t& type_;
+  std::optional<std::size_t> payload_;
+  Writers writers_;
+  Take take_;
+  ReaderCounts counts_;
+  std::uint64_t first_writer_ = 0;
+  std::vector<std::uint64_t> scratch_;  // one message
+  dds_entity_t entity_ = 0;
+};
+
+template <class M>
+RawReader::Take taking(std::function<void(const M&, const Arrival&)> take) {
+  return [take = std::move(take)](const void* message, const Arrival& arrival) {
+    take(*static_cast<const M*>(message), arrival);
+  };
+}
+
+/// Topics that somebody writes, with the names of their types, as on the wire.
+struct WrittenTopic {
+  std::string topic, type;
+};
+std::vector<WrittenTopic> written_topics(dds_entity_t participant);
+
+std::int64_t monotonic_now() noexcept;  ///< [ns]
+std::int64_t realtime_now() noexcept;   ///< since 1970 [ns]
+
+}  // namespace sightline::dds

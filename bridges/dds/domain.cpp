@@ -1,0 +1,87 @@
+#include "bridges/dds/domain.hpp"
+
+#include <dds/ddsrt/log.h>
+#include <fmt/format.h>
+
+#include <atomic>
+#include <mutex>
+#include <stdexcept>
+
+namespace sightline::dds {
+namespace {
+
+std::atomic<std::int64_t> complaint_count{0};
+std::mutex complaint_lock;  // of the line below; threads of Cyclone DDS and those who ask
+std::string complaint_line;
+
+// Bad packets bring a line each: they are counted, and who flies says how many there were.
+void count_complaint(void*, const dds_log_data_t* line) {
+  ++complaint_count;
+  const std::scoped_lock lock(complaint_lock);
+  complaint_line.assign(line->message, line->size);
+  while (!complaint_line.empty() && complaint_line.back() == '\n') complaint_line.pop_back();
+}
+
+std::string of_return(dds_return_t code) { return dds_strretcode(-code); }
+
+}  // namespace
+
+std::int64_t complaints() { return complaint_count; }
+
+std::string last_complaint() {
+  const std::scoped_lock lock(complaint_lock);
+  return complaint_line;
+}
+
+std::string domain_xml(const FleetNetwork& network, std::optional<int> receive_priority) {
+  const bool multicast = network.multicast == Multicast::on;
+  std::string interfaces, peers, threads;
+  for (const std::string& name : network.interfaces) {
+    const bool local = name == "lo";
+    interfaces += fmt::format(R"(<NetworkInterface name="{}" multicast="{}"/>)", name,
+                              multicast && !local ? "default" : "false");
+  }
+  for (const std::string& peer : network.peers) peers += fmt::format(R"(<Peer Address="{}"/>)", peer);
+  if (receive_priority) {
+    // One thread receives all, the one that can be named.
+    threads = fmt::format(
+        R"(<Internal><MultipleReceiveThreads>false</MultipleReceiveThreads></Internal><Threads><Thread Name="recv"><Scheduling>)"
+        R"(<Class>realtime</Class><Priority>{}</Priority></Scheduling></Thread></Threads>)",
+        *receive_priority);
+  }
+  return fmt::format(
+      R"(<CycloneDDS><Domain Id="any"><General><Interfaces>{}</Interfaces><AllowMulticast>{}</AllowMulticast></General>)"
+      R"(<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>{}</MaxAutoParticipantIndex>)"
+      R"(<Peers>{}</Peers></Discovery>{}</Domain></CycloneDDS>)",
+      interfaces, multicast ? "true" : "false", network.participants, peers, threads);
+}
+
+Domain::Domain(const FleetNetwork& network, std::optional<int> receive_priority) : number_(network.domain) {
+  dds_set_log_sink(count_complaint, nullptr);
+  const std::int64_t before = complaints();
+  const auto refused = [&](dds_return_t code) {
+    return std::runtime_error(fmt::format("fleet.domain = {}: {}{}, on {}", number_, of_return(code),
+                                          complaints() > before ? " (" + last_complaint() + ")" : "",
+                                          domain_xml(network, receive_priority)));
+  };
+  // Where this fails a participant would still be made, by defaults that multicast on all interfaces.
+  domain_ =
+      dds_create_domain(static_cast<dds_domainid_t>(number_), domain_xml(network, receive_priority).c_str());
+  if (domain_ < 0) throw refused(domain_);
+  participant_ = dds_create_participant(static_cast<dds_domainid_t>(number_), nullptr, nullptr);
+  if (participant_ < 0) {
+    const dds_return_t code = participant_;
+    dds_delete(domain_);
+    throw refused(code);
+  }
+}
+
+Domain::~Domain() { dds_delete(domain_); }
+
+dds_entity_t Domain::another_participant() const {
+  const dds_entity_t made = dds_create_participant(static_cast<dds_domainid_t>(number_), nullptr, nullptr);
+  if (made < 0) throw std::runtime_error(fmt::format("fleet.domain = {}: {}", number_, of_return(made)));
+  return made;
+}
+
+}  // namespace sightline::dds
