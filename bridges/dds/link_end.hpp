@@ -1,0 +1,39 @@
+/// Our end of the link to one robot, whatever it speaks.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bridges/dds/conversion.hpp"
+#include "bridges/dds/link_machine.hpp"
+#include "bridges/dds/robot_state.hpp"
+
+namespace sightline::dds {
+
+/// What a robot did last.
+struct SeenMotion {
+  Motion motion{};        ///< in G
+  Nanoseconds stamp = 0;  ///< when it was so, of the monotonic clock
+};
+
+/// look(), facts() and send() are the control thread's: they allocate, lock, throw and print nothing. The others may.
+class LinkEnd {
+ public:
+  virtual ~LinkEnd() = default;
+
+  /// The newest motion. @return false where there was none yet
+  virtual bool look(SeenMotion& seen) noexcept = 0;
+  virtual LinkFacts facts(Nanoseconds now) noexcept = 0;
+  /// Sends what is to be sent; `command` counts for Setpoint::task.
+  virtual void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept = 0;
+
+  /// Asks who else is there; a few times a second, by one thread.
+  virtual void watch() = 0;
+  /// What keeps it from being armed, a sentence each.
+  virtual std::vector<std::string> obstacles() = 0;
+  /// What was received and refused, in words.
+  virtual std::string counts() const = 0;
+};
+
+}  // namespace sightline::dds

@@ -1,0 +1,249 @@
+#include "bridges/dds/link_machine.hpp"
+
+#include <algorithm>
+
+namespace sightline::dds {
+namespace {
+
+template <std::size_t n, class Enum>
+std::string_view word_of(const std::array<std::string_view, n>& words, Enum value) {
+  const auto place = static_cast<std::size_t>(value);
+  return place < n ? words[place] : "?";
+}
+
+/// What makes a row hold.
+enum class When {
+  handed_over,  // order
+  to_land,
+  to_take_off,  // and the autopilot has heard us long enough
+  to_hold,
+  to_task,
+  ready,  // facts
+  armed,
+  armed_to_land,
+  disarmed,
+  disarmed_on_ground,
+  refused,
+  failsafe,
+  taken,  // by a mode that is not ours
+  taken_after_takeoff,
+  not_offboard,
+  offboard,
+  contested,
+  lost,
+  late,        // longer than the state may last
+  unanswered,  // offboard was asked for, and the time for it is over
+};
+
+}  // namespace
+
+std::string_view to_string(LinkState state) {
+  static constexpr std::array<std::string_view, link_states> words = {
+      "waiting", "ready", "arming", "taking_off", "flying", "holding", "landing", "done", "pilot"};
+  return word_of(words, state);
+}
+
+std::string_view to_string(LinkReason reason) {
+  static constexpr std::array<std::string_view, link_reasons> words = {
+      "as asked",
+      "it was not ready in time",
+      "it refused to arm",
+      "it did not arm in time",
+      "it refused what it was asked",
+      "it took too long",
+      "it was disarmed",
+      "nothing came from it any more",
+      "a pilot has it",
+      "its failsafe has it",
+      "it waited too long for its task",
+      "its task had no end",
+      "it did not land in time",
+      "it is left to its autopilot",
+      "another program writes set-points to it"};
+  return word_of(words, reason);
+}
+
+struct LinkMachine::Row {
+  LinkState from;
+  When when;
+  LinkState to;
+  LinkReason why;
+};
+
+bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, double t) const noexcept {
+  switch (row.when) {
+    case When::handed_over:
+      return order == LinkOrder::hand_over;
+    case When::to_land:
+      return order == LinkOrder::land;
+    case When::to_take_off:
+      return t - since_ >= times_.heard && order >= LinkOrder::take_off && order < LinkOrder::land;
+    case When::to_hold:
+      return order == LinkOrder::hold;
+    case When::to_task:
+      return order == LinkOrder::task;
+    case When::ready:
+      return f.there && f.checked && !f.armed && !f.contested;
+    case When::armed:
+      return f.armed;
+    case When::armed_to_land:
+      return f.armed && order == LinkOrder::land;
+    case When::disarmed:
+      return !f.armed;
+    case When::disarmed_on_ground:
+      return !f.armed && f.landed;
+    case When::refused:
+      return f.refused;
+    case When::failsafe:
+      return f.failsafe;
+    case When::taken:
+      return f.mode == AutopilotMode::other && (state_ != LinkState::landing || !f.landed);
+    case When::taken_after_takeoff:
+      return took_off_ && f.mode == AutopilotMode::other;
+    case When::not_offboard:
+      return f.mode != AutopilotMode::offboard;
+    case When::offboard:
+      return asked(Request::offboard) && f.mode == AutopilotMode::offboard;
+    case When::contested:
+      return f.contested;
+    case When::lost:
+      return !f.there;
+    case When::late:
+      return t - since_ >= longest(state_);
+    case When::unanswered:
+      return asked(Request::offboard) && t - asked_at_ >= times_.offboard;
+  }
+  return false;
+}
+
+double LinkMachine::longest(LinkState state) const noexcept {
+  switch (state) {
+    case LinkState::waiting:
+      return times_.ready;
+    case LinkState::ready:
+      return times_.called;
+    case LinkState::arming:
+      return times_.arming;
+    case LinkState::taking_off:
+      return times_.takeoff;
+    case LinkState::flying:
+      return times_.task;
+    case LinkState::holding:
+      return times_.holding;
+    case LinkState::landing:
+      return times_.landing;
+    default:
+      return 0.0;
+  }
+}
+
+void LinkMachine::ask(Request request, double t, LinkOutput& output) noexcept {
+  asked_[static_cast<std::size_t>(request)] = true;
+  asked_at_ = t;
+  output.request = request;
+}
+
+// The first row that holds is taken. Nothing leads out of done and pilot.
+const std::array<LinkMachine::Row, 49> LinkMachine::table = [] {
+  using S = LinkState;
+  using R = LinkReason;
+  return std::array<Row, 49>{{
+      {S::waiting, When::handed_over, S::done, R::handed_over},
+      {S::waiting, When::to_land, S::done, R::as_asked},
+      {S::waiting, When::ready, S::ready, R::as_asked},
+      {S::waiting, When::late, S::done, R::not_ready},
+
+      {S::ready, When::handed_over, S::done, R::handed_over},
+      {S::ready, When::to_land, S::done, R::as_asked},
+      {S::ready, When::lost, S::done, R::silent},
+      {S::ready, When::armed, S::pilot, R::pilot},
+      {S::ready, When::to_take_off, S::arming, R::as_asked},
+      {S::ready, When::late, S::done, R::no_task},
+
+      {S::arming, When::handed_over, S::done, R::handed_over},
+      {S::arming, When::armed_to_land, S::landing, R::as_asked},
+      {S::arming, When::armed, S::taking_off, R::as_asked},
+      {S::arming, When::refused, S::done, R::arming_refused},
+      {S::arming, When::late, S::done, R::no_answer},
+
+      {S::taking_off, When::handed_over, S::done, R::handed_over},
+      {S::taking_off, When::disarmed, S::done, R::disarmed},
+      {S::taking_off, When::failsafe, S::pilot, R::failsafe},
+      {S::taking_off, When::taken_after_takeoff, S::pilot, R::pilot},
+      {S::taking_off, When::to_land, S::landing, R::as_asked},
+      {S::taking_off, When::refused, S::landing, R::refused},
+      {S::taking_off, When::contested, S::landing, R::contested},
+      {S::taking_off, When::lost, S::landing, R::silent},
+      {S::taking_off, When::offboard, S::holding, R::as_asked},
+      {S::taking_off, When::unanswered, S::landing, R::refused},
+      {S::taking_off, When::late, S::landing, R::too_long},
+
+      {S::holding, When::handed_over, S::done, R::handed_over},
+      {S::holding, When::disarmed, S::done, R::disarmed},
+      {S::holding, When::failsafe, S::pilot, R::failsafe},
+      {S::holding, When::not_offboard, S::pilot, R::pilot},
+      {S::holding, When::to_land, S::landing, R::as_asked},
+      {S::holding, When::contested, S::landing, R::contested},
+      {S::holding, When::lost, S::landing, R::silent},
+      {S::holding, When::to_task, S::flying, R::as_asked},
+      {S::holding, When::late, S::landing, R::no_task},
+
+      {S::flying, When::handed_over, S::done, R::handed_over},
+      {S::flying, When::disarmed, S::done, R::disarmed},
+      {S::flying, When::failsafe, S::pilot, R::failsafe},
+      {S::flying, When::not_offboard, S::pilot, R::pilot},
+      {S::flying, When::to_land, S::landing, R::as_asked},
+      {S::flying, When::contested, S::landing, R::contested},
+      {S::flying, When::lost, S::landing, R::silent},
+      {S::flying, When::to_hold, S::holding, R::as_asked},
+      {S::flying, When::late, S::landing, R::no_end},
+
+      {S::landing, When::handed_over, S::done, R::handed_over},
+      {S::landing, When::disarmed_on_ground, S::done, R::as_asked},
+      {S::landing, When::disarmed, S::done, R::disarmed},
+      {S::landing, When::taken, S::pilot, R::pilot},
+      {S::landing, When::late, S::done, R::did_not_land},
+  }};
+}();
+
+LinkOutput LinkMachine::step(double t, const LinkFacts& facts, LinkOrder order) noexcept {
+  if (!begun_) since_ = t;
+  begun_ = true;
+  took_off_ |= state_ == LinkState::taking_off && facts.mode == AutopilotMode::takeoff;
+  LinkOutput output;
+  const auto row = std::find_if(table.begin(), table.end(),
+                                [&](const Row& r) { return r.from == state_ && holds(r, facts, order, t); });
+  if (row != table.end()) {
+    state_ = row->to;
+    since_ = t;
+    if (reason_ == LinkReason::as_asked) reason_ = row->why;
+    if (state_ == LinkState::arming) ask(Request::arm, t, output);
+    if (state_ == LinkState::taking_off) ask(Request::take_off, t, output);
+    if (state_ == LinkState::landing) ask(Request::land, t, output);
+  }
+  const bool offboard = facts.mode == AutopilotMode::offboard;
+  switch (state_) {
+    case LinkState::taking_off:
+      if (facts.airborne && order >= LinkOrder::hold && !asked(Request::offboard))
+        ask(Request::offboard, t, output);
+      break;
+    case LinkState::landing:
+      if (facts.mode != AutopilotMode::land && t - asked_at_ >= times_.land_again)
+        ask(Request::land, t, output);
+      if (offboard) output.setpoint = Setpoint::zero;
+      break;
+    case LinkState::holding:
+      output.setpoint = Setpoint::zero;
+      break;
+    case LinkState::flying:
+      output.setpoint = Setpoint::task;
+      break;
+    default:
+      break;
+  }
+  const bool lands_by_itself = state_ == LinkState::landing && facts.mode == AutopilotMode::land;
+  output.heartbeat = (state_ == LinkState::ready || in_our_hands()) && !lands_by_itself;
+  return output;
+}
+
+}  // namespace sightline::dds

@@ -1,0 +1,86 @@
+#include "bridges/dds/robot_state.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "sightline/base/index.hpp"
+
+namespace sightline::dds {
+namespace {
+
+constexpr std::string_view rate_state = "r";
+
+}  // namespace
+
+RobotState::RobotState(const Model& model)
+    : model_(model),
+      roles_(roles_of(model)),
+      rest_(size(model.nu())),
+      scratch_(size(model.nx())),
+      rates_(scratch_) {
+  for (int i = 0; i < model.nx(); ++i) {
+    const auto is = [i](const auto& indices) {
+      return std::find(indices.begin(), indices.end(), i) != indices.end();
+    };
+    if (is(roles_.position) || is(roles_.direction) || is(roles_.velocities) || i == roles_.angle) continue;
+    const std::string_view name =
+        model.states().size() > size(i) ? model.states()[size(i)] : std::string_view("?");
+    if (name == rate_state && rate_ < 0) {
+      rate_ = i;
+      continue;
+    }
+    throw std::invalid_argument(
+        fmt::format("the state {} of the robot {} is measured by nobody, expected position, heading, "
+                    "velocities and the rate r",
+                    name, model.name()));
+  }
+}
+
+void RobotState::write(const Motion& motion, double* x) noexcept {
+  const auto set = [&](int state, double value) {
+    if (state >= 0) x[state] = value;
+  };
+  const Vec2<double> d = heading(rotation(motion.q));
+  set(roles_.position[0], motion.p.x), set(roles_.position[1], motion.p.y),
+      set(roles_.position[2], motion.p.z);
+  set(roles_.direction[0], d.x), set(roles_.direction[1], d.y);
+  set(roles_.angle, std::atan2(d.y, d.x));
+  set(rate_, motion.r);
+  for (const int state : roles_.velocities) x[state] = 0.0;
+  // Each velocity state by the part of the velocity along which it moves the robot; they are at right angles to each other.
+  const Vec3<double> still = model_.sight(x, rest_.data()).v;
+  std::copy_n(x, scratch_.size(), scratch_.begin());
+  for (const int state : roles_.velocities) {
+    scratch_[size(state)] = 1.0;
+    const Vec3<double> along = model_.sight(scratch_.data(), rest_.data()).v - still;
+    scratch_[size(state)] = 0.0;
+    const double length = dot(along, along);
+    x[state] = length > 0 ? dot(along, motion.v - still) / length : 0.0;
+  }
+}
+
+double RobotState::heading_rate(const double* x, const double* u) noexcept {
+  model_.f(x, u, rates_.data());
+  if (roles_.angle >= 0) return rates_[size(roles_.angle)];
+  if (roles_.direction[0] < 0) return 0.0;
+  const int i = roles_.direction[0], j = roles_.direction[1];
+  return x[i] * rates_[size(j)] - x[j] * rates_[size(i)];
+}
+
+Command RobotState::command(const double* x, const double* u) noexcept {
+  std::copy_n(x, scratch_.size(), scratch_.begin());
+  const Vec3<double> before = model_.sight(scratch_.data(), u).v;
+  model_.step(scratch_.data(), u, ahead);
+  const Sight<double> then = model_.sight(scratch_.data(), u);
+  return {then.v, (1 / ahead) * (then.v - before), then.p, then.d, heading_rate(scratch_.data(), u)};
+}
+
+Motion RobotState::motion(const double* x, const double* u) noexcept {
+  const Sight<double> seen = model_.sight(x, u);
+  return {seen.p, upright(seen.d), seen.v, heading_rate(x, u)};
+}
+
+}  // namespace sightline::dds

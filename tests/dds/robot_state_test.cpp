@@ -1,0 +1,79 @@
+#include "bridges/dds/robot_state.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
+#include "sightline/model/point_mass.hpp"
+#include "sightline/model/robots.hpp"
+#include "sightline/model/velocity_multirotor.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace sightline::dds {
+namespace {
+
+const std::vector<Model> robots = {Multirotor{},
+                                   AngleMultirotor{},
+                                   LaggedMultirotor<Lags::plane>{},
+                                   LaggedMultirotor<Lags::climb>{},
+                                   VelocityMultirotor{},
+                                   LaggedHoverMultirotor<HoverLags::none>{},
+                                   OmniRover{},
+                                   Unicycle{},
+                                   PointMass{}};
+
+// What a model shows at a state is written back as that state.
+TEST(RobotState, OfEachRobotTheStateIsThatOfItsMotion) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<> number(-1, 1);
+  for (const Model& model : robots) {
+    RobotState state(model);
+    for (int k = 0; k < 200; ++k) {
+      std::vector<double> x(static_cast<std::size_t>(model.nx())), u(static_cast<std::size_t>(model.nu())),
+          y(x);
+      for (double& v : x) v = number(random);
+      ASSERT_TRUE(model.normalise(x.data()));
+      state.write(state.motion(x.data(), u.data()), y.data());
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        // A rate that is a state is one of the motion too; one that is commanded is not.
+        EXPECT_NEAR(y[i], x[i], 1e-9) << model.name() << " " << model.states()[i];
+      }
+    }
+  }
+}
+
+TEST(RobotState, AStateThatNobodyMeasuresIsRefused) {
+  EXPECT_THAT(refusal_of([] { RobotState(LaggedHoverMultirotor<HoverLags::all>{}); }),
+              testing::StartsWith("the state a_f of the robot hover_multirotor is measured by nobody"));
+}
+
+// (24): v_f' = a_f v_f + b_f u_f, and b_psi u_psi, b_z u_z at once.
+TEST(RobotState, ACommandIsWhereTheModelIsAMomentLater) {
+  RobotState state(Multirotor{});
+  const std::vector<double> x = {1, 2, 3, 0, 1, 0.4, 0.0}, u = {0.5, 0, -0.25, 0};
+  const Command c = state.command(x.data(), u.data());
+  const double a = -0.5092 * 0.4 + 1.458 * 0.5;
+  EXPECT_NEAR(c.a.y, a, 0.02);
+  EXPECT_NEAR(c.a.x, 0.0, 1e-12);
+  EXPECT_NEAR(c.v.y, 0.4 + RobotState::ahead * a, 1e-3);
+  EXPECT_NEAR(c.v.z, -0.25, 1e-12);
+  EXPECT_NEAR(c.a.z, 0.0, 1e-12);
+  EXPECT_NEAR(c.p.y, 2 + RobotState::ahead * 0.42, 1e-3);
+  const std::vector<double> turning = {0, 0, 0, 0.5};
+  EXPECT_NEAR(state.command(x.data(), turning.data()).r, 1.6 * 0.5, 1e-9);
+}
+
+TEST(RobotState, OfARobotThatLagsTheCommandLagsToo) {
+  RobotState state(VelocityMultirotor{});
+  const std::vector<double> x = {0, 0, 1, 1, 0, 0, 0, 0, 0}, u = {1, 0, 0.35, 0.2};
+  const Command c = state.command(x.data(), u.data());
+  EXPECT_NEAR(c.a.x, 1 / 0.5, 0.11);
+  EXPECT_NEAR(c.a.z, 0.35 / 0.35, 0.08);
+  EXPECT_NEAR(c.r, 0.2 * (1 - std::exp(-RobotState::ahead / 0.2)), 1e-5);
+}
+
+}  // namespace
+}  // namespace sightline::dds
