@@ -39,6 +39,16 @@ Arguments::Arguments()
   run_command->add_option("--exchanges", run.exchanges, "Exchanges of predictions per update [1]")
       ->needs(partition);
 
+  fly_command = app.add_subcommand("fly", "Fly a fleet of real robots; write log, summary and report");
+  fly_command->add_option("FLEET", fly.fleet, "Scenario file with [fleet] (TOML)")->required();
+  fly_command->add_option("-o,--output", fly.output, "Folder for the results [out/NAME]");
+  fly_command->add_flag("--dry-run", fly.dry_run, "All but arm");
+
+  vehicles_command = app.add_subcommand("vehicles", "Stand in for the robots of a fleet, on their topics");
+  vehicles_command->add_option("FLEET", vehicles.fleet, "Scenario file with [fleet] (TOML)")->required();
+  vehicles_command->add_option("--seconds", vehicles.seconds, "How long [s]; until Ctrl-C")
+      ->check(CLI::Range(0.0, 1e9));
+
   check_command = app.add_subcommand("check", "Check a scenario and print what it describes");
   check_command->add_option("SCENARIO", check.scenario, "Scenario file (TOML)")->required();
   add_set(*check_command, check.set);

@@ -11,6 +11,7 @@
 
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/run/clock.hpp"
+#include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline::cli {
@@ -50,6 +51,17 @@ struct PotentialOptions {
   std::vector<std::string> set;
   std::filesystem::path output;     ///< empty: out/NAME/potential
   std::optional<long long> couple;  ///< none: all
+};
+
+struct FlyCommand {
+  std::filesystem::path fleet;   ///< a scenario with a [fleet]
+  std::filesystem::path output;  ///< empty: out/NAME
+  bool dry_run = false;          ///< all but arm
+};
+
+struct VehiclesCommand {
+  std::filesystem::path fleet;
+  double seconds = 1e9;  ///< until Ctrl-C
 };
 
 struct ReplayCommand {
@@ -99,8 +111,21 @@ class RunFolder {
 };
 
 struct PartitionChoice;
+/// Robots on links, in place of a simulated world.
+struct LinkedFlight {
+  LinkedWorld& world;
+  Arming arming = Arming::real;
+  const Interrupts& interrupts;
+  std::atomic<bool>& stop;  ///< ends the loop
+};
 /// As run(), for a scenario that is read already; its team plans in parts, or, without a choice, as one.
-int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const PartitionChoice* partition = nullptr);
+int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const PartitionChoice* partition = nullptr,
+        LinkedFlight* linked = nullptr);
+/// Flies a fleet over the program's bridge: takes off, flies the task, lands; Ctrl-C lands, a second one leaves the robots to their
+/// autopilots. Files as run().
+int fly_fleet(const FlyCommand& command, const Parts& parts);
+/// Stands in for the robots of a fleet.
+int vehicles(const VehiclesCommand& command, const Parts& parts);
 /// Flies a scenario many times as its [campaign] says; leaves campaign.sqlite and campaign.html. 1 where a run is
 /// not recovered.
 int campaign(const CampaignCommand& command, const Parts& parts);

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <thread>
 
 #include "cli/allocations.hpp"
 #include "cli/commands.hpp"
@@ -12,6 +14,7 @@
 #include "sightline/record/log.hpp"
 #include "sightline/record/planned_view.hpp"
 #include "sightline/report/report.hpp"
+#include "sightline/run/realtime.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/scenario.hpp"
 
@@ -68,26 +71,72 @@ struct Flight {
   bool logged;  // its files are whole
 };
 
+/// Ends a flight on links where a robot of it is to land: its link lands it, and all others.
+class LandingWatch final : public Sink<Sample> {
+ public:
+  LandingWatch(Sink<Sample>& sink, std::atomic<bool>* stop) : sink_(sink), stop_(stop) {}
+
+  Sample* claim() noexcept override { return sample_ = sink_.claim(); }
+  void publish() noexcept override {
+    const auto lands = [](FallbackLevel level) { return level >= FallbackLevel::land; };
+    if (stop_ != nullptr && std::any_of(sample_->levels.begin(), sample_->levels.end(), lands)) {
+      landed_ = true;
+      stop_->store(true, std::memory_order_relaxed);
+    }
+    sink_.publish();
+  }
+  void close() noexcept override { sink_.close(); }
+  bool landed() const { return landed_; }
+
+ private:
+  Sink<Sample>& sink_;
+  std::atomic<bool>* stop_;
+  Sample* sample_ = nullptr;
+  bool landed_ = false;
+};
+
+/// From the ground to the ground, by a thread of its own: what it asks of the machine is for no one else.
+LoopOutcome fly_linked(LinkedFlight& linked, ClosedLoop& loop, Sink<Sample>& sink) {
+  LoopOutcome outcome;
+  std::thread([&] {
+    const TellPerson tell = [](std::string_view sentence) {
+      offer_message(fmt::format("sightline: {}\n", sentence));
+    };
+    tell(become_realtime(control_priority).sentence());
+    if (linked.world.take_off(linked.arming, linked.interrupts, tell)) {
+      outcome = loop.fly();
+      linked.world.land(linked.interrupts, tell);
+    } else {
+      sink.close();
+    }
+  }).join();
+  return outcome;
+}
+
 /// Flies the scenario under its controllers; leaves run.mcap, timing.csv and summary.json in the folder.
 Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
                   const Controllers& controllers, TeamSwitcher* team_switcher = nullptr,
-                  const McapWords& flown = {}) {
+                  const McapWords& flown = {}, LinkedFlight* linked = nullptr) {
   // All memory is taken here, before the first period.
-  const auto world = make_world(scenario);
-  Sample prototype = sized_sample(*world, controllers);
+  const auto simulated = linked == nullptr ? make_world(scenario) : nullptr;
+  World& world = linked == nullptr ? *simulated : linked->world;
+  Sample prototype = sized_sample(world, controllers);
   make_room_for_plans(scenario, prototype);
   Ring<Sample> ring(ring_capacity(prototype), prototype);
-  ClosedLoop loop(scenario, *world, controllers, clock, ring, allocations, team_switcher);
+  std::atomic<bool>* const stop = linked != nullptr ? &linked->stop : nullptr;
+  LandingWatch sink(ring, stop);
+  ClosedLoop loop(scenario, world, controllers, clock, sink, allocations, team_switcher, stop);
 
   Progress progress(scenario.simulation.duration);
   Log log(
       scenario, folder, controllers, ring, [&](double time) { progress.show(time); }, flown);
   log.start();
-  const LoopOutcome outcome = loop.fly();
+  const LoopOutcome outcome = linked != nullptr ? fly_linked(*linked, loop, sink) : loop.fly();
   log.finish();
   progress.end();
 
-  Flight flight = {log.summary().json(), faults_of(outcome, *world, log), log.error().empty()};
+  Flight flight = {log.summary().json(), faults_of(outcome, world, log), log.error().empty()};
+  if (sink.landed()) flight.faults.emplace_back("what was known of a robot grew too old: all landed");
   // Beside an earlier log stands its own summary.
   std::string lost = log.begun() ? write_summary(folder, flight.summary) : "";
   if (!lost.empty()) {
@@ -97,10 +146,11 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
   return flight;
 }
 
-Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock) {
+Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
+                  LinkedFlight* linked) {
   const Controls controls(scenario);
   if (const std::string told = controls.kernels().sentence(); !told.empty()) say(told);
-  return fly_logged(scenario, folder, clock, controls.controllers(), controls.team_switcher());
+  return fly_logged(scenario, folder, clock, controls.controllers(), controls.team_switcher(), {}, linked);
 }
 
 }  // namespace
@@ -146,7 +196,8 @@ int run(const RunOptions& options, const Parts& parts) {
   }
 }
 
-int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const PartitionChoice* partition) {
+int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const PartitionChoice* partition,
+        LinkedFlight* linked) {
   const std::filesystem::path& folder = run_folder.path();
   std::optional<PartitionedFlight> parts;
   SolverChoice of_whole = scenario.solver;
@@ -159,7 +210,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
                                            {{"partition", partition->text},
                                             {"order", std::string(to_string(partition->order))},
                                             {"exchanges", fmt::format("{}", partition->exchanges)}})
-                              : fly_logged(scenario, folder, clock);
+                              : fly_logged(scenario, folder, clock, linked);
   for (const std::string& fault : flight.faults) say(fault);
   bool bad = !flight.faults.empty();
 
@@ -168,7 +219,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
   if (parts && flight.logged) {
     SimulatedClock simulated;
     scenario.solver = of_whole;
-    const Flight whole = fly_logged(scenario, folder / "whole", simulated);
+    const Flight whole = fly_logged(scenario, folder / "whole", simulated, nullptr);
     for (const std::string& fault : whole.faults) say(fmt::format("the whole team by one solver: {}", fault));
     bad = bad || !whole.logged;
     summaries.push_back(whole.summary);
@@ -178,7 +229,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
     if (!flight.logged) break;
     SimulatedClock simulated;
     scenario.solver = solver_named(name);
-    const Flight other = fly_logged(scenario, folder / name, simulated);
+    const Flight other = fly_logged(scenario, folder / name, simulated, nullptr);
     for (const std::string& fault : other.faults) say(fmt::format("compared with {}: {}", name, fault));
     bad = bad || !other.logged;
     summaries.push_back(other.summary);

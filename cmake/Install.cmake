@@ -1,4 +1,4 @@
-# What find_package(sightline COMPONENTS core sightline cli mujoco) and pkg-config need; pages; and the package of `cpack -G DEB`.
+# What find_package(sightline COMPONENTS core sightline cli mujoco dds) and pkg-config need; pages; and the package of `cpack -G DEB`.
 include(CMakePackageConfigHelpers)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/sightline)
 
@@ -26,10 +26,15 @@ if(TARGET sightline_mujoco)
   install(TARGETS sightline_mujoco EXPORT sightline_mujoco)
   install(FILES cmake/FindMuJoCo.cmake DESTINATION ${config_dir})
 endif()
+if(TARGET sightline_dds)
+  list(APPEND headers dds.hpp)
+  list(APPEND components dds)
+  install(TARGETS sightline_dds EXPORT sightline_dds)
+endif()
 list(TRANSFORM headers PREPEND sightline/)
 install(CODE "
 set(headers \"${headers}\")
-set(folders \"${PROJECT_SOURCE_DIR}/src;${PROJECT_SOURCE_DIR}/worlds/mujoco/include;${generated}\")
+set(folders \"${PROJECT_SOURCE_DIR}/src;${PROJECT_SOURCE_DIR}/worlds/mujoco/include;${PROJECT_SOURCE_DIR}/bridges/dds/include;${generated}\")
 set(destination \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")")
 install(SCRIPT cmake/InstallHeaders.cmake)
 
@@ -99,5 +104,5 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS gnuplot-nox)
 # Who links the libraries needs what they are linked with.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-  "cmake, g++, libfmt-dev, libmujoco-dev, libsqlite3-dev, libtomlplusplus-dev, libzstd-dev, pkg-config, zlib1g-dev")
+  "cmake, cyclonedds-dev, g++, libfmt-dev, libmujoco-dev, libsqlite3-dev, libtomlplusplus-dev, libzstd-dev, pkg-config, zlib1g-dev")
 include(CPack)

@@ -2,7 +2,7 @@
 # Runs what the documents promise:  scripts/docs_blocks.sh [FILE.md ...]
 # Blocks opened by "```sh test" run in a shell at the root of the tree, with an out/ of their own (a campaign of an
 # older program would be refused there), build/release/bin in the path; blocks opened
-# by "```sh test mujoco" where the world of MuJoCo was built; blocks opened
+# by "```sh test mujoco" and "```sh test dds" where the world of MuJoCo and the bridge to DDS were built; blocks opened
 # by "```cpp test" are whole programs, built against an installed sightline, as a user would, and run. So are the examples
 # of one's own potential and one's own robot, with their formulas compiled and without: both print the same.
 set -euo pipefail
@@ -15,11 +15,12 @@ files=("$@")
 ((${#files[@]} > 0)) || files=(README.md CONTRIBUTING.md docs/*.md)
 mkdir -p "$work/blocks"
 mujoco=$(ls build/release/lib/libsightline_mujoco.* 2>/dev/null || true)
+dds=$(ls build/release/lib/libsightline_dds.* 2>/dev/null || true)
 for file in "${files[@]}"; do
   [[ -f $file ]] || continue
   # One file a block, called <document>-<line>.<language>.
-  awk -v to="$work/blocks/$(basename "$file" .md)" -v mujoco="$mujoco" '
-    /^```(sh|cpp) test *$/ || ($0 == "```sh test mujoco" && mujoco) { language = substr($1, 4); block = sprintf("%s-%03d.%s", to, NR, language); next }
+  awk -v to="$work/blocks/$(basename "$file" .md)" -v mujoco="$mujoco" -v dds="$dds" '
+    /^```(sh|cpp) test *$/ || ($0 == "```sh test mujoco" && mujoco) || ($0 == "```sh test dds" && dds) { language = substr($1, 4); block = sprintf("%s-%03d.%s", to, NR, language); next }
     /^```/ { block = "" }
     block { print > block }' "$file"
 done

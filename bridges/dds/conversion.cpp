@@ -70,6 +70,7 @@ Nanoseconds ClockOffset::on_ours(Nanoseconds stamp, Nanoseconds arrival) noexcep
   const Nanoseconds delay = arrival - stamp;
   if (slice_of_[place] != number || delay < least_of_[place]) least_of_[place] = delay;
   slice_of_[place] = number;
+  begun_ = true;
   least_ = std::numeric_limits<Nanoseconds>::max();
   for (std::size_t i = 0; i < slices; ++i) {
     if (slice_of_[i] > number - static_cast<std::int64_t>(slices) && slice_of_[i] > 0)

@@ -50,6 +50,9 @@ Vec3<double> east_north_up(const GeoPoint& point, const GeoPoint& reference);
 
 /// What sets the pace of time stamps: nanoseconds since 1970, or of the monotonic clock.
 using Nanoseconds = std::int64_t;
+/// Later than any that is meant: of the year 2096 [us].
+inline constexpr std::uint64_t last_microsecond = 4'000'000'000'000'000;
+/// @param us  at most last_microsecond
 constexpr Nanoseconds of_microseconds(std::uint64_t us) { return static_cast<Nanoseconds>(us) * 1000; }
 constexpr Nanoseconds of_ros(std::int32_t sec, std::uint32_t nanosec) {
   return static_cast<Nanoseconds>(sec) * 1'000'000'000 + nanosec;
@@ -72,6 +75,10 @@ class ClockOffset {
   /// @param arrival  by ours, rising
   /// @return the stamp by ours, not after the arrival
   Nanoseconds on_ours(Nanoseconds stamp, Nanoseconds arrival) noexcept;
+  /// Whether a stamp is none of a clock that jumped by more than a second into the future: it would make all others look old.
+  bool fits(Nanoseconds stamp, Nanoseconds arrival) const noexcept {
+    return !begun_ || arrival - stamp > least_ - slice;
+  }
   /// The least arrival - stamp of the last 10 s.
   Nanoseconds least() const noexcept { return least_; }
 
@@ -82,6 +89,7 @@ class ClockOffset {
   std::array<Nanoseconds, slices> least_of_{};
   std::array<std::int64_t, slices> slice_of_{};  // its number, from 1; 0: none
   Nanoseconds least_ = 0;
+  bool begun_ = false;
 };
 
 }  // namespace sightline::dds

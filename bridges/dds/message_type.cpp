@@ -179,7 +179,7 @@ class IdlParser {
   }
 
   std::string type_word() {
-    const std::string name = word();
+    std::string name = word();
     if (simple(name) != nullptr) return name;
     if (name.find("::") == std::string::npos) refuse("a simple type, or a message by its whole name");
     return ros_name(name);
@@ -209,15 +209,13 @@ void collect(const MessageType& type, std::set<std::string>& names) {
 std::string description(const MessageType& type) {
   std::string fields;
   for (const Field& field : type.fields) {
-    const bool nested = field.nested();
-    const int id =
-        (nested ? nested_id : simple(field.type)->id) + (field.many == Many::array      ? array_id
-                                                         : field.many == Many::sequence ? sequence_id
-                                                                                        : 0);
+    const Simple* const s = simple(field.type);
+    const int kind = field.many == Many::array ? array_id : field.many == Many::sequence ? sequence_id : 0;
+    const int id = kind + (s != nullptr ? s->id : nested_id);
     fields += fmt::format(
         R"({}{{"name": "{}", "type": {{"type_id": {}, "capacity": {}, "string_capacity": 0, "nested_type_name": "{}"}}}})",
         fields.empty() ? "" : ", ", field.name, id, field.many == Many::array ? field.length : 0,
-        nested ? field.type : "");
+        s == nullptr ? field.type : "");
   }
   return fmt::format(R"({{"type_name": "{}", "fields": [{}]}})", type.name, fields);
 }

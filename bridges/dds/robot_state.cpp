@@ -20,7 +20,8 @@ RobotState::RobotState(const Model& model)
       roles_(roles_of(model)),
       rest_(size(model.nu())),
       scratch_(size(model.nx())),
-      rates_(scratch_) {
+      rates_(scratch_),
+      faster_(scratch_) {
   for (int i = 0; i < model.nx(); ++i) {
     const auto is = [i](const auto& indices) {
       return std::find(indices.begin(), indices.end(), i) != indices.end();
@@ -75,7 +76,26 @@ Command RobotState::command(const double* x, const double* u) noexcept {
   const Vec3<double> before = model_.sight(scratch_.data(), u).v;
   model_.step(scratch_.data(), u, ahead);
   const Sight<double> then = model_.sight(scratch_.data(), u);
-  return {then.v, (1 / ahead) * (then.v - before), then.p, then.d, heading_rate(scratch_.data(), u)};
+  Command command = {then.v, (1 / ahead) * (then.v - before), then.p, then.d,
+                     heading_rate(scratch_.data(), u)};
+  command.v_end = end_velocity(x, u);
+  return command;
+}
+
+// Of each velocity state s' = alpha (s - s_end), as far as that goes: alpha by one m/s more.
+Vec3<double> RobotState::end_velocity(const double* x, const double* u) noexcept {
+  constexpr double slowest = -0.01;  // [1/s]
+  std::copy_n(x, scratch_.size(), scratch_.begin());
+  model_.f(x, u, rates_.data());
+  for (const int state : roles_.velocities) {
+    const std::size_t i = size(state);
+    scratch_[i] += 1.0;
+    model_.f(scratch_.data(), u, faster_.data());
+    scratch_[i] = x[state];
+    const double alpha = faster_[i] - rates_[i];
+    scratch_[i] = alpha < slowest ? x[state] - rates_[i] / alpha : x[state] + ahead * rates_[i];
+  }
+  return model_.sight(scratch_.data(), u).v;
 }
 
 Motion RobotState::motion(const double* x, const double* u) noexcept {

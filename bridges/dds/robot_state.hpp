@@ -16,7 +16,8 @@ struct Command {
   Vec3<double> a{};  ///< mean acceleration until then [m/s^2]
   Vec3<double> p{};  ///< position then [m]
   Vec2<double> d{1, 0};
-  double r = 0.0;  ///< rate of the heading then, anticlockwise [rad/s]
+  double r = 0.0;        ///< rate of the heading then, anticlockwise [rad/s]
+  Vec3<double> v_end{};  ///< the velocity that the model would end at, where it would at one [m/s]
 };
 
 /// Of one robot. After construction nothing allocates, locks or throws; one thread.
@@ -37,11 +38,12 @@ class RobotState {
 
  private:
   double heading_rate(const double* x, const double* u) noexcept;
+  Vec3<double> end_velocity(const double* x, const double* u) noexcept;
 
   Model model_;
   StateRoles roles_;
   int rate_ = -1;  // the state that is the rate of the heading
-  std::vector<double> rest_, scratch_, rates_;
+  std::vector<double> rest_, scratch_, rates_, faster_;
 };
 
 }  // namespace sightline::dds

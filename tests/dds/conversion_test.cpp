@@ -120,5 +120,15 @@ TEST(Conversion, AClockThatDriftsIsFollowedWithinTenSeconds) {
   EXPECT_EQ(offset.least(), 3 * ms);
 }
 
+TEST(Conversion, AStampFromTheFutureOfItsOwnClockDoesNotFit) {
+  constexpr Nanoseconds ms = 1'000'000, second = 1000 * ms, hour = 3600 * second;
+  ClockOffset offset;
+  EXPECT_TRUE(offset.fits(hour, second));  // whatever the clock, at first
+  offset.on_ours(hour, second);
+  EXPECT_TRUE(offset.fits(hour + second + 900 * ms, 2 * second));
+  EXPECT_FALSE(offset.fits(hour + 4 * second, 2 * second));
+  EXPECT_TRUE(offset.fits(0, 2 * second));  // old is no harm
+}
+
 }  // namespace
 }  // namespace sightline::dds

@@ -75,5 +75,18 @@ TEST(RobotState, OfARobotThatLagsTheCommandLagsToo) {
   EXPECT_NEAR(c.r, 0.2 * (1 - std::exp(-RobotState::ahead / 0.2)), 1e-5);
 }
 
+// A rover that is commanded velocities is told the one that its model would end at: b_f u / -a_f.
+TEST(RobotState, TheEndOfAVelocityIsWhereTheModelNoLongerAccelerates) {
+  const OmniRover rover{.a_f = -2.0, .b_f = 3.0, .a_s = -4.0, .b_s = 2.0};
+  RobotState state(rover);
+  const std::vector<double> x = {0, 0, 0, 0, 1, 0.7, -0.3}, u = {0.5, -0.4, 0.1};
+  const Command c = state.command(x.data(), u.data());
+  EXPECT_NEAR(c.v_end.y, 0.5 * 3.0 / 2.0, 1e-9);
+  EXPECT_NEAR(c.v_end.x, -0.4 * 2.0 / 4.0, 1e-9);
+  RobotState mass(PointMass{});  // which never ends
+  const std::vector<double> p = {0, 0, 0, 1, 0, 0}, push = {2, 0, 0};
+  EXPECT_NEAR(mass.command(p.data(), push.data()).v_end.x, 1 + 2 * RobotState::ahead, 1e-9);
+}
+
 }  // namespace
 }  // namespace sightline::dds

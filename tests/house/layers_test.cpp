@@ -132,6 +132,21 @@ TEST(Layers, a_dds_header_occurs_in_bridges_and_their_tests_alone) {
   }
 }
 
+// So is a bridge.
+TEST(Layers, a_bridge_is_known_to_programs_and_to_its_tests_alone) {
+  int files = 0;
+  for (const fs::path& file : all_files()) {
+    const bool in_bridge = name(file).starts_with("bridges/");
+    files += in_bridge ? 1 : 0;
+    for (const std::string& included : includes(file)) {
+      if (included != "sightline/dds.hpp" && !included.starts_with("bridges/")) continue;
+      EXPECT_TRUE(in_bridge || name(file) == "cli/main.cpp" || name(file).starts_with("tests/dds/"))
+          << name(file) << " includes " << included;
+    }
+  }
+  EXPECT_GT(files, 10);
+}
+
 // A world of its own is told to the library by the program (Parts::worlds), as that of a user.
 TEST(Layers, a_world_of_its_own_is_known_to_programs_and_tests_alone_and_its_engine_to_it_alone) {
   const std::string own = "worlds/", engine = "mujoco/";
@@ -166,7 +181,9 @@ TEST(Layers, every_public_header_has_a_test_of_its_name) {
         std::any_of(tests.begin(), tests.end(), [&](const fs::path& t) { return t.filename() == test; });
     EXPECT_TRUE(found) << name(file) << " has no test, expected tests/" << layer_of(file) << "/" << test;
   }
-  for (const fs::path& file : files_of("worlds")) {
+  std::vector<fs::path> of_components = files_of("worlds");
+  for (const fs::path& file : files_of("bridges")) of_components.push_back(file);
+  for (const fs::path& file : of_components) {
     if (name(file).find("/include/") == std::string::npos) continue;
     const fs::path test =
         "tests" / *std::next(fs::relative(file, tree).begin(), 1) / (file.stem().string() + "_test.cpp");

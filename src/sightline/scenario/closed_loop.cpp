@@ -126,7 +126,7 @@ std::unique_ptr<World> make_world(const Scenario& scenario) {
 
 ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
                        Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
-                       TeamSwitcher* team_switcher)
+                       TeamSwitcher* team_switcher, const std::atomic<bool>* stop)
     : guard_(guard_of(scenario)),
       compensation_(compensation_of(scenario)),
       loop_(world, controllers, clock, sink,
@@ -134,6 +134,7 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers
              .period = scenario.horizon.dt,
              .path_interval = scenario.log.paths,
              .allocations = allocations,
+             .stop = stop,
              .guard = guard_ ? &*guard_ : nullptr,
              .compensation = compensation_ ? &*compensation_ : nullptr,
              .late_plans = scenario.simulation.late_plans,

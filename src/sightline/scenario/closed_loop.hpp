@@ -1,6 +1,7 @@
 /// A scenario's closed loop: its world and its controllers, as `sightline run` and a campaign fly it.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -54,10 +55,11 @@ class ClosedLoop {
   /// @param sink           its items are copies of sized_sample()
   /// @param allocations    of the calling thread so far, where they are counted
   /// @param team_switcher  of the Controls, if the scenario has one
+  /// @param stop           ends the flight at the next period once it is true
   /// @throws std::invalid_argument for a start, a disturbance or a sink that cannot be, named
   ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
              Sink<Sample>& sink, std::int64_t (*allocations)() noexcept = nullptr,
-             TeamSwitcher* team_switcher = nullptr);
+             TeamSwitcher* team_switcher = nullptr, const std::atomic<bool>* stop = nullptr);
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 

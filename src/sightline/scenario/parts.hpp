@@ -123,6 +123,7 @@ void PartList<Made>::check_name(std::string_view name) const {
 
 struct Scenario;
 class World;
+class Bridge;
 
 /// Makes the world that a scenario flies in.
 /// @throws std::invalid_argument for a scenario that it cannot be the world of
@@ -174,6 +175,7 @@ struct Parts {
   PartList<Reference> references{"reference", {"state"}};
   PartList<Limit> limits{"limit"};
   WorldList worlds;
+  std::shared_ptr<const Bridge> bridge{};  ///< flies fleets (bridge.hpp); none: nothing does
 };
 
 /// Those of the library, made once.

@@ -1,0 +1,39 @@
+#include "sightline/dds.hpp"
+
+#include <stdexcept>
+
+#include "bridges/dds/dds_world.hpp"
+#include "bridges/dds/stand_in.hpp"
+#include "sightline/run/realtime.hpp"
+
+namespace sightline {
+namespace dds {
+namespace {
+
+constexpr int receive_priority = 15;  // below the control thread's
+
+std::shared_ptr<Domain> domain_of(const Scenario& scenario, std::optional<int> priority) {
+  return std::make_shared<Domain>(scenario.fleet ? scenario.fleet->network : FleetNetwork{}, priority);
+}
+
+class DdsBridge final : public Bridge {
+ public:
+  std::unique_ptr<LinkedWorld> connect(const Scenario& scenario) const override {
+    const bool may = may_be_realtime(receive_priority);
+    return std::make_unique<DdsWorld>(
+        scenario, domain_of(scenario, may ? std::optional(receive_priority) : std::nullopt));
+  }
+  std::unique_ptr<StandIns> stand_in(const Scenario& scenario) const override {
+    return std::make_unique<DdsStandIns>(scenario, domain_of(scenario, std::nullopt));
+  }
+};
+
+}  // namespace
+}  // namespace dds
+
+void add_dds(Parts& parts) {
+  if (parts.bridge != nullptr) throw std::invalid_argument("there is a bridge already, expected one");
+  parts.bridge = std::make_shared<dds::DdsBridge>();
+}
+
+}  // namespace sightline

@@ -1,0 +1,71 @@
+/// A fleet on its links, as a world.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bridges/dds/domain.hpp"
+#include "bridges/dds/link_end.hpp"
+#include "sightline/scenario/bridge.hpp"
+
+namespace sightline::dds {
+
+class DdsWorld final : public LinkedWorld {
+ public:
+  /// @param domain  of the scenario's [fleet]
+  /// @throws std::invalid_argument for a scenario that it cannot fly, std::runtime_error where a topic cannot be had
+  DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, const LinkTimes& times = {});
+  ~DdsWorld() override;
+
+  const Team& team() const noexcept override { return team_; }
+  std::span<const double> start() const noexcept override { return start_; }
+  void set_presence(std::span<const Presence>) noexcept override {}
+  Measured measure(double t) noexcept override;
+  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+             std::int64_t periods) noexcept override;
+  std::string ended() const override;
+
+  bool take_off(Arming arming, const Interrupts& interrupts, const TellPerson& tell) override;
+  void land(const Interrupts& interrupts, const TellPerson& tell) override;
+  std::vector<std::string> faults() const override;
+  std::vector<std::string> counts() const override;
+
+  LinkState state(BodyId robot) const {
+    return robots_[static_cast<std::size_t>(robot.index)].machine.state();
+  }
+
+ private:
+  struct Robot {
+    std::string name;
+    std::unique_ptr<LinkEnd> end;
+    RobotState model;
+    LinkMachine machine;
+    std::size_t x, u;  // where its state and its inputs begin
+    LinkState told = LinkState::waiting;
+  };
+
+  void step_all(LinkOrder order, std::span<const double> believed, std::span<const double> u) noexcept;
+  void tell_changes(const TellPerson& tell);
+  /// Steps at the period until `done`; at once where that is so.
+  template <class Done>
+  void steps_until(LinkOrder order, const Interrupts& interrupts, const TellPerson& tell, Done&& done);
+  bool each_is(std::initializer_list<LinkState> states) const;
+  bool in_our_hands() const;
+
+  Team team_;
+  std::vector<double> start_, measured_, stamps_, rest_;
+  std::int64_t period_;  // [ns]
+  LinkTimes times_;
+  std::shared_ptr<Domain> domain_;
+  std::vector<Robot> robots_;  // in the order of the team, whose first bodies they are
+  std::int64_t origin_ = 0;    // time 0 of the loop, of the monotonic clock [ns]
+  bool begun_ = false, seen_ = false;
+  std::atomic<bool> done_{false};
+  std::thread watcher_;
+};
+
+}  // namespace sightline::dds

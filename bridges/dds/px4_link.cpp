@@ -1,0 +1,320 @@
+#include "bridges/dds/px4_link.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+
+extern "C" {
+#include "px4.h"
+}
+
+#define PX4_DESCRIPTOR(message) px4_msgs_msg_dds__##message##_desc
+
+namespace sightline::dds {
+namespace {
+
+constexpr Nanoseconds px4_second = 1'000'000'000;
+constexpr Nanoseconds odometry_old = px4_second, status_old = 5 * px4_second / 2;
+constexpr double least_height = 0.3;  // in the air, where nobody says so [m]
+constexpr std::uint8_t ack_accepted = 0, ack_in_progress = 5;
+constexpr std::uint8_t our_system = 200, our_component = 191;  // a companion computer
+constexpr float px4_nan = std::numeric_limits<float>::quiet_NaN();
+
+bool is_finite(const Motion& m) {
+  const double sum = m.p.x + m.p.y + m.p.z + m.v.x + m.v.y + m.v.z + m.r;
+  return std::isfinite(sum) && m.q != no_attitude;
+}
+
+Vec3<double> px4_vec(const float* v) { return {v[0], v[1], v[2]}; }
+
+std::size_t px4_bytes(std::string_view message, int release) {
+  return *payload_size(px4_type(message, release));
+}
+
+}  // namespace
+
+/// Readers and writers. Those that differ between releases are made for one of their layouts.
+struct Px4LinkEnd::Ends {
+  std::unique_ptr<RawReader> odometry, status, position, landed, ack;
+  std::unique_ptr<RawWriter> heartbeat, setpoint, command;
+};
+
+Px4LinkEnd::Px4LinkEnd(dds_entity_t participant, const Link& link, Stamps stamps)
+    : px4_(std::get<Px4Link>(link.kind)),
+      origin_(link.origin),
+      release_(px4_first + static_cast<int>(px4_.release)),
+      stamps_(stamps),
+      participant_(participant),
+      ends_(std::make_unique<Ends>()) {
+  const auto topic = [&](Px4Side side, std::string_view message) {
+    return px4_topic(px4_.name_space, side, message, release_);
+  };
+  const auto reader = [&](const dds_topic_descriptor_t& type, std::string_view message, Quality quality,
+                          Writers writers, RawReader::Take take) {
+    return std::make_unique<RawReader>(participant, type, topic(Px4Side::out, message), quality,
+                                       px4_bytes(message, release_), writers, std::move(take));
+  };
+  const auto writer = [&](const dds_topic_descriptor_t& type, std::string_view message) {
+    return std::make_unique<RawWriter>(participant, type, topic(Px4Side::in, message), of_sensors);
+  };
+  const auto status = [&]<class M>(const dds_topic_descriptor_t& type, const M*) {
+    ends_->status =
+        reader(type, "VehicleStatus", of_sensors, Writers::all,
+               [this](const void* m, const Arrival& a) { on_status(*static_cast<const M*>(m), a); });
+  };
+  const auto ack = [&]<class M>(const dds_topic_descriptor_t& type, const M*) {
+    ends_->ack = reader(type, "VehicleCommandAck", {.depth = 8}, Writers::all,
+                        [this](const void* m, const Arrival& a) { on_ack(*static_cast<const M*>(m), a); });
+  };
+  const auto position = [&]<class M>(const dds_topic_descriptor_t& type, const M*) {
+    ends_->position =
+        reader(type, "VehicleLocalPosition", of_sensors, Writers::all,
+               [this](const void* m, const Arrival& a) { on_position(*static_cast<const M*>(m), a); });
+  };
+#define PX4_LAYOUT(message) PX4_DESCRIPTOR(message), static_cast<const px4_msgs_msg_dds__##message*>(nullptr)
+  if (release_ == 14) {
+    status(PX4_LAYOUT(VehicleStatus_14_)), position(PX4_LAYOUT(VehicleLocalPosition_14_));
+  } else if (release_ == 15) {
+    status(PX4_LAYOUT(VehicleStatus_15_)), position(PX4_LAYOUT(VehicleLocalPosition_15_));
+  } else {
+    position(PX4_LAYOUT(VehicleLocalPosition_16_));
+    release_ < 18 ? status(PX4_LAYOUT(VehicleStatus_16_)) : status(PX4_LAYOUT(VehicleStatus_18_));
+  }
+  release_ == 14 ? ack(PX4_LAYOUT(VehicleCommandAck_14_)) : ack(PX4_LAYOUT(VehicleCommandAck_15_));
+#undef PX4_LAYOUT
+  ends_->landed = reader(
+      PX4_DESCRIPTOR(VehicleLandDetected_), "VehicleLandDetected", of_sensors, Writers::all,
+      [this](const void* m, const Arrival& a) {
+        landed_.put({a.monotonic, static_cast<const px4_msgs_msg_dds__VehicleLandDetected_*>(m)->landed});
+      });
+  ends_->odometry = reader(PX4_DESCRIPTOR(VehicleOdometry_), "VehicleOdometry", of_sensors, Writers::first,
+                           [this](const void* m, const Arrival& a) { on_odometry(m, a); });
+  ends_->setpoint = writer(PX4_DESCRIPTOR(TrajectorySetpoint_), "TrajectorySetpoint");
+  ends_->heartbeat = writer(
+      release_ == 14 ? PX4_DESCRIPTOR(OffboardControlMode_14_) : PX4_DESCRIPTOR(OffboardControlMode_15_),
+      "OffboardControlMode");
+  ends_->command =
+      writer(release_ == 14 ? PX4_DESCRIPTOR(VehicleCommand_14_) : PX4_DESCRIPTOR(VehicleCommand_15_),
+             "VehicleCommand");
+}
+
+Px4LinkEnd::~Px4LinkEnd() = default;
+
+template <class M>
+void Px4LinkEnd::on_status(const M& m, const Arrival& arrival) {
+  status_.put(
+      {arrival.monotonic, m.arming_state, m.nav_state, m.system_id, m.failsafe, m.pre_flight_checks_pass});
+}
+
+template <class M>
+void Px4LinkEnd::on_ack(const M& m, const Arrival& arrival) {
+  ack_.put({arrival.monotonic, m.command, m.result});
+}
+
+template <class M>
+void Px4LinkEnd::on_position(const M& m, const Arrival& arrival) {
+  position_.put({arrival.monotonic, m.xy_valid && m.z_valid && m.v_xy_valid && m.v_z_valid});
+}
+
+void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
+  const auto& m = *static_cast<const px4_msgs_msg_dds__VehicleOdometry_*>(message);
+  if (m.pose_frame != px4_frame_ned ||
+      (m.velocity_frame != px4_frame_ned && m.velocity_frame != px4_velocity_body)) {
+    ++other_frame_;
+    return;
+  }
+  const Quaternion q = normalised({m.q[0], m.q[1], m.q[2], m.q[3]});
+  Motion local = {turned_over(px4_vec(m.position)),
+                  q == no_attitude ? q : turned_over(q),
+                  {},
+                  -double{m.angular_velocity[2]}};
+  const Vec3<double> v = px4_vec(m.velocity);
+  local.v = m.velocity_frame == px4_frame_ned ? turned_over(v) : rotation(local.q).to_G(body_turned_over(v));
+  if (!is_finite(local)) {
+    ++not_finite_;
+    return;
+  }
+  const Nanoseconds sampled = of_microseconds(std::min(m.timestamp_sample, last_microsecond));
+  if (m.timestamp_sample > last_microsecond || !clock_.fits(sampled, arrival.monotonic)) {
+    ++other_time_;
+    return;
+  }
+  motion_.put({in_G(origin_, local), clock_.on_ours(sampled, arrival.monotonic)});
+}
+
+bool Px4LinkEnd::look(SeenMotion& seen) noexcept {
+  (void)motion_.look(last_motion_);
+  seen = last_motion_;
+  return motion_.count() > 0;
+}
+
+LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
+  (void)motion_.look(last_motion_);
+  (void)status_.look(last_status_);
+  (void)position_.look(last_position_);
+  (void)landed_.look(last_landed_);
+  (void)ack_.look(last_ack_);
+  const Status& s = last_status_;
+  const auto is = [&](NavState nav) { return s.nav == static_cast<std::uint8_t>(nav); };
+  const bool says_landed = now - last_landed_.arrived < status_old;
+  LinkFacts facts;
+  facts.there =
+      motion_.count() > 0 && now - last_motion_.stamp < odometry_old && now - s.arrived < status_old;
+  facts.armed = s.arming == px4_armed;
+  facts.landed = says_landed ? last_landed_.good : !facts.armed;
+  facts.checked = s.preflight && last_position_.good && facts.landed && heard_ &&
+                  ends_->odometry->counts().foreign == 0 &&
+                  (px4_.target_system == 0 || px4_.target_system == s.system);
+  facts.contested = rivals_ > 0;
+  facts.failsafe = s.failsafe;
+  facts.mode = is(NavState::offboard)                        ? AutopilotMode::offboard
+               : is(NavState::takeoff) || is(NavState::hold) ? AutopilotMode::takeoff
+               : is(NavState::land)                          ? AutopilotMode::land
+                                                             : AutopilotMode::other;
+  const bool high = last_motion_.motion.p.z - origin_.p.z > least_height;
+  facts.airborne =
+      (is(NavState::hold) || is(NavState::offboard)) && high && !(says_landed && last_landed_.good);
+  facts.refused = last_ack_.arrived > asked_at_ && last_ack_.command == static_cast<std::uint32_t>(asked_) &&
+                  last_ack_.result != ack_accepted && last_ack_.result != ack_in_progress;
+  return facts;
+}
+
+std::uint64_t Px4LinkEnd::stamp() const noexcept {
+  return stamps_ == Stamps::of_this_machine ? static_cast<std::uint64_t>(realtime_now() / 1000) : 0;
+}
+
+void Px4LinkEnd::command(Px4Command which, float param1, float param2, Nanoseconds now) noexcept {
+  asked_ = which;
+  asked_at_ = now;
+  const auto fill = [&](auto& c) {
+    const bool takes_off = which == Px4Command::takeoff || which == Px4Command::land;
+    c.timestamp = stamp();
+    c.param1 = takes_off ? px4_nan : param1;
+    c.param2 = takes_off ? px4_nan : param2;
+    // To where it is, and as high as it is set up to.
+    if (takes_off)
+      c.param3 = c.param4 = c.param7 = px4_nan,
+      c.param5 = c.param6 = std::numeric_limits<double>::quiet_NaN();
+    c.command = static_cast<std::uint32_t>(which);
+    c.target_system = last_status_.system;
+    c.target_component = 1;
+    c.source_system = our_system;
+    c.source_component = our_component;
+    c.from_external = true;
+    (void)ends_->command->write(&c);
+  };
+  px4_msgs_msg_dds__VehicleCommand_14_ old{};
+  px4_msgs_msg_dds__VehicleCommand_15_ now_used{};
+  release_ == 14 ? fill(old) : fill(now_used);
+}
+
+void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds now) noexcept {
+  if (output.heartbeat) {
+    const auto beat = [&](auto&& mode) {
+      mode.timestamp = stamp();
+      mode.velocity = true;
+      (void)ends_->heartbeat->write(&mode);
+    };
+    release_ == 14 ? beat(px4_msgs_msg_dds__OffboardControlMode_14_{})
+                   : beat(px4_msgs_msg_dds__OffboardControlMode_15_{});
+  }
+  if (output.setpoint != Setpoint::none) {
+    px4_msgs_msg_dds__TrajectorySetpoint_ s{};
+    s.timestamp = stamp();
+    for (std::size_t k = 0; k < 3; ++k) s.position[k] = s.jerk[k] = px4_nan;
+    s.yaw = px4_nan;
+    if (output.setpoint == Setpoint::task) {
+      const Motion local = in_local({{}, origin_.heading}, {.p = c.a, .v = c.v});
+      const Vec3<double> v = turned_over(local.v), a = turned_over(local.p);
+      const std::array<double, 3> vs = {v.x, v.y, v.z}, as = {a.x, a.y, a.z};
+      for (std::size_t k = 0; k < 3; ++k)
+        s.velocity[k] = static_cast<float>(vs[k]), s.acceleration[k] = static_cast<float>(as[k]);
+      s.yawspeed = static_cast<float>(-c.r);
+    }
+    (void)ends_->setpoint->write(&s);
+  }
+  switch (output.request) {
+    case Request::none:
+      break;
+    case Request::arm:
+      command(Px4Command::arm_disarm, 1.0F, 0.0F, now);
+      break;
+    case Request::take_off:
+      command(Px4Command::takeoff, 0.0F, 0.0F, now);
+      break;
+    case Request::offboard:
+      command(Px4Command::set_mode, px4_custom_mode, px4_mode_offboard, now);
+      break;
+    case Request::land:
+      command(Px4Command::land, 0.0F, 0.0F, now);
+      break;
+  }
+}
+
+void Px4LinkEnd::watch() {
+  heard_ = ends_->setpoint->matched() > 0 && ends_->heartbeat->matched() > 0 && ends_->command->matched() > 0;
+  rivals_ = ends_->setpoint->rivals() + ends_->heartbeat->rivals();
+}
+
+std::vector<std::string> Px4LinkEnd::obstacles() {
+  std::vector<std::string> sentences;
+  const Nanoseconds now = monotonic_now();
+  const LinkFacts f = facts(now);
+  const auto say = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
+    sentences.push_back(fmt::format(format, std::forward<Args>(args)...));
+  };
+  for (const RawReader* reader :
+       {ends_->odometry.get(), ends_->status.get(), ends_->position.get(), ends_->ack.get()}) {
+    const ReaderCounts& n = reader->counts();
+    if (n.too_long + n.too_short > 0)
+      say("{}: {} messages of {} bytes, which PX4 1.{} does not have: another release?", reader->topic(),
+          n.too_long + n.too_short, n.wrong_size.load(), release_);
+  }
+  for (const RawReader* reader : {ends_->odometry.get(), ends_->status.get(), ends_->position.get()})
+    if (reader->counts().received == 0) say("{}: no message of PX4 1.{}", reader->topic(), release_);
+  if (ends_->status->counts().received == 0) {
+    std::set<std::string> others;
+    for (const WrittenTopic& t : written_topics(participant_)) {
+      const std::string begin = wire_topic(px4_.name_space + "/fmu/out/vehicle_status");
+      if (t.topic.starts_with(begin) && t.topic != ends_->status->topic()) others.insert(t.topic);
+    }
+    if (!others.empty()) say("there is {}, of another release than 1.{}", fmt::join(others, ", "), release_);
+  }
+  if (other_frame_ > 0)
+    say("{}: {} poses in frames that are not NED", ends_->odometry->topic(), other_frame_.load());
+  if (ends_->odometry->counts().foreign > 0)
+    say("{}: {} messages of a second writer", ends_->odometry->topic(),
+        ends_->odometry->counts().foreign.load());
+  if (f.contested) say("{}: another program writes set-points", ends_->setpoint->topic());
+  if (!heard_) say("{}: nobody reads it", ends_->setpoint->topic());
+  if (last_status_.arrived > 0 && px4_.target_system != 0 && px4_.target_system != last_status_.system)
+    say("it is system {}, expected {}", last_status_.system, px4_.target_system);
+  if (f.armed) say("it is armed already");
+  if (last_status_.arrived > 0 && !last_status_.preflight) say("its own checks before a flight do not pass");
+  if (last_position_.arrived > 0 && !last_position_.good) say("its estimator is not valid");
+  if (!f.landed) say("it is not on the ground");
+  if (f.there && clock_.least() > px4_second)
+    say("its messages are {:.1f} s old when they come: its clock is not that of this machine",
+        1e-9 * static_cast<double>(clock_.least()));
+  return sentences;
+}
+
+std::string Px4LinkEnd::counts() const {
+  std::int64_t wrong = 0;
+  for (const RawReader* reader : {ends_->odometry.get(), ends_->status.get(), ends_->position.get(),
+                                  ends_->ack.get(), ends_->landed.get()})
+    wrong += reader->counts().too_long + reader->counts().too_short;
+  const ReaderCounts& n = ends_->odometry->counts();
+  return fmt::format(
+      "{} poses, {} not finite, {} of another time, {} in other frames, {} of a second writer, {} messages "
+      "of other sizes",
+      n.received.load(), not_finite_.load(), other_time_.load(), other_frame_.load(), n.foreign.load(),
+      wrong);
+}
+
+}  // namespace sightline::dds

@@ -1,0 +1,96 @@
+/// The link to a vehicle of PX4 behind its uXRCE-DDS agent, releases 1.14 to 1.18.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "bridges/dds/channel.hpp"
+#include "bridges/dds/link_end.hpp"
+#include "bridges/dds/mailbox.hpp"
+#include "bridges/dds/px4_release.hpp"
+#include "sightline/scenario/link.hpp"
+
+namespace sightline::dds {
+
+// What PX4 calls its states and commands.
+enum class NavState : std::uint8_t { position = 2, hold = 4, takeoff = 17, land = 18, offboard = 14 };
+inline constexpr std::uint8_t px4_disarmed = 1, px4_armed = 2;
+enum class Px4Command : std::uint32_t { land = 21, takeoff = 22, set_mode = 176, arm_disarm = 400 };
+inline constexpr float px4_custom_mode = 1.0F, px4_mode_offboard = 6.0F;
+inline constexpr std::uint8_t px4_frame_ned = 1, px4_velocity_body = 3;
+
+/// Whose stamps are put on what is sent.
+enum class Stamps { none, of_this_machine };
+
+class Px4LinkEnd final : public LinkEnd {
+ public:
+  /// @param stamps  of_this_machine where the agent runs on it; PX4 takes what has none as of now
+  /// @throws std::runtime_error where a topic cannot be had
+  Px4LinkEnd(dds_entity_t participant, const Link& link, Stamps stamps);
+  ~Px4LinkEnd() override;
+
+  bool look(SeenMotion& seen) noexcept override;
+  LinkFacts facts(Nanoseconds now) noexcept override;
+  void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
+  void watch() override;
+  std::vector<std::string> obstacles() override;
+  std::string counts() const override;
+
+ private:
+  struct Status {
+    Nanoseconds arrived = 0;
+    std::uint8_t arming = 0, nav = 0, system = 0;
+    bool failsafe = false, preflight = false;
+  };
+  struct Flags {  // of one of the slow messages
+    Nanoseconds arrived = 0;
+    bool good = false;
+  };
+  struct Ack {
+    Nanoseconds arrived = 0;
+    std::uint32_t command = 0;
+    std::uint8_t result = 0;
+  };
+  struct Ends;
+
+  template <class M>
+  void on_status(const M& m, const Arrival& arrival);
+  template <class M>
+  void on_ack(const M& m, const Arrival& arrival);
+  template <class M>
+  void on_position(const M& m, const Arrival& arrival);
+  void on_odometry(const void* message, const Arrival& arrival);
+  std::uint64_t stamp() const noexcept;
+  void command(Px4Command which, float param1, float param2, Nanoseconds now) noexcept;
+
+  Px4Link px4_;
+  LinkOrigin origin_;
+  int release_;
+  Stamps stamps_;
+  dds_entity_t participant_;
+
+  // Filled by the thread that receives.
+  Mailbox<SeenMotion> motion_;
+  Mailbox<Status> status_;
+  Mailbox<Flags> position_, landed_;
+  Mailbox<Ack> ack_;
+  ClockOffset clock_;
+  std::atomic<std::int64_t> not_finite_{0}, other_time_{0}, other_frame_{0};
+
+  // By watch().
+  std::atomic<bool> heard_{false};  // it reads what we write
+  std::atomic<int> rivals_{0};
+
+  // Of the control thread: the last that was seen, for when a mailbox is being written.
+  SeenMotion last_motion_{};
+  Status last_status_{};
+  Flags last_position_{}, last_landed_{};
+  Ack last_ack_{};
+  Px4Command asked_{};
+  Nanoseconds asked_at_ = 0;
+
+  std::unique_ptr<Ends> ends_;  // last: readers end before what they fill
+};
+
+}  // namespace sightline::dds

@@ -1,0 +1,339 @@
+#include "bridges/dds/px4_vehicle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+extern "C" {
+#include "px4.h"
+}
+
+#define VEHICLE_DESCRIPTOR(message) px4_msgs_msg_dds__##message##_desc
+
+namespace sightline::dds {
+namespace {
+
+constexpr std::int64_t vehicle_second = 1'000'000'000;
+constexpr std::int64_t checks_take = vehicle_second;           // after its start
+constexpr std::int64_t offboard_loss = vehicle_second;         // COM_OF_LOSS_T
+constexpr double lag = 0.3, yaw_lag = 0.1, push_most = 6.0;    // [s], [s], [m/s^2]
+constexpr double climb_most = 0.7, sink = 0.5, ground = 0.02;  // [m/s], [m/s], [m]
+constexpr double fastest = 10.0;                               // that a set-point may ask [m/s]
+enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, denied = 2, unsupported = 3 };
+
+std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() / 1000); }
+
+}  // namespace
+
+struct Px4Vehicle::Ends {
+  std::unique_ptr<RawWriter> odometry, status, ack, landed, position;
+  std::unique_ptr<RawReader> command, setpoint, heartbeat;
+};
+
+Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setup& setup)
+    : release_(px4_first + static_cast<int>(link.release)),
+      setup_(setup),
+      booted_(monotonic_now()),
+      motion_{setup.p, upright({std::cos(setup.heading), std::sin(setup.heading)}), {}, 0.0},
+      ends_(std::make_unique<Ends>()) {
+  if (setup.rotors) {
+    rotorcraft_ = std::make_unique<Rotorcraft>(*setup.rotors, Commands::velocity);
+    rotorcraft_->begin(setup.p, heading(rotation(motion_.q)), {}, 0.0);
+  }
+  const auto topic = [&](Px4Side side, std::string_view message) {
+    return px4_topic(link.name_space, side, message, release_);
+  };
+  const auto writer = [&](const dds_topic_descriptor_t& type, std::string_view message) {
+    return std::make_unique<RawWriter>(participant, type, topic(Px4Side::out, message), of_px4_output);
+  };
+  const auto reader = [&](const dds_topic_descriptor_t& type, std::string_view message, int depth,
+                          RawReader::Take take) {
+    return std::make_unique<RawReader>(participant, type, topic(Px4Side::in, message),
+                                       Quality{.depth = depth}, payload_size(px4_type(message, release_)),
+                                       Writers::all, std::move(take));
+  };
+  const bool old = release_ == 14;
+  ends_->odometry = writer(VEHICLE_DESCRIPTOR(VehicleOdometry_), "VehicleOdometry");
+  ends_->landed = writer(VEHICLE_DESCRIPTOR(VehicleLandDetected_), "VehicleLandDetected");
+  ends_->status = writer(old              ? VEHICLE_DESCRIPTOR(VehicleStatus_14_)
+                         : release_ == 15 ? VEHICLE_DESCRIPTOR(VehicleStatus_15_)
+                         : release_ < 18  ? VEHICLE_DESCRIPTOR(VehicleStatus_16_)
+                                          : VEHICLE_DESCRIPTOR(VehicleStatus_18_),
+                         "VehicleStatus");
+  ends_->ack =
+      writer(old ? VEHICLE_DESCRIPTOR(VehicleCommandAck_14_) : VEHICLE_DESCRIPTOR(VehicleCommandAck_15_),
+             "VehicleCommandAck");
+  ends_->position = writer(old              ? VEHICLE_DESCRIPTOR(VehicleLocalPosition_14_)
+                           : release_ == 15 ? VEHICLE_DESCRIPTOR(VehicleLocalPosition_15_)
+                                            : VEHICLE_DESCRIPTOR(VehicleLocalPosition_16_),
+                           "VehicleLocalPosition");
+  const auto command = [this](const auto& c) {
+    on_command(c.command, c.param1, c.param2, c.target_system, c.source_system);
+  };
+  send_status();  // who was here before it started knows at once that it is disarmed
+  if (old) {
+    ends_->command = reader(VEHICLE_DESCRIPTOR(VehicleCommand_14_), "VehicleCommand", 16,
+                            [=](const void* m, const Arrival&) {
+                              command(*static_cast<const px4_msgs_msg_dds__VehicleCommand_14_*>(m));
+                            });
+  } else {
+    ends_->command = reader(VEHICLE_DESCRIPTOR(VehicleCommand_15_), "VehicleCommand", 16,
+                            [=](const void* m, const Arrival&) {
+                              command(*static_cast<const px4_msgs_msg_dds__VehicleCommand_15_*>(m));
+                            });
+  }
+  ends_->setpoint = reader(VEHICLE_DESCRIPTOR(TrajectorySetpoint_), "TrajectorySetpoint", 2,
+                           [this](const void* m, const Arrival&) { on_setpoint(m); });
+  ends_->heartbeat =
+      reader(old ? VEHICLE_DESCRIPTOR(OffboardControlMode_14_) : VEHICLE_DESCRIPTOR(OffboardControlMode_15_),
+             "OffboardControlMode", 2, [this](const void* m, const Arrival&) {
+               // Both layouts begin alike.
+               on_heartbeat(static_cast<const px4_msgs_msg_dds__OffboardControlMode_15_*>(m)->velocity);
+             });
+}
+
+Px4Vehicle::~Px4Vehicle() = default;
+
+void Px4Vehicle::set_nav(NavState nav) {
+  nav_ = nav;
+  send_status();
+}
+
+void Px4Vehicle::on_command(std::uint32_t command, float param1, float param2, std::uint8_t target,
+                            std::uint8_t source) {
+  const std::scoped_lock lock(lock_);
+  if (silent_ || (target != 0 && target != setup_.system)) return;  // for another one: silence
+  const bool ready = checks_ && monotonic_now() - booted_ > checks_take;
+  std::uint8_t result = unsupported;
+  switch (static_cast<Px4Command>(command)) {
+    case Px4Command::arm_disarm:
+      if (param1 > 0.5F) {
+        ++told_.arm_requests;
+        result = ready ? accepted : temporarily_rejected;
+        if (ready) arming_ = px4_armed;
+      } else {
+        result = landed_ ? accepted : denied;
+        if (landed_) arming_ = px4_disarmed;
+      }
+      break;
+    case Px4Command::takeoff:
+      result = arming_ == px4_armed ? accepted : temporarily_rejected;
+      if (arming_ == px4_armed) nav_ = NavState::takeoff;
+      break;
+    case Px4Command::set_mode:
+      if (param1 == px4_custom_mode && param2 == px4_mode_offboard) {
+        ++told_.offboard_requests;
+        const bool heard = monotonic_now() - heartbeat_at_ < offboard_loss;
+        result = heard ? accepted : temporarily_rejected;
+        if (heard) nav_ = NavState::offboard, v_sp_ = a_sp_ = {}, r_sp_ = 0.0;
+      }
+      break;
+    case Px4Command::land:
+      result = accepted;
+      nav_ = NavState::land;
+      break;
+  }
+  acknowledge(command, result, source);
+  send_status();
+}
+
+void Px4Vehicle::on_setpoint(const void* message) {
+  const auto& s = *static_cast<const px4_msgs_msg_dds__TrajectorySetpoint_*>(message);
+  const std::scoped_lock lock(lock_);
+  ++told_.setpoints;
+  if (nav_ != NavState::offboard) ++told_.setpoints_outside;
+  for (const float v : s.velocity) {
+    if (!std::isfinite(v) || std::abs(v) > fastest) {
+      ++told_.bad_setpoints;
+      return;
+    }
+  }
+  const auto given = [](float v) { return std::isfinite(v) ? double{v} : 0.0; };
+  const Motion local = {.p = turned_over(Vec3<double>{given(s.acceleration[0]), given(s.acceleration[1]),
+                                                      given(s.acceleration[2])}),
+                        .v = turned_over(Vec3<double>{s.velocity[0], s.velocity[1], s.velocity[2]})};
+  const Motion wanted = in_G({{}, setup_.origin.heading}, local);
+  v_sp_ = wanted.v, a_sp_ = wanted.p, r_sp_ = -given(s.yawspeed);
+}
+
+void Px4Vehicle::on_heartbeat(bool velocity) {
+  const std::scoped_lock lock(lock_);
+  ++told_.heartbeats;
+  if (velocity) heartbeat_at_ = monotonic_now();
+}
+
+void Px4Vehicle::move() {
+  Vec3<double> v{}, a{};
+  double r = 0.0;
+  const double height = motion_.p.z;
+  if (nav_ == NavState::offboard) v = v_sp_, a = a_sp_, r = r_sp_;
+  if (nav_ == NavState::takeoff) v.z = std::clamp(1.2 * (setup_.altitude - height) + 0.05, 0.0, climb_most);
+  if (nav_ == NavState::land) v.z = height > 0.1 ? -sink : -sink / 2;
+  const bool off = arming_ != px4_armed || (landed_ && nav_ != NavState::takeoff && v.z <= 0);
+  if (off) {
+    motion_.v = {}, motion_.r = 0.0;
+    if (rotorcraft_) rotorcraft_->begin(motion_.p, heading(rotation(motion_.q)), {}, 0.0);
+  } else if (rotorcraft_) {
+    const double gain = setup_.rotors->velocity_gain;  // its velocity loop makes of this the acceleration too
+    const Vec2<double> d = rotorcraft_->heading();
+    const Vec2<double> u = rotate<double>({d.x, -d.y}, {v.x + a.x / gain, v.y + a.y / gain});
+    for (std::int64_t i = std::llround(period / rotorcraft_step); i > 0; --i)
+      rotorcraft_->step({u.x, u.y, v.z, r}, {});
+    motion_ = {rotorcraft_->body().p, rotorcraft_->body().q, rotorcraft_->body().v,
+               rotorcraft_->heading_rate()};
+  } else {
+    const auto follow = [&](double now, double to, double push) {
+      return now + period * std::clamp((to - now) / lag + push, -push_most, push_most);
+    };
+    motion_.v = {follow(motion_.v.x, v.x, a.x), follow(motion_.v.y, v.y, a.y), follow(motion_.v.z, v.z, a.z)};
+    motion_.r += period / yaw_lag * (r - motion_.r);
+    motion_.p = motion_.p + period * motion_.v;
+    const double turn = period * motion_.r;
+    motion_.q = Quaternion{std::cos(turn / 2), 0, 0, std::sin(turn / 2)} * motion_.q;
+    if (motion_.p.z < 0) motion_.p.z = 0, motion_.v = {};
+  }
+  landed_ = motion_.p.z < ground && nav_ != NavState::takeoff;
+  if (arming_ == px4_armed && nav_ == NavState::takeoff && motion_.p.z > setup_.altitude - 0.05)
+    set_nav(NavState::hold);
+  if (arming_ == px4_armed && nav_ == NavState::land && landed_) {
+    arming_ = px4_disarmed;
+    send_slow();
+    send_status();
+  }
+}
+
+void Px4Vehicle::step(std::int64_t number) {
+  const std::scoped_lock lock(lock_);
+  if (nav_ == NavState::offboard && arming_ == px4_armed && monotonic_now() - heartbeat_at_ > offboard_loss) {
+    told_.failsafe_after = 1e-9 * static_cast<double>(monotonic_now() - heartbeat_at_);
+    failsafe_ = true;
+    set_nav(NavState::land);
+  }
+  move();
+  if (silent_) return;
+  send_odometry();
+  if (number % 20 == 0) send_status();
+  if (number % 10 == 5) send_slow();
+}
+
+void Px4Vehicle::send_odometry() {
+  const Motion local = in_local(setup_.origin, motion_);
+  px4_msgs_msg_dds__VehicleOdometry_ m{};
+  m.timestamp = m.timestamp_sample = microseconds();
+  m.pose_frame = m.velocity_frame = px4_frame_ned;
+  const Vec3<double> p = turned_over(local.p), v = turned_over(local.v);
+  const Quaternion q = turned_over(local.q);
+  const std::array<double, 3> ps = {p.x, p.y, p.z}, vs = {v.x, v.y, v.z};
+  const std::array<double, 4> qs = {q.w, q.x, q.y, q.z};
+  for (std::size_t k = 0; k < 3; ++k)
+    m.position[k] = static_cast<float>(ps[k]), m.velocity[k] = static_cast<float>(vs[k]),
+    m.position_variance[k] = 1e-4F;
+  for (std::size_t k = 0; k < 4; ++k) m.q[k] = static_cast<float>(qs[k]);
+  m.angular_velocity[2] = static_cast<float>(-motion_.r);
+  (void)ends_->odometry->write(&m);
+}
+
+void Px4Vehicle::send_status() {
+  if (silent_) return;
+  const auto fill = [&](auto&& m) {
+    m.timestamp = microseconds();
+    m.arming_state = arming_;
+    m.nav_state = m.nav_state_user_intention = static_cast<std::uint8_t>(nav_);
+    m.vehicle_type = 1;
+    m.system_type = 2;
+    m.system_id = setup_.system;
+    m.component_id = 1;
+    m.failsafe = failsafe_;
+    m.pre_flight_checks_pass = checks_ && monotonic_now() - booted_ > checks_take;
+    (void)ends_->status->write(&m);
+  };
+  if (release_ == 14)
+    fill(px4_msgs_msg_dds__VehicleStatus_14_{});
+  else if (release_ == 15)
+    fill(px4_msgs_msg_dds__VehicleStatus_15_{});
+  else if (release_ < 18)
+    fill(px4_msgs_msg_dds__VehicleStatus_16_{});
+  else
+    fill(px4_msgs_msg_dds__VehicleStatus_18_{});
+}
+
+void Px4Vehicle::send_slow() {
+  px4_msgs_msg_dds__VehicleLandDetected_ landed{};
+  landed.timestamp = microseconds();
+  landed.landed = landed.ground_contact = landed_;
+  (void)ends_->landed->write(&landed);
+  const auto fill = [&](auto&& m) {
+    m.timestamp = m.timestamp_sample = microseconds();
+    m.xy_valid = m.z_valid = m.v_xy_valid = m.v_z_valid = monotonic_now() - booted_ > checks_take / 2;
+    const Vec3<double> p = turned_over(in_local(setup_.origin, motion_).p);
+    m.x = static_cast<float>(p.x), m.y = static_cast<float>(p.y), m.z = static_cast<float>(p.z);
+    m.heading_good_for_control = true;
+    (void)ends_->position->write(&m);
+  };
+  if (release_ == 14)
+    fill(px4_msgs_msg_dds__VehicleLocalPosition_14_{});
+  else if (release_ == 15)
+    fill(px4_msgs_msg_dds__VehicleLocalPosition_15_{});
+  else
+    fill(px4_msgs_msg_dds__VehicleLocalPosition_16_{});
+}
+
+void Px4Vehicle::acknowledge(std::uint32_t command, std::uint8_t result, std::uint8_t source) {
+  const auto fill = [&](auto&& m) {
+    m.timestamp = microseconds();
+    m.command = command;
+    m.result = result;
+    m.target_system = source;
+    (void)ends_->ack->write(&m);
+  };
+  release_ == 14 ? fill(px4_msgs_msg_dds__VehicleCommandAck_14_{})
+                 : fill(px4_msgs_msg_dds__VehicleCommandAck_15_{});
+}
+
+Px4VehicleCounts Px4Vehicle::told() const {
+  const std::scoped_lock lock(lock_);
+  return told_;
+}
+Motion Px4Vehicle::motion() const {
+  const std::scoped_lock lock(lock_);
+  return motion_;
+}
+bool Px4Vehicle::armed() const {
+  const std::scoped_lock lock(lock_);
+  return arming_ == px4_armed;
+}
+void Px4Vehicle::take_over() {
+  const std::scoped_lock lock(lock_);
+  set_nav(NavState::position);
+}
+void Px4Vehicle::disarm() {
+  const std::scoped_lock lock(lock_);
+  arming_ = px4_disarmed;
+  send_status();
+}
+void Px4Vehicle::fail_checks(bool fails) {
+  const std::scoped_lock lock(lock_);
+  checks_ = !fails;
+  send_status();
+}
+void Px4Vehicle::be_silent(bool silent) {
+  const std::scoped_lock lock(lock_);
+  silent_ = silent;
+}
+
+std::string Px4Vehicle::counts() const {
+  const Px4VehicleCounts n = told();
+  const Motion m = motion();
+  return fmt::format(
+      "{} set-points ({} outside offboard, {} bad), {} heartbeats, {} requests to arm, {} for offboard, {}, "
+      "at [{:.2f}, {:.2f}, "
+      "{:.2f}] m{}",
+      n.setpoints, n.setpoints_outside, n.bad_setpoints, n.heartbeats, n.arm_requests, n.offboard_requests,
+      armed() ? "armed" : "disarmed", m.p.x, m.p.y, m.p.z,
+      n.failsafe_after > 0 ? fmt::format(", failsafe {:.3f} s after the last heartbeat", n.failsafe_after)
+                           : "");
+}
+
+}  // namespace sightline::dds

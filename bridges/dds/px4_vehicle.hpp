@@ -1,0 +1,81 @@
+/// Stands in for a vehicle of PX4: its arming and modes, its answers, its messages in the layout of its release.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "bridges/dds/channel.hpp"
+#include "bridges/dds/px4_link.hpp"
+#include "bridges/dds/stand_in.hpp"
+#include "sightline/world/rotorcraft.hpp"
+
+namespace sightline::dds {
+
+/// What a stand-in was told. Of any thread.
+struct Px4VehicleCounts {
+  std::int64_t setpoints = 0, setpoints_outside = 0;  ///< outside: while it was in another mode than offboard
+  std::int64_t bad_setpoints = 0;                     ///< not finite, or faster than 10 m/s
+  std::int64_t heartbeats = 0, arm_requests = 0, offboard_requests = 0;
+  double failsafe_after = 0.0;  ///< from the last heartbeat to its failsafe [s]; 0: there was none
+};
+
+/// A vehicle on the ground below where its robot starts. It follows velocities with a lag of 0.3 s, or as a rigid body with rotors.
+class Px4Vehicle final : public StandIn {
+ public:
+  struct Setup {
+    LinkOrigin origin{};
+    Vec3<double> p{};  ///< in G, on the ground [m]
+    double heading = 0.0;
+    double altitude = 1.0;  ///< of its take-off [m]
+    std::uint8_t system = 1;
+    std::optional<Vehicle> rotors{};  ///< none: the lag
+  };
+
+  Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setup& setup);
+  ~Px4Vehicle() override;
+
+  void step(std::int64_t number) override;
+  std::string counts() const override;
+
+  Px4VehicleCounts told() const;
+  Motion motion() const;  ///< in G
+  bool armed() const;
+  /// What others can do to it: a pilot takes it, it is disarmed, its checks fail, it falls silent.
+  void take_over();
+  void disarm();
+  void fail_checks(bool fails);
+  void be_silent(bool silent);
+
+ private:
+  struct Ends;
+
+  void set_nav(NavState nav);
+  void on_command(std::uint32_t command, float param1, float param2, std::uint8_t target,
+                  std::uint8_t source);
+  void on_setpoint(const void* message);
+  void on_heartbeat(bool velocity);
+  void move();
+  void send_odometry();
+  void send_status();
+  void send_slow();
+  void acknowledge(std::uint32_t command, std::uint8_t result, std::uint8_t source);
+
+  int release_;
+  Setup setup_;
+  mutable std::recursive_mutex lock_;  // of all below: readers' thread and the one that steps
+  Px4VehicleCounts told_;
+  std::uint8_t arming_ = px4_disarmed;
+  NavState nav_ = NavState::hold;
+  bool failsafe_ = false, checks_ = true, silent_ = false, landed_ = true;
+  std::int64_t booted_, heartbeat_at_ = 0;
+  Motion motion_;
+  Vec3<double> v_sp_{}, a_sp_{};  // in G
+  double r_sp_ = 0.0;
+  std::unique_ptr<Rotorcraft> rotorcraft_;
+  std::unique_ptr<Ends> ends_;
+};
+
+}  // namespace sightline::dds

@@ -1,0 +1,132 @@
+#include "bridges/dds/ros2_link.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string_view>
+
+extern "C" {
+#include "ros.h"
+}
+
+namespace sightline::dds {
+namespace {
+
+using RosOdometry = nav_msgs_msg_dds__Odometry_;
+
+constexpr Nanoseconds ros_odometry_old = 500'000'000;
+constexpr double stands = 0.05;  // slower is at rest [m/s], [rad/s]
+
+bool is_wanted(const std::string& wanted, const char* frame) { return wanted.empty() || wanted == frame; }
+
+}  // namespace
+
+Ros2LinkEnd::Ros2LinkEnd(dds_entity_t participant, const Link& link)
+    : ros2_(std::get<Ros2Link>(link.kind)), origin_(link.origin) {
+  cmd_vel_ = std::make_unique<RawWriter>(
+      participant,
+      ros2_.stamped ? geometry_msgs_msg_dds__TwistStamped__desc : geometry_msgs_msg_dds__Twist__desc,
+      ros2_.cmd_vel, of_ros_commands);
+  odometry_ = std::make_unique<RawReader>(participant, nav_msgs_msg_dds__Odometry__desc, ros2_.odometry,
+                                          of_sensors, std::nullopt, Writers::first,
+                                          [this](const void* m, const Arrival& a) { on_odometry(m, a); });
+}
+
+void Ros2LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
+  const auto& m = *static_cast<const RosOdometry*>(message);
+  if (!is_wanted(ros2_.frame, m.header.frame_id) || !is_wanted(ros2_.body_frame, m.child_frame_id)) {
+    ++other_frame_;
+    return;
+  }
+  const auto& p = m.pose.pose.position;
+  const auto& o = m.pose.pose.orientation;
+  const auto& v = m.twist.twist.linear;  // in the body
+  Motion local = {{p.x, p.y, p.z}, normalised({o.w, o.x, o.y, o.z}), {}, m.twist.twist.angular.z};
+  local.v = rotation(local.q).to_G({v.x, v.y, v.z});
+  const double sum = p.x + p.y + p.z + local.v.x + local.v.y + local.v.z + local.r;
+  if (!std::isfinite(sum) || local.q == no_attitude) {
+    ++not_finite_;
+    return;
+  }
+  const Nanoseconds sampled = of_ros(m.header.stamp.sec, m.header.stamp.nanosec);
+  if (!clock_.fits(sampled, arrival.monotonic)) {
+    ++other_time_;
+    return;
+  }
+  motion_.put({in_G(origin_, local), clock_.on_ours(sampled, arrival.monotonic)});
+}
+
+bool Ros2LinkEnd::look(SeenMotion& seen) noexcept {
+  (void)motion_.look(last_motion_);
+  seen = last_motion_;
+  return motion_.count() > 0;
+}
+
+LinkFacts Ros2LinkEnd::facts(Nanoseconds now) noexcept {
+  (void)motion_.look(last_motion_);
+  const Motion& m = last_motion_.motion;
+  const bool rests = norm(m.v) < stands && std::abs(m.r) < stands;
+  if (stops_ && rests) ours_ = false;
+  LinkFacts facts;
+  facts.there = motion_.count() > 0 && now - last_motion_.stamp < ros_odometry_old;
+  facts.checked = heard_ && odometry_->counts().foreign == 0 && other_frame_ == 0;
+  facts.armed = facts.airborne = ours_;
+  facts.landed = !ours_;
+  facts.contested = rivals_ > 0;
+  facts.mode = ours_ ? AutopilotMode::offboard : AutopilotMode::other;
+  return facts;
+}
+
+void Ros2LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds) noexcept {
+  if (output.request == Request::arm) ours_ = true;
+  if (output.request == Request::land) stops_ = true;
+  if (output.setpoint == Setpoint::none) return;
+  geometry_msgs_msg_dds__Twist_ twist{};
+  if (output.setpoint == Setpoint::task) {
+    twist.linear.x = c.d.x * c.v_end.x + c.d.y * c.v_end.y;
+    twist.linear.y = c.d.x * c.v_end.y - c.d.y * c.v_end.x;
+    twist.angular.z = c.r;
+  }
+  if (!ros2_.stamped) {
+    (void)cmd_vel_->write(&twist);
+    return;
+  }
+  static constexpr std::array<char, 10> frame = {"base_link"};
+  const RosTime now = to_ros(realtime_now());
+  geometry_msgs_msg_dds__TwistStamped_ stamped{};
+  stamped.header.stamp.sec = now.sec;
+  stamped.header.stamp.nanosec = now.nanosec;
+  stamped.header.frame_id =
+      const_cast<char*>(ros2_.body_frame.empty() ? frame.data() : ros2_.body_frame.c_str());
+  stamped.twist = twist;
+  (void)cmd_vel_->write(&stamped);
+}
+
+void Ros2LinkEnd::watch() {
+  heard_ = cmd_vel_->matched() > 0;
+  rivals_ = cmd_vel_->rivals();
+}
+
+std::vector<std::string> Ros2LinkEnd::obstacles() {
+  std::vector<std::string> sentences;
+  if (odometry_->counts().received == 0)
+    sentences.push_back(fmt::format("{}: no message", odometry_->topic()));
+  if (other_frame_ > 0)
+    sentences.push_back(fmt::format("{}: {} poses in other frames than frame, body_frame say",
+                                    odometry_->topic(), other_frame_.load()));
+  if (odometry_->counts().foreign > 0)
+    sentences.push_back(fmt::format("{}: {} messages of a second writer", odometry_->topic(),
+                                    odometry_->counts().foreign.load()));
+  if (rivals_ > 0) sentences.push_back(fmt::format("{}: another program writes to it", cmd_vel_->topic()));
+  if (!heard_) sentences.push_back(fmt::format("{}: nobody reads it", cmd_vel_->topic()));
+  return sentences;
+}
+
+std::string Ros2LinkEnd::counts() const {
+  const ReaderCounts& n = odometry_->counts();
+  return fmt::format("{} poses, {} not finite, {} of another time, {} in other frames, {} of a second writer",
+                     n.received.load(), not_finite_.load(), other_time_.load(), other_frame_.load(),
+                     n.foreign.load());
+}
+
+}  // namespace sightline::dds

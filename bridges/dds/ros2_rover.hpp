@@ -1,0 +1,48 @@
+/// Stands in for a robot that drives by cmd_vel.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "bridges/dds/channel.hpp"
+#include "bridges/dds/conversion.hpp"
+#include "bridges/dds/stand_in.hpp"
+
+namespace sightline::dds {
+
+/// It follows velocities with a lag of 0.1 s, and stops 0.5 s after the last of them.
+class Ros2Rover final : public StandIn {
+ public:
+  struct Setup {
+    LinkOrigin origin{};
+    Motion start{};         ///< in G
+    bool sideward = false;  ///< drives sideward too
+  };
+
+  Ros2Rover(dds_entity_t participant, const Ros2Link& link, const Setup& setup);
+
+  void step(std::int64_t number) override;
+  std::string counts() const override;
+
+  Motion motion() const;  ///< in G
+  std::int64_t commands() const;
+  bool stopped_itself() const;
+
+ private:
+  void on_twist(const void* twist);
+
+  Ros2Link link_;
+  Setup setup_;
+  mutable std::mutex lock_;  // of all below
+  Motion motion_;
+  Vec2<double> v_{}, v_wanted_{};  // forward, to the left [m/s]
+  double r_wanted_ = 0.0;
+  std::int64_t commanded_at_ = 0, commands_ = 0, bad_ = 0;
+  bool stopped_itself_ = false;
+  std::string frame_, body_frame_;
+  std::unique_ptr<RawWriter> odometry_;
+  std::unique_ptr<RawReader> cmd_vel_;
+};
+
+}  // namespace sightline::dds

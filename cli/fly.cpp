@@ -1,0 +1,92 @@
+#include <fmt/format.h>
+
+#include <atomic>
+#include <csignal>
+
+#include "cli/commands.hpp"
+#include "cli/output.hpp"
+#include "sightline/scenario/bridge.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/parts.hpp"
+
+namespace sightline::cli {
+namespace {
+
+// Of the process, as signals are.
+Interrupts interrupts{0};
+std::atomic<bool> stop_flight{false};
+
+void on_interrupt(int) {
+  ++interrupts;
+  stop_flight = true;
+}
+
+void listen_to_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = on_interrupt;
+  sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
+}
+
+Scenario read_fleet_scenario(const std::filesystem::path& file, const Parts& parts) {
+  Scenario scenario = read_scenario(file, parts);
+  if (!scenario.fleet)
+    throw std::invalid_argument(fmt::format(
+        "{}:1: fleet is missing, expected a [fleet] that says how the robots are reached", file.native()));
+  if (parts.bridge == nullptr)
+    throw std::invalid_argument(
+        "this sightline has no bridge to robots, expected one that was built with Cyclone DDS");
+  return scenario;
+}
+
+}  // namespace
+
+int fly_fleet(const FlyCommand& command, const Parts& parts) {
+  std::unique_ptr<LinkedWorld> world;
+  std::optional<RunFolder> folder;
+  Scenario scenario;
+  try {
+    scenario = read_fleet_scenario(command.fleet, parts);
+    scenario.simulation.compare.clear();
+    lift_deadline(scenario.solver);  // so that the flight can be replayed: no time of the wall clock decides
+    check_solvers(scenario);
+    folder.emplace(command.output.empty() ? std::filesystem::path("out") / scenario.name : command.output,
+                   scenario);
+    world = parts.bridge->connect(scenario);
+  } catch (const std::exception& error) {
+    tell("{}\n", error.what());
+    return 2;
+  }
+  outlive_the_terminal();
+  listen_to_interrupts();
+  SteadyClock clock;
+  LinkedFlight linked{*world, command.dry_run ? Arming::dry_run : Arming::real, interrupts, stop_flight};
+  int code = 2;
+  try {
+    code = fly(std::move(scenario), *folder, clock, nullptr, &linked);
+  } catch (const std::invalid_argument& error) {  // of what is built before the flight
+    tell("{}: {}\n", command.fleet.native(), error.what());
+    return 2;
+  }
+  for (const std::string& line : world->counts()) say(line);
+  const std::vector<std::string> faults = world->faults();
+  for (const std::string& fault : faults) say(fault);
+  return code == 0 && !faults.empty() ? 1 : code;
+}
+
+int vehicles(const VehiclesCommand& command, const Parts& parts) {
+  try {
+    const Scenario scenario = read_fleet_scenario(command.fleet, parts);
+    const std::unique_ptr<StandIns> stand_ins = parts.bridge->stand_in(scenario);
+    listen_to_interrupts();
+    say(fmt::format("{} vehicles stand in, until Ctrl-C", scenario.fleet->links.size()));
+    stand_ins->run(command.seconds, interrupts, [](std::string_view sentence) { say(sentence); });
+    for (const std::string& line : stand_ins->counts()) print("{}\n", line);
+    return 0;
+  } catch (const std::exception& error) {
+    tell("{}\n", error.what());
+    return 2;
+  }
+}
+
+}  // namespace sightline::cli

@@ -1,0 +1,58 @@
+/// What flies robots that are not simulated: a bridge to them, which a program adds to its Parts.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sightline/scenario/scenario.hpp"
+#include "sightline/world/world.hpp"
+
+namespace sightline {
+
+/// How often a person asked to end: once, and all land; twice, and they are left to their autopilots.
+using Interrupts = std::atomic<int>;
+/// Takes a sentence for a person. Not called between take_off() and land().
+using TellPerson = std::function<void(std::string_view)>;
+
+enum class Arming { real, dry_run };
+
+/// Robots that are reached over links, as a world. Time 0 is the first measure().
+///
+/// take_off(), a Loop that flies in it, land(): by one thread. Each call of apply() keeps the robots in flight; where none comes for
+/// half a second, autopilots do what they do without a companion.
+class LinkedWorld : public World {
+ public:
+  /// Waits for the robots, checks them, arms them, and brings them to where they hold. Returns too when a person asks to end.
+  /// @return false where not all of them hold; faults() says why
+  virtual bool take_off(Arming arming, const Interrupts& interrupts, const TellPerson& tell) = 0;
+  /// Brings all that fly to the ground. Returns when none is left to care for, in bounded time.
+  virtual void land(const Interrupts& interrupts, const TellPerson& tell) = 0;
+  /// After the flight: what made it fail, a sentence each.
+  virtual std::vector<std::string> faults() const = 0;
+  /// After the flight: what was counted, a line each: messages, and those that were refused.
+  virtual std::vector<std::string> counts() const = 0;
+};
+
+/// Stands in for the robots of a fleet, in the place of their links' far ends.
+class StandIns {
+ public:
+  virtual ~StandIns() = default;
+  /// Until `interrupts` is not zero, or for so long [s].
+  virtual void run(double duration, const Interrupts& interrupts, const TellPerson& tell) = 0;
+  /// After it: what each of them was told and did, a line each.
+  virtual std::vector<std::string> counts() const = 0;
+};
+
+class Bridge {
+ public:
+  virtual ~Bridge() = default;
+  /// @throws std::invalid_argument for a scenario that it cannot fly, std::runtime_error where the network cannot be had
+  virtual std::unique_ptr<LinkedWorld> connect(const Scenario& scenario) const = 0;
+  virtual std::unique_ptr<StandIns> stand_in(const Scenario& scenario) const = 0;
+};
+
+}  // namespace sightline
