@@ -97,7 +97,7 @@ LinkKind read_ros2(const TomlTable& at, const std::string&) {
 }
 
 using ReadKind = LinkKind (*)(const TomlTable&, const std::string&);
-constexpr std::array<Named<ReadKind>, 3> kinds = {
+constexpr std::array<Named<ReadKind>, 3> link_kinds = {
     {{Px4Link::name, read_px4}, {Crazyswarm2Link::name, read_crazyswarm2}, {Ros2Link::name, read_ros2}}};
 
 void read_poses(const TomlTable& at, Link& link) {
@@ -140,13 +140,15 @@ std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
   return network;
 }
 
-std::optional<Link> read_link(const TomlTable& agent, const std::string& name, bool fleet) {
+void read_link(const TomlTable& agent, const std::string& name, BodyId robot,
+               std::optional<FleetPlan>& fleet) {
   if (agent.has("link") && !fleet) agent.refuse("link", "no such table without a [fleet]");
-  if (!fleet) return std::nullopt;
+  if (!fleet) return;
   const TomlTable at =
       agent.table("link", "a table that says how the robot is reached, as for each of a [fleet]");
-  Link link;
-  link.kind = find(kinds, at.word("kind", names(kinds)))(at, name);
+  Link& link = fleet->links.emplace_back();
+  link.robot = robot;
+  link.kind = find(link_kinds, at.word("kind", names(link_kinds)))(at, name);
   read_poses(at, link);
   if (at.has("origin")) {
     const TomlTable origin = at.table("origin", "a table with p and heading");
@@ -159,17 +161,18 @@ std::optional<Link> read_link(const TomlTable& agent, const std::string& name, b
     at.refuse("origin",
               "a table with p and heading: where in G its estimator starts, its local frame's origin");
   }
-  return link;
 }
 
-std::string in_words(const FleetNetwork& network) {
+namespace {
+
+std::string network_in_words(const FleetNetwork& network) {
   return fmt::format("fleet       domain {} on {}, {}", network.domain, fmt::join(network.interfaces, ", "),
                      network.multicast == Multicast::on
                          ? "by multicast"
                          : fmt::format("asks {}, no multicast", fmt::join(network.peers, ", ")));
 }
 
-std::string in_words(const Link& link, std::string_view name) {
+std::string link_in_words(const Link& link, std::string_view name) {
   std::string how;
   if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) {
     how = fmt::format("{} of PX4 1.{}",
@@ -184,6 +187,14 @@ std::string in_words(const Link& link, std::string_view name) {
   const Vec3<double>& p = link.origin.p;
   return fmt::format("link        {}: {}, poses by {}, origin [{}, {}, {}] m", name, how,
                      pose_sources[static_cast<std::size_t>(link.poses)], p.x, p.y, p.z);
+}
+
+}  // namespace
+
+std::string in_words(const FleetPlan& fleet, const Team& team) {
+  std::string all = network_in_words(fleet.network);
+  for (const Link& link : fleet.links) all += "\n" + link_in_words(link, team.name(link.robot));
+  return all;
 }
 
 }  // namespace sightline

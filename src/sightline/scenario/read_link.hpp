@@ -13,13 +13,12 @@ namespace sightline {
 /// @throws ScenarioError
 std::optional<FleetNetwork> read_fleet(const TomlTable& root);
 
-/// [agent.NAME.link], which each robot of a fleet has, and no other.
-/// @param fleet  whether there is a [fleet]
+/// [agent.NAME.link], which each robot of a fleet has, and no other: adds it to the fleet, if there is one.
 /// @throws ScenarioError
-std::optional<Link> read_link(const TomlTable& agent, const std::string& name, bool fleet);
+void read_link(const TomlTable& agent, const std::string& name, BodyId robot,
+               std::optional<FleetPlan>& fleet);
 
-/// One line each, for the summary of a scenario.
-std::string in_words(const FleetNetwork& network);
-std::string in_words(const Link& link, std::string_view name);
+/// Lines for the summary of a scenario.
+std::string in_words(const FleetPlan& fleet, const Team& team);
 
 }  // namespace sightline

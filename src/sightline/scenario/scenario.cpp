@@ -178,10 +178,7 @@ class Reader {
         scenario_.vehicles.push_back(std::move(*vehicle));
       }
       read_compensation(at, bodies_.at(name));
-      if (auto link = read_link(at, name, scenario_.fleet.has_value())) {
-        link->robot = bodies_.at(name);
-        scenario_.fleet->links.push_back(std::move(*link));
-      }
+      read_link(at, name, bodies_.at(name), scenario_.fleet);
       scenario_.presence.push_back(is_present(at) ? Presence::steered : Presence::absent);
     }
   }
@@ -467,10 +464,7 @@ std::string summary(const Scenario& scenario) {
     line("vehicle     {}: feels the wind as air at [{:.2f}, {:.2f}, {:.2f}] m/s", team.name(vehicle.robot),
          air.x, air.y, air.z);
   }
-  if (scenario.fleet) {
-    line("{}", in_words(scenario.fleet->network));
-    for (const Link& link : scenario.fleet->links) line("{}", in_words(link, team.name(link.robot)));
-  }
+  if (scenario.fleet) line("{}", in_words(*scenario.fleet, team));
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     const auto& targets = scenario.targets;
     const bool target = std::find(targets.begin(), targets.end(), uncooperative.body) != targets.end();
