@@ -12,6 +12,7 @@ namespace sightline::dds {
 namespace {
 
 constexpr std::size_t header = 4;  // of a serialised message [bytes]
+constexpr std::uint32_t writers_max = 4096;
 
 struct QosDelete {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
@@ -52,24 +53,6 @@ std::int64_t now_of(clockid_t clock) noexcept {
   return t.tv_sec * std::int64_t{1'000'000'000} + t.tv_nsec;
 }
 
-/// Each writer of the domain that is alive.
-template <class Do>
-void each_writer(dds_entity_t participant, Do&& take) {
-  const dds_entity_t reader =
-      dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
-  if (reader < 0) throw std::runtime_error(fmt::format("who writes: {}", dds_strretcode(-reader)));
-  constexpr std::uint32_t most = 4096;
-  std::vector<void*> samples(most, nullptr);
-  std::vector<dds_sample_info_t> infos(most);
-  const dds_return_t count = dds_read(reader, samples.data(), infos.data(), most, most);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(0, count)); ++i) {
-    if (infos[i].valid_data && infos[i].instance_state == DDS_ALIVE_INSTANCE_STATE)
-      take(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]));
-  }
-  if (count > 0) dds_return_loan(reader, samples.data(), count);
-  dds_delete(reader);
-}
-
 }  // namespace
 
 std::int64_t monotonic_now() noexcept { return now_of(CLOCK_MONOTONIC); }
@@ -77,7 +60,7 @@ std::int64_t realtime_now() noexcept { return now_of(CLOCK_REALTIME); }
 
 RawWriter::RawWriter(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
                      Quality quality)
-    : topic_(on_wire(topic)), participant_(participant) {
+    : topic_(on_wire(topic)) {
   const Qos qos = qos_of(quality, message_type(type.m_typename));
   entity_ = dds_create_writer(participant, made_topic(participant, type, topic_), qos.get(), nullptr);
   if (entity_ < 0)
@@ -88,22 +71,32 @@ int RawWriter::matched() const noexcept {
   return std::max(0, static_cast<int>(dds_get_matched_subscriptions(entity_, nullptr, 0)));
 }
 
-int RawWriter::rivals() const {
+int RawWriter::rivals(std::span<const SeenWriter> writers) const {
   dds_guid_t ours{};
   dds_get_guid(entity_, &ours);
-  int others = 0;
-  each_writer(participant_, [&](const dds_builtintopic_endpoint_t& writer) {
-    if (topic_ == writer.topic_name && std::memcmp(&writer.key, &ours, sizeof ours) != 0) ++others;
-  });
-  return others;
+  return static_cast<int>(std::count_if(writers.begin(), writers.end(), [&](const SeenWriter& writer) {
+    return writer.topic == topic_ && std::memcmp(&writer.guid, &ours, sizeof ours) != 0;
+  }));
 }
 
-std::vector<WrittenTopic> written_topics(dds_entity_t participant) {
-  std::vector<WrittenTopic> topics;
-  each_writer(participant, [&](const dds_builtintopic_endpoint_t& writer) {
-    topics.push_back({writer.topic_name, writer.type_name});
-  });
-  return topics;
+WriterList::WriterList(dds_entity_t participant)
+    : reader_(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr)),
+      samples_(writers_max),
+      infos_(writers_max) {
+  if (reader_ < 0) throw std::runtime_error(fmt::format("who writes: {}", dds_strretcode(-reader_)));
+}
+
+std::vector<SeenWriter> WriterList::look() {
+  std::vector<SeenWriter> writers;
+  samples_[0] = nullptr;  // lend us theirs
+  const dds_return_t count = dds_read(reader_, samples_.data(), infos_.data(), writers_max, writers_max);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(0, count)); ++i) {
+    if (!infos_[i].valid_data || infos_[i].instance_state != DDS_ALIVE_INSTANCE_STATE) continue;
+    const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples_[i]);
+    writers.push_back({endpoint.topic_name, endpoint.type_name, endpoint.key});
+  }
+  if (count > 0) dds_return_loan(reader_, samples_.data(), count);
+  return writers;
 }
 
 RawReader::RawReader(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,

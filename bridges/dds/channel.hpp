@@ -8,6 +8,7 @@
 #include <cstring>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,6 +28,25 @@ inline constexpr Quality of_px4_output = {false, true, 1};    // what a client o
 inline constexpr Quality of_ros_commands = {true, false, 1};  // matches readers of both kinds
 inline constexpr Quality of_services = {true, false, 10};
 
+/// A writer of the domain, with the names of its topic and of its type as on the wire.
+struct SeenWriter {
+  std::string topic, type;
+  dds_guid_t guid{};
+};
+
+/// All of them that are alive, asked as often as one likes. One thread.
+class WriterList {
+ public:
+  /// @throws std::runtime_error where nobody says
+  explicit WriterList(dds_entity_t participant);
+  std::vector<SeenWriter> look();
+
+ private:
+  dds_entity_t reader_;
+  std::vector<void*> samples_;
+  std::vector<dds_sample_info_t> infos_;
+};
+
 /// A writer of messages of a type of IDL.
 class RawWriter {
  public:
@@ -39,13 +59,13 @@ class RawWriter {
   bool write(const void* message) noexcept { return dds_write(entity_, message) == DDS_RETCODE_OK; }
   /// Readers that there are.
   int matched() const noexcept;
-  /// Writers of the same topic that are not ours, in this domain.
-  int rivals() const;
+  /// Of these, those of the same topic that are not ours.
+  int rivals(std::span<const SeenWriter> writers) const;
   const std::string& topic() const { return topic_; }
 
  private:
   std::string topic_;
-  dds_entity_t participant_, entity_;
+  dds_entity_t entity_;
 };
 
 template <class M>
@@ -111,12 +131,6 @@ RawReader::Take taking(std::function<void(const M&, const Arrival&)> take) {
     take(*static_cast<const M*>(message), arrival);
   };
 }
-
-/// Topics that somebody writes, with the names of their types, as on the wire.
-struct WrittenTopic {
-  std::string topic, type;
-};
-std::vector<WrittenTopic> written_topics(dds_entity_t participant);
 
 std::int64_t monotonic_now() noexcept;  ///< [ns]
 std::int64_t realtime_now() noexcept;   ///< since 1970 [ns]

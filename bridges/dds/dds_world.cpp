@@ -76,9 +76,10 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
     robots_.push_back({name, std::move(end), RobotState(model), LinkMachine(times_),
                        size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
   }
-  watcher_ = std::thread([this] {
+  watcher_ = std::thread([this, list = WriterList(domain_->participant())]() mutable {
     while (!done_) {
-      for (Robot& robot : robots_) robot.end->watch();
+      const std::vector<SeenWriter> writers = list.look();
+      for (Robot& robot : robots_) robot.end->watch(writers);
       std::this_thread::sleep_for(std::chrono::milliseconds(200));
     }
   });
@@ -176,9 +177,10 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
       steps_until(LinkOrder::hold, interrupts, tell, [&] { return out() || each_is({S::holding}); });
     if (!out()) return true;
   } else {
+    const std::vector<SeenWriter> writers = WriterList(domain_->participant()).look();
     for (Robot& robot : robots_) {
       if (robot.machine.state() != S::done && robot.machine.state() != S::waiting) continue;
-      for (const std::string& sentence : robot.end->obstacles())
+      for (const std::string& sentence : robot.end->obstacles(writers))
         tell(fmt::format("{}: {}", robot.name, sentence));
     }
   }

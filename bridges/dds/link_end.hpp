@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "bridges/dds/channel.hpp"
 #include "bridges/dds/conversion.hpp"
 #include "bridges/dds/link_machine.hpp"
 #include "bridges/dds/robot_state.hpp"
@@ -28,10 +30,10 @@ class LinkEnd {
   /// Sends what is to be sent; `command` counts for Setpoint::task.
   virtual void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept = 0;
 
-  /// Asks who else is there; a few times a second, by one thread.
-  virtual void watch() = 0;
+  /// Takes note of who else is there; a few times a second, by one thread.
+  virtual void watch(std::span<const SeenWriter> writers) = 0;
   /// What keeps it from being armed, a sentence each.
-  virtual std::vector<std::string> obstacles() = 0;
+  virtual std::vector<std::string> obstacles(std::span<const SeenWriter> writers) = 0;
   /// What was received and refused, in words.
   virtual std::string counts() const = 0;
 };

@@ -49,7 +49,6 @@ Px4LinkEnd::Px4LinkEnd(dds_entity_t participant, const Link& link, Stamps stamps
       origin_(link.origin),
       release_(px4_first + static_cast<int>(px4_.release)),
       stamps_(stamps),
-      participant_(participant),
       ends_(std::make_unique<Ends>()) {
   const auto topic = [&](Px4Side side, std::string_view message) {
     return px4_topic(px4_.name_space, side, message, release_);
@@ -256,12 +255,12 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
   }
 }
 
-void Px4LinkEnd::watch() {
+void Px4LinkEnd::watch(std::span<const SeenWriter> writers) {
   heard_ = ends_->setpoint->matched() > 0 && ends_->heartbeat->matched() > 0 && ends_->command->matched() > 0;
-  rivals_ = ends_->setpoint->rivals() + ends_->heartbeat->rivals();
+  rivals_ = ends_->setpoint->rivals(writers) + ends_->heartbeat->rivals(writers);
 }
 
-std::vector<std::string> Px4LinkEnd::obstacles() {
+std::vector<std::string> Px4LinkEnd::obstacles(std::span<const SeenWriter> writers) {
   std::vector<std::string> sentences;
   const Nanoseconds now = monotonic_now();
   const LinkFacts f = facts(now);
@@ -279,7 +278,7 @@ std::vector<std::string> Px4LinkEnd::obstacles() {
     if (reader->counts().received == 0) say("{}: no message of PX4 1.{}", reader->topic(), release_);
   if (ends_->status->counts().received == 0) {
     std::set<std::string> others;
-    for (const WrittenTopic& t : written_topics(participant_)) {
+    for (const SeenWriter& t : writers) {
       const std::string begin = wire_topic(px4_.name_space + "/fmu/out/vehicle_status");
       if (t.topic.starts_with(begin) && t.topic != ends_->status->topic()) others.insert(t.topic);
     }

@@ -33,8 +33,8 @@ class Px4LinkEnd final : public LinkEnd {
   bool look(SeenMotion& seen) noexcept override;
   LinkFacts facts(Nanoseconds now) noexcept override;
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
-  void watch() override;
-  std::vector<std::string> obstacles() override;
+  void watch(std::span<const SeenWriter> writers) override;
+  std::vector<std::string> obstacles(std::span<const SeenWriter> writers) override;
   std::string counts() const override;
 
  private:
@@ -68,7 +68,6 @@ class Px4LinkEnd final : public LinkEnd {
   LinkOrigin origin_;
   int release_;
   Stamps stamps_;
-  dds_entity_t participant_;
 
   // Filled by the thread that receives.
   Mailbox<SeenMotion> motion_;

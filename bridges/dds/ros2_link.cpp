@@ -102,12 +102,12 @@ void Ros2LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds) 
   (void)cmd_vel_->write(&stamped);
 }
 
-void Ros2LinkEnd::watch() {
+void Ros2LinkEnd::watch(std::span<const SeenWriter> writers) {
   heard_ = cmd_vel_->matched() > 0;
-  rivals_ = cmd_vel_->rivals();
+  rivals_ = cmd_vel_->rivals(writers);
 }
 
-std::vector<std::string> Ros2LinkEnd::obstacles() {
+std::vector<std::string> Ros2LinkEnd::obstacles(std::span<const SeenWriter>) {
   std::vector<std::string> sentences;
   if (odometry_->counts().received == 0)
     sentences.push_back(fmt::format("{}: no message", odometry_->topic()));

@@ -22,8 +22,8 @@ class Ros2LinkEnd final : public LinkEnd {
   bool look(SeenMotion& seen) noexcept override;
   LinkFacts facts(Nanoseconds now) noexcept override;
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
-  void watch() override;
-  std::vector<std::string> obstacles() override;
+  void watch(std::span<const SeenWriter> writers) override;
+  std::vector<std::string> obstacles(std::span<const SeenWriter> writers) override;
   std::string counts() const override;
 
  private:

@@ -145,7 +145,7 @@ TEST_F(Channel, OfTwoWritersTheFirstIsKept) {
   Writer<Odometry> second(domain.another_participant(), px4_msgs_msg_dds__VehicleOdometry__desc,
                           "/d/odometry", of_px4_output);
   ASSERT_TRUE(soon([&] { return second.matched() == 1; }));
-  EXPECT_EQ(first.rivals(), 1);
+  EXPECT_EQ(first.rivals(WriterList(other).look()), 1);
   m.timestamp = 2;
   for (int k = 0; k < 10; ++k) second(m);
   EXPECT_TRUE(soon([&] { return in.counts().foreign == 10; }));
@@ -169,10 +169,11 @@ TEST_F(Channel, WritingASmallMessageAllocatesNothing) {
 
 TEST_F(Channel, WhoWritesIsKnownByTopicAndType) {
   Writer<Status16> out(other, px4_msgs_msg_dds__VehicleStatus_16__desc, "/f/status_v1", of_px4_output);
+  WriterList list(domain.participant());
   EXPECT_TRUE(soon([&] {
-    const auto topics = written_topics(domain.participant());
-    return std::any_of(topics.begin(), topics.end(), [](const WrittenTopic& t) {
-      return t.topic == "rt/f/status_v1" && t.type == "px4_msgs::msg::dds_::VehicleStatus_";
+    const auto writers = list.look();
+    return std::any_of(writers.begin(), writers.end(), [](const SeenWriter& w) {
+      return w.topic == "rt/f/status_v1" && w.type == "px4_msgs::msg::dds_::VehicleStatus_";
     });
   }));
 }
