@@ -20,6 +20,7 @@ constexpr std::int64_t checks_take = vehicle_second;           // after its star
 constexpr std::int64_t offboard_loss = vehicle_second;         // COM_OF_LOSS_T
 constexpr double lag = 0.3, yaw_lag = 0.1, push_most = 6.0;    // [s], [s], [m/s^2]
 constexpr double climb_most = 0.7, sink = 0.5, ground = 0.02;  // [m/s], [m/s], [m]
+constexpr double reordered_by = 0.025;                         // [s]
 constexpr double fastest = 10.0;                               // that a set-point may ask [m/s]
 enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, denied = 2, unsupported = 3 };
 
@@ -30,6 +31,11 @@ std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() 
 struct Px4Vehicle::Ends {
   std::unique_ptr<RawWriter> odometry, status, ack, landed, position;
   std::unique_ptr<RawReader> command, setpoint, heartbeat;
+  struct Late {
+    std::int64_t due;
+    px4_msgs_msg_dds__VehicleOdometry_ message;
+  };
+  std::vector<Late> late;  // on their way, in the order in which they were sent
 };
 
 Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setup& setup)
@@ -232,7 +238,17 @@ void Px4Vehicle::send_odometry() {
     m.position_variance[k] = 1e-4F;
   for (std::size_t k = 0; k < 4; ++k) m.q[k] = static_cast<float>(qs[k]);
   m.angular_velocity[2] = static_cast<float>(-motion_.r);
-  (void)ends_->odometry->write(&m);
+  const auto happens = [&](double part) { return std::uniform_real_distribution<>(0, 1)(random_) < part; };
+  if (happens(faults_.not_finite)) m.position[random_() % 3] = std::numeric_limits<float>::quiet_NaN();
+  const double delay = faults_.delay + (happens(faults_.reorder) ? reordered_by : 0.0);
+  const std::int64_t now = monotonic_now(), due = now + std::llround(1e9 * delay);
+  const int copies = happens(faults_.drop) ? 0 : happens(faults_.duplicate) ? 2 : 1;
+  for (int i = 0; i < copies; ++i) ends_->late.push_back({due, m});
+  std::erase_if(ends_->late, [&](const Ends::Late& one) {
+    if (one.due > now) return false;
+    (void)ends_->odometry->write(&one.message);
+    return true;
+  });
 }
 
 void Px4Vehicle::send_status() {
@@ -317,6 +333,10 @@ void Px4Vehicle::fail_checks(bool fails) {
   const std::scoped_lock lock(lock_);
   checks_ = !fails;
   send_status();
+}
+void Px4Vehicle::disturb(const OdometryFaults& faults) {
+  const std::scoped_lock lock(lock_);
+  faults_ = faults;
 }
 void Px4Vehicle::be_silent(bool silent) {
   const std::scoped_lock lock(lock_);

@@ -5,6 +5,8 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <random>
 #include <string>
 
 #include "bridges/dds/channel.hpp"
@@ -20,6 +22,13 @@ struct Px4VehicleCounts {
   std::int64_t bad_setpoints = 0;                     ///< not finite, or faster than 10 m/s
   std::int64_t heartbeats = 0, arm_requests = 0, offboard_requests = 0;
   double failsafe_after = 0.0;  ///< from the last heartbeat to its failsafe [s]; 0: there was none
+};
+
+/// What happens to the odometry on its way: parts of the messages, and a delay of all [s].
+struct OdometryFaults {
+  double drop = 0.0, duplicate = 0.0, not_finite = 0.0;
+  double reorder = 0.0;  ///< 25 ms later than those after them
+  double delay = 0.0;
 };
 
 /// A vehicle on the ground below where its robot starts. It follows velocities with a lag of 0.3 s, or as a rigid body with rotors.
@@ -48,6 +57,7 @@ class Px4Vehicle final : public StandIn {
   void disarm();
   void fail_checks(bool fails);
   void be_silent(bool silent);
+  void disturb(const OdometryFaults& faults);
 
  private:
   struct Ends;
@@ -75,6 +85,8 @@ class Px4Vehicle final : public StandIn {
   Vec3<double> v_sp_{}, a_sp_{};  // in G
   double r_sp_ = 0.0;
   std::unique_ptr<Rotorcraft> rotorcraft_;
+  OdometryFaults faults_{};
+  std::mt19937 random_{1};
   std::unique_ptr<Ends> ends_;
 };
 

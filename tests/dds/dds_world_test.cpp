@@ -208,6 +208,31 @@ TEST(DdsWorld, ARoverWhoseOdometryIsInAnotherFrameIsNotDriven) {
   EXPECT_EQ(dynamic_cast<Ros2Rover&>(rig.stand_ins.of(0)).commands(), 0);
 }
 
+// A fifth is lost, a tenth is no number, some come twice or out of order, all late: the task goes on, and distances are kept.
+TEST(DdsWorld, OverABadLinkTheTaskIsCompletedAndTheHardDistanceKept) {
+  const std::string couple =
+      "[agent.uav0.sensor]\npitch = 0.5\n[[couple]]\npotential = { too_far = { d_max = 2.0, kappa = 10.0 } "
+      "}\nbetween = [\"uav0\", \"uav1\"]\n"
+      "felt_by = [\"uav0\"]\nweight = 8.0\n";
+  Rig rig(row_of({"1.16", "1.14"}, 8.0, couple));
+  double least = 100.0;
+  const OdometryFaults bad{.drop = 0.2, .duplicate = 0.1, .not_finite = 0.1, .reorder = 0.1, .delay = 0.05};
+  const LoopOutcome outcome = rig.fly(0.5, [&] {
+    rig.vehicle(0).disturb(bad);
+    rig.vehicle(1).disturb(bad);
+    for (int k = 0; k < 140; ++k) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      least = std::min(least, norm(rig.vehicle(0).motion().p - rig.vehicle(1).motion().p));
+    }
+  });
+  EXPECT_TRUE(outcome.finite);
+  EXPECT_GE(outcome.updates + outcome.missed, 800);
+  EXPECT_GT(least, 0.6);
+  EXPECT_THAT(rig.world->faults(), IsEmpty());
+  expect_well_treated(rig);
+  EXPECT_THAT(rig.world->counts()[0], testing::Not(HasSubstr(" 0 not finite")));
+}
+
 TEST(DdsWorld, EachWrongPairOfReleasesIsRefusedBeforeArming) {
   const Fields releases = {"1.14", "1.15", "1.16", "1.17", "1.18"};
   for (std::size_t shift = 1; shift < releases.size(); ++shift) {

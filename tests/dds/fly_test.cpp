@@ -106,6 +106,37 @@ TEST_F(Fly, VehiclesThatAreKilledAreGivenUpAndTheFlightIsReplayed) {
   expect_replayed("flown");
 }
 
+TEST_F(Fly, VehiclesThatRestartInFlightAreNeitherArmedNorSteeredAgain) {
+  const fs::path fleet = desk("60.0");
+  auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+  const auto flyer = begin(flight(fleet), "fly");
+  ASSERT_TRUE(says("fly.err", "uav1: holding"));
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  vehicles->end(SIGKILL);
+  const auto again = begin({"vehicles", fleet.string()}, "again");
+  EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(20)));
+  EXPECT_EQ(flyer->code(), 1);
+  EXPECT_THAT(said("fly.err"), HasSubstr("it was disarmed"));
+  again->end(SIGINT);
+  for (const char* uav : {"uav0", "uav1"})
+    EXPECT_THAT(said("again.out"),
+                testing::ContainsRegex(std::string(uav) +
+                                       ": 0 set-points .* 0 requests to arm, 0 for offboard, disarmed"));
+  expect_replayed("flown");
+}
+
+TEST_F(Fly, ADryRunArmsNothingAndIsNoFailure) {
+  const fs::path fleet = desk("10.0");
+  const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+  const auto dry =
+      test::sightline("fly --dry-run " + fleet.string() + " -o " + (folder / "flown").string(), folder);
+  EXPECT_EQ(dry.code, 0) << dry.err;
+  EXPECT_THAT(dry.err, HasSubstr("all are ready, none is armed: a dry run"));
+  vehicles->end(SIGINT);
+  EXPECT_THAT(said("vehicles.out"), HasSubstr(" 0 requests to arm"));
+  EXPECT_THAT(said("vehicles.out"), Not(HasSubstr(" 1 requests to arm")));
+}
+
 TEST_F(Fly, AFlyerThatIsKilledLeavesALogThatIsReplayedAndVehiclesThatFailSafe) {
   const fs::path fleet = desk("60.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
