@@ -18,6 +18,7 @@ struct QosDelete {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
 };
 using Qos = std::unique_ptr<dds_qos_t, QosDelete>;
+using Listener = std::unique_ptr<dds_listener_t, void (*)(dds_listener_t*)>;
 
 Qos qos_of(Quality quality, const MessageType& type) {
   Qos qos(dds_create_qos());
@@ -62,10 +63,18 @@ RawWriter::RawWriter(dds_entity_t participant, const dds_topic_descriptor_t& typ
                      Quality quality)
     : topic_(on_wire(topic)) {
   const Qos qos = qos_of(quality, message_type(type.m_typename));
-  entity_ = dds_create_writer(participant, made_topic(participant, type, topic_), qos.get(), nullptr);
+  const Listener listener(dds_create_listener(&reader_came_), dds_delete_listener);
+  dds_lset_publication_matched(listener.get(),
+                               [](dds_entity_t, dds_publication_matched_status_t status, void* came) {
+                                 if (status.current_count_change > 0)
+                                   *static_cast<std::atomic<std::int64_t>*>(came) = monotonic_now();
+                               });
+  entity_ = dds_create_writer(participant, made_topic(participant, type, topic_), qos.get(), listener.get());
   if (entity_ < 0)
     throw std::runtime_error(fmt::format("writer of {}: {}", topic_, dds_strretcode(-entity_)));
 }
+
+RawWriter::~RawWriter() { dds_delete(entity_); }  // waits for its listener
 
 int RawWriter::matched() const noexcept {
   return std::max(0, static_cast<int>(dds_get_matched_subscriptions(entity_, nullptr, 0)));
@@ -108,9 +117,9 @@ RawReader::RawReader(dds_entity_t participant, const dds_topic_descriptor_t& typ
       take_(std::move(take)),
       scratch_((type.m_size + 7) / 8) {
   const Qos qos = qos_of(quality, message_type(type.m_typename));
-  const std::unique_ptr<dds_listener_t, void (*)(dds_listener_t*)> listener(dds_create_listener(this),
-                                                                            dds_delete_listener);
+  const Listener listener(dds_create_listener(this), dds_delete_listener);
   dds_lset_data_available(listener.get(), on_data);
+  dds_lset_subscription_matched(listener.get(), on_writer);
   entity_ = dds_create_reader(participant, made_topic(participant, type, topic_), qos.get(), listener.get());
   if (entity_ < 0)
     throw std::runtime_error(fmt::format("reader of {}: {}", topic_, dds_strretcode(-entity_)));
@@ -143,6 +152,10 @@ void RawReader::take(const ddsi_serdata* data, std::uint64_t writer) {
     take_(scratch_.data(), {monotonic_now(), writer});
   }
   dds_sample_free(scratch_.data(), &type_, DDS_FREE_CONTENTS);
+}
+
+void RawReader::on_writer(dds_entity_t, dds_subscription_matched_status_t status, void* self) {
+  if (status.current_count_change > 0) ++static_cast<RawReader*>(self)->writers_came_;
 }
 
 void RawReader::on_data(dds_entity_t reader, void* self) {

@@ -54,17 +54,23 @@ class RawWriter {
   /// @throws std::runtime_error with the topic
   RawWriter(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
             Quality quality);
+  ~RawWriter();
+  RawWriter(const RawWriter&) = delete;
+  RawWriter& operator=(const RawWriter&) = delete;
 
   /// Sends; a reader that does not keep up misses it. Nothing is allocated for messages up to 256 bytes.
   bool write(const void* message) noexcept { return dds_write(entity_, message) == DDS_RETCODE_OK; }
   /// Readers that there are.
   int matched() const noexcept;
+  /// When the last of them came, of the monotonic clock [ns]; 0: never. Of any thread.
+  std::int64_t reader_came() const noexcept { return reader_came_; }
   /// Of these, those of the same topic that are not ours.
   int rivals(std::span<const SeenWriter> writers) const;
   const std::string& topic() const { return topic_; }
 
  private:
   std::string topic_;
+  std::atomic<std::int64_t> reader_came_{0};
   dds_entity_t entity_;
 };
 
@@ -106,12 +112,15 @@ class RawReader {
   RawReader& operator=(const RawReader&) = delete;
 
   const ReaderCounts& counts() const { return counts_; }
+  /// Writers that came so far, those that left included. Of any thread.
+  int writers_came() const noexcept { return writers_came_; }
   const std::string& topic() const { return topic_; }
   /// Writers that there are.
   int matched() const noexcept;
 
  private:
   static void on_data(dds_entity_t reader, void* self);
+  static void on_writer(dds_entity_t reader, dds_subscription_matched_status_t status, void* self);
   void take(const ddsi_serdata* data, std::uint64_t writer);
 
   std::string topic_;
@@ -120,6 +129,7 @@ class RawReader {
   Writers writers_;
   Take take_;
   ReaderCounts counts_;
+  std::atomic<int> writers_came_{0};
   std::uint64_t first_writer_ = 0;
   std::vector<std::uint64_t> scratch_;  // one message
   dds_entity_t entity_ = 0;

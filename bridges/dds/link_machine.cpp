@@ -30,6 +30,7 @@ enum class When {
   not_offboard,
   offboard,
   contested,
+  restarted,
   lost,
   late,        // longer than the state may last
   unanswered,  // offboard was asked for, and the time for it is over
@@ -59,7 +60,8 @@ std::string_view to_string(LinkReason reason) {
       "its task had no end",
       "it did not land in time",
       "it is left to its autopilot",
-      "another program writes set-points to it"};
+      "another program writes set-points to it",
+      "it was restarted, or another one speaks in its place"};
   return word_of(words, reason);
 }
 
@@ -104,6 +106,8 @@ bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, dou
       return f.mode != AutopilotMode::offboard;
     case When::offboard:
       return asked(Request::offboard) && f.mode == AutopilotMode::offboard;
+    case When::restarted:
+      return f.restarted;
     case When::contested:
       return f.contested;
     case When::lost:
@@ -144,10 +148,10 @@ void LinkMachine::ask(Request request, double t, LinkOutput& output) noexcept {
 }
 
 // The first row that holds is taken. Nothing leads out of done and pilot.
-const std::array<LinkMachine::Row, 49> LinkMachine::table = [] {
+const std::array<LinkMachine::Row, 54> LinkMachine::table = [] {
   using S = LinkState;
   using R = LinkReason;
-  return std::array<Row, 49>{{
+  return std::array<Row, 54>{{
       {S::waiting, When::handed_over, S::done, R::handed_over},
       {S::waiting, When::to_land, S::done, R::as_asked},
       {S::waiting, When::ready, S::ready, R::as_asked},
@@ -161,12 +165,14 @@ const std::array<LinkMachine::Row, 49> LinkMachine::table = [] {
       {S::ready, When::late, S::done, R::no_task},
 
       {S::arming, When::handed_over, S::done, R::handed_over},
+      {S::arming, When::restarted, S::done, R::restarted},
       {S::arming, When::armed_to_land, S::landing, R::as_asked},
       {S::arming, When::armed, S::taking_off, R::as_asked},
       {S::arming, When::refused, S::done, R::arming_refused},
       {S::arming, When::late, S::done, R::no_answer},
 
       {S::taking_off, When::handed_over, S::done, R::handed_over},
+      {S::taking_off, When::restarted, S::done, R::restarted},
       {S::taking_off, When::disarmed, S::done, R::disarmed},
       {S::taking_off, When::failsafe, S::pilot, R::failsafe},
       {S::taking_off, When::taken_after_takeoff, S::pilot, R::pilot},
@@ -179,6 +185,7 @@ const std::array<LinkMachine::Row, 49> LinkMachine::table = [] {
       {S::taking_off, When::late, S::landing, R::too_long},
 
       {S::holding, When::handed_over, S::done, R::handed_over},
+      {S::holding, When::restarted, S::done, R::restarted},
       {S::holding, When::disarmed, S::done, R::disarmed},
       {S::holding, When::failsafe, S::pilot, R::failsafe},
       {S::holding, When::not_offboard, S::pilot, R::pilot},
@@ -189,6 +196,7 @@ const std::array<LinkMachine::Row, 49> LinkMachine::table = [] {
       {S::holding, When::late, S::landing, R::no_task},
 
       {S::flying, When::handed_over, S::done, R::handed_over},
+      {S::flying, When::restarted, S::done, R::restarted},
       {S::flying, When::disarmed, S::done, R::disarmed},
       {S::flying, When::failsafe, S::pilot, R::failsafe},
       {S::flying, When::not_offboard, S::pilot, R::pilot},
@@ -199,6 +207,7 @@ const std::array<LinkMachine::Row, 49> LinkMachine::table = [] {
       {S::flying, When::late, S::landing, R::no_end},
 
       {S::landing, When::handed_over, S::done, R::handed_over},
+      {S::landing, When::restarted, S::done, R::restarted},
       {S::landing, When::disarmed_on_ground, S::done, R::as_asked},
       {S::landing, When::disarmed, S::done, R::disarmed},
       {S::landing, When::taken, S::pilot, R::pilot},

@@ -38,8 +38,9 @@ enum class LinkReason : std::uint8_t {
   did_not_land,
   handed_over,  ///< to its autopilot, on a person's request
   contested,    ///< another program writes set-points to it
+  restarted,    ///< another one speaks in its place since it was armed
 };
-inline constexpr int link_reasons = 15;
+inline constexpr int link_reasons = 16;
 /// A part of a sentence: "it was disarmed".
 std::string_view to_string(LinkReason reason);
 
@@ -61,6 +62,7 @@ struct LinkFacts {
   bool refused = false;  ///< what was asked last, by its answer
   bool failsafe = false;
   bool contested = false;  ///< another program writes set-points to it
+  bool restarted = false;  ///< another one speaks in its place since it was asked to arm
   AutopilotMode mode = AutopilotMode::other;
 };
 
@@ -118,7 +120,7 @@ class LinkMachine {
 
  private:
   struct Row;
-  static const std::array<Row, 49> table;
+  static const std::array<Row, 54> table;
 
   bool holds(const Row& row, const LinkFacts& facts, LinkOrder order, double t) const noexcept;
   bool asked(Request request) const noexcept { return asked_[static_cast<std::size_t>(request)]; }

@@ -20,6 +20,7 @@ namespace {
 
 constexpr Nanoseconds px4_second = 1'000'000'000;
 constexpr Nanoseconds odometry_old = px4_second, status_old = 5 * px4_second / 2;
+constexpr Nanoseconds newcomers_wait = 50'000'000;
 constexpr double least_height = 0.3;  // in the air, where nobody says so [m]
 constexpr std::uint8_t ack_accepted = 0, ack_in_progress = 5;
 constexpr std::uint8_t our_system = 200, our_component = 191;  // a companion computer
@@ -170,6 +171,7 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
                   ends_->odometry->counts().foreign == 0 &&
                   (px4_.target_system == 0 || px4_.target_system == s.system);
   facts.contested = rivals_ > 0;
+  facts.restarted = speakers_ >= 0 && ends_->status->writers_came() > speakers_;
   facts.failsafe = s.failsafe;
   facts.mode = is(NavState::offboard)                        ? AutopilotMode::offboard
                : is(NavState::takeoff) || is(NavState::hold) ? AutopilotMode::takeoff
@@ -222,7 +224,9 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
     release_ == 14 ? beat(px4_msgs_msg_dds__OffboardControlMode_14_{})
                    : beat(px4_msgs_msg_dds__OffboardControlMode_15_{});
   }
-  if (output.setpoint != Setpoint::none) {
+  // Who has just come may be the vehicle itself after a restart: whether it is, is known a moment later.
+  const bool known = now - ends_->setpoint->reader_came() > newcomers_wait;
+  if (output.setpoint != Setpoint::none && known) {
     px4_msgs_msg_dds__TrajectorySetpoint_ s{};
     s.timestamp = stamp();
     for (std::size_t k = 0; k < 3; ++k) s.position[k] = s.jerk[k] = px4_nan;
@@ -241,6 +245,7 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
     case Request::none:
       break;
     case Request::arm:
+      speakers_ = ends_->status->writers_came();
       command(Px4Command::arm_disarm, 1.0F, 0.0F, now);
       break;
     case Request::take_off:

@@ -88,6 +88,7 @@ class Px4LinkEnd final : public LinkEnd {
   Ack last_ack_{};
   Px4Command asked_{};
   Nanoseconds asked_at_ = 0;
+  int speakers_ = -1;  // that had come when it was asked to arm; -1: it was not yet
 
   std::unique_ptr<Ends> ends_;  // last: readers end before what they fill
 };

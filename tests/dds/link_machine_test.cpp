@@ -72,6 +72,7 @@ TEST(LinkMachine, EachWayOutOfFlightHasItsReason) {
       {"failsafe", [](LinkFacts& f) { f.failsafe = true; }, LinkState::pilot, LinkReason::failsafe},
       {"disarmed", [](LinkFacts& f) { f.armed = false; }, LinkState::done, LinkReason::disarmed},
       {"contested", [](LinkFacts& f) { f.contested = true; }, LinkState::landing, LinkReason::contested},
+      {"restarted", [](LinkFacts& f) { f.restarted = true; }, LinkState::done, LinkReason::restarted},
       {"silent", [](LinkFacts& f) { f.there = false; }, LinkState::landing, LinkReason::silent}};
   for (const Case& one : cases) {
     for (const LinkOrder order : {LinkOrder::task, LinkOrder::hold}) {
@@ -152,6 +153,7 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
       if (chance(wild)) f.landed = chance(0.5);
       if (chance(wild)) f.refused = chance(0.2);
       if (chance(wild)) f.failsafe = chance(0.3);
+      if (chance(wild)) f.restarted = chance(0.1);
       if (chance(wild)) f.contested = chance(0.3);
       if (chance(wild)) f.mode = static_cast<AutopilotMode>(std::uniform_int_distribution<>(0, 3)(random));
       if (chance(0.004))

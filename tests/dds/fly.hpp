@@ -1,0 +1,58 @@
+/// The commands fly and vehicles as a person uses them: two programs, on loopback.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "tests/dds/own_domain.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/command.hpp"
+
+namespace sightline::dds {
+
+class FlyTest : public testing::Test {
+ protected:
+  /// The shipped fleet, on a domain of its own, for so long [s].
+  std::filesystem::path desk(const std::string& duration) const {
+    std::string text = test::read_file(SIGHTLINE_SOURCE_DIR "/fleets/desk.toml");
+    text = std::regex_replace(text, std::regex("\nduration = 60.0 "), "\nduration = " + duration + " ");
+    text = std::regex_replace(text, std::regex("\ndomain = 77 "),
+                              "\ndomain = " + std::to_string(test::own_domain()) + " ");
+    std::ofstream(folder / "desk.toml") << text;
+    return folder / "desk.toml";
+  }
+  /// The command with stdout and stderr in files of that name.
+  std::unique_ptr<test::Child> begin(std::vector<std::string> words, const std::string& name) const {
+    const std::string out = (folder / (name + ".out")).string(), err = (folder / (name + ".err")).string();
+    return std::make_unique<test::Child>(std::move(words), [out, err] {
+      if (std::freopen(out.c_str(), "w", stdout) == nullptr ||
+          std::freopen(err.c_str(), "w", stderr) == nullptr)
+        ::_exit(125);
+    });
+  }
+  std::string said(const std::string& name) const { return test::read_file(folder / name); }
+  bool says(const std::string& name, const std::string& what) const {
+    return test::eventually([&] { return said(name).find(what) != std::string::npos; },
+                            std::chrono::seconds(20));
+  }
+  void expect_replayed(const std::string& flight) const {
+    const auto done = test::sightline("replay " + (folder / flight).string(), folder);
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_THAT(done.out, testing::HasSubstr(" commands, 0 differ"));
+  }
+  std::vector<std::string> flight(const std::filesystem::path& fleet) const {
+    return {"fly", fleet.string(), "-o", (folder / "flown").string()};
+  }
+
+  std::filesystem::path folder = test::fresh_folder();
+};
+
+}  // namespace sightline::dds

@@ -1,0 +1,73 @@
+/// Programs that are interrupted or killed in flight.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/dds/fly.hpp"
+
+namespace sightline::dds {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+namespace fs = std::filesystem;
+
+using FlyInterrupted = FlyTest;
+
+TEST_F(FlyInterrupted, CtrlCLandsAllAndTheFlightIsReplayed) {
+  const fs::path fleet = desk("60.0");
+  const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+  const auto flyer = begin(flight(fleet), "fly");
+  ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  ::kill(flyer->pid(), SIGINT);
+  EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(20)));
+  EXPECT_EQ(flyer->code(), 0) << said("fly.err");
+  EXPECT_THAT(said("fly.err"), HasSubstr("uav0: done"));
+  vehicles->end(SIGINT);
+  EXPECT_THAT(said("vehicles.out"), HasSubstr("disarmed"));
+  EXPECT_THAT(said("vehicles.out"), Not(HasSubstr(", armed")));
+  expect_replayed("flown");
+}
+
+TEST_F(FlyInterrupted, VehiclesThatAreKilledAreGivenUpAndTheFlightIsReplayed) {
+  const fs::path fleet = desk("60.0");
+  auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+  const auto flyer = begin(flight(fleet), "fly");
+  ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  vehicles->end(SIGKILL);
+  EXPECT_TRUE(says("fly.err", "uav0: landing, nothing came from it any more"));
+  ::kill(flyer->pid(), SIGINT);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // two at a time are one
+  ::kill(flyer->pid(), SIGINT);  // a second one leaves them to their autopilots
+  EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(10)));
+  EXPECT_EQ(flyer->code(), 1);
+  expect_replayed("flown");
+}
+
+TEST_F(FlyInterrupted, AFlyerThatIsKilledLeavesALogThatIsReplayedAndVehiclesThatFailSafe) {
+  const fs::path fleet = desk("60.0");
+  const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+  const auto flyer = begin(flight(fleet), "fly");
+  ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  flyer->end(SIGKILL);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  vehicles->end(SIGINT);
+  EXPECT_TRUE(
+      std::regex_search(said("vehicles.out"), std::regex("failsafe 1\\.0[0-9]* s after the last heartbeat")))
+      << said("vehicles.out");
+  expect_replayed("flown");
+}
+
+TEST_F(FlyInterrupted, WhereNobodyAnswersItSaysWhoIsMissingAndArmsNothing) {
+  const auto flown =
+      test::sightline("fly " + desk("10.0").string() + " -o " + (folder / "flown").string(), folder);
+  EXPECT_EQ(flown.code, 1);
+  EXPECT_THAT(flown.err, HasSubstr("uav0: done, it was not ready in time"));
+  EXPECT_THAT(flown.err, HasSubstr("uav1: rt/px4_2/fmu/out/vehicle_odometry: no message of PX4 1.16"));
+  EXPECT_THAT(flown.err, Not(HasSubstr("arming")));
+}
+
+}  // namespace
+}  // namespace sightline::dds

@@ -1,0 +1,123 @@
+/// Vehicles that are stood in for and their flyer, in one program.
+#pragma once
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bridges/dds/dds_world.hpp"
+#include "bridges/dds/px4_vehicle.hpp"
+#include "cli/allocations.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "tests/dds/own_domain.hpp"
+#include "tests/support/scenario_text.hpp"
+
+namespace sightline::dds {
+
+using Fields = std::vector<std::string>;
+
+/// Robots in a row, 3 m apart, of these releases.
+inline Scenario row_of(const Fields& releases, double duration, const std::string& more = "",
+                       const std::string& kind = "model", const std::string& barrier = "on") {
+  std::string text = fmt::format(
+      "[fleet]\ndomain = {}\n[world]\nkind = \"{}\"\n[simulation]\nduration = {}\n"
+      "[safety]\nbarrier = \"{}\"\nfloor = 0.2\nposition_sigma = 0.01\nheading_sigma = "
+      "0.01\n[safety.supervisor]\nfresh = 0.05\n",
+      test::own_domain(), kind, duration, barrier);
+  for (std::size_t i = 0; i < releases.size(); ++i) {
+    text += fmt::format(
+        "[agent.uav{0}]\nrobot = \"multirotor\"\nstart = {{ p = [{1}, 0.0, 0.6], heading = 1.0 }}\nQ = [1.5, "
+        "1.5, 1.6, 0, 0, 0, 0]\n"
+        "reference = {{ circle = {{ centre = [{1}, 0.0, 0.8], radius = 0.3, rate = 0.5 }} }}\n"
+        "[agent.uav{0}.link]\nkind = \"px4\"\nrelease = \"{2}\"\nnamespace = \"/px4_{0}\"\n"
+        "origin = {{ p = [{1}, 0.1, 0.2], heading = 0.4 }}\n",
+        i, 3.0 * static_cast<double>(i), releases[i]);
+  }
+  return test::scenario_of(text + more);
+}
+
+struct NullSink final : Sink<Sample> {
+  explicit NullSink(Sample prototype) : sample(std::move(prototype)) {}
+  Sample* claim() noexcept override { return &sample; }
+  void publish() noexcept override {}
+  void close() noexcept override {}
+  Sample sample;
+};
+
+/// Vehicles and their flyer, on one domain of this program.
+class Rig {
+ public:
+  explicit Rig(const Scenario& flown, const LinkTimes& times = {}) : Rig(flown, flown, times) {}
+  Rig(const Scenario& flown, const Scenario& vehicles, const LinkTimes& times)
+      : scenario(flown),
+        domain(std::make_shared<Domain>(flown.fleet->network)),
+        stand_ins(vehicles, domain),
+        stepping([this] { stand_ins.run(1e9, stepped, {}); }),
+        world(std::make_unique<DdsWorld>(scenario, domain, times)) {}
+  ~Rig() {
+    world.reset();
+    stepped = 1;
+    stepping.join();
+  }
+
+  bool take_off(Arming arming = Arming::real) {
+    return world->take_off(arming, interrupts,
+                           [this](std::string_view sentence) { told.emplace_back(sentence); });
+  }
+  void land() {
+    world->land(interrupts, [this](std::string_view sentence) { told.emplace_back(sentence); });
+  }
+  /// Takes off, flies the task, lands; meanwhile `happens` after so long of the task [s].
+  LoopOutcome fly(double after = 0, const std::function<void()>& happens = {}) {
+    const Controls controls(scenario);
+    SteadyClock clock;
+    NullSink sink(sized_sample(*world, controls.controllers()));
+    ClosedLoop loop(scenario, *world, controls.controllers(), clock, sink, cli::allocations, nullptr, &stop);
+    LoopOutcome outcome;
+    if (!take_off()) return outcome;
+    std::thread other([&] {
+      std::this_thread::sleep_for(std::chrono::duration<double>(after));
+      if (happens) happens();
+    });
+    outcome = loop.fly();
+    other.join();
+    after_task = told_of(0);
+    land();
+    return outcome;
+  }
+
+  Px4Vehicle& vehicle(std::size_t i) { return dynamic_cast<Px4Vehicle&>(stand_ins.of(i)); }
+  Px4VehicleCounts told_of(std::size_t i) { return vehicle(i).told(); }
+  LinkState state(int i) const { return world->state(BodyId{i}); }
+
+  Scenario scenario;
+  Interrupts interrupts{0}, stepped{0};
+  std::atomic<bool> stop{false};
+  std::shared_ptr<Domain> domain;
+  DdsStandIns stand_ins;
+  std::thread stepping;
+  std::unique_ptr<DdsWorld> world;
+  Fields told;
+  Px4VehicleCounts after_task;
+};
+
+/// Of each vehicle: armed at most once, never a set-point where it takes none, all numbers fit.
+inline void expect_well_treated(Rig& rig) {
+  for (std::size_t i = 0; i < rig.scenario.fleet->links.size(); ++i) {
+    const Px4VehicleCounts n = rig.told_of(i);
+    EXPECT_LE(n.arm_requests, 1) << i;
+    EXPECT_LE(n.offboard_requests, 1) << i;
+    EXPECT_EQ(n.setpoints_outside, 0) << i;
+    EXPECT_EQ(n.bad_setpoints, 0) << i;
+  }
+}
+
+}  // namespace sightline::dds
