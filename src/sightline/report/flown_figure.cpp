@@ -79,10 +79,7 @@ std::optional<Drawing> flown_drawing(const Recording& r, const Curves& curves,
   if (tilt.curves.empty()) return std::nullopt;
   Drawing drawing{
       "Tilt, planned and flown",
-      fmt::format(
-          "Of the body's axis; dashed: as it was planned {} s before, without the lean against the wind that "
-          "is estimated",
-          PlannedAhead::ahead),
+      fmt::format("Of the body's axis; dashed: as it was planned {} s before", PlannedAhead::ahead),
       {}};
   drawing.panels.push_back(std::move(tilt));
   if (!error.curves.empty()) {
