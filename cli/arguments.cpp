@@ -41,11 +41,13 @@ Arguments::Arguments()
 
   fly_command = app.add_subcommand("fly", "Fly a fleet of real robots; write log, summary and report");
   fly_command->add_option("FLEET", fly.fleet, "Scenario file with [fleet] (TOML)")->required();
+  add_set(*fly_command, fly.set);
   fly_command->add_option("-o,--output", fly.output, "Folder for the results [out/NAME]");
   fly_command->add_flag("--dry-run", fly.dry_run, "All but arm");
 
   vehicles_command = app.add_subcommand("vehicles", "Stand in for the robots of a fleet, on their topics");
   vehicles_command->add_option("FLEET", vehicles.fleet, "Scenario file with [fleet] (TOML)")->required();
+  add_set(*vehicles_command, vehicles.set);
   vehicles_command->add_option("--seconds", vehicles.seconds, "How long [s]; until Ctrl-C")
       ->check(CLI::Range(0.0, 1e9));
 

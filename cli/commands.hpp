@@ -55,12 +55,14 @@ struct PotentialOptions {
 
 struct FlyCommand {
   std::filesystem::path fleet;   ///< a scenario with a [fleet]
+  std::vector<std::string> set;  ///< of the fleet's scenario
   std::filesystem::path output;  ///< empty: out/NAME
   bool dry_run = false;          ///< all but arm
 };
 
 struct VehiclesCommand {
   std::filesystem::path fleet;
+  std::vector<std::string> set;
   double seconds = 1e9;  ///< until Ctrl-C
 };
 

@@ -28,8 +28,9 @@ void listen_to_interrupts() {
   for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
 }
 
-Scenario read_fleet_scenario(const std::filesystem::path& file, const Parts& parts) {
-  Scenario scenario = read_scenario(file, parts);
+Scenario read_fleet_scenario(const std::filesystem::path& file, const std::vector<std::string>& set,
+                             const Parts& parts) {
+  Scenario scenario = read_scenario(file, parts, set);
   if (!scenario.fleet)
     throw std::invalid_argument(fmt::format(
         "{}:1: fleet is missing, expected a [fleet] that says how the robots are reached", file.native()));
@@ -46,7 +47,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
   std::optional<RunFolder> folder;
   Scenario scenario;
   try {
-    scenario = read_fleet_scenario(command.fleet, parts);
+    scenario = read_fleet_scenario(command.fleet, command.set, parts);
     scenario.simulation.compare.clear();
     lift_deadline(scenario.solver);  // so that the flight can be replayed: no time of the wall clock decides
     check_solvers(scenario);
@@ -76,7 +77,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
 
 int vehicles(const VehiclesCommand& command, const Parts& parts) {
   try {
-    const Scenario scenario = read_fleet_scenario(command.fleet, parts);
+    const Scenario scenario = read_fleet_scenario(command.fleet, command.set, parts);
     const std::unique_ptr<StandIns> stand_ins = parts.bridge->stand_in(scenario);
     listen_to_interrupts();
     say(fmt::format("{} vehicles stand in, until Ctrl-C", scenario.fleet->links.size()));

@@ -2,6 +2,7 @@
 
 #include <dds/ddsrt/log.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <atomic>
 #include <mutex>
@@ -60,9 +61,10 @@ Domain::Domain(const FleetNetwork& network, std::optional<int> receive_priority)
   dds_set_log_sink(count_complaint, nullptr);
   const std::int64_t before = complaints();
   const auto refused = [&](dds_return_t code) {
-    return std::runtime_error(fmt::format("fleet.domain = {}: {}{}, on {}", number_, of_return(code),
-                                          complaints() > before ? " (" + last_complaint() + ")" : "",
-                                          domain_xml(network, receive_priority)));
+    return std::runtime_error(fmt::format(
+        "fleet.domain = {} on {}: {}{}, expected interfaces of this machine, and at most {} programs on it",
+        number_, fmt::join(network.interfaces, ", "), of_return(code),
+        complaints() > before ? " (" + last_complaint() + ")" : "", network.participants));
   };
   // Where this fails a participant would still be made, by defaults that multicast on all interfaces.
   domain_ =

@@ -64,7 +64,7 @@ TEST(Domain, AnInterfaceThatIsNotThereIsRefused) {
   FleetNetwork network = own_network(1);
   network.interfaces = {"nowhere0"};
   EXPECT_THAT(refusal_of<std::runtime_error>([&] { Domain domain(network); }),
-              HasSubstr(fmt::format("fleet.domain = {}", test::own_domain(1))));
+              HasSubstr(fmt::format("fleet.domain = {} on nowhere0: ", test::own_domain(1))));
   Domain domain(own_network(1));  // and nothing of it is left
   EXPECT_THAT(refusal_of<std::runtime_error>([&] { Domain again(own_network(1)); }),
               HasSubstr(fmt::format("fleet.domain = {}", test::own_domain(1))));

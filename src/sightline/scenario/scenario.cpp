@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -29,6 +30,11 @@
 
 namespace sightline {
 namespace {
+
+constexpr std::array<std::string_view, 20> agent_keys = {
+    "robot",         "parameters",       "start",        "Q",         "R",      "Q_f",     "u_ref",   "u_min",
+    "u_max",         "limits",           "rate_max",     "reference", "sensor", "present", "vehicle", "link",
+    "command_delay", "disturbance_time", "feed_forward", "R_rate"};
 
 /// Fills a Scenario from a document, section by section; sections that others refer to come first.
 class Reader {
@@ -132,9 +138,7 @@ class Reader {
     if (agents.empty()) root_.refuse("agent", "at least one [agent.NAME]");
     if (agents.size() > agents_max) root_.refuse("agent", fmt::format("at most {} robots", agents_max));
     for (const auto& [name, at] : agents) {
-      at.expect_only({"robot", "parameters", "start", "Q", "R", "Q_f", "u_ref", "u_min", "u_max", "limits",
-                      "rate_max", "reference", "sensor", "present", "vehicle", "link", "command_delay",
-                      "disturbance_time", "feed_forward", "R_rate"});
+      at.expect_only(agent_keys);
       const Model model = read_robot(at);
       const auto nx = static_cast<std::size_t>(model.nx()), nu = static_cast<std::size_t>(model.nu());
       const auto list = [&at = at](std::string_view key, std::size_t n, double missing, const Range& range) {
@@ -482,14 +486,12 @@ std::string summary(const Scenario& scenario) {
     line("keep_apart  {} {} between pairs of {} robots within {} m, at most {} at one time",
          swarm.term.weight, swarm.term.potential.name(), swarm.agents.size(), swarm.radius, swarm.capacity);
   }
-  for (const Constraint& constraint : team.constraints()) {
+  for (const Constraint& constraint : team.constraints())
     line("constrain   {} {} of {}", constraint.term.weight, constraint.term.potential.name(),
          team.name(constraint.agent));
-  }
-  for (const BarrierTerm& term : team.barriers()) {
+  for (const BarrierTerm& term : team.barriers())
     line("constrain   limit {} of {}, mu {}, delta {}", term.barrier.limit.name(), team.name(term.agent),
          term.barrier.mu, term.barrier.delta);
-  }
   for (const TeamEvent& event : scenario.script.events) line("event       {}", in_words(event, team));
   if (scenario.safety) text += in_words(*scenario.safety);
   return text + in_words(simulation, team);
