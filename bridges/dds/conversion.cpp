@@ -38,6 +38,11 @@ Quaternion normalised(const Quaternion& q) {
   return {q.w / length, q.x / length, q.y / length, q.z / length};
 }
 
+bool is_finite(const Motion& m) {
+  const double sum = m.p.x + m.p.y + m.p.z + m.v.x + m.v.y + m.v.z + m.r;
+  return std::isfinite(sum) && m.q != no_attitude;
+}
+
 Quaternion turned_over(const Quaternion& q) { return upper(ned_to_enu * q * frd_to_flu); }
 
 double turned_over_yaw(double yaw) {

@@ -37,6 +37,9 @@ Quaternion operator*(const Quaternion& a, const Quaternion& b);
 /// Of length 1; no_attitude where it has none, or is not finite.
 Quaternion normalised(const Quaternion& q);
 
+/// Whether each number of it is, and it has an attitude.
+bool is_finite(const Motion& motion);
+
 /// What is said in the local frame, in G; and back.
 Motion in_G(const LinkOrigin& origin, const Motion& local);
 Motion in_local(const LinkOrigin& origin, const Motion& motion);

@@ -7,17 +7,11 @@
 #include <vector>
 
 #include "bridges/dds/channel.hpp"
-#include "bridges/dds/conversion.hpp"
 #include "bridges/dds/link_machine.hpp"
+#include "bridges/dds/pose_intake.hpp"
 #include "bridges/dds/robot_state.hpp"
 
 namespace sightline::dds {
-
-/// What a robot did last.
-struct SeenMotion {
-  Motion motion{};        ///< in G
-  Nanoseconds stamp = 0;  ///< when it was so, of the monotonic clock
-};
 
 /// look(), facts() and send() are the control thread's: they allocate, lock, throw and print nothing. The others may.
 class LinkEnd {

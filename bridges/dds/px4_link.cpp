@@ -26,11 +26,6 @@ constexpr std::uint8_t ack_accepted = 0, ack_in_progress = 5;
 constexpr std::uint8_t our_system = 200, our_component = 191;  // a companion computer
 constexpr float px4_nan = std::numeric_limits<float>::quiet_NaN();
 
-bool is_finite(const Motion& m) {
-  const double sum = m.p.x + m.p.y + m.p.z + m.v.x + m.v.y + m.v.z + m.r;
-  return std::isfinite(sum) && m.q != no_attitude;
-}
-
 Vec3<double> px4_vec(const float* v) { return {v[0], v[1], v[2]}; }
 
 std::size_t px4_bytes(std::string_view message, int release) {
@@ -41,7 +36,7 @@ std::size_t px4_bytes(std::string_view message, int release) {
 
 /// Readers and writers. Those that differ between releases are made for one of their layouts.
 struct Px4LinkEnd::Ends {
-  std::unique_ptr<RawReader> odometry, status, position, landed, ack;
+  std::unique_ptr<RawReader> status, position, landed, ack;
   std::unique_ptr<RawWriter> heartbeat, setpoint, command;
 };
 
@@ -50,6 +45,7 @@ Px4LinkEnd::Px4LinkEnd(dds_entity_t participant, const Link& link, Stamps stamps
       origin_(link.origin),
       release_(px4_first + static_cast<int>(px4_.release)),
       stamps_(stamps),
+      poses_(link.origin),
       ends_(std::make_unique<Ends>()) {
   const auto topic = [&](Px4Side side, std::string_view message) {
     return px4_topic(px4_.name_space, side, message, release_);
@@ -92,8 +88,8 @@ Px4LinkEnd::Px4LinkEnd(dds_entity_t participant, const Link& link, Stamps stamps
       [this](const void* m, const Arrival& a) {
         landed_.put({a.monotonic, static_cast<const px4_msgs_msg_dds__VehicleLandDetected_*>(m)->landed});
       });
-  ends_->odometry = reader(PX4_DESCRIPTOR(VehicleOdometry_), "VehicleOdometry", of_sensors, Writers::first,
-                           [this](const void* m, const Arrival& a) { on_odometry(m, a); });
+  poses_.read_by(reader(PX4_DESCRIPTOR(VehicleOdometry_), "VehicleOdometry", of_sensors, Writers::first,
+                        [this](const void* m, const Arrival& a) { on_odometry(m, a); }));
   ends_->setpoint = writer(PX4_DESCRIPTOR(TrajectorySetpoint_), "TrajectorySetpoint");
   ends_->heartbeat = writer(
       release_ == 14 ? PX4_DESCRIPTOR(OffboardControlMode_14_) : PX4_DESCRIPTOR(OffboardControlMode_15_),
@@ -125,7 +121,7 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
   const auto& m = *static_cast<const px4_msgs_msg_dds__VehicleOdometry_*>(message);
   if (m.pose_frame != px4_frame_ned ||
       (m.velocity_frame != px4_frame_ned && m.velocity_frame != px4_velocity_body)) {
-    ++other_frame_;
+    poses_.take_other_frame();
     return;
   }
   const Quaternion q = normalised({m.q[0], m.q[1], m.q[2], m.q[3]});
@@ -135,26 +131,14 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
                   -double{m.angular_velocity[2]}};
   const Vec3<double> v = px4_vec(m.velocity);
   local.v = m.velocity_frame == px4_frame_ned ? turned_over(v) : rotation(local.q).to_G(body_turned_over(v));
-  if (!is_finite(local)) {
-    ++not_finite_;
+  if (m.timestamp_sample > last_microsecond) {
+    poses_.take_other_time();
     return;
   }
-  const Nanoseconds sampled = of_microseconds(std::min(m.timestamp_sample, last_microsecond));
-  if (m.timestamp_sample > last_microsecond || !clock_.fits(sampled, arrival.monotonic)) {
-    ++other_time_;
-    return;
-  }
-  motion_.put({in_G(origin_, local), clock_.on_ours(sampled, arrival.monotonic)});
-}
-
-bool Px4LinkEnd::look(SeenMotion& seen) noexcept {
-  (void)motion_.look(last_motion_);
-  seen = last_motion_;
-  return motion_.count() > 0;
+  poses_.take(local, of_microseconds(m.timestamp_sample), arrival.monotonic);
 }
 
 LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
-  (void)motion_.look(last_motion_);
   (void)status_.look(last_status_);
   (void)position_.look(last_position_);
   (void)landed_.look(last_landed_);
@@ -163,13 +147,11 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   const auto is = [&](NavState nav) { return s.nav == static_cast<std::uint8_t>(nav); };
   const bool says_landed = now - last_landed_.arrived < status_old;
   LinkFacts facts;
-  facts.there =
-      motion_.count() > 0 && now - last_motion_.stamp < odometry_old && now - s.arrived < status_old;
+  facts.there = poses_.is_fresh(now, odometry_old) && now - s.arrived < status_old;
   facts.armed = s.arming == px4_armed;
   facts.landed = says_landed ? last_landed_.good : !facts.armed;
   facts.checked = s.preflight && last_position_.good && facts.landed && heard_ &&
-                  ends_->odometry->counts().foreign == 0 &&
-                  (px4_.target_system == 0 || px4_.target_system == s.system);
+                  !poses_.of_second_writer() && (px4_.target_system == 0 || px4_.target_system == s.system);
   facts.contested = rivals_ > 0;
   facts.restarted = speakers_ >= 0 && ends_->status->writers_came() > speakers_;
   facts.failsafe = s.failsafe;
@@ -177,7 +159,7 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
                : is(NavState::takeoff) || is(NavState::hold) ? AutopilotMode::takeoff
                : is(NavState::land)                          ? AutopilotMode::land
                                                              : AutopilotMode::other;
-  const bool high = last_motion_.motion.p.z - origin_.p.z > least_height;
+  const bool high = poses_.newest().motion.p.z - origin_.p.z > least_height;
   facts.airborne =
       (is(NavState::hold) || is(NavState::offboard)) && high && !(says_landed && last_landed_.good);
   facts.refused = last_ack_.arrived > asked_at_ && last_ack_.command == static_cast<std::uint32_t>(asked_) &&
@@ -272,14 +254,15 @@ std::vector<std::string> Px4LinkEnd::obstacles(std::span<const SeenWriter> write
   const auto say = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
     sentences.push_back(fmt::format(format, std::forward<Args>(args)...));
   };
-  for (const RawReader* reader :
-       {ends_->odometry.get(), ends_->status.get(), ends_->position.get(), ends_->ack.get()}) {
+  const std::array<const RawReader*, 4> readers = {&poses_.reader(), ends_->status.get(),
+                                                   ends_->position.get(), ends_->ack.get()};
+  for (const RawReader* reader : readers) {
     const ReaderCounts& n = reader->counts();
     if (n.too_long + n.too_short > 0)
       say("{}: {} messages of {} bytes, which PX4 1.{} does not have: another release?", reader->topic(),
           n.too_long + n.too_short, n.wrong_size.load(), release_);
   }
-  for (const RawReader* reader : {ends_->odometry.get(), ends_->status.get(), ends_->position.get()})
+  for (const RawReader* reader : std::span(readers).first<3>())
     if (reader->counts().received == 0) say("{}: no message of PX4 1.{}", reader->topic(), release_);
   if (ends_->status->counts().received == 0) {
     std::set<std::string> others;
@@ -289,11 +272,8 @@ std::vector<std::string> Px4LinkEnd::obstacles(std::span<const SeenWriter> write
     }
     if (!others.empty()) say("there is {}, of another release than 1.{}", fmt::join(others, ", "), release_);
   }
-  if (other_frame_ > 0)
-    say("{}: {} poses in frames that are not NED", ends_->odometry->topic(), other_frame_.load());
-  if (ends_->odometry->counts().foreign > 0)
-    say("{}: {} messages of a second writer", ends_->odometry->topic(),
-        ends_->odometry->counts().foreign.load());
+  for (std::string& sentence : poses_.obstacles("frames that are not NED"))
+    sentences.push_back(std::move(sentence));
   if (f.contested) say("{}: another program writes set-points", ends_->setpoint->topic());
   if (!heard_) say("{}: nobody reads it", ends_->setpoint->topic());
   if (last_status_.arrived > 0 && px4_.target_system != 0 && px4_.target_system != last_status_.system)
@@ -302,23 +282,19 @@ std::vector<std::string> Px4LinkEnd::obstacles(std::span<const SeenWriter> write
   if (last_status_.arrived > 0 && !last_status_.preflight) say("its own checks before a flight do not pass");
   if (last_position_.arrived > 0 && !last_position_.good) say("its estimator is not valid");
   if (!f.landed) say("it is not on the ground");
-  if (f.there && clock_.least() > px4_second)
+  if (f.there && poses_.least_delay() > px4_second)
     say("its messages are {:.1f} s old when they come: its clock is not that of this machine",
-        1e-9 * static_cast<double>(clock_.least()));
+        1e-9 * static_cast<double>(poses_.least_delay()));
   return sentences;
 }
 
 std::string Px4LinkEnd::counts() const {
   std::int64_t wrong = 0;
-  for (const RawReader* reader : {ends_->odometry.get(), ends_->status.get(), ends_->position.get(),
-                                  ends_->ack.get(), ends_->landed.get()})
+  for (const RawReader* reader :
+       std::array<const RawReader*, 5>{&poses_.reader(), ends_->status.get(), ends_->position.get(),
+                                       ends_->ack.get(), ends_->landed.get()})
     wrong += reader->counts().too_long + reader->counts().too_short;
-  const ReaderCounts& n = ends_->odometry->counts();
-  return fmt::format(
-      "{} poses, {} not finite, {} of another time, {} in other frames, {} of a second writer, {} messages "
-      "of other sizes",
-      n.received.load(), not_finite_.load(), other_time_.load(), other_frame_.load(), n.foreign.load(),
-      wrong);
+  return fmt::format("{}, {} messages of other sizes", poses_.counts(), wrong);
 }
 
 }  // namespace sightline::dds

@@ -30,7 +30,7 @@ class Px4LinkEnd final : public LinkEnd {
   Px4LinkEnd(dds_entity_t participant, const Link& link, Stamps stamps);
   ~Px4LinkEnd() override;
 
-  bool look(SeenMotion& seen) noexcept override;
+  bool look(SeenMotion& seen) noexcept override { return poses_.look(seen); }
   LinkFacts facts(Nanoseconds now) noexcept override;
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
@@ -70,19 +70,15 @@ class Px4LinkEnd final : public LinkEnd {
   Stamps stamps_;
 
   // Filled by the thread that receives.
-  Mailbox<SeenMotion> motion_;
   Mailbox<Status> status_;
   Mailbox<Flags> position_, landed_;
   Mailbox<Ack> ack_;
-  ClockOffset clock_;
-  std::atomic<std::int64_t> not_finite_{0}, other_time_{0}, other_frame_{0};
 
   // By watch().
   std::atomic<bool> heard_{false};  // it reads what we write
   std::atomic<int> rivals_{0};
 
   // Of the control thread: the last that was seen, for when a mailbox is being written.
-  SeenMotion last_motion_{};
   Status last_status_{};
   Flags last_position_{}, last_landed_{};
   Ack last_ack_{};
@@ -90,6 +86,7 @@ class Px4LinkEnd final : public LinkEnd {
   Nanoseconds asked_at_ = 0;
   int speakers_ = -1;  // that had come when it was asked to arm; -1: it was not yet
 
+  PoseIntake poses_;
   std::unique_ptr<Ends> ends_;  // last: readers end before what they fill
 };
 

@@ -22,20 +22,20 @@ bool is_wanted(const std::string& wanted, const char* frame) { return wanted.emp
 }  // namespace
 
 Ros2LinkEnd::Ros2LinkEnd(dds_entity_t participant, const Link& link)
-    : ros2_(std::get<Ros2Link>(link.kind)), origin_(link.origin) {
+    : ros2_(std::get<Ros2Link>(link.kind)), poses_(link.origin) {
   cmd_vel_ = std::make_unique<RawWriter>(
       participant,
       ros2_.stamped ? geometry_msgs_msg_dds__TwistStamped__desc : geometry_msgs_msg_dds__Twist__desc,
       ros2_.cmd_vel, of_ros_commands);
-  odometry_ = std::make_unique<RawReader>(participant, nav_msgs_msg_dds__Odometry__desc, ros2_.odometry,
-                                          of_sensors, std::nullopt, Writers::first,
-                                          [this](const void* m, const Arrival& a) { on_odometry(m, a); });
+  poses_.read_by(std::make_unique<RawReader>(participant, nav_msgs_msg_dds__Odometry__desc, ros2_.odometry,
+                                             of_sensors, std::nullopt, Writers::first,
+                                             [this](const void* m, const Arrival& a) { on_odometry(m, a); }));
 }
 
 void Ros2LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
   const auto& m = *static_cast<const RosOdometry*>(message);
   if (!is_wanted(ros2_.frame, m.header.frame_id) || !is_wanted(ros2_.body_frame, m.child_frame_id)) {
-    ++other_frame_;
+    poses_.take_other_frame();
     return;
   }
   const auto& p = m.pose.pose.position;
@@ -43,33 +43,17 @@ void Ros2LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
   const auto& v = m.twist.twist.linear;  // in the body
   Motion local = {{p.x, p.y, p.z}, normalised({o.w, o.x, o.y, o.z}), {}, m.twist.twist.angular.z};
   local.v = rotation(local.q).to_G({v.x, v.y, v.z});
-  const double sum = p.x + p.y + p.z + local.v.x + local.v.y + local.v.z + local.r;
-  if (!std::isfinite(sum) || local.q == no_attitude) {
-    ++not_finite_;
-    return;
-  }
   const Nanoseconds sampled = of_ros(m.header.stamp.sec, m.header.stamp.nanosec);
-  if (!clock_.fits(sampled, arrival.monotonic)) {
-    ++other_time_;
-    return;
-  }
-  motion_.put({in_G(origin_, local), clock_.on_ours(sampled, arrival.monotonic)});
-}
-
-bool Ros2LinkEnd::look(SeenMotion& seen) noexcept {
-  (void)motion_.look(last_motion_);
-  seen = last_motion_;
-  return motion_.count() > 0;
+  poses_.take(local, sampled, arrival.monotonic);
 }
 
 LinkFacts Ros2LinkEnd::facts(Nanoseconds now) noexcept {
-  (void)motion_.look(last_motion_);
-  const Motion& m = last_motion_.motion;
+  const Motion& m = poses_.newest().motion;
   const bool rests = norm(m.v) < stands && std::abs(m.r) < stands;
   if (stops_ && rests) ours_ = false;
   LinkFacts facts;
-  facts.there = motion_.count() > 0 && now - last_motion_.stamp < ros_odometry_old;
-  facts.checked = heard_ && odometry_->counts().foreign == 0 && other_frame_ == 0;
+  facts.there = poses_.is_fresh(now, ros_odometry_old);
+  facts.checked = heard_ && !poses_.of_second_writer() && !poses_.in_other_frames();
   facts.armed = facts.airborne = ours_;
   facts.landed = !ours_;
   facts.contested = rivals_ > 0;
@@ -109,24 +93,13 @@ void Ros2LinkEnd::watch(std::span<const SeenWriter> writers) {
 
 std::vector<std::string> Ros2LinkEnd::obstacles(std::span<const SeenWriter>) {
   std::vector<std::string> sentences;
-  if (odometry_->counts().received == 0)
-    sentences.push_back(fmt::format("{}: no message", odometry_->topic()));
-  if (other_frame_ > 0)
-    sentences.push_back(fmt::format("{}: {} poses in other frames than frame, body_frame say",
-                                    odometry_->topic(), other_frame_.load()));
-  if (odometry_->counts().foreign > 0)
-    sentences.push_back(fmt::format("{}: {} messages of a second writer", odometry_->topic(),
-                                    odometry_->counts().foreign.load()));
+  if (poses_.reader().counts().received == 0)
+    sentences.push_back(fmt::format("{}: no message", poses_.reader().topic()));
+  for (std::string& sentence : poses_.obstacles("other frames than frame, body_frame say"))
+    sentences.push_back(std::move(sentence));
   if (rivals_ > 0) sentences.push_back(fmt::format("{}: another program writes to it", cmd_vel_->topic()));
   if (!heard_) sentences.push_back(fmt::format("{}: nobody reads it", cmd_vel_->topic()));
   return sentences;
-}
-
-std::string Ros2LinkEnd::counts() const {
-  const ReaderCounts& n = odometry_->counts();
-  return fmt::format("{} poses, {} not finite, {} of another time, {} in other frames, {} of a second writer",
-                     n.received.load(), not_finite_.load(), other_time_.load(), other_frame_.load(),
-                     n.foreign.load());
 }
 
 }  // namespace sightline::dds

@@ -1,0 +1,69 @@
+/// Where a robot says that it is: what its messages say, from the thread that receives to the control thread.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bridges/dds/channel.hpp"
+#include "bridges/dds/conversion.hpp"
+#include "bridges/dds/mailbox.hpp"
+
+namespace sightline::dds {
+
+/// What a robot did last.
+struct SeenMotion {
+  Motion motion{};        ///< in G
+  Nanoseconds stamp = 0;  ///< when it was so, of the monotonic clock
+};
+
+/// Of one robot, by one topic.
+class PoseIntake {
+ public:
+  /// @param origin  of the frame that the messages are in
+  explicit PoseIntake(const LinkOrigin& origin) : origin_(origin) {}
+  /// The reader whose messages are taken in; it ends with the intake. Its messages may come at once.
+  void read_by(std::unique_ptr<RawReader> reader) { reader_ = std::move(reader); }
+
+  // Of the thread that receives. Nothing is allocated.
+  /// A motion in the local frame, with its time by the sender's clock; what is not finite or of another time is counted alone.
+  void take(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept;
+  /// One in a frame, or with a time, that cannot be meant.
+  void take_other_frame() noexcept { ++other_frame_; }
+  void take_other_time() noexcept { ++other_time_; }
+
+  // Of the control thread.
+  /// The newest motion. @return false where there was none yet
+  bool look(SeenMotion& seen) noexcept;
+  /// The newest, as of now; all zero where there was none.
+  const SeenMotion& newest() noexcept;
+  /// Whether there is one that is younger than that.
+  bool is_fresh(Nanoseconds now, Nanoseconds old) noexcept {
+    return now - newest().stamp < old && motion_.count() > 0;
+  }
+
+  // Of any thread.
+  bool in_other_frames() const noexcept { return other_frame_ > 0; }
+  bool of_second_writer() const noexcept { return reader_->counts().foreign > 0; }
+  /// The least delay of the last 10 s, clocks' offset included.
+  Nanoseconds least_delay() const noexcept { return least_delay_; }
+  const RawReader& reader() const noexcept { return *reader_; }
+  /// What keeps a robot from being armed by these, a sentence each.
+  /// @param other_frames  what poses that count as of other frames are in
+  std::vector<std::string> obstacles(std::string_view other_frames) const;
+  /// What was received and refused, in words.
+  std::string counts() const;
+
+ private:
+  LinkOrigin origin_;
+  Mailbox<SeenMotion> motion_;  // filled by the thread that receives
+  ClockOffset clock_;           // of the thread that receives
+  std::atomic<Nanoseconds> least_delay_{0};
+  std::atomic<std::int64_t> not_finite_{0}, other_time_{0}, other_frame_{0};
+  SeenMotion newest_{};                // of the control thread: for when the mailbox is being written
+  std::unique_ptr<RawReader> reader_;  // last: it ends before what it fills
+};
+
+}  // namespace sightline::dds

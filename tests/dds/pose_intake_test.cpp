@@ -1,0 +1,54 @@
+#include "bridges/dds/pose_intake.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace sightline::dds {
+namespace {
+
+constexpr Nanoseconds ms = 1'000'000, second = 1000 * ms;
+
+TEST(PoseIntake, TheNewestMotionIsSeenInTheTeamsFrameAndByOurClock) {
+  PoseIntake poses({{1, 2, 3}, std::numbers::pi / 2});
+  SeenMotion seen;
+  EXPECT_FALSE(poses.look(seen));
+  EXPECT_FALSE(poses.is_fresh(0, second));
+  for (int k = 0; k < 3; ++k)
+    poses.take({{0.1 * k, 0, 0}, upright({1, 0}), {1, 0, 0}, 0.5}, 500 * second + 10 * k * ms,
+               second + 10 * k * ms);
+  ASSERT_TRUE(poses.look(seen));
+  EXPECT_NEAR(seen.motion.p.x, 1.0, 1e-12);
+  EXPECT_NEAR(seen.motion.p.y, 2.2, 1e-12);
+  EXPECT_NEAR(seen.motion.v.y, 1.0, 1e-12);
+  EXPECT_EQ(seen.motion.r, 0.5);
+  EXPECT_EQ(seen.stamp, second + 20 * ms);
+  EXPECT_EQ(poses.least_delay(), -499 * second);
+  EXPECT_TRUE(poses.is_fresh(second + 100 * ms, 100 * ms));
+  EXPECT_FALSE(poses.is_fresh(second + 120 * ms, 100 * ms));
+}
+
+TEST(PoseIntake, WhatIsNotFiniteOrOfAnotherTimeIsCountedAndNotSeen) {
+  PoseIntake poses({});
+  const Motion good = {{1, 0, 0}, upright({1, 0}), {}, 0};
+  Motion bad = good;
+  bad.p.y = std::numeric_limits<double>::quiet_NaN();
+  poses.take(bad, second, second);
+  bad = good;
+  bad.q = no_attitude;
+  poses.take(bad, second, second);
+  SeenMotion seen;
+  EXPECT_FALSE(poses.look(seen));
+  poses.take(good, second, second);
+  poses.take({{2, 0, 0}, good.q, {}, 0}, 10 * second, second + 10 * ms);
+  poses.take_other_frame();
+  ASSERT_TRUE(poses.look(seen));
+  EXPECT_EQ(seen.motion.p.x, 1.0);
+  EXPECT_TRUE(poses.in_other_frames());
+}
+
+}  // namespace
+}  // namespace sightline::dds
