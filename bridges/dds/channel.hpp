@@ -64,6 +64,7 @@ class RawWriter {
   int matched() const noexcept;
   /// When the last of them came, of the monotonic clock [ns]; 0: never. Of any thread.
   std::int64_t reader_came() const noexcept { return reader_came_; }
+  dds_entity_t entity() const noexcept { return entity_; }
   /// Of these, those of the same topic that are not ours.
   int rivals(std::span<const SeenWriter> writers) const;
   const std::string& topic() const { return topic_; }

@@ -118,8 +118,11 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> believed,
   const double t = 1e-9 * static_cast<double>(now);
   for (Robot& robot : robots_) {
     const LinkOutput output = robot.machine.step(t, robot.end->facts(now), order);
-    const Command command =
-        output.setpoint == Setpoint::task ? robot.model.command(&believed[robot.x], &u[robot.u]) : Command{};
+    Command command;
+    if (output.setpoint == Setpoint::task)
+      command = robot.model.command(&believed[robot.x], &u[robot.u], 1e-9 * static_cast<double>(period_));
+    else
+      robot.model.rest();
     robot.end->send(output, command, now);
   }
 }

@@ -16,12 +16,11 @@ namespace sightline::dds {
 namespace {
 
 constexpr std::int64_t vehicle_second = 1'000'000'000;
-constexpr std::int64_t checks_take = vehicle_second;           // after its start
-constexpr std::int64_t offboard_loss = vehicle_second;         // COM_OF_LOSS_T
-constexpr double lag = 0.3, yaw_lag = 0.1, push_most = 6.0;    // [s], [s], [m/s^2]
-constexpr double climb_most = 0.7, sink = 0.5, ground = 0.02;  // [m/s], [m/s], [m]
-constexpr double reordered_by = 0.025;                         // [s]
-constexpr double fastest = 10.0;                               // that a set-point may ask [m/s]
+constexpr std::int64_t checks_take = vehicle_second;    // after its start
+constexpr std::int64_t offboard_loss = vehicle_second;  // COM_OF_LOSS_T
+constexpr double climb_most = 0.7, sink = 0.5;          // [m/s]
+constexpr double reordered_by = 0.025;                  // [s]
+constexpr double fastest = 10.0;                        // that a set-point may ask [m/s]
 enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, denied = 2, unsupported = 3 };
 
 std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() / 1000); }
@@ -42,12 +41,8 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
     : release_(px4_first + static_cast<int>(link.release)),
       setup_(setup),
       booted_(monotonic_now()),
-      motion_{setup.p, upright({std::cos(setup.heading), std::sin(setup.heading)}), {}, 0.0},
+      body_(setup.p, setup.heading, setup.rotors),
       ends_(std::make_unique<Ends>()) {
-  if (setup.rotors) {
-    rotorcraft_ = std::make_unique<Rotorcraft>(*setup.rotors, Commands::velocity);
-    rotorcraft_->begin(setup.p, heading(rotation(motion_.q)), {}, 0.0);
-  }
   const auto topic = [&](Px4Side side, std::string_view message) {
     return px4_topic(link.name_space, side, message, release_);
   };
@@ -173,35 +168,16 @@ void Px4Vehicle::on_heartbeat(bool velocity) {
 void Px4Vehicle::move() {
   Vec3<double> v{}, a{};
   double r = 0.0;
-  const double height = motion_.p.z;
+  const double height = body_.motion().p.z;
   if (nav_ == NavState::offboard) v = v_sp_, a = a_sp_, r = r_sp_;
   if (nav_ == NavState::takeoff) v.z = std::clamp(1.2 * (setup_.altitude - height) + 0.05, 0.0, climb_most);
   if (nav_ == NavState::land) v.z = height > 0.1 ? -sink : -sink / 2;
-  const bool off = arming_ != px4_armed || (landed_ && nav_ != NavState::takeoff && v.z <= 0);
-  if (off) {
-    motion_.v = {}, motion_.r = 0.0;
-    if (rotorcraft_) rotorcraft_->begin(motion_.p, heading(rotation(motion_.q)), {}, 0.0);
-  } else if (rotorcraft_) {
-    const double gain = setup_.rotors->velocity_gain;  // its velocity loop makes of this the acceleration too
-    const Vec2<double> d = rotorcraft_->heading();
-    const Vec2<double> u = rotate<double>({d.x, -d.y}, {v.x + a.x / gain, v.y + a.y / gain});
-    for (std::int64_t i = std::llround(period / rotorcraft_step); i > 0; --i)
-      rotorcraft_->step({u.x, u.y, v.z, r}, {});
-    motion_ = {rotorcraft_->body().p, rotorcraft_->body().q, rotorcraft_->body().v,
-               rotorcraft_->heading_rate()};
-  } else {
-    const auto follow = [&](double now, double to, double push) {
-      return now + period * std::clamp((to - now) / lag + push, -push_most, push_most);
-    };
-    motion_.v = {follow(motion_.v.x, v.x, a.x), follow(motion_.v.y, v.y, a.y), follow(motion_.v.z, v.z, a.z)};
-    motion_.r += period / yaw_lag * (r - motion_.r);
-    motion_.p = motion_.p + period * motion_.v;
-    const double turn = period * motion_.r;
-    motion_.q = Quaternion{std::cos(turn / 2), 0, 0, std::sin(turn / 2)} * motion_.q;
-    if (motion_.p.z < 0) motion_.p.z = 0, motion_.v = {};
-  }
-  landed_ = motion_.p.z < ground && nav_ != NavState::takeoff;
-  if (arming_ == px4_armed && nav_ == NavState::takeoff && motion_.p.z > setup_.altitude - 0.05)
+  if (arming_ != px4_armed || (landed_ && nav_ != NavState::takeoff && v.z <= 0))
+    body_.rest();
+  else
+    body_.follow(v, a, r);
+  landed_ = body_.on_ground() && nav_ != NavState::takeoff;
+  if (arming_ == px4_armed && nav_ == NavState::takeoff && body_.motion().p.z > setup_.altitude - 0.05)
     set_nav(NavState::hold);
   if (arming_ == px4_armed && nav_ == NavState::land && landed_) {
     arming_ = px4_disarmed;
@@ -225,7 +201,7 @@ void Px4Vehicle::step(std::int64_t number) {
 }
 
 void Px4Vehicle::send_odometry() {
-  const Motion local = in_local(setup_.origin, motion_);
+  const Motion local = in_local(setup_.origin, body_.motion());
   px4_msgs_msg_dds__VehicleOdometry_ m{};
   m.timestamp = m.timestamp_sample = microseconds();
   m.pose_frame = m.velocity_frame = px4_frame_ned;
@@ -237,7 +213,7 @@ void Px4Vehicle::send_odometry() {
     m.position[k] = static_cast<float>(ps[k]), m.velocity[k] = static_cast<float>(vs[k]),
     m.position_variance[k] = 1e-4F;
   for (std::size_t k = 0; k < 4; ++k) m.q[k] = static_cast<float>(qs[k]);
-  m.angular_velocity[2] = static_cast<float>(-motion_.r);
+  m.angular_velocity[2] = static_cast<float>(-body_.motion().r);
   const auto happens = [&](double part) { return std::uniform_real_distribution<>(0, 1)(random_) < part; };
   if (happens(faults_.not_finite)) m.position[random_() % 3] = std::numeric_limits<float>::quiet_NaN();
   const double delay = faults_.delay + (happens(faults_.reorder) ? reordered_by : 0.0);
@@ -283,7 +259,7 @@ void Px4Vehicle::send_slow() {
   const auto fill = [&](auto&& m) {
     m.timestamp = m.timestamp_sample = microseconds();
     m.xy_valid = m.z_valid = m.v_xy_valid = m.v_z_valid = monotonic_now() - booted_ > checks_take / 2;
-    const Vec3<double> p = turned_over(in_local(setup_.origin, motion_).p);
+    const Vec3<double> p = turned_over(in_local(setup_.origin, body_.motion()).p);
     m.x = static_cast<float>(p.x), m.y = static_cast<float>(p.y), m.z = static_cast<float>(p.z);
     m.heading_good_for_control = true;
     (void)ends_->position->write(&m);
@@ -314,7 +290,7 @@ Px4VehicleCounts Px4Vehicle::told() const {
 }
 Motion Px4Vehicle::motion() const {
   const std::scoped_lock lock(lock_);
-  return motion_;
+  return body_.motion();
 }
 bool Px4Vehicle::armed() const {
   const std::scoped_lock lock(lock_);

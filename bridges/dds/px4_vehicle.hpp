@@ -12,7 +12,7 @@
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/px4_link.hpp"
 #include "bridges/dds/stand_in.hpp"
-#include "sightline/world/rotorcraft.hpp"
+#include "bridges/dds/stand_in_body.hpp"
 
 namespace sightline::dds {
 
@@ -31,7 +31,7 @@ struct OdometryFaults {
   double delay = 0.0;
 };
 
-/// A vehicle on the ground below where its robot starts. It follows velocities with a lag of 0.3 s, or as a rigid body with rotors.
+/// A vehicle on the ground below where its robot starts.
 class Px4Vehicle final : public StandIn {
  public:
   struct Setup {
@@ -81,10 +81,9 @@ class Px4Vehicle final : public StandIn {
   NavState nav_ = NavState::hold;
   bool failsafe_ = false, checks_ = true, silent_ = false, landed_ = true;
   std::int64_t booted_, heartbeat_at_ = 0;
-  Motion motion_;
+  StandInBody body_;
   Vec3<double> v_sp_{}, a_sp_{};  // in G
   double r_sp_ = 0.0;
-  std::unique_ptr<Rotorcraft> rotorcraft_;
   OdometryFaults faults_{};
   std::mt19937 random_{1};
   std::unique_ptr<Ends> ends_;

@@ -13,6 +13,20 @@ namespace {
 
 constexpr std::string_view rate_state = "r";
 
+/// The nearest to `to` within that distance of `from`.
+Vec3<double> near(const Vec3<double>& to, const Vec3<double>& from, double most) noexcept {
+  const Vec3<double> way = to - from;
+  const double length = norm(way);
+  return length > most ? from + (most / length) * way : to;
+}
+
+/// The nearest heading to `to` within that angle of `from` [rad].
+Vec2<double> near(const Vec2<double>& to, const Vec2<double>& from, double most) noexcept {
+  const Vec2<double> between = rotate<double>({from.x, -from.y}, to);
+  const double turn = std::clamp(std::atan2(between.y, between.x), -most, most);
+  return rotate<double>(from, {std::cos(turn), std::sin(turn)});
+}
+
 }  // namespace
 
 RobotState::RobotState(const Model& model)
@@ -21,7 +35,8 @@ RobotState::RobotState(const Model& model)
       rest_(size(model.nu())),
       scratch_(size(model.nx())),
       rates_(scratch_),
-      faster_(scratch_) {
+      faster_(scratch_),
+      lead_(scratch_) {
   for (int i = 0; i < model.nx(); ++i) {
     const auto is = [i](const auto& indices) {
       return std::find(indices.begin(), indices.end(), i) != indices.end();
@@ -71,7 +86,7 @@ double RobotState::heading_rate(const double* x, const double* u) noexcept {
   return x[i] * rates_[size(j)] - x[j] * rates_[size(i)];
 }
 
-Command RobotState::command(const double* x, const double* u) noexcept {
+Command RobotState::command(const double* x, const double* u, double period) noexcept {
   std::copy_n(x, scratch_.size(), scratch_.begin());
   const Vec3<double> before = model_.sight(scratch_.data(), u).v;
   model_.step(scratch_.data(), u, ahead);
@@ -79,7 +94,39 @@ Command RobotState::command(const double* x, const double* u) noexcept {
   Command command = {then.v, (1 / ahead) * (then.v - before), then.p, then.d,
                      heading_rate(scratch_.data(), u)};
   command.v_end = end_velocity(x, u);
+  command.lead = lead(x, u, period);
+  std::copy_n(u, std::min(command.u.size(), rest_.size()), command.u.begin());
   return command;
+}
+
+TrajectoryPoint RobotState::lead(const double* x, const double* u, double period) noexcept {
+  if (!leads_) std::copy_n(x, lead_.size(), lead_.begin());
+  leads_ = true;
+  model_.step(lead_.data(), u, period);
+  if (!model_.normalise(lead_.data())) std::copy_n(x, lead_.size(), lead_.begin());
+  const Motion robot = motion(x, u), ran = motion(lead_.data(), u);
+  const Vec2<double> ran_d = heading(rotation(ran.q)), d = near(ran_d, heading(rotation(robot.q)), lead_d);
+  // A heading that is held back holds the velocity back with it.
+  const Vec2<double> back = rotate<double>({ran_d.x, -ran_d.y}, d),
+                     v = rotate<double>(back, {ran.v.x, ran.v.y});
+  write({near(ran.p, robot.p, lead_p), upright(d), near({v.x, v.y, ran.v.z}, robot.v, lead_v), ran.r},
+        lead_.data());
+
+  // Velocities at three times have the acceleration in the midst, and its rate.
+  const Sight<double> now = model_.sight(lead_.data(), u);
+  const auto later = [&](double t) {
+    std::copy(lead_.begin(), lead_.end(), scratch_.begin());
+    model_.step(scratch_.data(), u, t);
+    return model_.sight(scratch_.data(), u).v;
+  };
+  const Vec3<double> v_1 = later(ahead / 2), v_2 = later(ahead);
+  constexpr double h = ahead / 2;
+  return {.p = now.p,
+          .v = now.v,
+          .a = (1 / (2 * h)) * (4.0 * v_1 - 3.0 * now.v - v_2),
+          .j = (1 / (h * h)) * (v_2 - 2.0 * v_1 + now.v),
+          .d = now.d,
+          .r = heading_rate(lead_.data(), u)};
 }
 
 // Of each velocity state s' = alpha (s - s_end), as far as that goes: alpha by one m/s more.

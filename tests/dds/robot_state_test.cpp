@@ -54,7 +54,7 @@ TEST(RobotState, AStateThatNobodyMeasuresIsRefused) {
 TEST(RobotState, ACommandIsWhereTheModelIsAMomentLater) {
   RobotState state(Multirotor{});
   const std::vector<double> x = {1, 2, 3, 0, 1, 0.4, 0.0}, u = {0.5, 0, -0.25, 0};
-  const Command c = state.command(x.data(), u.data());
+  const Command c = state.command(x.data(), u.data(), 0.01);
   const double a = -0.5092 * 0.4 + 1.458 * 0.5;
   EXPECT_NEAR(c.a.y, a, 0.02);
   EXPECT_NEAR(c.a.x, 0.0, 1e-12);
@@ -63,13 +63,13 @@ TEST(RobotState, ACommandIsWhereTheModelIsAMomentLater) {
   EXPECT_NEAR(c.a.z, 0.0, 1e-12);
   EXPECT_NEAR(c.p.y, 2 + RobotState::ahead * 0.42, 1e-3);
   const std::vector<double> turning = {0, 0, 0, 0.5};
-  EXPECT_NEAR(state.command(x.data(), turning.data()).r, 1.6 * 0.5, 1e-9);
+  EXPECT_NEAR(state.command(x.data(), turning.data(), 0.01).r, 1.6 * 0.5, 1e-9);
 }
 
 TEST(RobotState, OfARobotThatLagsTheCommandLagsToo) {
   RobotState state(VelocityMultirotor{});
   const std::vector<double> x = {0, 0, 1, 1, 0, 0, 0, 0, 0}, u = {1, 0, 0.35, 0.2};
-  const Command c = state.command(x.data(), u.data());
+  const Command c = state.command(x.data(), u.data(), 0.01);
   EXPECT_NEAR(c.a.x, 1 / 0.5, 0.11);
   EXPECT_NEAR(c.a.z, 0.35 / 0.35, 0.08);
   EXPECT_NEAR(c.r, 0.2 * (1 - std::exp(-RobotState::ahead / 0.2)), 1e-5);
@@ -80,12 +80,43 @@ TEST(RobotState, TheEndOfAVelocityIsWhereTheModelNoLongerAccelerates) {
   const OmniRover rover{.a_f = -2.0, .b_f = 3.0, .a_s = -4.0, .b_s = 2.0};
   RobotState state(rover);
   const std::vector<double> x = {0, 0, 0, 0, 1, 0.7, -0.3}, u = {0.5, -0.4, 0.1};
-  const Command c = state.command(x.data(), u.data());
+  const Command c = state.command(x.data(), u.data(), 0.01);
   EXPECT_NEAR(c.v_end.y, 0.5 * 3.0 / 2.0, 1e-9);
   EXPECT_NEAR(c.v_end.x, -0.4 * 2.0 / 4.0, 1e-9);
   RobotState mass(PointMass{});  // which never ends
   const std::vector<double> p = {0, 0, 0, 1, 0, 0}, push = {2, 0, 0};
-  EXPECT_NEAR(mass.command(p.data(), push.data()).v_end.x, 1 + 2 * RobotState::ahead, 1e-9);
+  EXPECT_NEAR(mass.command(p.data(), push.data(), 0.01).v_end.x, 1 + 2 * RobotState::ahead, 1e-9);
+}
+
+// The trajectory is the model's own where the robot is on it, to the order of the steps.
+TEST(RobotState, TheTrajectoryGoesOnAsTheModelDoes) {
+  constexpr double h = 0.01;
+  for (const Model& model : robots) {
+    RobotState state(model);
+    const std::vector<double> u(static_cast<std::size_t>(model.nu()), 0.2);
+    std::vector<double> x(static_cast<std::size_t>(model.nx()), 0.1);
+    ASSERT_TRUE(model.normalise(x.data()));
+    const Motion before = state.motion(x.data(), u.data());
+    const TrajectoryPoint lead = state.command(x.data(), u.data(), h).lead;
+    model.step(x.data(), u.data(), h);
+    const Motion after = state.motion(x.data(), u.data());
+    EXPECT_LT(norm(lead.p - after.p), 1e-9) << model.name();
+    EXPECT_LT(norm(lead.v - after.v), 1e-9) << model.name();
+    EXPECT_LT(norm(h * lead.a - (after.v - before.v)), 3e-4) << model.name();
+  }
+}
+
+TEST(RobotState, TheTrajectoryWaitsForARobotThatDoesNotFollowAndBeginsAnewAfterARest) {
+  RobotState state(Multirotor{});
+  const std::vector<double> x = {1, 2, 3, 1, 0, 0, 0}, u = {1, 0, 0.5, 1};
+  Command c;
+  for (int k = 0; k < 1000; ++k) c = state.command(x.data(), u.data(), 0.01);
+  EXPECT_NEAR(norm(c.lead.p - Vec3<double>{1, 2, 3}), RobotState::lead_p, 1e-9);
+  EXPECT_GT(c.lead.p.x, 1.2);  // ahead of it, in its heading
+  EXPECT_LE(norm(c.lead.v.x, c.lead.v.y), RobotState::lead_v + 1e-9);
+  EXPECT_NEAR(std::atan2(c.lead.d.y, c.lead.d.x), RobotState::lead_d, 1e-9);
+  state.rest();
+  EXPECT_LT(norm(state.command(x.data(), u.data(), 0.01).lead.p - Vec3<double>{1, 2, 3}), 0.01);
 }
 
 }  // namespace

@@ -1,0 +1,59 @@
+#include "bridges/dds/stand_in_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bridges/dds/stand_in.hpp"
+
+namespace sightline::dds {
+namespace {
+
+constexpr double body_lag = 0.3, body_yaw_lag = 0.1, push_most = 6.0;  // [s], [s], [m/s^2]
+
+}  // namespace
+
+StandInBody::StandInBody(const Vec3<double>& p, double heading, const std::optional<Vehicle>& rotors,
+                         Commands commands)
+    : rotorcraft_(rotors ? std::make_unique<Rotorcraft>(*rotors, commands) : nullptr),
+      motion_{p, upright({std::cos(heading), std::sin(heading)}), {}, 0.0} {
+  rest();
+}
+
+void StandInBody::rest() noexcept {
+  motion_.r = 0.0;
+  motion_.v = on_ground() ? Vec3<double>{} : motion_.v + Vec3<double>{0, 0, -gravity * StandIn::period};
+  motion_.p = motion_.p + StandIn::period * motion_.v;
+  if (motion_.p.z < 0) motion_.p.z = 0, motion_.v = {};
+  if (rotorcraft_) rotorcraft_->begin(motion_.p, heading(rotation(motion_.q)), motion_.v, 0.0);
+}
+
+void StandInBody::follow(const Vec3<double>& v, const Vec3<double>& a, double r) noexcept {
+  if (rotorcraft_) {
+    const Vehicle& vehicle = rotorcraft_->vehicle();  // its velocity loops make of this the acceleration too
+    const Vec2<double> d = rotorcraft_->heading();
+    const Vec2<double> u =
+        rotate<double>({d.x, -d.y}, {v.x + a.x / vehicle.velocity_gain, v.y + a.y / vehicle.velocity_gain});
+    fly({u.x, u.y, v.z + a.z / vehicle.climb_gain, r});
+    return;
+  }
+  const auto toward = [&](double now, double to, double push) {
+    return now + StandIn::period * std::clamp((to - now) / body_lag + push, -push_most, push_most);
+  };
+  Vec3<double>& now = motion_.v;
+  now = {toward(now.x, v.x, a.x), toward(now.y, v.y, a.y), toward(now.z, v.z, a.z)};
+  motion_.r += StandIn::period / body_yaw_lag * (r - motion_.r);
+  motion_.p = motion_.p + StandIn::period * motion_.v;
+  const double turn = StandIn::period * motion_.r;
+  motion_.q = Quaternion{std::cos(turn / 2), 0, 0, std::sin(turn / 2)} * motion_.q;
+  if (motion_.p.z < 0) motion_.p.z = 0, motion_.v = {};
+}
+
+void StandInBody::tilt(const std::array<double, 4>& u) noexcept { fly(u); }
+
+void StandInBody::fly(const std::array<double, 4>& u) noexcept {
+  for (std::int64_t i = std::llround(StandIn::period / rotorcraft_step); i > 0; --i) rotorcraft_->step(u, {});
+  motion_ = {rotorcraft_->body().p, rotorcraft_->body().q, rotorcraft_->body().v,
+             rotorcraft_->heading_rate()};
+}
+
+}  // namespace sightline::dds
