@@ -150,8 +150,15 @@ TEST(RecordedFlight, DetectionsComeBackAsTheyWere) {
   Sample sample;
   sample.measured.assign(14, 1.5);
   sample.stamps = {0.0, -std::numeric_limits<double>::infinity()};
-  sample.detections = {{BodyId{0}, BodyId{1}, -0.02, {1, 2, 3}, {1e-3, 0, 0, 2e-3, 0, 3e-3}},
-                       {BodyId{1}, BodyId{0}, -0.01, {0.1, 0, -1}, {}}};
+  sample.detections = {{.observer = BodyId{0},
+                        .target = BodyId{1},
+                        .stamp = -0.02,
+                        .arrival = 0.01,
+                        .p = {1, 2, 3},
+                        .q = {0.6, 0, 0, 0.8},
+                        .covariance = {1e-3, 0, 0, 2e-3, 0, 3e-3},
+                        .tags = 2},
+                       {.observer = BodyId{1}, .target = BodyId{0}, .stamp = -0.01, .p = {0.1, 0, -1}}};
   sample.detection_count = 2;
   const std::string x = "{\"time\":0,\"x\":[0,0,0,0,0,0,0]}";
   mcap.message(state, 0, 0, std::as_bytes(std::span(x)));
@@ -168,6 +175,10 @@ TEST(RecordedFlight, DetectionsComeBackAsTheyWere) {
   ASSERT_EQ(seen.detections.size(), 2U);
   EXPECT_EQ(seen.detections[0].p.z, 3.0);
   EXPECT_EQ(seen.detections[0].covariance[3], 2e-3);
+  EXPECT_EQ(seen.detections[0].q, (Quaternion{0.6, 0, 0, 0.8}));
+  EXPECT_EQ(seen.detections[0].arrival, 0.01);
+  EXPECT_EQ(seen.detections[0].tags, 2);
+  EXPECT_FALSE(seen.detections[1].is_oriented());
   EXPECT_EQ(seen.detections[1].stamp, -0.01);
   EXPECT_EQ(seen.detections[1].target, BodyId{0});
   EXPECT_EQ(seen.stamps[1], -std::numeric_limits<double>::infinity()) << "never seen";

@@ -46,10 +46,14 @@ void MeasurementLog::send(Channel& channel, double time) {
 /// The schema of detections, at the first.
 SchemaId MeasurementLog::detection() {
   if (!detection_)
-    detection_ = mcap_.schema(
-        "sightline.Detection", "jsonschema",
-        json_schema(
-            {{"stamp", "number"}, {"target", "string"}, {"p", "numbers"}, {"covariance", "numbers"}}));
+    detection_ = mcap_.schema("sightline.Detection", "jsonschema",
+                              json_schema({{"stamp", "number"},
+                                           {"arrival", "number"},
+                                           {"target", "string"},
+                                           {"tags", "number"},
+                                           {"p", "numbers"},
+                                           {"q", "numbers"},
+                                           {"covariance", "numbers"}}));
   return *detection_;
 }
 
@@ -68,8 +72,12 @@ void MeasurementLog::add(const Sample& sample) {
     begin(sample.time);
     text_ += ",\"stamp\":";
     put(text_, seen.stamp);
-    fmt::format_to(std::back_inserter(text_), ",\"target\":\"{}\"", team_.name(seen.target));
+    text_ += ",\"arrival\":";
+    put(text_, seen.arrival);
+    fmt::format_to(std::back_inserter(text_), ",\"target\":\"{}\",\"tags\":{}", team_.name(seen.target),
+                   seen.tags);
     put(text_, "p", std::array{seen.p.x, seen.p.y, seen.p.z});
+    put(text_, "q", std::array{seen.q.w, seen.q.x, seen.q.y, seen.q.z});
     put(text_, "covariance", seen.covariance);
     auto& channel = detections_[at(seen.observer)];
     if (!channel)
@@ -177,10 +185,14 @@ class RecordedFlight::Reader {
     Detection seen{.observer = observer, .target = flight_.team_.find(text_.word("target"))};
     if (seen.target.index < 0) throw std::runtime_error("a detection of no body of the team");
     seen.stamp = text_.number("stamp");
-    const std::span<const double> p = text_.numbers("p"), covariance = text_.numbers("covariance");
-    if (p.size() != 3 || covariance.size() != seen.covariance.size())
-      throw std::runtime_error("a detection of another length, expected 3 and 6 numbers");
+    seen.arrival = text_.number("arrival");
+    seen.tags = static_cast<int>(text_.number("tags"));
+    const std::span<const double> p = text_.numbers("p"), q = text_.numbers("q"),
+                                  covariance = text_.numbers("covariance");
+    if (p.size() != 3 || q.size() != 4 || covariance.size() != seen.covariance.size())
+      throw std::runtime_error("a detection of another length, expected 3, 4 and 21 numbers");
     seen.p = {p[0], p[1], p[2]};
+    seen.q = {q[0], q[1], q[2], q[3]};
     std::copy(covariance.begin(), covariance.end(), seen.covariance.begin());
     period().detections.push_back(seen);
     flight_.detections_max_ = std::max(flight_.detections_max_, period().detections.size());

@@ -4,7 +4,8 @@
 ///
 ///     /BODY/measurement   {time, stamp, x}: the state that the controllers saw, all numbers exactly, and when it was
 ///                         so; null in x is a number that was not finite, a null stamp is a body never seen
-///     /OBSERVER/detection {time, stamp, target, p, covariance}: what its sensor said of another body, in order
+///     /OBSERVER/detection {time, stamp, arrival, target, tags, p, q, covariance}: what its camera said of another body,
+///     in order
 ///     /team               {time}: a team that was asked for took over in this period, or was refused
 ///
 /// beside /BODY/state (the truth), /AGENT/input (the command) and /events (missed periods). No time of the wall clock.

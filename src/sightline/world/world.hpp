@@ -1,32 +1,24 @@
 /// The seam between a control loop and what it flies: simulated, recorded or real.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 
-#include "sightline/math/fixed.hpp"
 #include "sightline/ocp/roster.hpp"
+#include "sightline/world/detection.hpp"
 #include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
-
-/// What an observer's sensor says of another body.
-struct Detection {
-  BodyId observer{}, target{};
-  double stamp = 0.0;                  ///< when it was so [s]
-  Vec3<double> p{};                    ///< of the target in the observer's sensor frame S [m]
-  std::array<double, 6> covariance{};  ///< of p, upper triangle row by row: xx, xy, xz, yy, yz, zz [m^2]
-};
 
 /// What is known at the beginning of a period. It holds until the next measure(), the truth until the next apply().
 struct Measured {
   std::span<const double> measured;  ///< states of all bodies, in the order of the team (nx)
   std::span<const double> stamps;    ///< of each body, when it was so [s]; minus infinity: never seen
   std::span<const double> truth;     ///< true states (nx); empty where nobody knows them
-  std::span<const Detection> detections{};
+  std::span<const Detection>
+      detections{};  ///< that arrived since the last measure(), in the order of arrival
   std::span<const Quaternion>
       attitudes{};  ///< true ones of all bodies, no_attitude of one without; empty: nobody knows
 };

@@ -1,0 +1,36 @@
+/// What a camera says of another body.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "sightline/math/fixed.hpp"
+#include "sightline/ocp/roster.hpp"
+#include "sightline/world/rigid_body.hpp"
+
+namespace sightline {
+
+/// A body seen by an observer's camera: its pose in the camera's frame S (x along the optical axis, y to the left, z up), and how well it
+/// is known.
+///
+/// With the errors dp and dtheta of that covariance, the body's origin is at p + dp in S, and its axes are turned by exp(dtheta) after q,
+/// dtheta in S as well. S is where [agent.NAME.sensor] says that it is: an error of the mounting is in p and q, and not in the covariance.
+struct Detection {
+  BodyId observer{}, target{};
+  double stamp = 0.0;          ///< when it was so: the middle of the exposure [s]
+  double arrival = 0.0;        ///< when the observer has it, not before the stamp [s]
+  Vec3<double> p{};            ///< of the target's origin in S [m]
+  Quaternion q = no_attitude;  ///< the target's axes in S; no_attitude where the position alone is known
+  std::array<double, 21>
+      covariance{};  ///< of (dp, dtheta), upper triangle row by row [m^2], [m rad], [rad^2]
+  int tags = 0;      ///< that it was seen by
+
+  bool is_oriented() const noexcept { return q != no_attitude; }
+  /// The place of row i and column j, of 6, in the covariance.
+  static constexpr std::size_t place(std::size_t i, std::size_t j) noexcept {
+    const std::size_t row = i < j ? i : j, column = i < j ? j : i;
+    return row * (11 - row) / 2 + column;
+  }
+};
+
+}  // namespace sightline

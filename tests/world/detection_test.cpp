@@ -1,0 +1,32 @@
+#include "sightline/world/detection.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace sightline {
+namespace {
+
+TEST(Detection, TheCovarianceHasOnePlaceForEachPairOfErrors) {
+  std::set<std::size_t> places;
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t j = i; j < 6; ++j) {
+      EXPECT_EQ(Detection::place(i, j), Detection::place(j, i));
+      EXPECT_TRUE(places.insert(Detection::place(i, j)).second);
+    }
+  }
+  EXPECT_EQ(places.size(), Detection{}.covariance.size());
+  EXPECT_EQ(*places.rbegin(), 20U);
+  EXPECT_EQ(Detection::place(0, 5), 5U) << "row by row";
+  EXPECT_EQ(Detection::place(1, 1), 6U);
+}
+
+TEST(Detection, IsOrientedOnceItHasAnAttitude) {
+  Detection seen;
+  EXPECT_FALSE(seen.is_oriented());
+  seen.q = Quaternion{};
+  EXPECT_TRUE(seen.is_oriented());
+}
+
+}  // namespace
+}  // namespace sightline
