@@ -1,31 +1,14 @@
 #include "sightline/run/feed_forward.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "sightline/base/index.hpp"
+#include "sightline/math/symmetric.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/run/settled.hpp"
 
 namespace sightline {
-namespace {
-
-/// Solves A y = b of a symmetric positive definite A, in place: b becomes y.
-void solve_symmetric(std::vector<std::vector<double>>& A, std::vector<double>& b) {
-  const std::size_t n = b.size();
-  for (std::size_t k = 0; k < n; ++k) {
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const double by = A[i][k] / A[k][k];
-      for (std::size_t j = k; j < n; ++j) A[i][j] -= by * A[k][j];
-      b[i] -= by * b[k];
-    }
-  }
-  for (std::size_t k = n; k-- > 0;) {
-    for (std::size_t j = k + 1; j < n; ++j) b[k] -= A[k][j] * b[j];
-    b[k] /= A[k][k];
-  }
-}
-
-}  // namespace
 
 FeedForward::FeedForward(const Agent& agent)
     : model_(agent.model), u_ref_(agent.u_ref), x_(size(model_.nx())), gain_(u_ref_.size()) {
@@ -58,15 +41,16 @@ FeedForward::FeedForward(const Agent& agent)
     for (std::size_t r = 0; r < rows; ++r) sum += a[r] * b[r];
     return sum;
   };
+  Symmetric A(columns.size());
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    for (std::size_t j = 0; j <= i; ++j) A.at(i, j) = product(columns[i], columns[j]);
+    A.at(i, i) += damping;
+  }
+  A.factor();
   for (std::size_t r = 0; r < rows; ++r) {
-    std::vector<std::vector<double>> A(columns.size(), std::vector<double>(columns.size()));
-    std::vector<double> y;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      for (std::size_t j = 0; j < columns.size(); ++j)
-        A[i][j] = product(columns[i], columns[j]) + (i == j ? damping : 0.0);
-      y.push_back(columns[i][r]);
-    }
-    solve_symmetric(A, y);
+    std::vector<double> b;
+    for (const Column& column : columns) b.push_back(column[r]);
+    const std::vector<double> y = A.solve(std::move(b));
     for (std::size_t k = 0; k < u_ref_.size(); ++k) gain_[k][r] = y[velocities + k] * reach[k];
   }
 }

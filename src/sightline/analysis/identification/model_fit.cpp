@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/math/symmetric.hpp"
+
 namespace sightline {
 namespace {
 
@@ -22,44 +24,6 @@ SeenMotion moved(SeenMotion m, std::size_t channel, double by) {
   *at[channel] += by;
   return m;
 }
-
-/// A symmetric positive definite matrix, n x n, row by row.
-struct Normal {
-  std::size_t n;
-  std::vector<double> a;
-
-  explicit Normal(std::size_t size) : n(size), a(size * size) {}
-  double& at(std::size_t i, std::size_t j) { return a[i * n + j]; }
-  double at(std::size_t i, std::size_t j) const { return a[i * n + j]; }
-
-  /// Cholesky's factor in place; a direction that nothing was seen of is held by a pivot that is as good as infinite.
-  void factor() {
-    for (std::size_t j = 0; j < n; ++j) {
-      double pivot = at(j, j);
-      const double whole = pivot;
-      for (std::size_t k = 0; k < j; ++k) pivot -= at(j, k) * at(j, k);
-      if (!(pivot > 1e-13 * whole)) pivot = std::numeric_limits<double>::max();
-      at(j, j) = std::sqrt(pivot);
-      for (std::size_t i = j + 1; i < n; ++i) {
-        double sum = at(i, j);
-        for (std::size_t k = 0; k < j; ++k) sum -= at(i, k) * at(j, k);
-        at(i, j) = sum / at(j, j);
-      }
-    }
-  }
-  /// After factor().
-  std::vector<double> solve(std::vector<double> b) const {
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t k = 0; k < i; ++k) b[i] -= at(i, k) * b[k];
-      b[i] /= at(i, i);
-    }
-    for (std::size_t i = n; i-- > 0;) {
-      for (std::size_t k = i + 1; k < n; ++k) b[i] -= at(k, i) * b[k];
-      b[i] /= at(i, i);
-    }
-    return b;
-  }
-};
 
 /// Residuals of a window over sigma, sample by sample; 0 where nothing was measured.
 void residuals(const FlownMotion& motion, const MotionPrediction& prediction, const Sigmas& sigma,
@@ -191,7 +155,7 @@ class Fit {
  private:
   /// What a window says at the present numbers: the normal equations of its start, and its part of those of the numbers.
   struct Window {
-    Normal start{channels};                  // factored
+    Symmetric start{channels};               // factored
     std::vector<std::vector<double>> mixed;  // [number][channel]
     std::vector<double> start_slope, slope;  // by channel; by number, without the start
   };
@@ -219,7 +183,7 @@ class Fit {
       other.*number.value += steps.back();
       moved_on.emplace_back(motion_, structure_, other);
     }
-    H_ = Normal(n);
+    H_ = Symmetric(n);
     g_.assign(n, 0.0);
     parts_.clear();
     std::vector<std::vector<double>> J(n);
@@ -256,7 +220,7 @@ class Fit {
 
   void take_step(double damping, ModelNumbers& numbers, std::vector<SeenMotion>& starts) const {
     const std::size_t n = free_.size();
-    Normal H = H_;
+    Symmetric H = H_;
     for (std::size_t i = 0; i < n; ++i) H.at(i, i) *= 1 + damping;
     H.factor();
     std::vector<double> change = H.solve(g_);
@@ -298,7 +262,7 @@ class Fit {
 
   std::vector<double> intervals() const {
     const std::size_t n = free_.size(), clusters = windows_.size();
-    Normal H = H_;
+    Symmetric H = H_;
     H.factor();
     std::vector<double> wide(n);
     const double few = clusters > n + 1 ? static_cast<double>(clusters) / static_cast<double>(clusters - n)
@@ -325,7 +289,7 @@ class Fit {
   std::vector<std::size_t> windows_;  // periods in which they begin
   std::vector<SeenMotion> starts_;
   Sigmas sigma_ = first_sigma;
-  Normal H_{0};
+  Symmetric H_{0};
   std::vector<double> g_, r_;
   std::vector<Window> parts_;
 };
@@ -366,7 +330,7 @@ SeenMotion fitted_start(const FlownMotion& motion, const MotionPrediction& predi
   for (int step = 0; step < 3; ++step) {
     residuals(motion, prediction, first_sigma, k, samples, start, r);
     const auto S = columns_of_start(motion, prediction, first_sigma, k, samples, start, r);
-    Normal H(channels);
+    Symmetric H(channels);
     std::vector<double> slope;
     for (std::size_t a = 0; a < channels; ++a) {
       slope.push_back(product(S[a], r));
