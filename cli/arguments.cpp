@@ -13,6 +13,16 @@ void add_set(CLI::App& command, std::vector<std::string>& set) {
       ->allow_extra_args(false);
 }
 
+void add_scenario(CLI::App& command, NamedScenario& scenario, const char* name = "SCENARIO",
+                  const char* what = "Scenario file (TOML)") {
+  command.add_option(name, scenario.file, what)->required();
+  add_set(command, scenario.set);
+}
+
+void add_fleet(CLI::App& command, NamedScenario& fleet) {
+  add_scenario(command, fleet, "FLEET", "Scenario file with [fleet] (TOML)");
+}
+
 }  // namespace
 
 Arguments::Arguments()
@@ -23,9 +33,8 @@ Arguments::Arguments()
   app.set_version_flag("--version", version_text, "Version and compiler");
 
   run_command = app.add_subcommand("run", "Fly a scenario; write log, summary and report");
-  run_command->add_option("SCENARIO", run.scenario, "Scenario file (TOML)")->required();
+  add_scenario(*run_command, run.scenario);
   run_command->add_option("-o,--output", run.output, "Folder for the results [out/NAME]");
-  add_set(*run_command, run.set);
   run_command->add_option("--solver", run.solver, "Solver, instead of the scenario's");
   run_command->add_option("--seed", run.seed, "Seed of all random numbers, instead of the scenario's")
       ->check(CLI::Range(std::uint64_t{0}, seed_max));
@@ -40,20 +49,17 @@ Arguments::Arguments()
       ->needs(partition);
 
   fly_command = app.add_subcommand("fly", "Fly a fleet of real robots; write log, summary and report");
-  fly_command->add_option("FLEET", fly.fleet, "Scenario file with [fleet] (TOML)")->required();
-  add_set(*fly_command, fly.set);
+  add_fleet(*fly_command, fly.fleet);
   fly_command->add_option("-o,--output", fly.output, "Folder for the results [out/NAME]");
   fly_command->add_flag("--dry-run", fly.dry_run, "All but arm");
 
   vehicles_command = app.add_subcommand("vehicles", "Stand in for the robots of a fleet, on their topics");
-  vehicles_command->add_option("FLEET", vehicles.fleet, "Scenario file with [fleet] (TOML)")->required();
-  add_set(*vehicles_command, vehicles.set);
+  add_fleet(*vehicles_command, vehicles.fleet);
   vehicles_command->add_option("--seconds", vehicles.seconds, "How long [s]; until Ctrl-C")
       ->check(CLI::Range(0.0, 1e9));
 
   check_command = app.add_subcommand("check", "Check a scenario and print what it describes");
-  check_command->add_option("SCENARIO", check.scenario, "Scenario file (TOML)")->required();
-  add_set(*check_command, check.set);
+  add_scenario(*check_command, check.scenario);
   check_command->add_flag("--print", check.expanded,
                           "Print the scenario with its templates and ranges expanded");
 
@@ -68,9 +74,7 @@ Arguments::Arguments()
 
   identify_command = app.add_subcommand(
       "identify", "Fit the model of a multirotor to a flight that excites it, or to a run");
-  identify_command->add_option("SCENARIO", identify.of, "Scenario file (TOML), or the folder of a run")
-      ->required();
-  add_set(*identify_command, identify.set);
+  add_scenario(*identify_command, identify.of, "SCENARIO", "Scenario file (TOML), or the folder of a run");
   identify_command->add_option("--agent", identify.agent, "Robot [the only multirotor]");
   identify_command
       ->add_option("--excitation", identify.excitation, "steps, chirp, 3211 or bang_bang, in a scenario")
@@ -89,21 +93,18 @@ Arguments::Arguments()
 
   potential_command =
       app.add_subcommand("potential", "Draw and judge the potentials of a scenario's couplings");
-  potential_command->add_option("SCENARIO", potential.scenario, "Scenario file (TOML)")->required();
-  add_set(*potential_command, potential.set);
+  add_scenario(*potential_command, potential.scenario);
   potential_command->add_option("--couple", potential.couple, "One coupling, from 0 in the file's order");
   potential_command->add_option("-o,--output", potential.output,
                                 "Folder for the results [out/NAME/potential]");
 
   explain_command =
       app.add_subcommand("explain", "Analyse which limits can hold together and what they cost");
-  explain_command->add_option("SCENARIO", explain.scenario, "Scenario file (TOML)")->required();
-  add_set(*explain_command, explain.set);
+  add_scenario(*explain_command, explain.scenario);
 
   campaign_command =
       app.add_subcommand("campaign", "Fly a scenario many times with random draws, [campaign]");
-  campaign_command->add_option("SCENARIO", campaign.scenario, "Scenario file (TOML)")->required();
-  add_set(*campaign_command, campaign.set);
+  add_scenario(*campaign_command, campaign.scenario);
   campaign_command->add_option("--runs", campaign.runs, "Number of runs")
       ->capture_default_str()
       ->check(CLI::Range(1, runs_max));

@@ -37,8 +37,7 @@ struct Input {
 
 Input read(const CampaignCommand& command, const Parts& parts) {
   Input input;
-  const Scenario& scenario =
-      input.scenarios.emplace_back(read_scenario(command.scenario, parts, command.set));
+  const Scenario& scenario = input.scenarios.emplace_back(command.scenario.read(parts));
   if (!scenario.campaign) {
     throw std::invalid_argument(fmt::format(
         "{}:1: campaign is missing, expected [campaign] with what is drawn", scenario.file.native()));
@@ -51,7 +50,8 @@ Input read(const CampaignCommand& command, const Parts& parts) {
   const fs::path own = fs::path("out") / scenario.name;
   const fs::path alone = command.only ? own / fmt::format("run_{}", *command.only) : own / "campaign";
   input.folder = command.output.empty() ? alone : command.output;
-  if (!command.beside.empty()) input.scenarios.push_back(read_scenario(command.beside, parts, command.set));
+  if (!command.beside.empty())
+    input.scenarios.push_back(read_scenario(command.beside, parts, command.scenario.set));
   for (const Scenario& one : input.scenarios) {
     if (changes_in_flight(one)) {
       throw std::invalid_argument(
@@ -123,9 +123,9 @@ Counts fly_all(const Scenario& scenario, const Input& input, RunTable& table) {
 
 /// What flies a run of this campaign again, but for its index and folder.
 std::string again(const CampaignCommand& command, const Input& input) {
-  std::string words = fmt::format("sightline campaign {} --seed {}", shell_word(command.scenario.native()),
-                                  input.options.seed);
-  for (const std::string& assignment : command.set) words += " --set " + shell_word(assignment);
+  std::string words = fmt::format("sightline campaign {} --seed {}",
+                                  shell_word(command.scenario.file.native()), input.options.seed);
+  for (const std::string& assignment : command.scenario.set) words += " --set " + shell_word(assignment);
   if (!command.beside.empty()) words += " --beside " + shell_word(command.beside.native());
   return words;
 }

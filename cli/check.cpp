@@ -12,13 +12,13 @@ namespace sightline::cli {
 
 int check(const CheckCommand& command, const Parts& parts) {
   try {
-    const Scenario read = read_scenario(command.scenario, parts, command.set);
+    const Scenario read = command.scenario.read(parts);
     const Controls controls(read);
     const Preflight known = preflight(read);
     for (const std::string& refusal : known.refusals) tell("{}\n", refusal);
     if (!known.refusals.empty()) return 2;
     if (command.expanded) {
-      TomlDocument document = parse_toml(read.text, command.scenario.native());
+      TomlDocument document = parse_toml(read.text, command.scenario.file.native());
       expand(document);
       print("{}", printed(document));
       return 0;

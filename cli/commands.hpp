@@ -16,20 +16,26 @@
 
 namespace sightline::cli {
 
+/// A scenario as a command line names it.
+struct NamedScenario {
+  std::filesystem::path file;
+  std::vector<std::string> set;  ///< "KEY=VALUE", read over what the file says
+
+  /// @throws std::invalid_argument as read_scenario()
+  Scenario read(const Parts& parts) const { return read_scenario(file, parts, set); }
+};
+
 struct CheckCommand {
-  std::filesystem::path scenario;
-  std::vector<std::string> set;  ///< "KEY=VALUE", of the scenario; as in each command below
-  bool expanded = false;         ///< print it, as TOML
+  NamedScenario scenario;
+  bool expanded = false;  ///< print it, as TOML
 };
 
 struct ExplainCommand {
-  std::filesystem::path scenario;
-  std::vector<std::string> set;
+  NamedScenario scenario;
 };
 
 struct RunOptions {
-  std::filesystem::path scenario;
-  std::vector<std::string> set;
+  NamedScenario scenario;
   std::filesystem::path output;  ///< empty: out/NAME
   std::optional<std::string> solver;
   std::optional<std::uint64_t> seed;
@@ -47,22 +53,19 @@ struct BenchCommand {
 };
 
 struct PotentialOptions {
-  std::filesystem::path scenario;
-  std::vector<std::string> set;
+  NamedScenario scenario;
   std::filesystem::path output;     ///< empty: out/NAME/potential
   std::optional<long long> couple;  ///< none: all
 };
 
 struct FlyCommand {
-  std::filesystem::path fleet;   ///< a scenario with a [fleet]
-  std::vector<std::string> set;  ///< of the fleet's scenario
+  NamedScenario fleet;           ///< a scenario with a [fleet]
   std::filesystem::path output;  ///< empty: out/NAME
   bool dry_run = false;          ///< all but arm
 };
 
 struct VehiclesCommand {
-  std::filesystem::path fleet;
-  std::vector<std::string> set;
+  NamedScenario fleet;
   double seconds = 1e9;  ///< until Ctrl-C
 };
 
@@ -74,8 +77,7 @@ struct ReplayCommand {
 };
 
 struct IdentifyCommand {
-  std::filesystem::path of;  ///< a scenario, or the folder of a run
-  std::vector<std::string> set;
+  NamedScenario of;              ///< a scenario, or the folder of a run
   std::filesystem::path output;  ///< empty: out/NAME/identify, of a run its own folder
   std::string agent;             ///< empty: the only multirotor there is
   std::string excitation = "steps";
@@ -86,8 +88,7 @@ struct IdentifyCommand {
 };
 
 struct CampaignCommand {
-  std::filesystem::path scenario;
-  std::vector<std::string> set;  ///< of the scenario and of the one beside
+  NamedScenario scenario;        ///< its `set` is of the one beside, too
   std::filesystem::path output;  ///< empty: out/NAME/campaign
   std::filesystem::path beside;  ///< another scenario that flies the same draws; empty: none
   int runs = 200;

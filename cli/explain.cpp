@@ -11,7 +11,7 @@ namespace sightline::cli {
 
 int explain(const ExplainCommand& command, const Parts& parts) {
   try {
-    const Scenario read = read_scenario(command.scenario, parts, command.set);
+    const Scenario read = command.scenario.read(parts);
     print("{}", to_string(sightline::explain(read.team, read.x0), read.team));
     for (const ObservationCycle& cycle : observation_cycles(read)) print("{}\n", to_string(cycle, read.team));
     return 0;

@@ -28,12 +28,12 @@ void listen_to_interrupts() {
   for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
 }
 
-Scenario read_fleet_scenario(const std::filesystem::path& file, const std::vector<std::string>& set,
-                             const Parts& parts) {
-  Scenario scenario = read_scenario(file, parts, set);
+Scenario read_fleet(const NamedScenario& fleet, const Parts& parts) {
+  Scenario scenario = fleet.read(parts);
   if (!scenario.fleet)
-    throw std::invalid_argument(fmt::format(
-        "{}:1: fleet is missing, expected a [fleet] that says how the robots are reached", file.native()));
+    throw std::invalid_argument(
+        fmt::format("{}:1: fleet is missing, expected a [fleet] that says how the robots are reached",
+                    fleet.file.native()));
   if (parts.bridge == nullptr)
     throw std::invalid_argument(
         "this sightline has no bridge to robots, expected one that was built with Cyclone DDS");
@@ -47,7 +47,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
   std::optional<RunFolder> folder;
   Scenario scenario;
   try {
-    scenario = read_fleet_scenario(command.fleet, command.set, parts);
+    scenario = read_fleet(command.fleet, parts);
     scenario.simulation.compare.clear();
     lift_deadline(scenario.solver);  // so that the flight can be replayed: no time of the wall clock decides
     check_solvers(scenario);
@@ -66,7 +66,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
   try {
     code = fly(std::move(scenario), *folder, clock, nullptr, &linked);
   } catch (const std::invalid_argument& error) {  // of what is built before the flight
-    tell("{}: {}\n", command.fleet.native(), error.what());
+    tell("{}: {}\n", command.fleet.file.native(), error.what());
     return 2;
   }
   for (const std::string& line : world->counts()) say(line);
@@ -77,7 +77,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
 
 int vehicles(const VehiclesCommand& command, const Parts& parts) {
   try {
-    const Scenario scenario = read_fleet_scenario(command.fleet, command.set, parts);
+    const Scenario scenario = read_fleet(command.fleet, parts);
     const std::unique_ptr<StandIns> stand_ins = parts.bridge->stand_in(scenario);
     listen_to_interrupts();
     say(fmt::format("{} vehicles stand in, until Ctrl-C", scenario.fleet->links.size()));

@@ -38,21 +38,21 @@ auto in(const fs::path& place, Make&& make) {
 
 /// What the log of a run has of the robot.
 FlownMotion flown(const IdentifyCommand& command, const Parts& parts) {
-  const fs::path log = command.of / "run.mcap";
+  const fs::path log = command.of.file / "run.mcap";
   if (!fs::is_regular_file(log))
     throw std::invalid_argument(
-        fmt::format("{}: no run.mcap, expected a scenario or the folder of a run", command.of.native()));
+        fmt::format("{}: no run.mcap, expected a scenario or the folder of a run", command.of.file.native()));
   const FlownAs flight = flown_as(log);
   const Scenario scenario =
-      parse_scenario(flight.text, log, parts, {.files = flight.files, .set = command.set});
+      parse_scenario(flight.text, log, parts, {.files = flight.files, .set = command.of.set});
   const RecordedFlight recorded(log, scenario.team, scenario.x0, scenario.horizon.dt);
-  return in(command.of, [&] { return motion_of(recorded, scenario.horizon.dt, command.agent); });
+  return in(command.of.file, [&] { return motion_of(recorded, scenario.horizon.dt, command.agent); });
 }
 
 }  // namespace
 
 int identify(const IdentifyCommand& command, const Parts& parts) {
-  const bool of_log = fs::is_directory(command.of);
+  const bool of_log = fs::is_directory(command.of.file);
   std::optional<FolderLock> lock;
   FlownMotion motion;
   std::optional<Identification> found;
@@ -63,11 +63,12 @@ int identify(const IdentifyCommand& command, const Parts& parts) {
   try {
     if (of_log) {
       motion = flown(command, parts);
-      lock_in(command.of);
-      found = in(command.of, [&] { return sightline::identify(motion); });
+      lock_in(command.of.file);
+      found = in(command.of.file, [&] { return sightline::identify(motion); });
     } else {
-      const Scenario scenario = read_scenario(command.of, parts, command.set);
-      const AgentId robot = in(command.of, [&] { return identified_robot(scenario.team, command.agent); });
+      const Scenario scenario = command.of.read(parts);
+      const AgentId robot =
+          in(command.of.file, [&] { return identified_robot(scenario.team, command.agent); });
       const ExcitationOptions options{.kind = kind_of(command.excitation),
                                       .seconds = command.seconds,
                                       .seed = command.seed.value_or(scenario.simulation.seed),
@@ -76,7 +77,7 @@ int identify(const IdentifyCommand& command, const Parts& parts) {
       options.check();
       lock_in(fs::path("out") / scenario.name / "identify");
       motion = fly_excitation(scenario, robot, options);
-      found = in(command.of, [&] { return sightline::identify(motion, options.kind); });
+      found = in(command.of.file, [&] { return sightline::identify(motion, options.kind); });
     }
   } catch (const std::exception& error) {
     tell("{}\n", error.what());

@@ -35,7 +35,7 @@ int potential(const PotentialOptions& options, const Parts& parts) {
   std::optional<FolderLock> lock;
   std::optional<std::size_t> only;
   try {
-    scenario = read_scenario(options.scenario, parts, options.set);
+    scenario = options.scenario.read(parts);
     only = chosen(options, scenario);
     lock.emplace(
         options.output.empty() ? std::filesystem::path("out") / scenario.name / "potential" : options.output,

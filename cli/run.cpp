@@ -30,7 +30,7 @@ std::size_t ring_capacity(const Sample& sample) {
 }
 
 Scenario read(const RunOptions& options, const Parts& parts) {
-  Scenario scenario = read_scenario(options.scenario, parts, options.set);
+  Scenario scenario = options.scenario.read(parts);
   if (options.seed) scenario.simulation.seed = *options.seed;
   // The scenario's own options hold for its own solver.
   if (options.solver && *options.solver != scenario.solver.name)
@@ -191,7 +191,7 @@ int run(const RunOptions& options, const Parts& parts) {
     return fly(std::move(scenario), *folder, options.realtime ? static_cast<Clock&>(steady) : simulated,
                partition ? &*partition : nullptr);
   } catch (const std::invalid_argument& error) {  // of what is built before the flight
-    tell("{}: {}\n", options.scenario.native(), error.what());
+    tell("{}: {}\n", options.scenario.file.native(), error.what());
     return 2;
   }
 }
