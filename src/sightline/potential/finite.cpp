@@ -18,7 +18,7 @@ constexpr int inputs = 2 * sight_size + 1;
 constexpr int batch = 512;
 
 using Random = std::mt19937_64;
-using Numbers = std::array<double, inputs>;
+using InputNumbers = std::array<double, inputs>;
 
 /// Value, gradient and Hessian, each distinct entry once.
 struct Recorded {
@@ -58,12 +58,12 @@ Sight<double> draw_sight(Random& random, double reach, bool on_axes) {
 }
 
 /// @param leans  draws how they lean, beside what `random` draws
-Numbers draw(Random& random, Random& leans, const FiniteSearch& search) {
+InputNumbers draw(Random& random, Random& leans, const FiniteSearch& search) {
   constexpr std::array reaches = {0.3, 3.0, 30.0};
   const bool on_axes = random() % 4 == 0;
   const double reach = reaches[random() % reaches.size()];
   const Vec3<double> centre = random() % 2 == 0 ? Vec3<double>{} : search.centre;
-  Numbers z;
+  InputNumbers z;
   for (const std::size_t first : {std::size_t{0}, std::size_t{sight_size}}) {
     Sight<double> sight = draw_sight(random, reach, on_axes);
     sight.p = sight.p + centre;
@@ -86,11 +86,11 @@ class Seeker {
 
   /// The first of `count` numbers that `next` gives.
   template <class Next>
-  std::optional<Numbers> first(std::int64_t count, Next&& next) {
+  std::optional<InputNumbers> first(std::int64_t count, Next&& next) {
     for (std::int64_t done = 0; done < count; done += batch) {
-      std::array<Numbers, batch> drawn;
+      std::array<InputNumbers, batch> drawn;
       for (int k = 0; k < batch; ++k) {
-        Numbers& z = drawn[static_cast<std::size_t>(k)];
+        InputNumbers& z = drawn[static_cast<std::size_t>(k)];
         z = next(done + k);
         for (int i = 0; i < inputs; ++i) in_[i][k] = z[static_cast<std::size_t>(i)];
       }
@@ -103,7 +103,7 @@ class Seeker {
     }
     return {};
   }
-  bool finite(const Numbers& z) const {
+  bool finite(const InputNumbers& z) const {
     const std::vector<double> out = evaluate(program_, z);
     return std::all_of(out.begin(), out.end(), [](double v) { return std::isfinite(v); });
   }
@@ -115,7 +115,7 @@ class Seeker {
 };
 
 /// Until when it is finite at a place where it is not at its time; none if it is not at the beginning either.
-std::optional<double> end_of(const Seeker& seeker, Numbers z, double from) {
+std::optional<double> end_of(const Seeker& seeker, InputNumbers z, double from) {
   double bad = z.back();
   z.back() = from;
   if (!seeker.finite(z)) return {};
@@ -138,15 +138,15 @@ std::optional<Spot> not_finite_at(const Potential& potential, const FiniteSearch
   if (!found && recorded.sees_time && search.period > 0) {
     const double length = search.until - search.from;
     const double step = search.period * std::max(1.0, std::ceil(length / search.period / periods_max));
-    const Numbers place = draw(random, leans, search);
+    const InputNumbers place = draw(random, leans, search);
     found = seeker.first(static_cast<std::int64_t>(length / step) + 1, [&](std::int64_t n) {
-      Numbers z = place;
+      InputNumbers z = place;
       z.back() = std::min(search.until, search.from + static_cast<double>(n) * step);
       return z;
     });
   }
   if (!found) return {};
-  const Numbers& z = *found;
+  const InputNumbers& z = *found;
   Spot spot{sight_from<double>(z.data()), sight_from<double>(z.data() + sight_size), z.back(), {}};
   if (recorded.sees_time) spot.ends = end_of(seeker, z, search.from);
   return spot;

@@ -10,7 +10,7 @@
 namespace sightline {
 namespace {
 
-constexpr double h = 0.05;  // any: it is a parameter
+constexpr double any_h = 0.05;  // it is a parameter
 
 /// Prints a function as a member of the struct that the lines before it have opened.
 std::string member(const BlockProgram& p, std::string_view name) {
@@ -42,7 +42,7 @@ std::string declaration(std::string_view part) {
 
 void Generator::add(const Model& model, Seen seen, const std::vector<RelaxedBarrier>& barriers,
                     const RateCost& rates) {
-  const StagePrograms programs = trace_stage(model, h, seen, barriers, {}, rates);
+  const StagePrograms programs = trace_stage(model, any_h, seen, barriers, {}, rates);
   const std::uint64_t key = structure(programs);
   if (!known_.insert(key).second) return;
   const StageSizes& n = programs.sizes;
@@ -67,11 +67,11 @@ void Generator::add(const std::vector<Weighted>& terms) {
   if (terms.at(0).potential.is_pair())
     kinds.insert(kinds.end(), {{}, {.b_feels = false}, {.a_feels = false}});
   for (const Ends& ends : kinds)
-    add(trace_potential(pointers, h, ends, Numbers::parameters).derivatives, terms[0].potential.name());
+    add(trace_potential(pointers, any_h, ends, Numbers::parameters).derivatives, terms[0].potential.name());
 }
 
 void Generator::add_swarm(const Weighted& term) {
-  const SwarmPotential swarm = trace_swarm(term, h, Numbers::parameters);
+  const SwarmPotential swarm = trace_swarm(term, any_h, Numbers::parameters);
   for (const Program* program : {&swarm.value, &swarm.derivatives}) add(*program, term.potential.name());
 }
 

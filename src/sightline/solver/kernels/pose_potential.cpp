@@ -36,7 +36,7 @@ std::vector<const Weighted*> sorted(std::span<const Weighted* const> terms) {
   return list;
 }
 
-std::vector<Term> inputs(Graph& graph, int n) {
+std::vector<Term> recorded_inputs(Graph& graph, int n) {
   std::vector<Term> z;
   for (int i = 0; i < n; ++i) z.push_back(graph.input(i));
   return z;
@@ -76,7 +76,7 @@ bool is_relative(Graph& graph, Term l, const std::vector<int>& variables) {
     return v < 5 || (v >= sight_size && v < sight_size + 3);
   });
   if (!pose_of_a_and_position_of_b) return false;
-  const std::vector<Term> first = gradient(graph, l, inputs(graph, 2 * sight_size));
+  const std::vector<Term> first = gradient(graph, l, recorded_inputs(graph, 2 * sight_size));
   for (int i = 0; i < 3; ++i) {
     const Term a = first[at(i)], b = first[at(sight_size + i)];
     if (!(graph.is_zero(a) && graph.is_zero(b)) && a != -b) return false;
@@ -120,7 +120,7 @@ PosePotential trace_potential(std::span<const Weighted* const> given, double h, 
   const int n = static_cast<int>(p.variables.size());
   const Term l = record(graph, terms, h, p.variables, numbers);
   p.value = Program(graph, std::vector{l}, n);
-  const Derivatives d = derive(graph, l, inputs(graph, n));
+  const Derivatives d = derive(graph, l, recorded_inputs(graph, n));
   std::vector<Term> outputs;
   if (p.relative) {
     outputs = d.first;
@@ -265,7 +265,7 @@ SwarmPotential trace_swarm(const Weighted& term, double h, Numbers numbers) {
   p.name = term.potential.name();
   p.sees_headings = std::any_of(seen.begin(), seen.end(), [](int v) { return v >= 3; });
   p.value = Program(graph, std::vector{l}, n);
-  const Derivatives d = derive(graph, l, inputs(graph, n));
+  const Derivatives d = derive(graph, l, recorded_inputs(graph, n));
   std::vector<Term> outputs = d.first;
   outputs.insert(outputs.end(), d.second.begin(), d.second.end());
   p.derivatives = Program(graph, outputs, n);
