@@ -210,6 +210,37 @@ duel() {
   sed "${robot[@]}" -e "s/VEHICLE/$1/; s/WITHIN/$3/; s/LATE/$4/; s/WIND/$5/; s/TOLD/$told/; s/LOWEST/$lowest/; s/HIGHEST/$highest/" scripts/accept/duel.toml
 }
 
+# The same with 2, 3, 4 and 6 adversaries, drawn around the first, commands 0.1 s late in wind of 1 m/s^2. A ring can close: then the
+# barrier reports a conflict. No distance may break without one, and two adversaries break none.
+several() {
+  local vehicle commands within number cell runs=100 folder=$out/several bad=0 database
+  local -a numbers=(2 3 4 6)
+  whole || runs=10 numbers=(3)
+  mkdir -p "$folder"
+  for vehicle in x500 crazyflie; do for commands in tilt velocity; do for within in plane space; do for number in "${numbers[@]}"; do
+    cell=$folder/$vehicle-$commands-$within-$number database=$folder/$vehicle-$commands-$within-$number/campaign.sqlite
+    { duel "$vehicle" "$commands" "$within" 0.1 1.0; more_adversaries "$within" "$number"; } >"$cell.toml"
+    "$sightline" campaign "$cell.toml" --runs "$runs" -o "$cell" >"$cell.txt" 2>&1 || (($? == 1)) || { cat "$cell.txt"; return 1; }
+    sqlite3 -separator ' ' "$database" "select $number, count(*), sum(min_distance < 1 and could_brake), sum(min_distance < 1 and barrier_conflict = 0),
+      min(case when could_brake then min_distance end) from runs" >"$cell.line"
+    awk -v of="$vehicle, $commands, $within" '{ printf "%s, %d adversaries: %d flights, %d that could brake came below 1 m, %d without a conflict, worst %.3f m\n",
+      of, $1, $2, $3, $4, $5 }' "$cell.line"
+  done; done; done; done
+  judge 'several: flights below 1 m without a conflict' "$(awk '{ n += $4 } END { print n + 0 }' "$folder"/*.line)" '== 0' flights || bad=1
+  judge 'several: flights among two below 1 m' "$(awk '$1 == 2 { n += $3 } END { print n + 0 }' "$folder"/*.line)" '== 0' flights || bad=1
+  return $bad
+}
+# $1: plane or space; $2: how many in all.
+more_adversaries() {
+  local name
+  for ((name = 2; name <= $2; ++name)); do
+    printf '\n[obstacle.adversary%d]\np = [3.0, 3.0, 4.0]\nmotion = { adversary = { agent = "uav", speed = 1.5, every = 0.01, aim = 1.0, within = "%s" } }\nvelocity = "measured"\nspeed_max = 1.5\n' "$name" "$1"
+    drawn "obstacle.adversary$name.p[0]" -6.0 6.0
+    drawn "obstacle.adversary$name.p[1]" -6.0 6.0
+    [[ $1 == plane ]] || drawn "obstacle.adversary$name.p[2]" 2.0 6.0
+  done
+}
+
 # Starts of [campaign], with commands 0 to 0.1 s late and wind of up to 1 m/s^2 drawn for each run. The robots are told how
 # late. The vehicle is 0.75 m wide, so that the distance of 0.6 m that the scenario keeps is a touch:
 # 0.85 m here, and beside it as shipped.
@@ -338,5 +369,5 @@ same() {
   return $bad
 }
 
-all=(identify tilt offset delay directions barrier campaign rate speed same)
+all=(identify tilt offset delay directions barrier several campaign rate speed same)
 run_sections "$@"
