@@ -4,6 +4,7 @@
 #include <csignal>
 
 #include "cli/commands.hpp"
+#include "cli/fault_keys.hpp"
 #include "cli/output.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/closed_loop.hpp"
@@ -81,7 +82,13 @@ int vehicles(const VehiclesCommand& command, const Parts& parts) {
     const std::unique_ptr<StandIns> stand_ins = parts.bridge->stand_in(scenario);
     listen_to_interrupts();
     say(fmt::format("{} vehicles stand in, until Ctrl-C", scenario.fleet->links.size()));
-    stand_ins->run(command.seconds, interrupts, [](std::string_view sentence) { say(sentence); });
+    {
+      const auto help = [] { tell("{}", fault_keys_help()); };
+      const FaultKeys keys([&](FaultTyping::Asked asked) { say(stand_ins->toggle(asked.robot, asked.kind)); },
+                           help);
+      if (FaultKeys::on_a_terminal()) help();
+      stand_ins->run(command.seconds, interrupts, [](std::string_view sentence) { say(sentence); });
+    }
     for (const std::string& line : stand_ins->counts()) print("{}\n", line);
     return 0;
   } catch (const std::exception& error) {

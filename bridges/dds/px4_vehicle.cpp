@@ -19,7 +19,6 @@ constexpr std::int64_t vehicle_second = 1'000'000'000;
 constexpr std::int64_t checks_take = vehicle_second;    // after its start
 constexpr std::int64_t offboard_loss = vehicle_second;  // COM_OF_LOSS_T
 constexpr double climb_most = 0.7, sink = 0.5;          // [m/s]
-constexpr double reordered_by = 0.025;                  // [s]
 constexpr double fastest = 10.0;                        // that a set-point may ask [m/s]
 enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, denied = 2, unsupported = 3 };
 
@@ -28,26 +27,23 @@ std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() 
 }  // namespace
 
 struct Px4Vehicle::Ends {
-  std::unique_ptr<RawWriter> odometry, status, ack, landed, position;
+  std::unique_ptr<FaultyWriter> odometry, status, ack, landed, position, battery;
   std::unique_ptr<RawReader> command, setpoint, heartbeat;
-  struct Late {
-    std::int64_t due;
-    px4_msgs_msg_dds__VehicleOdometry_ message;
-  };
-  std::vector<Late> late;  // on their way, in the order in which they were sent
 };
 
-Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setup& setup)
+Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setup& setup, Faults& faults)
     : release_(px4_first + static_cast<int>(link.release)),
       setup_(setup),
       booted_(monotonic_now()),
       body_(setup.p, setup.heading, setup.rotors),
+      faults_(faults),
       ends_(std::make_unique<Ends>()) {
   const auto topic = [&](Px4Side side, std::string_view message) {
     return px4_topic(link.name_space, side, message, release_);
   };
   const auto writer = [&](const dds_topic_descriptor_t& type, std::string_view message) {
-    return std::make_unique<RawWriter>(participant, type, topic(Px4Side::out, message), of_px4_output);
+    return std::make_unique<FaultyWriter>(participant, type, topic(Px4Side::out, message), of_px4_output,
+                                          faults_);
   };
   const auto reader = [&](const dds_topic_descriptor_t& type, std::string_view message, int depth,
                           RawReader::Take take) {
@@ -70,6 +66,10 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
                            : release_ == 15 ? VEHICLE_DESCRIPTOR(VehicleLocalPosition_15_)
                                             : VEHICLE_DESCRIPTOR(VehicleLocalPosition_16_),
                            "VehicleLocalPosition");
+  ends_->battery = writer(release_ < 16   ? VEHICLE_DESCRIPTOR(BatteryStatus_14_)
+                          : release_ < 17 ? VEHICLE_DESCRIPTOR(BatteryStatus_16_)
+                                          : VEHICLE_DESCRIPTOR(BatteryStatus_17_),
+                          "BatteryStatus");
   const auto command = [this](const auto& c) {
     on_command(c.command, c.param1, c.param2, c.target_system, c.source_system);
   };
@@ -105,7 +105,7 @@ void Px4Vehicle::set_nav(NavState nav) {
 void Px4Vehicle::on_command(std::uint32_t command, float param1, float param2, std::uint8_t target,
                             std::uint8_t source) {
   const std::scoped_lock lock(lock_);
-  if (silent_ || (target != 0 && target != setup_.system)) return;  // for another one: silence
+  if (target != 0 && target != setup_.system) return;  // for another one: silence
   const bool ready = checks_ && monotonic_now() - booted_ > checks_take;
   std::uint8_t result = unsupported;
   switch (static_cast<Px4Command>(command)) {
@@ -193,15 +193,28 @@ void Px4Vehicle::step(std::int64_t number) {
     failsafe_ = true;
     set_nav(NavState::land);
   }
+  suffer();
   move();
-  if (silent_) return;
   send_odometry();
   if (number % 20 == 0) send_status();
   if (number % 10 == 5) send_slow();
+  if (number % 100 == 50) send_battery();
+}
+
+void Px4Vehicle::suffer() {
+  using K = LinkFaultKind;
+  const auto begins = [&](K kind) { return faults_.changed(kind) && faults_.on(kind); };
+  if (begins(K::pilot)) set_nav(NavState::position);
+  if (begins(K::disarm)) {
+    arming_ = px4_disarmed;
+    send_status();
+  }
+  if (faults_.changed(K::battery_low)) send_battery();
+  if (faults_.changed(K::estimator_invalid)) send_slow();
 }
 
 void Px4Vehicle::send_odometry() {
-  const Motion local = in_local(setup_.origin, body_.motion());
+  const Motion local = in_local(setup_.origin, faults_.said(body_.motion()));
   px4_msgs_msg_dds__VehicleOdometry_ m{};
   m.timestamp = m.timestamp_sample = microseconds();
   m.pose_frame = m.velocity_frame = px4_frame_ned;
@@ -214,21 +227,11 @@ void Px4Vehicle::send_odometry() {
     m.position_variance[k] = 1e-4F;
   for (std::size_t k = 0; k < 4; ++k) m.q[k] = static_cast<float>(qs[k]);
   m.angular_velocity[2] = static_cast<float>(-body_.motion().r);
-  const auto happens = [&](double part) { return std::uniform_real_distribution<>(0, 1)(random_) < part; };
-  if (happens(faults_.not_finite)) m.position[random_() % 3] = std::numeric_limits<float>::quiet_NaN();
-  const double delay = faults_.delay + (happens(faults_.reorder) ? reordered_by : 0.0);
-  const std::int64_t now = monotonic_now(), due = now + std::llround(1e9 * delay);
-  const int copies = happens(faults_.drop) ? 0 : happens(faults_.duplicate) ? 2 : 1;
-  for (int i = 0; i < copies; ++i) ends_->late.push_back({due, m});
-  std::erase_if(ends_->late, [&](const Ends::Late& one) {
-    if (one.due > now) return false;
-    (void)ends_->odometry->write(&one.message);
-    return true;
-  });
+  m.reset_counter = static_cast<std::uint8_t>(faults_.resets());
+  ends_->odometry->write(&m);
 }
 
 void Px4Vehicle::send_status() {
-  if (silent_) return;
   const auto fill = [&](auto&& m) {
     m.timestamp = microseconds();
     m.arming_state = arming_;
@@ -239,7 +242,7 @@ void Px4Vehicle::send_status() {
     m.component_id = 1;
     m.failsafe = failsafe_;
     m.pre_flight_checks_pass = checks_ && monotonic_now() - booted_ > checks_take;
-    (void)ends_->status->write(&m);
+    ends_->status->write(&m);
   };
   if (release_ == 14)
     fill(px4_msgs_msg_dds__VehicleStatus_14_{});
@@ -255,14 +258,15 @@ void Px4Vehicle::send_slow() {
   px4_msgs_msg_dds__VehicleLandDetected_ landed{};
   landed.timestamp = microseconds();
   landed.landed = landed.ground_contact = landed_;
-  (void)ends_->landed->write(&landed);
+  ends_->landed->write(&landed);
   const auto fill = [&](auto&& m) {
     m.timestamp = m.timestamp_sample = microseconds();
-    m.xy_valid = m.z_valid = m.v_xy_valid = m.v_z_valid = monotonic_now() - booted_ > checks_take / 2;
+    m.xy_valid = m.z_valid = m.v_xy_valid = m.v_z_valid =
+        monotonic_now() - booted_ > checks_take / 2 && !faults_.on(LinkFaultKind::estimator_invalid);
     const Vec3<double> p = turned_over(in_local(setup_.origin, body_.motion()).p);
     m.x = static_cast<float>(p.x), m.y = static_cast<float>(p.y), m.z = static_cast<float>(p.z);
     m.heading_good_for_control = true;
-    (void)ends_->position->write(&m);
+    ends_->position->write(&m);
   };
   if (release_ == 14)
     fill(px4_msgs_msg_dds__VehicleLocalPosition_14_{});
@@ -272,13 +276,32 @@ void Px4Vehicle::send_slow() {
     fill(px4_msgs_msg_dds__VehicleLocalPosition_16_{});
 }
 
+void Px4Vehicle::send_battery() {
+  const bool low = faults_.on(LinkFaultKind::battery_low);
+  const auto fill = [&](auto&& m) {
+    m.timestamp = microseconds();
+    m.connected = true;
+    m.cell_count = 4;
+    m.remaining = low ? 0.05F : 0.8F;
+    m.voltage_v = low ? 13.2F : 15.6F;
+    m.warning = low ? px4_battery_critical : px4_battery_good;
+    ends_->battery->write(&m);
+  };
+  if (release_ < 16)
+    fill(px4_msgs_msg_dds__BatteryStatus_14_{});
+  else if (release_ < 17)
+    fill(px4_msgs_msg_dds__BatteryStatus_16_{});
+  else
+    fill(px4_msgs_msg_dds__BatteryStatus_17_{});
+}
+
 void Px4Vehicle::acknowledge(std::uint32_t command, std::uint8_t result, std::uint8_t source) {
   const auto fill = [&](auto&& m) {
     m.timestamp = microseconds();
     m.command = command;
     m.result = result;
     m.target_system = source;
-    (void)ends_->ack->write(&m);
+    ends_->ack->write(&m);
   };
   release_ == 14 ? fill(px4_msgs_msg_dds__VehicleCommandAck_14_{})
                  : fill(px4_msgs_msg_dds__VehicleCommandAck_15_{});
@@ -296,29 +319,15 @@ bool Px4Vehicle::armed() const {
   const std::scoped_lock lock(lock_);
   return arming_ == px4_armed;
 }
-void Px4Vehicle::take_over() {
+bool Px4Vehicle::is_steered() const {
   const std::scoped_lock lock(lock_);
-  set_nav(NavState::position);
-}
-void Px4Vehicle::disarm() {
-  const std::scoped_lock lock(lock_);
-  arming_ = px4_disarmed;
-  send_status();
+  return arming_ == px4_armed && nav_ == NavState::offboard;
 }
 void Px4Vehicle::fail_checks(bool fails) {
   const std::scoped_lock lock(lock_);
   checks_ = !fails;
   send_status();
 }
-void Px4Vehicle::disturb(const OdometryFaults& faults) {
-  const std::scoped_lock lock(lock_);
-  faults_ = faults;
-}
-void Px4Vehicle::be_silent(bool silent) {
-  const std::scoped_lock lock(lock_);
-  silent_ = silent;
-}
-
 std::string Px4Vehicle::counts() const {
   const Px4VehicleCounts n = told();
   const Motion m = motion();

@@ -6,10 +6,10 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <random>
 #include <string>
 
 #include "bridges/dds/channel.hpp"
+#include "bridges/dds/faults.hpp"
 #include "bridges/dds/px4_link.hpp"
 #include "bridges/dds/stand_in.hpp"
 #include "bridges/dds/stand_in_body.hpp"
@@ -24,13 +24,6 @@ struct Px4VehicleCounts {
   double failsafe_after = 0.0;  ///< from the last heartbeat to its failsafe [s]; 0: there was none
 };
 
-/// What happens to the odometry on its way: parts of the messages, and a delay of all [s].
-struct OdometryFaults {
-  double drop = 0.0, duplicate = 0.0, not_finite = 0.0;
-  double reorder = 0.0;  ///< 25 ms later than those after them
-  double delay = 0.0;
-};
-
 /// A vehicle on the ground below where its robot starts.
 class Px4Vehicle final : public StandIn {
  public:
@@ -43,21 +36,19 @@ class Px4Vehicle final : public StandIn {
     std::optional<Vehicle> rotors{};  ///< none: the lag
   };
 
-  Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setup& setup);
+  /// @param faults  of this vehicle; outlives it
+  Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setup& setup, Faults& faults);
   ~Px4Vehicle() override;
 
   void step(std::int64_t number) override;
+  bool is_steered() const override;
   std::string counts() const override;
 
   Px4VehicleCounts told() const;
   Motion motion() const;  ///< in G
   bool armed() const;
-  /// What others can do to it: a pilot takes it, it is disarmed, its checks fail, it falls silent.
-  void take_over();
-  void disarm();
+  /// Whether its checks before a flight fail.
   void fail_checks(bool fails);
-  void be_silent(bool silent);
-  void disturb(const OdometryFaults& faults);
 
  private:
   struct Ends;
@@ -71,6 +62,8 @@ class Px4Vehicle final : public StandIn {
   void send_odometry();
   void send_status();
   void send_slow();
+  void send_battery();
+  void suffer();
   void acknowledge(std::uint32_t command, std::uint8_t result, std::uint8_t source);
 
   int release_;
@@ -79,13 +72,12 @@ class Px4Vehicle final : public StandIn {
   Px4VehicleCounts told_;
   std::uint8_t arming_ = px4_disarmed;
   NavState nav_ = NavState::hold;
-  bool failsafe_ = false, checks_ = true, silent_ = false, landed_ = true;
+  bool failsafe_ = false, checks_ = true, landed_ = true;
   std::int64_t booted_, heartbeat_at_ = 0;
   StandInBody body_;
   Vec3<double> v_sp_{}, a_sp_{};  // in G
   double r_sp_ = 0.0;
-  OdometryFaults faults_{};
-  std::mt19937 random_{1};
+  Faults& faults_;
   std::unique_ptr<Ends> ends_;
 };
 

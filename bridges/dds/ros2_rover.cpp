@@ -19,14 +19,15 @@ std::string or_else(const std::string& text, const char* fallback) { return text
 
 }  // namespace
 
-Ros2Rover::Ros2Rover(dds_entity_t participant, const Ros2Link& link, const Setup& setup)
+Ros2Rover::Ros2Rover(dds_entity_t participant, const Ros2Link& link, const Setup& setup, Faults& faults)
     : link_(link),
       setup_(setup),
+      faults_(faults),
       motion_(setup.start),
       frame_(or_else(link.frame, "odom")),
       body_frame_(or_else(link.body_frame, "base_link")) {
-  odometry_ = std::make_unique<RawWriter>(participant, nav_msgs_msg_dds__Odometry__desc, link.odometry,
-                                          Quality{.reliable = true, .depth = 1});
+  odometry_ = std::make_unique<FaultyWriter>(participant, nav_msgs_msg_dds__Odometry__desc, link.odometry,
+                                             Quality{.reliable = true, .depth = 1}, faults_);
   const dds_topic_descriptor_t& type =
       link.stamped ? geometry_msgs_msg_dds__TwistStamped__desc : geometry_msgs_msg_dds__Twist__desc;
   cmd_vel_ = std::make_unique<RawReader>(
@@ -62,7 +63,7 @@ void Ros2Rover::step(std::int64_t) {
   motion_.v = rotation(motion_.q).to_G({v_.x, v_.y, 0});
   motion_.p = motion_.p + period * motion_.v;
 
-  const Motion local = in_local(setup_.origin, motion_);
+  const Motion local = in_local(setup_.origin, faults_.said(motion_));
   const RosTime now = to_ros(realtime_now());
   nav_msgs_msg_dds__Odometry_ m{};
   m.header.stamp.sec = now.sec, m.header.stamp.nanosec = now.nanosec;
@@ -71,7 +72,7 @@ void Ros2Rover::step(std::int64_t) {
   m.pose.pose.orientation = {local.q.x, local.q.y, local.q.z, local.q.w};
   m.twist.twist.linear = {v_.x, v_.y, 0};
   m.twist.twist.angular = {0, 0, motion_.r};
-  (void)odometry_->write(&m);
+  odometry_->write(&m);
 }
 
 Motion Ros2Rover::motion() const {

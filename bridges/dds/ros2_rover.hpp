@@ -7,6 +7,7 @@
 
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/conversion.hpp"
+#include "bridges/dds/faults.hpp"
 #include "bridges/dds/stand_in.hpp"
 
 namespace sightline::dds {
@@ -20,9 +21,11 @@ class Ros2Rover final : public StandIn {
     bool sideward = false;  ///< drives sideward too
   };
 
-  Ros2Rover(dds_entity_t participant, const Ros2Link& link, const Setup& setup);
+  /// @param faults  of this robot; outlives it
+  Ros2Rover(dds_entity_t participant, const Ros2Link& link, const Setup& setup, Faults& faults);
 
   void step(std::int64_t number) override;
+  bool is_steered() const override { return commands() > 0; }
   std::string counts() const override;
 
   Motion motion() const;  ///< in G
@@ -34,6 +37,7 @@ class Ros2Rover final : public StandIn {
 
   Ros2Link link_;
   Setup setup_;
+  Faults& faults_;
   mutable std::mutex lock_;  // of all below
   Motion motion_;
   Vec2<double> v_{}, v_wanted_{};  // forward, to the left [m/s]
@@ -41,7 +45,7 @@ class Ros2Rover final : public StandIn {
   std::int64_t commanded_at_ = 0, commands_ = 0, bad_ = 0;
   bool stopped_itself_ = false;
   std::string frame_, body_frame_;
-  std::unique_ptr<RawWriter> odometry_;
+  std::unique_ptr<FaultyWriter> odometry_;
   std::unique_ptr<RawReader> cmd_vel_;
 };
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "bridges/dds/px4_release.hpp"
 #include "bridges/dds/px4_vehicle.hpp"
 #include "bridges/dds/ros2_rover.hpp"
 #include "sightline/base/index.hpp"
@@ -19,7 +20,8 @@ constexpr double lowest_takeoff = 0.5;  // [m]
 
 }  // namespace
 
-std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario& scenario, const Link& link) {
+std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario& scenario, const Link& link,
+                                       Faults& faults) {
   const Team& team = scenario.team;
   const std::vector<double> rest(size(team.model(link.robot).nu()));
   const Sight<double> start =
@@ -30,7 +32,8 @@ std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario&
         participant, *ros2,
         Ros2Rover::Setup{.origin = link.origin,
                          .start = {start.p, upright(start.d), {}, 0.0},
-                         .sideward = std::find(states.begin(), states.end(), "v_s") != states.end()});
+                         .sideward = std::find(states.begin(), states.end(), "v_s") != states.end()},
+        faults);
   }
   const auto* px4 = std::get_if<Px4Link>(&link.kind);
   if (px4 == nullptr)
@@ -45,34 +48,113 @@ std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario&
                               px4->target_system > 0 ? px4->target_system : 1 + link.robot.index % 255)};
   for (const RobotVehicle& vehicle : scenario.vehicles)
     if (vehicle.robot == link.robot) setup.rotors = vehicle.vehicle;
-  return std::make_unique<Px4Vehicle>(participant, *px4, setup);
+  return std::make_unique<Px4Vehicle>(participant, *px4, setup, faults);
 }
 
 DdsStandIns::DdsStandIns(const Scenario& scenario, std::shared_ptr<Domain> domain)
-    : domain_(std::move(domain)) {
-  if (!scenario.fleet)
+    : scenario_(scenario), domain_(std::move(domain)) {
+  if (!scenario_.fleet)
     throw std::invalid_argument("fleet is missing, expected a [fleet] that says how the robots are reached");
-  for (const Link& link : scenario.fleet->links) {
-    names_.emplace_back(scenario.team.name(link.robot));
-    stand_ins_.push_back(made_stand_in(domain_->participant(), scenario, link));
+  for (const Link& link : scenario_.fleet->links) {
+    Robot& robot = robots_.emplace_back(link, std::string(scenario_.team.name(link.robot)),
+                                        scenario_.simulation.seed + robots_.size());
+    for (const LinkFault& fault : scenario_.fleet->faults)
+      if (fault.robot == link.robot) plan_.push_back({fault, &robot});
+  }
+  follow_plan(0, {});  // what is wrong from the start on
+  for (Robot& robot : robots_) make(robot);
+}
+
+void DdsStandIns::make(Robot& robot) {
+  using K = LinkFaultKind;
+  (void)robot.faults.changed(K::restart), (void)robot.faults.changed(K::wrong_release);
+  Link link = robot.link;
+  if (auto* px4 = std::get_if<Px4Link>(&link.kind); px4 != nullptr && robot.faults.on(K::wrong_release)) {
+    const int wanted = static_cast<int>(robot.faults.size(K::wrong_release));
+    const int own = px4_first + static_cast<int>(px4->release);
+    const int next = own < px4_last ? own + 1 : px4_first;
+    px4->release = static_cast<Px4Release>((wanted >= px4_first ? wanted : next) - px4_first);
+  }
+  robot.stand_in = made_stand_in(domain_->participant(), scenario_, link, robot.faults);
+}
+
+void DdsStandIns::follow_plan(std::int64_t number, const TellPerson& tell) {
+  const double t = static_cast<double>(number) * StandIn::period;
+  constexpr double same = 1e-6;  // [s]
+  for (Planned& one : plan_) {
+    if (one.now == Planned::after) continue;
+    double from = one.fault.at;
+    if (one.fault.since == FaultClock::flight) {
+      if (!one.robot->steered_from) continue;
+      from += static_cast<double>(*one.robot->steered_from) * StandIn::period;
+    }
+    if (one.now == Planned::before && t > from - same) {
+      one.now = Planned::during;
+      one.robot->faults.begin(one.fault.kind, one.fault.size);
+      if (tell) tell(fmt::format("{}: {} begins", one.robot->name, text_of(one.fault.kind).name));
+    }
+    if (one.now == Planned::during && t > from + one.fault.duration - same) {
+      one.now = Planned::after;
+      one.robot->faults.end(one.fault.kind);
+      if (tell) tell(fmt::format("{}: {} ends", one.robot->name, text_of(one.fault.kind).name));
+    }
   }
 }
 
-void DdsStandIns::run(double duration, const Interrupts& interrupts, const TellPerson&) {
+void DdsStandIns::step(Robot& robot, std::int64_t number) {
+  using K = LinkFaultKind;
+  const bool restarts = robot.faults.changed(K::restart) && robot.faults.on(K::restart),
+             reflashed = robot.faults.changed(K::wrong_release);
+  if ((restarts || reflashed) && robot.stand_in) {
+    robot.earlier.push_back(robot.stand_in->counts());
+    robot.stand_in.reset();
+    robot.begins_anew =
+        number + (restarts ? std::llround(robot.faults.size(K::restart) / StandIn::period) : 0);
+  }
+  if (restarts) robot.faults.end(K::restart);
+  if (!robot.stand_in && number >= robot.begins_anew) make(robot);
+  if (robot.stand_in) {
+    robot.stand_in->step(number);
+    if (!robot.steered_from && robot.stand_in->is_steered()) robot.steered_from = number;
+  }
+  robot.faults.pass_on();
+}
+
+void DdsStandIns::run(double duration, const Interrupts& interrupts, const TellPerson& tell) {
   using Time = std::chrono::steady_clock;
-  const auto step = std::chrono::microseconds(std::llround(1e6 * StandIn::period));
+  const auto period = std::chrono::microseconds(std::llround(1e6 * StandIn::period));
   const std::int64_t steps = std::llround(std::min(duration, 1e9) / StandIn::period);
   const Time::time_point begin = Time::now();
   for (std::int64_t k = 0; k < steps && interrupts == 0; ++k) {
-    std::this_thread::sleep_until(begin + k * step);
-    for (const auto& stand_in : stand_ins_) stand_in->step(k);
+    std::this_thread::sleep_until(begin + k * period);
+    follow_plan(k, tell);
+    for (Robot& robot : robots_) step(robot, k);
   }
+}
+
+std::string DdsStandIns::toggle(std::size_t robot, LinkFaultKind kind) {
+  const LinkFaultText& text = text_of(kind);
+  if (robot >= robots_.size())
+    return fmt::format("there is no robot {}, expected 1 to {}", robot + 1, robots_.size());
+  Robot& its = robots_[robot];
+  if (!can_have(its.link, kind))
+    return fmt::format("{}: no robot behind {} has the fault {}", its.name, its.link.kind_name(), text.name);
+  const bool begins = !its.faults.on(kind);
+  begins ? its.faults.begin(kind) : its.faults.end(kind);
+  return fmt::format("{}: {}{} {}", its.name, text.name,
+                     begins && !text.size.empty() ? fmt::format(" {}", text.fallback) : "",
+                     begins ? "begins" : "ends");
 }
 
 std::vector<std::string> DdsStandIns::counts() const {
   std::vector<std::string> lines;
-  for (std::size_t i = 0; i < names_.size(); ++i)
-    lines.push_back(fmt::format("{}: {}", names_[i], stand_ins_[i]->counts()));
+  for (const Robot& robot : robots_) {
+    for (const std::string& words : robot.earlier)
+      lines.push_back(fmt::format("{}, before it began anew: {}", robot.name, words));
+    const std::string faults = in_words(robot.faults.counts());
+    lines.push_back(fmt::format("{}: {}{}{}", robot.name, robot.stand_in ? robot.stand_in->counts() : "gone",
+                                faults.empty() ? "" : "; ", faults));
+  }
   return lines;
 }
 

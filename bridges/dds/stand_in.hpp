@@ -1,11 +1,14 @@
 /// What stands in for the vehicles of a fleet, at the far ends of their links.
 #pragma once
 
+#include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bridges/dds/domain.hpp"
+#include "bridges/dds/faults.hpp"
 #include "sightline/scenario/bridge.hpp"
 
 namespace sightline::dds {
@@ -18,12 +21,17 @@ class StandIn {
   virtual ~StandIn() = default;
   /// Moves on by a period, and says what it says at that number of periods.
   virtual void step(std::int64_t number) = 0;
+  /// Whether somebody steers it.
+  virtual bool is_steered() const = 0;
   /// What it was told and did, in words.
   virtual std::string counts() const = 0;
 };
 
+/// @param faults  of this robot; they outlive it. What it says goes out by FaultyWriter, poses as Faults::said() has them; restarts and
+///                a wrong release are its owner's
 /// @throws std::invalid_argument for a kind that nothing stands in for
-std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario& scenario, const Link& link);
+std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario& scenario, const Link& link,
+                                       Faults& faults);
 
 /// Those of all links, stepped by one thread.
 class DdsStandIns final : public StandIns {
@@ -31,13 +39,39 @@ class DdsStandIns final : public StandIns {
   DdsStandIns(const Scenario& scenario, std::shared_ptr<Domain> domain);
 
   void run(double duration, const Interrupts& interrupts, const TellPerson& tell) override;
+  std::string toggle(std::size_t robot, LinkFaultKind kind) override;
   std::vector<std::string> counts() const override;
-  StandIn& of(std::size_t robot) { return *stand_ins_[robot]; }
+  /// It ends with a restart.
+  StandIn& of(std::size_t robot) { return *robots_[robot].stand_in; }
+  Faults& faults(std::size_t robot) { return robots_[robot].faults; }
 
  private:
+  struct Robot {
+    Robot(const Link& reached, std::string called, std::uint64_t seed)
+        : link(reached), name(std::move(called)), faults(seed) {}
+
+    Link link;
+    std::string name;
+    Faults faults;
+    std::unique_ptr<StandIn> stand_in;         // none: until it begins anew
+    std::vector<std::string> earlier;          // what those before it did, in words
+    std::int64_t begins_anew = 0;              // at this number of periods
+    std::optional<std::int64_t> steered_from;  // the number of periods
+  };
+  struct Planned {
+    LinkFault fault;
+    Robot* robot;
+    enum { before, during, after } now = before;
+  };
+
+  void step(Robot& robot, std::int64_t number);
+  void follow_plan(std::int64_t number, const TellPerson& tell);
+  void make(Robot& robot);
+
+  Scenario scenario_;
   std::shared_ptr<Domain> domain_;
-  std::vector<std::string> names_;
-  std::vector<std::unique_ptr<StandIn>> stand_ins_;
+  std::deque<Robot> robots_;
+  std::vector<Planned> plan_;
 };
 
 }  // namespace sightline::dds

@@ -124,7 +124,7 @@ TEST(DdsWorld, ADryRunArmsNothing) {
 
 TEST(DdsWorld, APilotWhoTakesOneHasItForGoodAndTheOtherLands) {
   Rig rig(row_of({"1.16", "1.15"}, 20.0));
-  const LoopOutcome outcome = rig.fly(2.0, [&] { rig.vehicle(0).take_over(); });
+  const LoopOutcome outcome = rig.fly(2.0, [&] { rig.faults(0).begin(Kind::pilot); });
   EXPECT_FALSE(outcome.finite);
   EXPECT_LT(outcome.updates, 300);
   EXPECT_EQ(rig.state(0), LinkState::pilot);

@@ -1,7 +1,9 @@
 #include "tests/dds/fly.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <stdlib.h>
 
 namespace sightline::dds {
 namespace {
@@ -59,6 +61,34 @@ TEST_F(Fly, ADryRunArmsNothingAndIsNoFailure) {
   vehicles->end(SIGINT);
   EXPECT_THAT(said("vehicles.out"), HasSubstr(" 0 requests to arm"));
   EXPECT_THAT(said("vehicles.out"), Not(HasSubstr(" 1 requests to arm")));
+}
+
+// stdin of the stand-ins is a terminal, at which somebody types.
+TEST_F(Fly, FaultsBeginAndEndByKey) {
+  const fs::path fleet = desk("10.0");
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(terminal, 0);
+  ASSERT_EQ(::grantpt(terminal) + ::unlockpt(terminal), 0);
+  const std::string err = (folder / "vehicles.err").string(), name = ::ptsname(terminal);
+  test::Child vehicles({"vehicles", fleet.string()}, [&] {
+    (void)::setsid();  // the terminal becomes its own
+    const int its = ::open(name.c_str(), O_RDWR);
+    if (its < 0 || ::dup2(its, STDIN_FILENO) < 0 || std::freopen(err.c_str(), "w", stderr) == nullptr ||
+        std::freopen("/dev/null", "w", stdout) == nullptr)
+      ::_exit(125);
+  });
+  ASSERT_TRUE(says("vehicles.err", "faults by key")) << said("vehicles.err");
+  const auto type = [&](std::string_view keys) {
+    EXPECT_EQ(::write(terminal, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
+  };
+  type("2d");
+  EXPECT_TRUE(says("vehicles.err", "uav1: drop 0.2 begins")) << said("vehicles.err");
+  type("d1w");
+  EXPECT_TRUE(says("vehicles.err", "uav1: drop ends"));
+  EXPECT_TRUE(says("vehicles.err", "uav0: wrong_release 0 begins"));
+  vehicles.end(SIGINT);
+  EXPECT_EQ(vehicles.code(), 0);
+  ::close(terminal);
 }
 
 TEST_F(Fly, AScenarioWithoutAFleetIsRefused) {

@@ -23,6 +23,7 @@
 namespace sightline::dds {
 
 using Fields = std::vector<std::string>;
+using Kind = LinkFaultKind;
 
 /// Robots in a row, 3 m apart, of these releases.
 inline Scenario row_of(const Fields& releases, double duration, const std::string& more = "",
@@ -95,6 +96,7 @@ class Rig {
   }
 
   Px4Vehicle& vehicle(std::size_t i) { return dynamic_cast<Px4Vehicle&>(stand_ins.of(i)); }
+  Faults& faults(std::size_t i) { return stand_ins.faults(i); }
   Px4VehicleCounts told_of(std::size_t i) { return vehicle(i).told(); }
   LinkState state(int i) const { return world->state(BodyId{i}); }
 

@@ -42,7 +42,12 @@ class StandIns {
  public:
   virtual ~StandIns() = default;
   /// Until `interrupts` is not zero, or for so long [s].
+  /// @param tell  takes what becomes of faults; may be empty
   virtual void run(double duration, const Interrupts& interrupts, const TellPerson& tell) = 0;
+  /// Begins a fault of the usual size, or ends the one that there is. Of any thread.
+  /// @param robot  from 0, in the order of the fleet's links
+  /// @return what became of it, a sentence
+  virtual std::string toggle(std::size_t robot, LinkFaultKind kind) = 0;
   /// After it: what each of them was told and did, a line each.
   virtual std::vector<std::string> counts() const = 0;
 };

@@ -12,6 +12,7 @@
 #include "sightline/base/parameter.hpp"
 #include "sightline/math/fixed.hpp"
 #include "sightline/ocp/roster.hpp"
+#include "sightline/scenario/link_fault.hpp"
 
 namespace sightline {
 
@@ -97,7 +98,11 @@ inline constexpr int domain_max = 230;
 
 struct FleetPlan {
   FleetNetwork network{};
-  std::vector<Link> links{};  ///< of each robot, in the order of the team
+  std::vector<Link> links{};        ///< of each robot, in the order of the team
+  std::vector<LinkFault> faults{};  ///< that stand-ins have
 };
+
+/// Whether the robot behind a link can have a fault of that kind.
+bool can_have(const Link& link, LinkFaultKind kind);
 
 }  // namespace sightline

@@ -123,7 +123,7 @@ void read_poses(const TomlTable& at, Link& link) {
 std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
   if (!root.has("fleet")) return std::nullopt;
   const TomlTable at = root.table("fleet");
-  at.expect_only({"domain", "interfaces", "discovery"});
+  at.expect_only({"domain", "interfaces", "discovery", "fault"});
   FleetNetwork network;
   if (at.has("domain")) network.domain = static_cast<int>(at.integer("domain", 0, domain_max));
   if (at.has("interfaces")) network.interfaces = read_network_names(at, "interfaces", "names of interfaces");
@@ -193,7 +193,9 @@ std::string link_in_words(const Link& link, std::string_view name) {
 
 std::string in_words(const FleetPlan& fleet, const Team& team) {
   std::string all = network_in_words(fleet.network);
-  for (const Link& link : fleet.links) all += "\n" + link_in_words(link, team.name(link.robot));
+  for (const Link& link : fleet.links) all += fmt::format("\n{}", link_in_words(link, team.name(link.robot)));
+  for (const LinkFault& fault : fleet.faults)
+    all += fmt::format("\nfault       {}: {}", team.name(fault.robot), in_words(fault));
   return all;
 }
 

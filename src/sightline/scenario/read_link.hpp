@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sightline/scenario/link.hpp"
+#include "sightline/scenario/read_link_fault.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {

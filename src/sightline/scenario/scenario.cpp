@@ -68,6 +68,7 @@ class Reader {
       root_.table("safety").checked([&] { return Guard(scenario_.team, *options); });
     }
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
+    if (scenario_.fleet) read_link_faults(root_.table("fleet"), scenario_.team, *scenario_.fleet);
     scenario_.script = read_events(root_, scenario_, observers_);
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
     // A log is flown again without the world.
@@ -462,9 +463,8 @@ std::string summary(const Scenario& scenario) {
   }
   for (const RobotVehicle& vehicle : scenario.vehicles) {
     line("vehicle     {}: {}", team.name(vehicle.robot), in_words(vehicle));
-    const Vec3<double>& wind = simulation.disturbances.wind;
-    if (wind.x == 0 && wind.y == 0 && wind.z == 0) continue;
-    const Vec3<double> air = vehicle.vehicle.air(wind);
+    if (norm(simulation.disturbances.wind) == 0) continue;
+    const Vec3<double> air = vehicle.vehicle.air(simulation.disturbances.wind);
     line("vehicle     {}: feels the wind as air at [{:.2f}, {:.2f}, {:.2f}] m/s", team.name(vehicle.robot),
          air.x, air.y, air.z);
   }

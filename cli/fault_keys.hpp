@@ -1,0 +1,57 @@
+/// Faults of stand-ins by key: the number of a robot, then the letter of a fault.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "sightline/scenario/link_fault.hpp"
+
+namespace sightline::cli {
+
+/// What keys ask for, one after another.
+class FaultTyping {
+ public:
+  struct Asked {
+    std::size_t robot;  ///< from 0
+    LinkFaultKind kind;
+  };
+  /// The next key; a digit begins or continues the number of a robot, which stays until the next number.
+  /// @return a fault that is to begin or to end
+  std::optional<Asked> take(char key);
+  /// Whether the last key asked for help: ? or h.
+  bool asks_for_help() const { return help_; }
+
+ private:
+  int number_ = 1;
+  bool typing_ = false, help_ = false;
+};
+
+/// A line for each fault, and how to ask for them.
+std::string fault_keys_help();
+
+/// Reads keys of a terminal, as they are typed, until its end; where stdin is no terminal it does nothing.
+class FaultKeys {
+ public:
+  using Take = std::function<void(FaultTyping::Asked)>;
+  using Help = std::function<void()>;
+  /// Calls `take` and `help` by a thread of its own.
+  FaultKeys(Take take, Help help);
+  ~FaultKeys();
+  FaultKeys(const FaultKeys&) = delete;
+  FaultKeys& operator=(const FaultKeys&) = delete;
+
+  static bool on_a_terminal();
+
+ private:
+  void read(const Take& take, const Help& help) const;
+
+  std::atomic<bool> done_{false};
+  std::thread thread_;
+};
+
+}  // namespace sightline::cli

@@ -1,0 +1,117 @@
+/// What can go wrong with robots that are stood in for: [[fleet.fault]], and keys of `sightline vehicles`.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "sightline/base/parameter.hpp"
+#include "sightline/ocp/roster.hpp"
+
+namespace sightline {
+
+enum class LinkFaultKind : std::uint8_t {
+  drop,
+  delay,
+  reorder,
+  duplicate,
+  not_finite,
+  frozen,
+  jump,
+  jump_told,
+  restart,
+  silent,
+  disarm,
+  pilot,
+  battery_low,
+  estimator_invalid,
+  wrong_release,
+};
+
+/// Which robots can have it, by the kinds of their links.
+struct FaultOf {
+  bool px4, crazyswarm2, ros2;
+};
+
+/// A kind of fault, as files, keys and documents have it.
+struct LinkFaultText {
+  std::string_view name;
+  char key;               ///< a letter
+  FaultOf of;             ///< px4, crazyswarm2, ros2
+  std::string_view size;  ///< what its size is; empty: it has none
+  Bounds bounds;          ///< of the size
+  double fallback;        ///< the size where none is said
+  std::string_view meaning;
+};
+
+inline constexpr Bounds share_bounds = {0.0, 1.0, "0 to 1"};
+inline constexpr std::size_t link_fault_kinds = 15;
+/// In the order of LinkFaultKind.
+inline constexpr std::array<LinkFaultText, link_fault_kinds> link_faults = [] {
+  constexpr FaultOf all = {true, true, true}, px4 = {true, false, false};
+  return std::array<LinkFaultText, link_fault_kinds>{{
+      {"drop", 'd', all, "share", share_bounds, 0.2, "messages are lost"},
+      {"delay", 'l', all, "s", {0.0, 10.0, "0 to 10"}, 0.05, "messages come later"},
+      {"reorder", 'o', all, "share", share_bounds, 0.1, "messages come 25 ms after those behind them"},
+      {"duplicate", 'u', all, "share", share_bounds, 0.1, "messages come twice"},
+      {"not_finite", 'n', all, "share", share_bounds, 0.1, "poses have a NaN"},
+      {"frozen", 'f', all, "", {}, 0.0, "the same pose comes again and again, with new stamps"},
+      {"jump", 'j', all, "m", {-100.0, 100.0, "-100 to 100"}, 0.5, "poses are off to the east"},
+      {"jump_told",
+       'k',
+       px4,
+       "m",
+       {-100.0, 100.0, "-100 to 100"},
+       0.2,
+       "the same, and the estimator counts a reset"},
+      {"restart",
+       'r',
+       all,
+       "s",
+       {0.0, 60.0, "0 to 60"},
+       0.0,
+       "it ends, and after so long begins anew, disarmed on the ground at its start"},
+      {"silent", 's', all, "", {}, 0.0, "nothing comes from it"},
+      {"disarm", 'x', px4, "", {}, 0.0, "it is disarmed"},
+      {"pilot", 'p', px4, "", {}, 0.0, "a pilot takes it"},
+      {"battery_low", 'b', px4, "", {}, 0.0, "its battery is critical"},
+      {"estimator_invalid", 'e', px4, "", {}, 0.0, "its estimator is not valid"},
+      {"wrong_release",
+       'w',
+       px4,
+       "1.N",
+       {14.0, 18.0, "14 to 18", true},
+       0.0,
+       "it begins anew with the firmware 1.N; 0: the next one"},
+  }};
+}();
+
+inline const LinkFaultText& text_of(LinkFaultKind kind) {
+  return link_faults[static_cast<std::size_t>(kind)];
+}
+
+/// From when on a fault's time counts.
+enum class FaultClock : std::uint8_t {
+  start,   ///< of the stand-ins
+  flight,  ///< since the robot was first steered
+};
+inline constexpr std::array<std::string_view, 2> fault_clocks = {"start", "flight"};
+
+struct LinkFault {
+  BodyId robot{};
+  LinkFaultKind kind{};
+  FaultClock since = FaultClock::start;
+  double at = 0.0;                                            ///< [s]
+  double duration = std::numeric_limits<double>::infinity();  ///< [s]
+  double size = 0.0;                                          ///< by its kind
+};
+
+/// "drop 0.2 for 2 s, 5 s after it is first steered"
+std::string in_words(const LinkFault& fault);
+/// The table of all kinds, in Markdown.
+std::string link_fault_table();
+
+}  // namespace sightline
