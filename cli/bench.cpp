@@ -9,6 +9,7 @@
 #ifdef SIGHTLINE_BENCH
 #include "bench/barrier.hpp"
 #include "bench/bench.hpp"
+#include "bench/estimate.hpp"
 #include "bench/event.hpp"
 #include "bench/swarm.hpp"
 #endif
@@ -23,7 +24,8 @@ int bench(const BenchCommand& command) {
   try {
     solver = solver_named(command.solver);
     for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names())
-      if (!is_barrier_case(name) && name != swarm_case_name && name != event_case_name)
+      if (!is_barrier_case(name) && name != swarm_case_name && name != event_case_name &&
+          name != estimate_case_name)
         cases.push_back(bench_case(name));
   } catch (const std::invalid_argument& error) {
     tell("sightline bench: {}\n", error.what());
@@ -44,6 +46,10 @@ int bench(const BenchCommand& command) {
   if (command.name == event_case_name) {
     rows = run_event_bench(
         {.allocations = allocations, .progress = [](int changes) { tell("{} changes\n", changes); }});
+  }
+  if (command.name == estimate_case_name) {
+    rows = run_estimate_bench({.allocations = allocations,
+                               .progress = [](int believed) { tell("{} sightings believed\n", believed); }});
   }
   for (const BenchCase& what : cases) {
     tell("{}: ", what.name);

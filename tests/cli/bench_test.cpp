@@ -6,6 +6,7 @@
 #include "tests/support/command.hpp"
 #ifdef SIGHTLINE_BENCH
 #include "bench/bench.hpp"
+#include "bench/estimate.hpp"
 #include "bench/event.hpp"
 #include "bench/ipopt.hpp"
 #include "bench/swarm.hpp"
@@ -116,6 +117,19 @@ TEST(Bench, ATeamThatChangesIsTimedBeforeAndAfter) {
     EXPECT_EQ(row.allocations, 0);
     EXPECT_LE(row.median_us, row.p99_us);
   }
+}
+
+TEST(Bench, FiltersAreTimedByTheSampleAndByTheLateSighting) {
+  int believed = 0;
+  const std::vector<BenchRow> rows = run_estimate_bench(
+      {.updates = 600, .allocations = cli::allocations, .progress = [&](int count) { believed = count; }});
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_GE(believed, 150) << "of 180 pictures, 5 % of them lost";
+  for (const BenchRow& row : rows) {
+    EXPECT_EQ(row.allocations, 0);
+    EXPECT_LE(row.median_us, row.p99_us);
+  }
+  EXPECT_LT(rows[0].median_us, rows[1].median_us) << "a late sighting applies samples again";
 }
 
 TEST(Bench, AnySolverFliesACase) {

@@ -1,0 +1,67 @@
+/// Which measurements mean one and the same place, when none of them can be believed alone.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "sightline/estimate/place.hpp"
+
+namespace sightline {
+
+/// Dead reckoning in a frame of its own: two of it tell the motion in between.
+struct Reckoned {
+  Vec3<double> p{};
+  double psi = 0.0;
+
+  void advance(const MotionSample& motion, double dt) noexcept {
+    p = p + dt * (turn_z(psi) * motion.v_V);
+    psi = wrap(psi + dt * motion.yaw_rate);
+  }
+};
+
+/// What a measurement says of the robot, and dead reckoning at its stamp.
+struct Meaning {
+  double stamp = 0.0;
+  Vec3<double> p{};
+  double psi = 0.0;
+  double sigma = 0.0, psi_sigma = 0.0;  ///< [m], [rad]
+  Reckoned reckoned{};
+};
+
+/// The last few measurements of that kind. Two agree where the motion between them leads from one to the
+/// other, within three
+/// standard deviations, 0.05 m and 0.05 rad, and the drift of dead reckoning.
+class Agreement {
+ public:
+  static constexpr std::size_t memory = 32;
+  static constexpr double window = 1.5;  ///< older ones do not count [s]
+
+  void clear() noexcept { count_ = next_ = 0; }
+  /// Adds one.
+  /// @return how many agree with it, itself included
+  int add(const Meaning& meaning) noexcept {
+    int agreeing = 1;
+    for (std::size_t i = 0; i < count_; ++i) agreeing += agree(items_[i], meaning) ? 1 : 0;
+    items_[next_] = meaning;
+    next_ = (next_ + 1) % memory;
+    count_ += count_ < memory ? 1 : 0;
+    return agreeing;
+  }
+
+ private:
+  static bool agree(const Meaning& a, const Meaning& b) noexcept {
+    constexpr double near = 0.05, drift = 0.15, turn_drift = 0.05;  // [m] or [rad], [m/s], [rad/s]
+    const double between = std::abs(b.stamp - a.stamp);
+    if (between > window) return false;
+    const double turned = wrap(b.reckoned.psi - a.reckoned.psi);
+    const double off = std::abs(wrap(b.psi - a.psi - turned));
+    if (off > near + 3 * norm(a.psi_sigma, b.psi_sigma) + turn_drift * between) return false;
+    const Vec3<double> way = turn_z(a.psi - a.reckoned.psi) * (b.reckoned.p - a.reckoned.p);
+    return norm(a.p + way - b.p) <= near + 3 * norm(a.sigma, b.sigma) + drift * between;
+  }
+
+  std::array<Meaning, memory> items_{};
+  std::size_t count_ = 0, next_ = 0;
+};
+
+}  // namespace sightline

@@ -1,0 +1,93 @@
+/// Where a body was that tells its pose by radio, at any time between its messages and shortly after.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+#include "sightline/base/parameter.hpp"
+#include "sightline/estimate/measurement.hpp"
+
+namespace sightline {
+
+/// A message: a pose, how it changes, and how sure it is.
+struct BroadcastPose {
+  double stamp = 0.0;         ///< [s]
+  Vec3<double> p{}, v{};      ///< in G [m], [m/s]
+  double psi = 0.0;           ///< heading [rad]
+  double yaw_rate = 0.0;      ///< [rad/s]
+  Mat<3, 3> P{};              ///< covariance of p [m^2]
+  double psi_variance = 0.0;  ///< [rad^2]
+};
+
+/// A pose that a sighting can be held against.
+struct KnownPose {
+  Vec3<double> p{};
+  Mat<3, 3> P{};
+  double psi = 0.0, psi_variance = 0.0;
+};
+
+struct BroadcastOptions {
+  static constexpr std::string_view name = "broadcast";
+
+  double acceleration = 1.0;
+  double velocity_sigma = 0.03;
+  double turning = 0.5;
+  double longest = 0.3;
+  double sighting_rate = 30.0;
+
+  static constexpr auto parameters() {
+    using O = BroadcastOptions;
+    return std::tuple{parameter("acceleration", &O::acceleration, "m/s^2", from_zero,
+                                "of the body after its last message, standard deviation"),
+                      parameter("velocity_sigma", &O::velocity_sigma, "m/s", from_zero,
+                                "of the velocity that it tells, each axis"),
+                      parameter("turning", &O::turning, "rad/s", from_zero,
+                                "of its heading after its last message, besides the yaw rate that it tells"),
+                      parameter("longest", &O::longest, "s", above_zero,
+                                "after its last message that its pose is carried on"),
+                      parameter("sighting_rate", &O::sighting_rate, "Hz", above_zero,
+                                "of the sightings that are held against it")};
+  }
+
+  bool operator==(const BroadcastOptions&) const = default;
+  /// @throws std::invalid_argument naming a number out of its range
+  void check() const { check_parameters(*this); }
+};
+
+/// Between two messages a cubic in time through their positions and velocities (Hermite), the heading linear;
+/// after the last the pose
+/// goes on, with the doubt that grows by the options.
+///
+/// Several sightings between two messages share the error of the messages, which a filter would take to be new
+/// each time. So the
+/// covariance is larger by the number of sightings to a message, where that is above 1.
+class BroadcastTrack {
+ public:
+  static constexpr std::size_t memory = 64;
+
+  /// @throws std::invalid_argument from BroadcastOptions::check()
+  explicit BroadcastTrack(const BroadcastOptions& options = {});
+
+  /// Messages may come late and out of order. One that is not finite, or as old as one that is there, is
+  /// ignored.
+  void take(const BroadcastPose& message) noexcept;
+  bool is_known() const noexcept { return count_ > 0; }
+  /// The newest message; there must be one.
+  const BroadcastPose& newest() const noexcept { return messages_[count_ - 1]; }
+  /// None before the first message, or too long after the last.
+  std::optional<KnownPose> at(double t) const noexcept;
+  void forget() noexcept { count_ = 0; }
+
+ private:
+  KnownPose between(const BroadcastPose& a, const BroadcastPose& b, double t) const noexcept;
+  KnownPose after(const BroadcastPose& a, double t) const noexcept;
+  double uses(double interval) const noexcept;
+
+  BroadcastOptions options_;
+  std::array<BroadcastPose, memory> messages_{};  // the first count_, by stamp
+  std::size_t count_ = 0;
+};
+
+}  // namespace sightline

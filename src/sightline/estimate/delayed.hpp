@@ -1,0 +1,360 @@
+/// A filter with a memory of states, motion and measurements: each measurement counts from its own time on,
+/// whenever it arrives.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "sightline/estimate/agreement.hpp"
+#include "sightline/estimate/kalman.hpp"
+#include "sightline/estimate/pose_filter.hpp"
+#include "sightline/math/bounded.hpp"
+
+namespace sightline {
+
+/// What PoseFilter promises, around the mathematics of `Filter` (HeadingFilter, AttitudeFilter).
+///
+/// The memory is a ring of samples, each with the state at its beginning, and the measurements in the order of
+/// their stamps, the
+/// refused ones too: what the gate says of one may change when an earlier one arrives.
+///
+/// Before there is an estimate, `start_sightings` measurements must mean one place (Agreement). Where
+/// `restart_sightings` are refused
+/// that mean one place, without one believed between, it begins anew from the last. Headings are counted
+/// apart: where positions fit and
+/// headings do not, the position alone is taken, but as many headings that agree make it begin anew as well.
+template <class Filter>
+class Delayed final : public PoseFilter {
+ public:
+  using State = typename Filter::State;
+  static constexpr int n = Filter::n;
+
+  Delayed(const FilterOptions& options, const Filter& filter)
+      : filter_(filter),
+        start_(options.start_sightings),
+        restart_(options.restart_sightings),
+        slots_(memory) {}
+
+  void advance(const MotionSample& motion) noexcept override;
+  Fit take(const Measurement& z) noexcept override;
+  void start(const Vec3<double>& p, double psi, const Mat<4, 4>& P) noexcept override;
+  void forget() noexcept override;
+  PoseEstimate estimate() const noexcept override;
+  /// At the end of the last sample, where there is an estimate.
+  const State& state() const noexcept { return state_; }
+
+ private:
+  static constexpr std::size_t pending_max = 8;
+  static constexpr double ahead = 0.05;  // of a stamp before the sample that it falls into [s]
+
+  /// A sample, and what was known when it began.
+  struct Slot {
+    MotionSample motion{};
+    double from = 0.0, until = 0.0;
+    State state{};  // before what is measured at `from`
+    Reckoned reckoned{};
+  };
+  struct Heading {  // of a compass, before there is an estimate
+    double psi, variance, stamp;
+    Reckoned reckoned;
+  };
+
+  Slot& at(std::size_t i) noexcept { return slots_[(first_ + i) % memory]; }
+  const Slot& at(std::size_t i) const noexcept { return slots_[(first_ + i) % memory]; }
+  std::size_t slot_of(double stamp) const noexcept;
+  void drop_slot() noexcept;
+
+  static bool before(const Measurement& a, const Measurement& b) noexcept {
+    return a.stamp != b.stamp ? a.stamp < b.stamp : a.source < b.source;
+  }
+  Measurement* end_of_measured() noexcept { return measured_.data() + measured_count_; }
+  bool remember(const Measurement& z) noexcept;
+  void forget_until(double stamp) noexcept;
+
+  Fit weigh(State& s, const Measurement& z, const MotionSample& motion) const noexcept;
+  template <int m>
+  bool apply(State& s, const Innovation<m, n>& of, Fit& fit) const noexcept;
+  Fit run(const Slot& slot, State& s, const Measurement* watched) noexcept;
+  Fit replay(std::size_t from, const Measurement* watched) noexcept;
+
+  Reckoned reckoned_at(const Slot& slot, double stamp) const noexcept;
+  Meaning meaning(const Measurement& z, const Slot& slot, double psi, double psi_variance) const noexcept;
+  Verdict consider(const Measurement& z, std::size_t slot) noexcept;
+  Verdict judge(const Measurement& z, Verdict verdict) noexcept;
+  void begin(const Measurement& z, std::size_t slot, double psi, double psi_variance) noexcept;
+
+  Filter filter_;
+  int start_, restart_;
+  std::vector<Slot> slots_;  // ring
+  std::size_t first_ = 0, count_ = 0;
+  std::array<Measurement, memory> measured_{};  // the first measured_count_, by stamp
+  std::size_t measured_count_ = 0;
+  Bounded<Measurement, pending_max> pending_;
+  State state_{};
+  MotionSample last_{};
+  Reckoned reckoned_{};
+  double now_ = -std::numeric_limits<double>::infinity();
+  bool known_ = false;
+  double begun_ = 0.0, last_accepted_ = 0.0;
+  Agreement candidates_, contradictions_, turned_;
+  Heading compass_{0.0, 0.0, -std::numeric_limits<double>::infinity(), {}};
+};
+
+template <class Filter>
+void Delayed<Filter>::advance(const MotionSample& motion) noexcept {
+  if (!is_usable(motion) || motion.t + motion.dt <= now_) return;
+  if (count_ == memory) drop_slot();
+  Slot& slot = at(count_++);
+  slot.motion = last_ = motion;
+  slot.from = std::isfinite(now_) ? now_ : motion.t;
+  slot.until = now_ = motion.t + motion.dt;
+  slot.reckoned = reckoned_;
+  slot.state = state_;
+  reckoned_.advance(motion, slot.until - slot.from);
+  if (known_) run(slot, state_, nullptr);
+  const Bounded<Measurement, pending_max> waiting = pending_;
+  pending_.clear();
+  for (const Measurement& z : waiting) take(z);
+}
+
+template <class Filter>
+Fit Delayed<Filter>::take(const Measurement& z) noexcept {
+  if (!z.is_usable()) return {Verdict::unusable};
+  if (z.stamp >= now_) {
+    if (z.stamp > now_ + ahead || pending_.is_full()) return {Verdict::unusable};
+    pending_.push_back(z);
+    return {Verdict::pending};
+  }
+  if (count_ == 0 || z.stamp < at(0).from || (known_ && z.stamp <= begun_)) return {Verdict::too_old};
+  if (!known_) return {consider(z, slot_of(z.stamp))};
+  const Measurement* same = std::lower_bound(measured_.data(), end_of_measured(), z, before);
+  if (same != end_of_measured() && !before(z, *same)) return {Verdict::repeated};
+  if (!remember(z)) return {Verdict::too_old};
+  Fit fit = replay(slot_of(z.stamp), &z);
+  fit.verdict = judge(z, fit.verdict);
+  return fit;
+}
+
+template <class Filter>
+void Delayed<Filter>::start(const Vec3<double>& p, double psi, const Mat<4, 4>& P) noexcept {
+  forget();
+  count_ = 0;  // what was before cannot be replayed
+  state_ = filter_.begin(p, psi, P, last_);
+  known_ = true;
+  begun_ = last_accepted_ = now_;
+}
+
+template <class Filter>
+void Delayed<Filter>::forget() noexcept {
+  known_ = false;
+  measured_count_ = 0;
+  pending_.clear();
+  candidates_.clear();
+  contradictions_.clear();
+  turned_.clear();
+}
+
+template <class Filter>
+PoseEstimate Delayed<Filter>::estimate() const noexcept {
+  if (!known_) return {};
+  PoseEstimate estimate = filter_.read(state_, last_);
+  estimate.stamp = now_;
+  estimate.last_accepted = last_accepted_;
+  return estimate;
+}
+
+/// The one that holds a stamp of the memory.
+template <class Filter>
+std::size_t Delayed<Filter>::slot_of(double stamp) const noexcept {
+  std::size_t slot = count_ - 1;
+  while (slot > 0 && at(slot).from > stamp) --slot;
+  return slot;
+}
+
+template <class Filter>
+void Delayed<Filter>::drop_slot() noexcept {
+  first_ = (first_ + 1) % memory;
+  --count_;
+  if (count_ > 0) forget_until(at(0).from);
+}
+
+/// Measurements before a time are in the states since.
+template <class Filter>
+void Delayed<Filter>::forget_until(double stamp) noexcept {
+  const Measurement* kept = std::find_if(measured_.data(), end_of_measured(),
+                                         [&](const Measurement& z) { return z.stamp >= stamp; });
+  const Measurement* end = end_of_measured();
+  measured_count_ = static_cast<std::size_t>(end - kept);
+  std::copy(kept, end, measured_.data());
+}
+
+template <class Filter>
+bool Delayed<Filter>::remember(const Measurement& z) noexcept {
+  if (measured_count_ == memory) {
+    // Room for one: no state before the oldest is kept.
+    const double oldest = measured_[0].stamp;
+    while (count_ > 1 && at(0).from <= oldest) drop_slot();
+    if (measured_count_ == memory || z.stamp < at(0).from) return false;
+  }
+  Measurement* place = std::lower_bound(measured_.data(), end_of_measured(), z, before);
+  std::copy_backward(place, end_of_measured(), end_of_measured() + 1);
+  *place = z;
+  ++measured_count_;
+  return true;
+}
+
+template <class Filter>
+template <int m>
+bool Delayed<Filter>::apply(State& s, const Innovation<m, n>& of, Fit& fit) const noexcept {
+  Column<n> e;
+  const Gated gated = update(s.P, of, e);
+  fit.dimension = m;
+  fit.squared = gated.squared;
+  if (gated.accepted) filter_.correct(s, e);
+  return gated.accepted;
+}
+
+template <class Filter>
+Fit Delayed<Filter>::weigh(State& s, const Measurement& z, const MotionSample& motion) const noexcept {
+  const Innovation<4, n> of = filter_.innovation(s, z, motion);
+  Fit fit{Verdict::rejected};
+  const bool heading = z.measures_heading();
+  for (int i = z.measures_position() ? 0 : 3; i < (heading ? 4 : 3); ++i)
+    fit.y[static_cast<std::size_t>(i)] = of.y(i, 0);
+  if (!z.measures_position()) {
+    const Innovation<1, n> alone{block<1, 1>(of.y, 3, 0), block<1, n>(of.H, 3, 0), block<1, 1>(of.R, 3, 3)};
+    if (apply(s, alone, fit)) fit.verdict = Verdict::accepted;
+    return fit;
+  }
+  if (heading && apply(s, of, fit)) {
+    fit.verdict = Verdict::accepted;
+  } else if (const Fit both = fit; apply(s, first<3>(of), fit)) {
+    fit.verdict = heading ? Verdict::accepted_position : Verdict::accepted;
+  } else if (heading) {
+    fit = both;
+  }
+  return fit;
+}
+
+/// From the beginning of a slot to its end, with what was measured in it.
+/// @return how the watched one fitted
+template <class Filter>
+Fit Delayed<Filter>::run(const Slot& slot, State& s, const Measurement* watched) noexcept {
+  Fit seen;
+  double t = slot.from;
+  const Measurement* z = std::lower_bound(measured_.data(), end_of_measured(), slot.from,
+                                          [](const Measurement& a, double b) { return a.stamp < b; });
+  for (; z != end_of_measured() && z->stamp < slot.until; ++z) {
+    filter_.advance(s, slot.motion, z->stamp - t);
+    t = z->stamp;
+    const Fit one = weigh(s, *z, slot.motion);
+    if (watched != nullptr && z->stamp == watched->stamp && z->source == watched->source) seen = one;
+  }
+  filter_.advance(s, slot.motion, slot.until - t);
+  filter_.end(s, slot.motion);
+  if (const double gap = slot.motion.t - slot.from; gap > 1e-6) filter_.blur(s, gap);
+  return seen;
+}
+
+/// From the beginning of a slot to now.
+template <class Filter>
+Fit Delayed<Filter>::replay(std::size_t from, const Measurement* watched) noexcept {
+  state_ = at(from).state;
+  Fit seen;
+  for (std::size_t i = from; i < count_; ++i) {
+    at(i).state = state_;
+    const Fit one = run(at(i), state_, i == from ? watched : nullptr);
+    if (i == from) seen = one;
+  }
+  return seen;
+}
+
+template <class Filter>
+Reckoned Delayed<Filter>::reckoned_at(const Slot& slot, double stamp) const noexcept {
+  Reckoned reckoned = slot.reckoned;
+  reckoned.advance(slot.motion, stamp - slot.from);
+  return reckoned;
+}
+
+template <class Filter>
+Meaning Delayed<Filter>::meaning(const Measurement& z, const Slot& slot, double psi,
+                                 double psi_variance) const noexcept {
+  const Place place = filter_.place_meant(z, psi, psi_variance, slot.motion);
+  return {z.stamp, place.p, psi, sqrt(trace(place.P)), sqrt(psi_variance), reckoned_at(slot, z.stamp)};
+}
+
+/// A measurement while there is no estimate.
+template <class Filter>
+Verdict Delayed<Filter>::consider(const Measurement& z, std::size_t slot) noexcept {
+  const Reckoned reckoned = reckoned_at(at(slot), z.stamp);
+  if (z.of == Measures::heading) {
+    if (z.stamp > compass_.stamp) compass_ = {z.yaw, z.yaw_variance, z.stamp, reckoned};
+    return Verdict::waiting;
+  }
+  double psi = z.heading(), variance = z.heading_variance();
+  if (!z.measures_heading()) {
+    if (std::abs(z.stamp - compass_.stamp) > Agreement::window) return Verdict::waiting;
+    psi = compass_.psi + wrap(reckoned.psi - compass_.reckoned.psi);
+    variance = compass_.variance;
+  }
+  if (candidates_.add(meaning(z, at(slot), psi, variance)) < start_) return Verdict::waiting;
+  begin(z, slot, psi, variance);
+  return Verdict::started;
+}
+
+/// What a measurement that was tried says of the estimate itself.
+template <class Filter>
+Verdict Delayed<Filter>::judge(const Measurement& z, Verdict verdict) noexcept {
+  const bool heading = z.measures_heading();
+  if (verdict != Verdict::rejected) {
+    last_accepted_ = std::max(last_accepted_, z.stamp);
+    if (z.measures_position()) contradictions_.clear();
+    if (verdict == Verdict::accepted && heading) turned_.clear();
+    if (verdict == Verdict::accepted) return verdict;
+  }
+  const std::size_t slot = slot_of(z.stamp);
+  // Without a heading of its own, it is taken with the estimate's, which may be wrong.
+  constexpr double doubt = 0.15;  // [rad^2]
+  const double psi = heading ? z.heading() : filter_.heading(state_);
+  const double variance = heading ? z.heading_variance() : doubt;
+  Meaning meant = meaning(z, at(slot), psi, variance);
+  if (verdict == Verdict::accepted_position || z.of == Measures::heading) {
+    meant.sigma = std::numeric_limits<double>::infinity();  // the place is not in question
+    if (turned_.add(meant) < restart_) return verdict;
+  } else if (contradictions_.add(meant) < restart_) {
+    return verdict;
+  }
+  if (z.of == Measures::heading) {
+    // Only a sighting says where it is with another heading.
+    forget();
+    compass_ = {z.yaw, z.yaw_variance, z.stamp, meant.reckoned};
+    return Verdict::rejected;
+  }
+  begin(z, slot, psi, variance);
+  return Verdict::restarted;
+}
+
+/// The estimate begins at the stamp of z, from z alone.
+template <class Filter>
+void Delayed<Filter>::begin(const Measurement& z, std::size_t slot, double psi,
+                            double psi_variance) noexcept {
+  while (slot-- > 0) drop_slot();
+  Slot& begun = at(0);
+  begun.reckoned = reckoned_at(begun, z.stamp);
+  begun.from = z.stamp;
+  begun.state =
+      filter_.begin(filter_.place_meant(z, psi, psi_variance, begun.motion), psi, psi_variance, begun.motion);
+  forget_until(std::nextafter(z.stamp, std::numeric_limits<double>::infinity()));
+  candidates_.clear();
+  contradictions_.clear();
+  turned_.clear();
+  known_ = true;
+  begun_ = z.stamp;
+  last_accepted_ = z.stamp;
+  replay(0, nullptr);
+}
+
+}  // namespace sightline

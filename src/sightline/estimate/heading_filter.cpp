@@ -1,0 +1,140 @@
+#include "sightline/estimate/heading_filter.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr int psi_at = 3, velocity_bias_at = 4, rate_bias_at = 7, tilt_at_row = 8;
+
+}  // namespace
+
+HeadingFilter::State HeadingFilter::begin(const Vec3<double>& p, double psi, const Mat<4, 4>& P,
+                                          const MotionSample&) const noexcept {
+  State s;
+  s.p = p, s.psi = wrap(psi);
+  set_block(s.P, 0, 0, P);
+  set_block(s.P, velocity_bias_at, velocity_bias_at, identity<3>(square(options_.velocity_bias)));
+  s.P(rate_bias_at, rate_bias_at) = square(options_.yaw_rate_bias);
+  set_block(s.P, tilt_at_row, tilt_at_row, identity<2>(square(options_.tilt_bias)));
+  return s;
+}
+
+HeadingFilter::State HeadingFilter::begin(const Place& place, double psi, double psi_variance,
+                                          const MotionSample& motion) const noexcept {
+  Mat<4, 4> P;
+  set_block(P, 0, 0, place.P);
+  P(psi_at, psi_at) = psi_variance;
+  set_both(P, 0, psi_at, psi_variance * column(place.per_turn));
+  return begin(place.p, psi, P, motion);
+}
+
+Place HeadingFilter::place_meant(const Measurement& z, double psi, double psi_variance,
+                                 const MotionSample& motion) const noexcept {
+  return place_of(z, mount_, tilt_at(motion, z.stamp), psi, psi_variance,
+                  square(options_.tilt_bias) + square(options_.tilt_noise));
+}
+
+void HeadingFilter::advance(State& s, const MotionSample& motion, double dt) const noexcept {
+  if (!(dt > 0)) return;
+  const SinCos<double> h = sincos(s.psi);
+  const Vec3<double> v = motion.v_V - s.velocity_bias;
+  const Vec3<double> v_G = {h.cos * v.x - h.sin * v.y, h.sin * v.x + h.cos * v.y, v.z};
+  const double keep_v = exp(-dt / options_.velocity_bias_time), keep_tilt = exp(-dt / options_.tilt_time);
+  s.p = s.p + dt * v_G;
+  s.psi = wrap(s.psi + dt * (motion.yaw_rate - s.rate_bias));
+  s.velocity_bias = keep_v * s.velocity_bias;
+  s.tilt_error = {keep_tilt * s.tilt_error.x, keep_tilt * s.tilt_error.y};
+
+  // F P F^T: F adds to the rows of p those of psi and b_v, to that of psi that of b_r.
+  const auto turn_rows = [&](auto&& P) {
+    for (int j = 0; j < n; ++j) {
+      P(0, j) += dt * (-v_G.y * P(3, j) - h.cos * P(4, j) + h.sin * P(5, j));
+      P(1, j) += dt * (v_G.x * P(3, j) - h.sin * P(4, j) - h.cos * P(5, j));
+      P(2, j) -= dt * P(6, j);
+      P(3, j) -= dt * P(7, j);
+      for (int i = velocity_bias_at; i < rate_bias_at; ++i) P(i, j) *= keep_v;
+      for (int i = tilt_at_row; i < n; ++i) P(i, j) *= keep_tilt;
+    }
+  };
+  turn_rows([&](int i, int j) -> double& { return s.P(i, j); });
+  turn_rows([&](int i, int j) -> double& { return s.P(j, i); });
+  make_symmetric(s.P);
+
+  const double share = FilterOptions::white_period * dt;
+  for (int i = 0; i < 3; ++i) {
+    s.P(i, i) += square(options_.velocity_noise) * share;
+    s.P(velocity_bias_at + i, velocity_bias_at + i) += square(options_.velocity_bias) * (1 - square(keep_v));
+  }
+  s.P(psi_at, psi_at) += square(options_.yaw_rate_noise) * share;
+  s.P(rate_bias_at, rate_bias_at) += square(options_.yaw_rate_walk) * dt;
+  for (int i = tilt_at_row; i < n; ++i) s.P(i, i) += square(options_.tilt_bias) * (1 - square(keep_tilt));
+}
+
+void HeadingFilter::blur(State& s, double gap) const noexcept {
+  for (int i = 0; i < 3; ++i) s.P(i, i) += square(0.5 * unmeasured_acceleration * gap * gap);
+  s.P(psi_at, psi_at) += square(0.5 * unmeasured_turning * gap * gap);
+}
+
+Innovation<4, HeadingFilter::n> HeadingFilter::innovation(const State& s, const Measurement& z,
+                                                          const MotionSample& motion) const noexcept {
+  Innovation<4, n> of{};
+  of.y(3, 0) = wrap(z.heading() - s.psi);
+  of.H(3, psi_at) = 1.0;
+  of.R(3, 3) = z.heading_variance();
+  if (z.of == Measures::heading) return of;
+  if (z.of == Measures::position) {
+    set_block(of.y, 0, 0, column(z.z - s.p));
+    set_block(of.H, 0, 0, identity<3>());
+    set_block(of.R, 0, 0, z.R);
+    return of;
+  }
+  const bool leans = mount_.frame == MountFrame::body;
+  const Vec2<double> told = tilt_at(motion, z.stamp);
+  const double pitch = told.y + s.tilt_error.y;
+  const Mat<3, 3> R_VB = leans ? tilt(told.x + s.tilt_error.x, pitch) : identity<3>();
+  const Mat<3, 3> R_VS = R_VB * sensor_attitude(mount_), R_VG = turn_z(-s.psi);
+  const Vec3<double> m = R_VB * Vec3<double>{mount_.offset, 0, 0} + R_VS * z.z;
+  const Vec3<double> e = R_VG * (z.p_other - s.p);
+  set_block(of.y, 0, 0, column(m - e));
+  set_block(of.H, 0, 0, -1.0 * R_VG);
+  of.H(0, psi_at) = e.y, of.H(1, psi_at) = -e.x;
+  Mat<3, 3> R = R_VS * z.R * transposed(R_VS) + R_VG * z.P_other * transposed(R_VG);
+  const Vec3<double> level = {e.x, e.y, 0.0};
+  R += 0.5 * square(s.P(psi_at, psi_at)) * outer(level, level);
+  if (leans) {
+    // -(a x m) = [m] a: m is turned by errors of roll and pitch about these axes, and stands on the other side
+    // of y.
+    const SinCos<double> b = sincos(pitch);
+    const Vec3<double> by_roll = cross_matrix(m) * Vec3<double>{b.cos, 0, -b.sin};
+    const Vec3<double> by_pitch = cross_matrix(m) * Vec3<double>{0, 1, 0};
+    set_block(of.H, 0, tilt_at_row, column(by_roll));
+    set_block(of.H, 0, tilt_at_row + 1, column(by_pitch));
+    R += square(options_.tilt_noise) * (outer(by_roll, by_roll) + outer(by_pitch, by_pitch));
+  }
+  set_block(of.R, 0, 0, R);
+  set_both(of.R, 0, 3, -1.0 * column(R_VS * z.R_yaw));
+  return of;
+}
+
+void HeadingFilter::correct(State& s, const Column<n>& e) const noexcept {
+  const Vec3<double> d = vec3(e);
+  s.p = s.p + d;
+  s.psi = wrap(s.psi + e(psi_at, 0));
+  s.velocity_bias = s.velocity_bias + vec3(e, velocity_bias_at);
+  s.rate_bias += e(rate_bias_at, 0);
+  s.tilt_error = {s.tilt_error.x + e(tilt_at_row, 0), s.tilt_error.y + e(tilt_at_row + 1, 0)};
+  // A turn of all that is known about the vertical moves p by e_z x p, elsewhere now than before.
+  for (int j = 0; j < n; ++j) s.P(0, j) -= d.y * s.P(psi_at, j), s.P(1, j) += d.x * s.P(psi_at, j);
+  for (int j = 0; j < n; ++j) s.P(j, 0) -= d.y * s.P(j, psi_at), s.P(j, 1) += d.x * s.P(j, psi_at);
+  make_symmetric(s.P);
+}
+
+PoseEstimate HeadingFilter::read(const State& s, const MotionSample& motion) const noexcept {
+  return {.known = true,
+          .p = s.p,
+          .v = turn_z(s.psi) * (motion.v_V - s.velocity_bias),
+          .psi = s.psi,
+          .yaw_rate = motion.yaw_rate - s.rate_bias,
+          .P = block<4, 4>(s.P, 0, 0)};
+}
+
+}  // namespace sightline

@@ -1,0 +1,87 @@
+/// The update of a Kalman filter whose measurement may be refused.
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "sightline/math/matrix.hpp"
+
+namespace sightline {
+
+/// A measurement about the state of a filter: innovation y = measured - expected, H = d expected / d error
+/// state, R the covariance
+/// of the measurement.
+template <int m, int n>
+struct Innovation {
+  Column<m> y;
+  Mat<m, n> H;
+  Mat<m, m> R;
+};
+
+/// Its first k components.
+template <int k, int m, int n>
+Innovation<k, n> first(const Innovation<m, n>& of) noexcept {
+  return {block<k, 1>(of.y, 0, 0), block<k, n>(of.H, 0, 0), block<k, k>(of.R, 0, 0)};
+}
+
+/// What y^T S^-1 y of m components exceeds once in a thousand: quantiles of chi^2 of m degrees of freedom.
+template <int m>
+inline constexpr double chi_squared_gate = std::array{10.828, 13.816, 16.266, 18.467}[std::size_t{m - 1}];
+
+/// What came of an update.
+struct Gated {
+  bool accepted = false;
+  double squared = 0.0;  ///< y^T S^-1 y; infinite where S is not positive definite
+};
+
+/// With S = H P H^T + R and K = P H^T S^-1, where y^T S^-1 y is within the gate: dx <- K y and, in Joseph's
+/// form,
+///
+///   P <- (1 - K H) P (1 - K H)^T + K R K^T.
+///
+/// Otherwise nothing is changed.
+template <int m, int n>
+Gated update(Mat<n, n>& P, const Innovation<m, n>& of, Column<n>& dx) noexcept {
+  // G^T = H P; entries of H are mostly 0.
+  Mat<m, n> Gt;
+  for (int a = 0; a < m; ++a)
+    for (int l = 0; l < n; ++l) {
+      if (of.H(a, l) == 0) continue;
+      for (int j = 0; j < n; ++j) Gt(a, j) += of.H(a, l) * P(l, j);
+    }
+  Mat<m, m> S = of.R;
+  for (int a = 0; a < m; ++a)
+    for (int b = 0; b < m; ++b)
+      for (int l = 0; l < n; ++l) S(a, b) += Gt(a, l) * of.H(b, l);
+  const Cholesky<m> factor(S);
+  if (!factor.positive) return {false, std::numeric_limits<double>::infinity()};
+  const Column<m> white = factor.forward(of.y);
+  Gated result;
+  for (int a = 0; a < m; ++a) result.squared += white(a, 0) * white(a, 0);
+  result.accepted = result.squared <= chi_squared_gate<m>;
+  if (!result.accepted) return result;
+
+  const Mat<m, n> Kt = factor.solve(Gt);
+  for (int i = 0; i < n; ++i) {
+    dx(i, 0) = 0.0;
+    for (int a = 0; a < m; ++a) dx(i, 0) += Kt(a, i) * of.y(a, 0);
+  }
+  // A = (1 - K H) P, then A (1 - K H)^T + K R K^T = A - (A H^T - K R) K^T.
+  const Mat<m, n> RKt = of.R * Kt;
+  for (int i = 0; i < n; ++i) {
+    for (int a = 0; a < m; ++a)
+      for (int j = 0; j < n; ++j) P(i, j) -= Kt(a, i) * Gt(a, j);
+    std::array<double, static_cast<std::size_t>(m)> c;
+    for (int a = 0; a < m; ++a) {
+      double sum = 0.0;
+      for (int l = 0; l < n; ++l) sum += P(i, l) * of.H(a, l);
+      c[static_cast<std::size_t>(a)] = sum - RKt(a, i);
+    }
+    for (int a = 0; a < m; ++a)
+      for (int j = 0; j < n; ++j) P(i, j) -= c[static_cast<std::size_t>(a)] * Kt(a, j);
+  }
+  make_symmetric(P);
+  return result;
+}
+
+}  // namespace sightline

@@ -1,0 +1,195 @@
+#include "sightline/estimate/delayed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+#include <vector>
+
+#include "sightline/estimate/attitude_filter.hpp"
+#include "sightline/estimate/heading_filter.hpp"
+#include "tests/support/counted_new.hpp"
+#include "tests/support/filter_derivatives.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/synthetic_flight.hpp"
+
+namespace {
+thread_local std::int64_t allocated_in_estimate = 0;
+}
+
+std::int64_t sightline::allocations_here() noexcept { return allocated_in_estimate; }
+
+// Not inlined: GCC 12 would take malloc's memory for a mismatch with delete.
+[[gnu::noinline]] void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+  ++allocated_in_estimate;
+  return std::malloc(bytes);
+}
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
+  if (void* memory = operator new(bytes, std::nothrow)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace sightline {
+namespace {
+
+using test::SyntheticFlight;
+using test::SyntheticOptions;
+
+/// A flight as it happened: the motion of each period, and all that was measured, each with the end of the
+/// period that
+/// its stamp falls into.
+struct Happened {
+  std::vector<MotionSample> motion;
+  std::vector<Measurement> measured;
+};
+Happened happened(SyntheticOptions options, double duration) {
+  options.dropout = 0.0;
+  SyntheticFlight flight(options);
+  Happened all;
+  std::vector<Measurement> arrived;
+  while (flight.now() < duration) {
+    all.motion.push_back(flight.advance(arrived));
+    all.measured.insert(all.measured.end(), arrived.begin(), arrived.end());
+  }
+  return all;
+}
+
+/// Each measurement arrives with the sample that holds its stamp, and so many samples later.
+template <class Filter, class Late>
+std::unique_ptr<Delayed<Filter>> filtered(const Happened& all, const FilterOptions& options,
+                                          const Late& late) {
+  const SensorMount mount = SyntheticOptions{}.mount;
+  auto filter = std::make_unique<Delayed<Filter>>(options, Filter(options, mount));
+  std::vector<std::vector<Measurement>> arriving(all.motion.size());
+  for (std::size_t i = 0; i < all.measured.size(); ++i) {
+    const Measurement& z = all.measured[i];
+    std::size_t k = 0;
+    while (all.motion[k].t + all.motion[k].dt <= z.stamp) ++k;
+    // The first ones, by which an estimate begins, in order.
+    k += z.stamp < 0.5 ? 0 : static_cast<std::size_t>(late(i));
+    if (k < arriving.size()) arriving[k].push_back(z);
+  }
+  for (std::size_t k = 0; k < all.motion.size(); ++k) {
+    filter->advance(all.motion[k]);
+    for (const Measurement& z : arriving[k]) filter->take(z);
+  }
+  return filter;
+}
+
+template <class Filter>
+void expect_same(const Delayed<Filter>& a, const Delayed<Filter>& b) {
+  ASSERT_TRUE(a.estimate().known && b.estimate().known);
+  EXPECT_LE(test::greatest(test::difference(a.state(), b.state())), 1e-12);
+  EXPECT_LE(test::greatest(a.state().P - b.state().P), 1e-12);
+  EXPECT_EQ(a.estimate().p.x, b.estimate().p.x) << "bit for bit";
+}
+
+template <class Filter>
+void expect_lateness_does_not_matter(SyntheticOptions synthetic) {
+  // It ends with 0.4 s without pictures, so that the latest arrive too.
+  synthetic.blind_from = 3.6;
+  const Happened all = happened(synthetic, 4.0);
+  ASSERT_GT(all.measured.size(), 90U);
+  const auto in_order = filtered<Filter>(all, {}, [](std::size_t) { return 0; });
+  expect_same(*in_order, *filtered<Filter>(all, {}, [](std::size_t) { return 8; }));
+  // Out of order, up to 0.37 s late.
+  expect_same(*in_order, *filtered<Filter>(all, {}, [](std::size_t i) { return (i * 17) % 38; }));
+}
+
+TEST(Delayed, AMeasurementThatIs80MsLateOrOutOfOrderLeavesTheStateThatItWouldInTime) {
+  expect_lateness_does_not_matter<HeadingFilter>({.seed = 1});
+  expect_lateness_does_not_matter<AttitudeFilter>({.seed = 2});
+}
+
+TEST(Delayed, TheSameHoldsAmongOutliersAndFlips) {
+  expect_lateness_does_not_matter<HeadingFilter>({.seed = 3, .outliers = 0.2, .flips = 0.2});
+  expect_lateness_does_not_matter<AttitudeFilter>({.seed = 4, .outliers = 0.2, .flips = 0.2});
+}
+
+TEST(Delayed, AMeasurementOfAnUnknownPastOrTheFutureIsNotTakenAndOneCountsOnce) {
+  const Happened all = happened({.seed = 5, .blind_from = 1.5}, 2.0);
+  const auto filter = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
+  Measurement z = all.measured.back();
+  ASSERT_LT(z.stamp, 1.5);
+  const double before = filter->estimate().P(0, 0);
+  EXPECT_EQ(filter->take(z).verdict, Verdict::repeated);
+  z.source = 1;
+  EXPECT_EQ(filter->take(z).verdict, Verdict::accepted) << "of another source it is another one";
+  EXPECT_LT(filter->estimate().P(0, 0), before);
+  z.stamp = 1.3;
+  EXPECT_EQ(filter->take(z).verdict, Verdict::too_old);
+  z.stamp = 2.2;
+  EXPECT_EQ(filter->take(z).verdict, Verdict::unusable);
+  z = all.measured.back();
+  z.R(0, 0) = -1;
+  EXPECT_EQ(filter->take(z).verdict, Verdict::unusable);
+}
+
+TEST(Delayed, OneAheadOfTheMotionIsTakenWithTheSampleItFallsInto) {
+  const Happened all = happened({.seed = 6}, 2.0);
+  auto in_order = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
+  auto early = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
+  MotionSample next = all.motion.back();
+  next.t += next.dt;
+  Measurement z = all.measured.back();
+  z.stamp = next.t + 0.004;
+  EXPECT_EQ(early->take(z).verdict, Verdict::pending);
+  early->advance(next);
+  in_order->advance(next);
+  in_order->take(z);
+  expect_same(*in_order, *early);
+}
+
+TEST(Delayed, ManyMoreMeasurementsThanItRemembersAreAllUsed) {
+  // 900 Hz: 64 of them are 70 ms.
+  const Happened all = happened({.seed = 7, .camera_rate = 900, .blind_from = 1.9}, 2.0);
+  const auto in_order = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
+  const auto late = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 5; });
+  expect_same(*in_order, *late);
+  const auto few = filtered<HeadingFilter>(happened({.seed = 7, .blind_from = 1.9}, 2.0), {},
+                                           [](std::size_t) { return 0; });
+  EXPECT_LT(in_order->estimate().position_sigma(), few->estimate().position_sigma());
+}
+
+TEST(Delayed, AMotionThatNobodyMeasuredWidensTheEstimate) {
+  const Happened all = happened({.seed = 8}, 2.0);
+  auto filter = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
+  auto gapped = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
+  MotionSample next = all.motion.back();
+  for (int k = 1; k <= 50; ++k) {
+    next.t += 0.01;
+    filter->advance(next);
+  }
+  gapped->advance(next);
+  EXPECT_EQ(gapped->estimate().stamp, filter->estimate().stamp);
+  EXPECT_GT(gapped->estimate().position_sigma(), filter->estimate().position_sigma() + 0.1);
+  EXPECT_GT(gapped->estimate().heading_sigma(), filter->estimate().heading_sigma() + 0.1);
+  const double stamp = filter->estimate().stamp;
+  next.v_V.x = not_a_number;
+  next.t += 0.01;
+  filter->advance(next);
+  EXPECT_EQ(filter->estimate().stamp, stamp) << "a sample that is not finite is none";
+}
+
+TEST(Delayed, NothingIsAllocatedOnceItIsMade) {
+  for (const FilterKind kind : {FilterKind::heading, FilterKind::attitude}) {
+    const Happened all = happened({.seed = 9, .outliers = 0.3, .flips = 0.3}, 3.0);
+    const auto filter = make_pose_filter({.filter = kind}, SyntheticOptions{}.mount);
+    const std::int64_t before = allocations_here();
+    for (const MotionSample& u : all.motion) {
+      filter->advance(u);
+      for (const Measurement& z : all.measured)
+        if (z.stamp >= u.t - 0.1 && z.stamp < u.t) filter->take(z);
+      filter->estimate();
+    }
+    filter->start({}, 0.0, identity<4>());
+    filter->forget();
+    EXPECT_EQ(allocations_here(), before);
+  }
+  EXPECT_GT(allocations_here(), 0) << "they are counted";
+}
+
+}  // namespace
+}  // namespace sightline
