@@ -32,6 +32,7 @@ set(least_CycloneDDS 0.10)
 set(least_Eigen3 3.4)
 set(least_GTest 1.11)
 set(least_MuJoCo 2.2.2...<3)  # 3 has other calls for files in memory
+set(least_OpenSSL 1.1.1)
 set(least_SQLite3 3.37)
 set(least_nlohmann_json 3.10)
 set(least_tomlplusplus 3.0)

@@ -104,5 +104,5 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS gnuplot-nox)
 # Who links the libraries needs what they are linked with.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-  "cmake, cyclonedds-dev, g++, libfmt-dev, libmujoco-dev, libsqlite3-dev, libtomlplusplus-dev, libzstd-dev, pkg-config, zlib1g-dev")
+  "cmake, cyclonedds-dev, g++, libfmt-dev, libmujoco-dev, libsqlite3-dev, libssl-dev, libtomlplusplus-dev, libzstd-dev, pkg-config, zlib1g-dev")
 include(CPack)
