@@ -132,14 +132,13 @@ int RawReader::matched() const noexcept {
 }
 
 void RawReader::take(const ddsi_serdata* data, std::uint64_t writer) {
-  if (payload_) {
-    // On the wire a message is filled up to a multiple of 4.
-    const std::size_t size = ddsi_serdata_size(data) - header, wanted = (*payload_ + 3) / 4 * 4;
-    if (size != wanted && size != *payload_) {
-      ++(size < wanted ? counts_.too_short : counts_.too_long);
-      counts_.wrong_size = static_cast<std::uint32_t>(size);
-      return;
-    }
+  // On the wire a message is filled up to a multiple of 4.
+  const std::size_t size = ddsi_serdata_size(data) - header;
+  const std::size_t wanted = payload_ ? (*payload_ + 3) / 4 * 4 : payload_max;
+  if (payload_ ? size != wanted && size != *payload_ : size > wanted) {
+    ++(size < wanted ? counts_.too_short : counts_.too_long);
+    counts_.wrong_size = static_cast<std::uint32_t>(size);
+    return;
   }
   if (first_writer_ == 0) first_writer_ = writer;
   if (writers_ == Writers::first && writer != first_writer_) {
@@ -150,6 +149,8 @@ void RawReader::take(const ddsi_serdata* data, std::uint64_t writer) {
   if (ddsi_serdata_to_sample(data, scratch_.data(), nullptr, nullptr)) {
     ++counts_.received;
     take_(scratch_.data(), {monotonic_now(), writer});
+  } else {
+    ++counts_.unreadable;
   }
   dds_sample_free(scratch_.data(), &type_, DDS_FREE_CONTENTS);
 }

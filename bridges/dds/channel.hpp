@@ -92,9 +92,13 @@ struct Arrival {
 struct ReaderCounts {
   std::atomic<std::int64_t> received{0};
   std::atomic<std::int64_t> too_short{0}, too_long{0};  ///< of another release
+  std::atomic<std::int64_t> unreadable{0};              ///< of the right size, and not its type
   std::atomic<std::int64_t> foreign{0};                 ///< of a second writer, where one is kept
   std::atomic<std::uint32_t> wrong_size{0};             ///< the last of these [bytes]
 };
+
+/// Of messages that hold strings and lists; larger ones are refused before they are unpacked [bytes].
+inline constexpr std::size_t payload_max = 1 << 20;
 
 enum class Writers { all, first };
 
@@ -103,7 +107,7 @@ enum class Writers { all, first };
 class RawReader {
  public:
   using Take = std::function<void(const void* message, const Arrival&)>;
-  /// @param payload  its size on the wire [bytes]; none: any
+  /// @param payload  its size on the wire [bytes]; none: any up to payload_max
   /// @param take     called in the thread that receives
   /// @throws std::runtime_error with the topic
   RawReader(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,

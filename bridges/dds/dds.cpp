@@ -12,8 +12,8 @@ namespace {
 
 constexpr int receive_priority = 15;  // below the control thread's
 
-std::shared_ptr<Domain> domain_of(const Scenario& scenario, std::optional<int> priority) {
-  return std::make_shared<Domain>(scenario.fleet ? scenario.fleet->network : FleetNetwork{}, priority);
+std::shared_ptr<Domain> domain_of(const Scenario& scenario, std::optional<int> priority, Identity who) {
+  return std::make_shared<Domain>(scenario.fleet ? scenario.fleet->network : FleetNetwork{}, priority, who);
 }
 
 class DdsBridge final : public Bridge {
@@ -21,10 +21,10 @@ class DdsBridge final : public Bridge {
   std::unique_ptr<LinkedWorld> connect(const Scenario& scenario) const override {
     const bool may = may_be_realtime(receive_priority);
     return std::make_unique<DdsWorld>(
-        scenario, domain_of(scenario, may ? std::optional(receive_priority) : std::nullopt));
+        scenario, domain_of(scenario, may ? std::optional(receive_priority) : std::nullopt, Identity::flyer));
   }
   std::unique_ptr<StandIns> stand_in(const Scenario& scenario) const override {
-    return std::make_unique<DdsStandIns>(scenario, domain_of(scenario, std::nullopt));
+    return std::make_unique<DdsStandIns>(scenario, domain_of(scenario, std::nullopt, Identity::vehicles));
   }
 };
 

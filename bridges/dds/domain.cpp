@@ -8,6 +8,8 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "bridges/dds/channel.hpp"
+
 namespace sightline::dds {
 namespace {
 
@@ -23,6 +25,9 @@ void count_complaint(void*, const dds_log_data_t* line) {
   while (!complaint_line.empty() && complaint_line.back() == '\n') complaint_line.pop_back();
 }
 
+// What is larger is not put together from its pieces: more than payload_max, since it is counted there.
+constexpr std::size_t sample_max = 4 * payload_max;
+
 std::string of_return(dds_return_t code) { return dds_strretcode(-code); }
 
 }  // namespace
@@ -34,9 +39,9 @@ std::string last_complaint() {
   return complaint_line;
 }
 
-std::string domain_xml(const FleetNetwork& network, std::optional<int> receive_priority) {
+std::string domain_xml(const FleetNetwork& network, std::optional<int> receive_priority, Identity who) {
   const bool multicast = network.multicast == Multicast::on;
-  std::string interfaces, peers, threads;
+  std::string interfaces, peers, one_receiver, threads;
   for (const std::string& name : network.interfaces) {
     const bool local = name == "lo";
     interfaces += fmt::format(R"(<NetworkInterface name="{}" multicast="{}"/>)", name,
@@ -45,19 +50,22 @@ std::string domain_xml(const FleetNetwork& network, std::optional<int> receive_p
   for (const std::string& peer : network.peers) peers += fmt::format(R"(<Peer Address="{}"/>)", peer);
   if (receive_priority) {
     // One thread receives all, the one that can be named.
+    one_receiver = "<MultipleReceiveThreads>false</MultipleReceiveThreads>";
     threads = fmt::format(
-        R"(<Internal><MultipleReceiveThreads>false</MultipleReceiveThreads></Internal><Threads><Thread Name="recv"><Scheduling>)"
-        R"(<Class>realtime</Class><Priority>{}</Priority></Scheduling></Thread></Threads>)",
+        R"(<Threads><Thread Name="recv"><Scheduling><Class>realtime</Class><Priority>{}</Priority></Scheduling></Thread></Threads>)",
         *receive_priority);
   }
   return fmt::format(
       R"(<CycloneDDS><Domain Id="any"><General><Interfaces>{}</Interfaces><AllowMulticast>{}</AllowMulticast></General>)"
       R"(<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>{}</MaxAutoParticipantIndex>)"
-      R"(<Peers>{}</Peers></Discovery>{}</Domain></CycloneDDS>)",
-      interfaces, multicast ? "true" : "false", network.participants, peers, threads);
+      R"(<Peers>{}</Peers></Discovery><Internal><MaxSampleSize>{}B</MaxSampleSize>{}</Internal>{}{}</Domain></CycloneDDS>)",
+      interfaces, multicast ? "true" : "false", network.participants, peers, sample_max, one_receiver,
+      threads, network.keys.empty() ? "" : security_xml(network.keys, who));
 }
 
-Domain::Domain(const FleetNetwork& network, std::optional<int> receive_priority) : number_(network.domain) {
+Domain::Domain(const FleetNetwork& network, std::optional<int> receive_priority, Identity who)
+    : number_(network.domain) {
+  if (!network.keys.empty()) check_keys(network.keys, who);
   dds_set_log_sink(count_complaint, nullptr);
   const std::int64_t before = complaints();
   const auto refused = [&](dds_return_t code) {
@@ -67,8 +75,8 @@ Domain::Domain(const FleetNetwork& network, std::optional<int> receive_priority)
         complaints() > before ? " (" + last_complaint() + ")" : "", network.participants));
   };
   // Where this fails a participant would still be made, by defaults that multicast on all interfaces.
-  domain_ =
-      dds_create_domain(static_cast<dds_domainid_t>(number_), domain_xml(network, receive_priority).c_str());
+  domain_ = dds_create_domain(static_cast<dds_domainid_t>(number_),
+                              domain_xml(network, receive_priority, who).c_str());
   if (domain_ < 0) throw refused(domain_);
   participant_ = dds_create_participant(static_cast<dds_domainid_t>(number_), nullptr, nullptr);
   if (participant_ < 0) {

@@ -7,19 +7,24 @@
 #include <optional>
 #include <string>
 
+#include "bridges/dds/security.hpp"
 #include "sightline/scenario/link.hpp"
 
 namespace sightline::dds {
 
 /// The configuration of Cyclone DDS for a network. Nothing is left to its defaults or to CYCLONEDDS_URI that could send elsewhere.
 /// @param receive_priority  of SCHED_FIFO, of the thread that receives; none: an ordinary one
-std::string domain_xml(const FleetNetwork& network, std::optional<int> receive_priority = {});
+/// @param who  whose keys it has, where the network has keys
+std::string domain_xml(const FleetNetwork& network, std::optional<int> receive_priority = {},
+                       Identity who = Identity::flyer);
 
 /// The domain and one participant in it; both end with it. One of a number at a time in a program.
 class Domain {
  public:
   /// @throws std::runtime_error where it cannot be had: no such interface, or another one of this number in the program
-  explicit Domain(const FleetNetwork& network, std::optional<int> receive_priority = {});
+  /// @throws std::invalid_argument as check_keys(), where the network has keys
+  explicit Domain(const FleetNetwork& network, std::optional<int> receive_priority = {},
+                  Identity who = Identity::flyer);
   ~Domain();
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;

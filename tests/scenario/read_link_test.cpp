@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/folder.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -64,6 +68,31 @@ TEST(ReadLink, ANetworkIsLoopbackUnlessItIsSaid) {
   EXPECT_EQ(scenario_of(fleet(px4, "interfaces = [\"eth0\"]\ndiscovery = { multicast = true }\n"))
                 .fleet->network.multicast,
             Multicast::on);
+}
+
+// Which files they are is told by their names: what is in them, the bridge reads.
+TEST(ReadLink, KeysAreInTheFoldersOfThoseWhoHaveThem) {
+  const std::filesystem::path keys = test::fresh_folder() / "keys";
+  const auto with = [&](const std::string& folder) {
+    return fleet(px4, "security = { folder = \"" + folder + "\" }\n");
+  };
+  const auto refusal = [&] { return scenario_refusal(with(keys.string())); };
+  EXPECT_THAT(refusal(),
+              HasSubstr("expected a folder with flyer/ or vehicles/ in it, as scripts/dds_keys.sh makes it"));
+  std::filesystem::create_directories(keys / "flyer");
+  for (const std::string_view file : key_files) {
+    EXPECT_THAT(refusal(), EndsWith(fmt::format("expected flyer/{} in it, which is missing", file)));
+    std::ofstream(keys / "flyer" / file) << "here";
+  }
+  const Scenario scenario = scenario_of(with(keys.string()));
+  EXPECT_EQ(scenario.fleet->network.keys, keys);
+  EXPECT_THAT(summary(scenario), HasSubstr("no multicast, DDS security\n"));
+  std::filesystem::create_directories(keys / "vehicles");
+  EXPECT_THAT(refusal(), HasSubstr("expected vehicles/identity_ca.cert.pem in it"));
+  for (const std::string folder : {"", "a\\nb", "${HOME}"})
+    EXPECT_THAT(scenario_refusal(with(folder)), HasSubstr("expected a folder with flyer/")) << folder;
+  EXPECT_THAT(scenario_refusal(fleet(px4, "security = { folder = \"a\", flyer = 1 }\n")),
+              HasSubstr("expected a known key"));
 }
 
 TEST(ReadLink, WithoutAFleetAScenarioIsWhatItWas) {

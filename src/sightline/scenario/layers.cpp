@@ -16,7 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view based_on_key = "based_on";
-constexpr std::array<std::string_view, 2> file_keys = {"file", "model"};  // of a region, of MuJoCo
+// Of a region, of MuJoCo, of keys.
+constexpr std::array<std::string_view, 3> file_keys = {"file", "model", "folder"};
 
 bool is_section_table(const toml::node& node) { return node.is_table() && !node.as_table()->is_inline(); }
 

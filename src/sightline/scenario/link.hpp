@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -92,9 +93,15 @@ struct FleetNetwork {
   std::vector<std::string> interfaces = {"lo"};    ///< by which messages leave, by name
   std::vector<std::string> peers = {"127.0.0.1"};  ///< machines that are asked who is there
   Multicast multicast = Multicast::off;
-  int participants = 32;  ///< most programs of one machine
+  int participants = 32;         ///< most programs of one machine
+  std::filesystem::path keys{};  ///< DDS security: a folder of each of key_owners; empty: none
 };
 inline constexpr int domain_max = 230;
+/// Who of a fleet has keys, and the files of each, by the names that SROS 2 gives them.
+inline constexpr std::array<std::string_view, 2> key_owners = {"flyer", "vehicles"};
+inline constexpr std::array<std::string_view, 6> key_files = {
+    "identity_ca.cert.pem",    "cert.pem",       "key.pem",
+    "permissions_ca.cert.pem", "governance.p7s", "permissions.p7s"};
 
 struct FleetPlan {
   FleetNetwork network{};

@@ -118,12 +118,34 @@ void read_poses(const TomlTable& at, Link& link) {
     link.pose_name = read_frame(at, "pose_name", "what motion capture or /tf calls it");
 }
 
+/// Where the keys are; those of a log's fleet need not be any more.
+std::filesystem::path read_keys(const TomlTable& at) {
+  at.expect_only({"folder"});
+  const std::string expected = "a folder with flyer/ or vehicles/ in it, as scripts/dds_keys.sh makes it";
+  const std::string name = at.text("folder", expected);
+  if (name.empty() || name.size() > link_text_max || name.find_first_of("\"$\n") != std::string::npos)
+    at.refuse("folder", expected);
+  const std::filesystem::path keys = at.file_folder(name + "/");
+  if (!at.from_disk()) return keys;
+  bool any = false;
+  for (const std::string_view owner : key_owners) {
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(keys / owner, ignored)) continue;
+    any = true;
+    for (const std::string_view file : key_files)
+      if (!std::filesystem::is_regular_file(keys / owner / file, ignored))
+        at.refuse("folder", fmt::format("{}/{} in it, which is missing", owner, file));
+  }
+  if (!any) at.refuse("folder", expected);
+  return keys;
+}
+
 }  // namespace
 
 std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
   if (!root.has("fleet")) return std::nullopt;
   const TomlTable at = root.table("fleet");
-  at.expect_only({"domain", "interfaces", "discovery", "fault"});
+  at.expect_only({"domain", "interfaces", "discovery", "security", "fault"});
   FleetNetwork network;
   if (at.has("domain")) network.domain = static_cast<int>(at.integer("domain", 0, domain_max));
   if (at.has("interfaces")) network.interfaces = read_network_names(at, "interfaces", "names of interfaces");
@@ -137,6 +159,7 @@ std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
   } else if (network.interfaces != FleetNetwork{}.interfaces && network.multicast == Multicast::off) {
     discovery.refuse("peers", "the addresses of the other machines, since multicast is off");
   }
+  if (at.has("security")) network.keys = read_keys(at.table("security"));
   return network;
 }
 
@@ -166,10 +189,11 @@ void read_link(const TomlTable& agent, const std::string& name, BodyId robot,
 namespace {
 
 std::string network_in_words(const FleetNetwork& network) {
-  return fmt::format("fleet       domain {} on {}, {}", network.domain, fmt::join(network.interfaces, ", "),
+  return fmt::format("fleet       domain {} on {}, {}{}", network.domain, fmt::join(network.interfaces, ", "),
                      network.multicast == Multicast::on
                          ? "by multicast"
-                         : fmt::format("asks {}, no multicast", fmt::join(network.peers, ", ")));
+                         : fmt::format("asks {}, no multicast", fmt::join(network.peers, ", ")),
+                     network.keys.empty() ? "" : ", DDS security");
 }
 
 std::string link_in_words(const Link& link, std::string_view name) {
