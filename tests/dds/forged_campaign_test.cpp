@@ -1,0 +1,61 @@
+// Packets that Cyclone DDS did not write, in the midst of a flight: nothing crashes, no command is out of its limits, and each vehicle is
+// flown on or given up with a sentence. The whole of it is 10 000 packets.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/dds/fly.hpp"
+#include "tests/dds/forger.hpp"
+#include "tests/support/campaign.hpp"
+
+namespace sightline::dds {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class Forged : public FlyTest {
+ protected:
+  /// Packets in a flight of 60 s that a person then ends. `last`: how it is ended after so long [s].
+  void fly_among(long packets, double rate) {
+    const auto fleet = desk("60.0");
+    const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+    const auto flyer = begin(flight(fleet), "fly");
+    ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
+    const std::vector<test::Packet> models = test::overheard(600, std::chrono::seconds(3));
+    ASSERT_GT(models.size(), 300U);
+    EXPECT_GT(test::forge(models, packets, rate), packets * 9 / 10);
+    std::this_thread::sleep_for(std::chrono::seconds(3));  // as long as silence needs to be noticed
+    if (!flyer->ended()) ::kill(flyer->pid(), SIGINT);
+    if (!test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(30))) {
+      ::kill(flyer->pid(), SIGINT);
+      EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(10)));
+    }
+    vehicles->end(SIGINT);
+    fmt::print("{} packets: exit code {}\n{}{}", packets, flyer->code(), said("fly.err"),
+               said("vehicles.out"));
+    // Signals and sanitizers end it by other codes.
+    EXPECT_THAT(flyer->code(), AnyOf(0, 1));
+    EXPECT_EQ(vehicles->code(), 0);
+    EXPECT_THAT(said("vehicles.out"), HasSubstr("uav1: "));
+    EXPECT_THAT(said("vehicles.out"), Not(testing::ContainsRegex(" [1-9][0-9]* bad\\)")));
+    EXPECT_THAT(said("vehicles.out"), Not(testing::ContainsRegex(" [2-9] requests to arm")));
+    // Who does not come down as asked is told with a reason.
+    if (flyer->code() == 0) {
+      for (const char* uav : {"uav0: done\n", "uav1: done\n"}) EXPECT_THAT(said("fly.err"), HasSubstr(uav));
+    } else {
+      EXPECT_THAT(said("fly.err"), testing::ContainsRegex("uav[01]: (landing|done|pilot), "));
+    }
+    EXPECT_THAT(said("fly.err"), HasSubstr("packets that could not be read"));
+    expect_replayed("flown");
+  }
+};
+
+TEST_F(Forged, PacketsInFlightCrashNothingAndSilenceIsTold) {
+  const long packets = whole_campaign() ? 10'000 : 2'000;
+  test::in_own_network([&] { fly_among(packets, 1000.0); });
+}
+
+}  // namespace
+}  // namespace sightline::dds
