@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "bridges/dds/dds_world.hpp"
+#include "bridges/dds/first_flyer.hpp"
 #include "bridges/dds/stand_in.hpp"
 #include "sightline/run/realtime.hpp"
 
@@ -20,8 +21,10 @@ class DdsBridge final : public Bridge {
  public:
   std::unique_ptr<LinkedWorld> connect(const Scenario& scenario) const override {
     const bool may = may_be_realtime(receive_priority);
-    return std::make_unique<DdsWorld>(
-        scenario, domain_of(scenario, may ? std::optional(receive_priority) : std::nullopt, Identity::flyer));
+    std::shared_ptr<Domain> domain =
+        domain_of(scenario, may ? std::optional(receive_priority) : std::nullopt, Identity::flyer);
+    refuse_second_flyer(scenario, *domain);
+    return std::make_unique<DdsWorld>(scenario, std::move(domain));
   }
   std::unique_ptr<StandIns> stand_in(const Scenario& scenario) const override {
     return std::make_unique<DdsStandIns>(scenario, domain_of(scenario, std::nullopt, Identity::vehicles));

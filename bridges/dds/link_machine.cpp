@@ -148,10 +148,10 @@ void LinkMachine::ask(Request request, double t, LinkOutput& output) noexcept {
 }
 
 // The first row that holds is taken. Nothing leads out of done and pilot.
-const std::array<LinkMachine::Row, 54> LinkMachine::table = [] {
+const std::array<LinkMachine::Row, 55> LinkMachine::table = [] {
   using S = LinkState;
   using R = LinkReason;
-  return std::array<Row, 54>{{
+  return std::array<Row, 55>{{
       {S::waiting, When::handed_over, S::done, R::handed_over},
       {S::waiting, When::to_land, S::done, R::as_asked},
       {S::waiting, When::ready, S::ready, R::as_asked},
@@ -161,6 +161,7 @@ const std::array<LinkMachine::Row, 54> LinkMachine::table = [] {
       {S::ready, When::to_land, S::done, R::as_asked},
       {S::ready, When::lost, S::done, R::silent},
       {S::ready, When::armed, S::pilot, R::pilot},
+      {S::ready, When::contested, S::done, R::contested},
       {S::ready, When::to_take_off, S::arming, R::as_asked},
       {S::ready, When::late, S::done, R::no_task},
 

@@ -120,7 +120,7 @@ class LinkMachine {
 
  private:
   struct Row;
-  static const std::array<Row, 54> table;
+  static const std::array<Row, 55> table;
 
   bool holds(const Row& row, const LinkFacts& facts, LinkOrder order, double t) const noexcept;
   bool asked(Request request) const noexcept { return asked_[static_cast<std::size_t>(request)]; }

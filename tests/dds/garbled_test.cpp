@@ -182,7 +182,7 @@ class GarbledWorld final : public World {
     for (const double x : believed) finite_ = finite_ && std::isfinite(x);
     for (const double x : u) greatest_ = std::isfinite(x) ? std::max(greatest_, std::abs(x)) : 1e300;
     for (Robot& robot : robots_) {
-      const Command c = robot.state.command(&believed[robot.x], &u[robot.u]);
+      const Command c = robot.state.command(&believed[robot.x], &u[robot.u], period);
       for (const double v : {norm(c.v), norm(c.a), norm(c.v_end), std::abs(c.r)})
         fastest_ = std::isfinite(v) ? std::max(fastest_, v) : 1e300;
     }

@@ -58,6 +58,17 @@ TEST(LinkMachine, NothingIsArmedBeforeItIsAsked) {
   EXPECT_FALSE(robot.facts.armed);
 }
 
+// Two flyers that begin together may both be ready before they know of each other.
+TEST(LinkMachine, WhoIsContestedWhenReadyIsNotArmed) {
+  LinkMachine machine;
+  Obedient robot;
+  const double t = until(LinkState::ready, machine, robot, LinkOrder::check, 0.0);
+  robot.facts.contested = true;
+  EXPECT_EQ(machine.step(t, robot.facts, LinkOrder::take_off).request, Request::none);
+  EXPECT_EQ(machine.state(), LinkState::done);
+  EXPECT_EQ(machine.reason(), LinkReason::contested);
+}
+
 TEST(LinkMachine, EachWayOutOfFlightHasItsReason) {
   struct Case {
     const char* what;

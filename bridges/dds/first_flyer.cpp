@@ -1,0 +1,51 @@
+#include "bridges/dds/first_flyer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "bridges/dds/channel.hpp"
+
+namespace sightline::dds {
+namespace {
+
+constexpr auto acquaintance = std::chrono::seconds(1);
+
+/// What begins like this is written by who flies the robot.
+std::vector<std::string> commanded(const Link& link) {
+  if (const auto* px4 = std::get_if<Px4Link>(&link.kind))
+    return {wire_topic(px4->name_space + "/fmu/in/trajectory_setpoint"),
+            wire_topic(px4->name_space + "/fmu/in/offboard_control_mode")};
+  if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind))
+    return {wire_topic(crazyflie->name_space + "/cmd_")};
+  return {wire_topic(std::get<Ros2Link>(link.kind).cmd_vel)};
+}
+
+}  // namespace
+
+void refuse_second_flyer(const Scenario& scenario, const Domain& domain) {
+  if (!scenario.fleet) return;
+  WriterList list(domain.participant());
+  const auto until = std::chrono::steady_clock::now() + acquaintance;
+  while (std::chrono::steady_clock::now() < until) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    const std::vector<SeenWriter> writers = list.look();
+    for (const Link& link : scenario.fleet->links) {
+      for (const std::string& begin : commanded(link)) {
+        const auto other = std::find_if(writers.begin(), writers.end(), [&](const SeenWriter& writer) {
+          return writer.topic.starts_with(begin);
+        });
+        if (other != writers.end())
+          throw std::runtime_error(
+              fmt::format("agent.{}: another program writes {} already, expected one flyer for each robot",
+                          scenario.team.name(link.robot), other->topic));
+      }
+    }
+  }
+}
+
+}  // namespace sightline::dds

@@ -1,0 +1,104 @@
+#include "bridges/dds/first_flyer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bridges/dds/channel.hpp"
+#include "tests/dds/fly.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/scenario_text.hpp"
+
+extern "C" {
+#include "px4.h"
+#include "ros.h"
+}
+
+namespace sightline::dds {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(FirstFlyer, WhoIsToldWhatToDoAlreadyIsRefusedByName) {
+  const Scenario scenario = test::scenario_of(fmt::format(
+      "[fleet]\ndomain = {}\n"
+      "[agent.a]\nrobot = \"multirotor\"\nstart = {{ p = [0, 0, 1] }}\n[agent.a.link]\nkind = \"px4\"\n"
+      "release = \"1.16\"\nnamespace = \"/px4_1\"\norigin = {{ p = [0, 0, 0] }}\n"
+      "[agent.b]\nrobot = \"unicycle\"\nstart = {{ p = [3, 0, 0] }}\n[agent.b.link]\nkind = \"ros2\"\n"
+      "odometry = \"/b/odom\"\ncmd_vel = \"/b/cmd_vel\"\n"
+      "[agent.c]\nrobot = \"multirotor\"\nstart = {{ p = [6, 0, 1] }}\n[agent.c.link]\nkind = "
+      "\"crazyswarm2\"\n",
+      test::own_domain()));
+  const Domain domain(test::own_network());
+  const auto refusal = [&] {
+    return refusal_of<std::runtime_error>([&] { refuse_second_flyer(scenario, domain); });
+  };
+  const dds_entity_t other = domain.another_participant();
+  // What robots themselves write, and what others write to other robots.
+  const RawWriter odometry(other, px4_msgs_msg_dds__VehicleOdometry__desc, "/px4_1/fmu/out/vehicle_odometry",
+                           of_sensors);
+  const RawWriter second(other, px4_msgs_msg_dds__TrajectorySetpoint__desc,
+                         "/px4_2/fmu/in/trajectory_setpoint", of_sensors);
+  EXPECT_EQ(refusal(), "");
+  {
+    const RawWriter rival(other, px4_msgs_msg_dds__TrajectorySetpoint__desc,
+                          "/px4_1/fmu/in/trajectory_setpoint", of_sensors);
+    EXPECT_EQ(
+        refusal(),
+        "agent.a: another program writes rt/px4_1/fmu/in/trajectory_setpoint already, expected one flyer for "
+        "each robot");
+  }
+  {
+    const RawWriter rival(other, geometry_msgs_msg_dds__Twist__desc, "/b/cmd_vel", of_ros_commands);
+    EXPECT_THAT(refusal(), HasSubstr("agent.b: another program writes rt/b/cmd_vel already"));
+  }
+  const RawWriter rival(other, geometry_msgs_msg_dds__Twist__desc, "/c/cmd_vel_legacy", of_ros_commands);
+  EXPECT_THAT(refusal(), HasSubstr("agent.c: another program writes rt/c/cmd_vel_legacy already"));
+}
+
+class TwoFlyers : public FlyTest {
+ protected:
+  std::vector<std::string> to(const std::filesystem::path& fleet, const std::string& out) const {
+    return {"fly", fleet.string(), "-o", (folder / out).string()};
+  }
+};
+
+TEST_F(TwoFlyers, TheSecondIsRefusedAndTheFirstFliesOn) {
+  const auto fleet = desk("60.0");
+  const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+  const auto first = begin(to(fleet, "first"), "first");
+  ASSERT_TRUE(says("first.err", "uav1: holding")) << said("first.err") << said("vehicles.err");
+  const auto begun = std::chrono::steady_clock::now();
+  const auto second = begin(to(fleet, "second"), "second");
+  EXPECT_TRUE(test::eventually([&] { return second->ended(); }, std::chrono::seconds(10)));
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(10));
+  EXPECT_EQ(second->code(), 2);
+  EXPECT_THAT(said("second.err"), HasSubstr("already, expected one flyer for each robot"));
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  EXPECT_FALSE(first->ended());
+  EXPECT_THAT(said("first.err"), Not(HasSubstr("landing")));
+  ::kill(first->pid(), SIGINT);
+  EXPECT_TRUE(test::eventually([&] { return first->ended(); }, std::chrono::seconds(20)));
+  EXPECT_EQ(first->code(), 0) << said("first.err");
+  vehicles->end(SIGINT);
+  EXPECT_THAT(said("vehicles.out"), HasSubstr(" 1 requests to arm, 1 for offboard, disarmed"));
+}
+
+// Both may be refused; no vehicle is asked to arm by two.
+TEST_F(TwoFlyers, WhoBeginAtTheSameTimeDoNotBothFly) {
+  const auto fleet = desk("2.0");
+  const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+  const auto one = begin(to(fleet, "one"), "one"), two = begin(to(fleet, "two"), "two");
+  EXPECT_TRUE(test::eventually([&] { return one->ended() && two->ended(); }, std::chrono::seconds(40)));
+  EXPECT_FALSE(one->code() == 0 && two->code() == 0) << said("one.err") << said("two.err");
+  for (const auto& [flyer, name] : {std::pair(one.get(), "one.err"), std::pair(two.get(), "two.err")}) {
+    if (flyer->code() == 0) continue;
+    EXPECT_THAT(said(name), AnyOf(HasSubstr("another program writes"), HasSubstr("second")));
+  }
+  vehicles->end(SIGINT);
+  EXPECT_THAT(said("vehicles.out"), Not(testing::ContainsRegex(" [2-9] requests to arm")));
+}
+
+}  // namespace
+}  // namespace sightline::dds
