@@ -17,7 +17,7 @@ BroadcastPose on_cubic(double t) {
   m.p = {1 + t - 0.2 * t * t * t, 0.5 * t * t, -t};
   m.v = {1 - 0.6 * t * t, t, -1};
   m.psi = wrap(3.0 + 0.8 * t), m.yaw_rate = 0.8;
-  m.P = identity<3>(1e-4), m.psi_variance = 1e-4;
+  m.P = identity<4>(1e-4);
   return m;
 }
 

@@ -23,7 +23,7 @@ TEST(Measurement, OneWithANumberThatIsNotFiniteOrAVarianceThatIsNotPositiveIsOfN
   bad[5].yaw_variance = 0.0;
   bad[6].p_other.z = infinite;
   bad[7].P_other(2, 2) = -1.0;
-  bad[8].psi_other_variance = not_a_number;
+  bad[8].P_other(3, 3) = not_a_number;
   for (std::size_t i = 0; i < bad.size(); ++i) EXPECT_FALSE(bad[i].is_usable()) << i;
 }
 
@@ -46,8 +46,8 @@ TEST(Measurement, WhatItDoesNotMeasureDoesNotCount) {
 }
 
 TEST(Measurement, TheHeadingThatItMeansIsTheOthersLessTheYawBetweenThem) {
-  Measurement z{
-      .has_yaw = true, .yaw = 0.5, .yaw_variance = 0.01, .psi_other = 0.7, .psi_other_variance = 0.02};
+  Measurement z{.has_yaw = true, .yaw = 0.5, .yaw_variance = 0.01, .psi_other = 0.7};
+  z.P_other(3, 3) = 0.02;
   EXPECT_DOUBLE_EQ(z.heading(), 0.2);
   EXPECT_DOUBLE_EQ(z.heading_variance(), 0.03);
   z.of = Measures::heading;

@@ -18,10 +18,9 @@ using test::SyntheticOptions;
 constexpr FilterOptions by_heading{.filter = FilterKind::heading};
 constexpr FilterOptions by_attitude{.filter = FilterKind::attitude};
 
-// The errors of one flight are alike for seconds, so the bands are those of the mean of so many flights, not
-// of samples: the
-// mean NEES of 4 errors over N independent flights is within 4 +- 1.96 sqrt(8 / N) in 95 of 100, were a flight
-// one draw.
+// The errors of one flight are alike for seconds, so the bands are those of the mean of so many flights, not of
+// samples: the mean NEES of 4 errors over N independent flights is within 4 +- 1.96 sqrt(8 / N) in 95 of 100,
+// were a flight one draw.
 TEST(PoseFilter, TheErrorOfTheHeadingFilterIsWhatItsCovarianceSays) {
   const Consistency flown = fly_filters(by_heading, {}, 200, 14.0);
   EXPECT_GT(flown.anees(), 3.4);
@@ -173,7 +172,7 @@ TEST(PoseFilter, WithoutAYawThereIsNoBeginningAndAHeadingThatIsToldGetsLostAsThe
       while (flight.now() < t) {
         filter->advance(flight.advance(arrived));
         for (Measurement& z : arrived) {
-          z.p_other = flight.target(z.stamp).p, z.P_other = identity<3>(1e-8);
+          z.p_other = flight.target(z.stamp).p, z.P_other = identity<4>(1e-8);
           filter->take(z);
         }
       }

@@ -51,8 +51,9 @@ inline Measurement random_sighting(Random& random) {
   z.R = identity<3>(0.01) + outer(a, a);
   z.yaw_variance = 0.01;
   z.R_yaw = {0.001, -0.002, 0.003};
-  z.p_other = random_point(random, 3), z.psi_other = uniform(random, -3, 3), z.psi_other_variance = 1e-4;
-  z.P_other = identity<3>(1e-3) + outer(b, b);
+  z.p_other = random_point(random, 3), z.psi_other = uniform(random, -3, 3);
+  z.P_other = identity<4>(1e-3);
+  set_block(z.P_other, 0, 0, identity<3>(1e-3) + outer(b, b));
   return z;
 }
 

@@ -33,91 +33,26 @@ struct TruePose {
   Mat<3, 3> R() const { return turn_z(psi) * tilt(roll, pitch); }
 };
 
-class SyntheticFlight {
+/// What one robot's sensors make of the truth.
+class SyntheticSensors {
  public:
   static constexpr double dt = 0.01;
 
-  explicit SyntheticFlight(const SyntheticOptions& options)
+  SyntheticSensors(const SyntheticOptions& options, int robot)
       : o(options),
-        draw_(options.seed, Chance::draw, 0),
-        motion_(options.seed, Chance::motion, 0),
-        camera_(options.seed, Chance::run, 0),
-        radio_(options.seed, Chance::position_noise, 0),
-        track_({.sighting_rate = options.camera_rate}) {
-    for (double& phase : phases_) phase = 2 * std::numbers::pi * draw_.uniform();
-    for (double& rate : rates_) rate = 0.2 + 0.3 * draw_.uniform();
-    velocity_bias_ = o.errors.velocity_bias * motion_.normals();
-    rate_bias_ = o.errors.yaw_rate_bias * motion_.normal();
+        motion_(options.seed, Chance::motion, robot),
+        camera_(options.seed, Chance::run, robot),
+        velocity_bias_(options.errors.velocity_bias * motion_.normals()),
+        rate_bias_(options.errors.yaw_rate_bias * motion_.normal()) {
     tilt_error_ = {o.errors.tilt_bias * motion_.normal(), o.errors.tilt_bias * motion_.normal()};
     gyro_bias_ = o.errors.gyro_bias * motion_.normals();
     force_bias_ = o.errors.accelerometer_bias * motion_.normals();
     turn_ = turn(o.misalignment * camera_.normals());
   }
 
-  double now() const { return static_cast<double>(k_) * dt; }
-  TruePose own() const { return own(now()); }
-
-  /// One period: the motion in it, and what has arrived at its end.
-  MotionSample advance(std::vector<Measurement>& arrived) {
-    const double t = now(), next = t + dt;
-    const MotionSample u = motion(t);
-    ++k_;
-    for (; next_message_ <= t; next_message_ += 1 / o.broadcast_rate) tell(next_message_);
-    for (; next_picture_ < next - 1e-9; next_picture_ += 1 / o.camera_rate) expose(next_picture_);
-    std::erase_if(messages_, [&](const auto& m) {
-      if (m.first > next) return false;
-      track_.take(m.second);
-      return true;
-    });
-    arrived.clear();
-    std::erase_if(pictures_, [&](const auto& picture) {
-      if (picture.first > next) return false;
-      Measurement z = picture.second;
-      if (const std::optional<KnownPose> pose = track_.at(z.stamp)) {
-        z.p_other = pose->p, z.P_other = pose->P, z.psi_other = pose->psi,
-        z.psi_other_variance = pose->psi_variance;
-        arrived.push_back(z);
-      }
-      return true;
-    });
-    return u;
-  }
-
-  TruePose target(double t) const {
-    TruePose q = at([&](double s) { return target_place(s); }, t);
-    q.psi = wrap(0.2 * t + phases_[6]);
-    return q;
-  }
-  TruePose own(double t) const {
-    TruePose q = at([&](double s) { return own_place(s); }, t);
-    const Vec3<double> r = target_place(t) - q.p;
-    q.psi = wrap(std::atan2(r.y, r.x) + 0.1 * swing(3, t));
-    q.roll = 0.05 * std::sin(1.3 * t + phases_[7]), q.pitch = 0.05 * std::cos(1.1 * t + phases_[8]);
-    return q;
-  }
-
-  const SyntheticOptions o;
-
- private:
-  double swing(std::size_t i, double t) const { return std::sin(rates_[i] * t + phases_[i]); }
-  Vec3<double> target_place(double t) const {
-    if (o.hovers) return {0, 0, 1.2};
-    return {0.8 * swing(0, t), 0.8 * swing(1, t), 1.2 + 0.2 * swing(2, t)};
-  }
-  Vec3<double> own_place(double t) const {
-    const double angle = phases_[4] + (o.hovers ? 0.0 : 0.5 * swing(4, t)), away = 1.4;
-    return target_place(t) + Vec3<double>{away * std::cos(angle), away * std::sin(angle),
-                                          0.7 + (o.hovers ? 0.0 : 0.15 * swing(5, t))};
-  }
-  template <class Place>
-  static TruePose at(const Place& place, double t) {
-    constexpr double h = 1e-3;
-    return {.p = place(t), .v = (0.5 / h) * (place(t + h) - place(t - h))};
-  }
-
-  MotionSample motion(double t) {
+  /// Of the period from t, with the truth at its two ends.
+  MotionSample motion(double t, const TruePose& a, const TruePose& b) {
     const FilterOptions& e = o.errors;
-    const TruePose a = own(t), b = own(t + dt);
     const double turned = wrap(b.psi - a.psi), keep_v = std::exp(-dt / e.velocity_bias_time),
                  keep_tilt = std::exp(-dt / e.tilt_time);
     velocity_bias_ =
@@ -138,24 +73,9 @@ class SyntheticFlight {
               e.accelerometer_noise * motion_.normals();
     return u;
   }
-  static Vec3<double> logarithm(const Mat<3, 3>& R) {
-    const Vec3<double> s = {0.5 * (R(2, 1) - R(1, 2)), 0.5 * (R(0, 2) - R(2, 0)), 0.5 * (R(1, 0) - R(0, 1))};
-    const double sine = norm(s);
-    return sine > 1e-9 ? (std::asin(sine) / sine) * s : s;
-  }
-
-  void tell(double t) {
-    constexpr double sigma = 0.01, v_sigma = 0.03, psi_sigma = 0.01;
-    const TruePose q = target(t);
-    BroadcastPose m{.stamp = t, .p = q.p + sigma * radio_.normals(), .v = q.v + v_sigma * radio_.normals()};
-    m.psi = wrap(q.psi + psi_sigma * radio_.normal()), m.yaw_rate = 0.2;
-    m.P = identity<3>(sigma * sigma), m.psi_variance = psi_sigma * psi_sigma;
-    const double arrival = t + 0.02 + 0.01 * radio_.uniform();
-    if (radio_.uniform() > 0.02) messages_.emplace_back(arrival, m);
-  }
-
-  void expose(double t) {
-    const TruePose own_pose = own(t), other = target(t);
+  /// A picture of another body, with its arrival; none that is lost.
+  std::optional<std::pair<double, Measurement>> expose(double t, const TruePose& own_pose,
+                                                       const TruePose& other) {
     const Mat<3, 3> held = o.mount.frame == MountFrame::body ? own_pose.R() : turn_z(own_pose.psi);
     const Mat<3, 3> R_GS = held * sensor_attitude(o.mount) * turn_;
     const Vec3<double> z =
@@ -181,15 +101,122 @@ class SyntheticFlight {
     if (outlier && kind < 0.5) m.z = {0.5 + 3 * w, 2 * side, side}, m.yaw = 6 * (kind - 0.25);
     if (outlier && kind >= 0.5) m.z = (1.1 + 0.4 * w) * m.z;
     if (flip) m.yaw = wrap(m.yaw + (side < 0 ? 1 : -1) * (0.35 + w));
-    if (!lost) pictures_.emplace_back(t + latency, m);
+    if (lost) return std::nullopt;
+    return std::pair{t + latency, m};
   }
 
-  RandomStream draw_, motion_, camera_, radio_;
-  std::array<double, 9> phases_{}, rates_{};
-  Vec3<double> velocity_bias_{}, gyro_bias_{}, force_bias_{};
+ private:
+  static Vec3<double> logarithm(const Mat<3, 3>& R) {
+    const Vec3<double> s = {0.5 * (R(2, 1) - R(1, 2)), 0.5 * (R(0, 2) - R(2, 0)), 0.5 * (R(1, 0) - R(0, 1))};
+    const double sine = norm(s);
+    return sine > 1e-9 ? (std::asin(sine) / sine) * s : s;
+  }
+
+  const SyntheticOptions o;
+  RandomStream motion_, camera_;
+  Vec3<double> velocity_bias_;
+  double rate_bias_;
+  Vec3<double> gyro_bias_{}, force_bias_{};
   Vec2<double> tilt_error_{};
-  double rate_bias_ = 0.0;
   Mat<3, 3> turn_{};
+};
+
+/// A pose with a place's velocity by differences.
+template <class Place>
+TruePose moving(const Place& place, double t) {
+  constexpr double h = 1e-3;
+  return {.p = place(t), .v = (0.5 / h) * (place(t + h) - place(t - h))};
+}
+
+/// What motion capture broadcasts of a body; its errors are white.
+inline BroadcastPose broadcast_of(double t, const TruePose& q, double yaw_rate, RandomStream& radio) {
+  constexpr double sigma = 0.01, v_sigma = 0.03;
+  BroadcastPose m{.stamp = t, .p = q.p + sigma * radio.normals(), .v = q.v + v_sigma * radio.normals()};
+  m.psi = wrap(q.psi + sigma * radio.normal()), m.yaw_rate = yaw_rate;
+  m.P = identity<4>(sigma * sigma);
+  return m;
+}
+
+class SyntheticFlight {
+ public:
+  static constexpr double dt = SyntheticSensors::dt;
+
+  explicit SyntheticFlight(const SyntheticOptions& options)
+      : o(options),
+        draw_(options.seed, Chance::draw, 0),
+        radio_(options.seed, Chance::position_noise, 0),
+        sensors_(options, 0),
+        track_({.sighting_rate = options.camera_rate}) {
+    for (double& phase : phases_) phase = 2 * std::numbers::pi * draw_.uniform();
+    for (double& rate : rates_) rate = 0.2 + 0.3 * draw_.uniform();
+  }
+
+  double now() const { return static_cast<double>(k_) * dt; }
+  TruePose own() const { return own(now()); }
+
+  /// One period: the motion in it, and what has arrived at its end.
+  MotionSample advance(std::vector<Measurement>& arrived) {
+    const double t = now(), next = t + dt;
+    const MotionSample u = sensors_.motion(t, own(t), own(next));
+    ++k_;
+    for (; next_message_ <= t; next_message_ += 1 / o.broadcast_rate) tell(next_message_);
+    for (; next_picture_ < next - 1e-9; next_picture_ += 1 / o.camera_rate) {
+      const double at = next_picture_;
+      if (auto picture = sensors_.expose(at, own(at), target(at))) pictures_.push_back(*picture);
+    }
+    std::erase_if(messages_, [&](const auto& m) {
+      if (m.first > next) return false;
+      track_.take(m.second);
+      return true;
+    });
+    arrived.clear();
+    std::erase_if(pictures_, [&](const auto& picture) {
+      if (picture.first > next) return false;
+      Measurement z = picture.second;
+      if (const std::optional<KnownPose> pose = track_.at(z.stamp)) {
+        z.p_other = pose->p, z.psi_other = pose->psi, z.P_other = pose->P;
+        arrived.push_back(z);
+      }
+      return true;
+    });
+    return u;
+  }
+
+  TruePose target(double t) const {
+    TruePose q = moving([&](double s) { return target_place(s); }, t);
+    q.psi = wrap(0.2 * t + phases_[6]);
+    return q;
+  }
+  TruePose own(double t) const {
+    TruePose q = moving([&](double s) { return own_place(s); }, t);
+    const Vec3<double> r = target_place(t) - q.p;
+    q.psi = wrap(std::atan2(r.y, r.x) + 0.1 * swing(3, t));
+    q.roll = 0.05 * std::sin(1.3 * t + phases_[7]), q.pitch = 0.05 * std::cos(1.1 * t + phases_[8]);
+    return q;
+  }
+
+  const SyntheticOptions o;
+
+ private:
+  double swing(std::size_t i, double t) const { return std::sin(rates_[i] * t + phases_[i]); }
+  Vec3<double> target_place(double t) const {
+    if (o.hovers) return {0, 0, 1.2};
+    return {0.8 * swing(0, t), 0.8 * swing(1, t), 1.2 + 0.2 * swing(2, t)};
+  }
+  Vec3<double> own_place(double t) const {
+    const double angle = phases_[4] + (o.hovers ? 0.0 : 0.5 * swing(4, t)), away = 1.4;
+    return target_place(t) + Vec3<double>{away * std::cos(angle), away * std::sin(angle),
+                                          0.7 + (o.hovers ? 0.0 : 0.15 * swing(5, t))};
+  }
+  void tell(double t) {
+    const BroadcastPose m = broadcast_of(t, target(t), 0.2, radio_);
+    const double arrival = t + 0.02 + 0.01 * radio_.uniform();
+    if (radio_.uniform() > 0.02) messages_.emplace_back(arrival, m);
+  }
+
+  RandomStream draw_, radio_;
+  std::array<double, 9> phases_{}, rates_{};
+  SyntheticSensors sensors_;
   BroadcastTrack track_;
   std::int64_t k_ = 0;
   double next_message_ = 0.0, next_picture_ = 0.0;

@@ -28,9 +28,8 @@ struct Meaning {
   Reckoned reckoned{};
 };
 
-/// The last few measurements of that kind. Two agree where the motion between them leads from one to the
-/// other, within three
-/// standard deviations, 0.05 m and 0.05 rad, and the drift of dead reckoning.
+/// The last few measurements of that kind. Two agree where the motion between them leads from one to the other,
+/// within three standard deviations, 0.05 m and 0.05 rad, and the drift of dead reckoning.
 class Agreement {
  public:
   static constexpr std::size_t memory = 32;

@@ -16,6 +16,15 @@ Mat<1, 3> yaw_row(const Mat<3, 3>& R) {
 /// d (R_GV^T a) / d yaw, R_GV^T a being a_V.
 Column<3> turned_back(const Vec3<double>& a_V) { return column({a_V.y, -a_V.x, 0.0}); }
 
+/// T P T^T of a symmetric P, by what T does to the rows; symmetric but for rounding, which the next update evens
+/// out.
+template <int n, class Rows>
+void both_sides(Mat<n, n>& P, const Rows& rows) {
+  rows(P);
+  P = transposed(P);
+  rows(P);
+}
+
 double yaw_variance(const AttitudeFilter::State& s) {
   const Mat<1, 3> g = yaw_row(s.R);
   return (g * block<3, 3>(s.P, theta_at, theta_at) * transposed(g))(0, 0);
@@ -60,34 +69,23 @@ void AttitudeFilter::advance(State& s, const MotionSample& motion, double dt) co
   if (!(dt > 0)) return;
   const Vec3<double> f = motion.force - s.force_bias;
   const Vec3<double> a = s.R * f - Vec3<double>{0, 0, gravity};
-  const Mat<3, 3> E = turn(dt * (motion.gyro - s.gyro_bias)), RF = s.R * cross_matrix(f);
+  const Mat<3, 3> E = turn(dt * (motion.gyro - s.gyro_bias)), back = transposed(E);
+  const Mat<3, 3> R = s.R, RF = s.R * cross_matrix(f);
   const double keep = exp(-dt / options_.velocity_bias_time);
-
-  // F of the rows p, v, theta; those of the others keep what they have, b_v a part of it.
-  constexpr int moved = 9, of = 15;
-  Mat<moved, of> F;
-  for (int i = 0; i < 6; ++i) F(i, i) = 1.0;
-  set_block(F, 0, v_at, identity<3>(dt));
-  set_block(F, 0, theta_at, (-0.5 * dt * dt) * RF);
-  set_block(F, 0, force_bias_at, (-0.5 * dt * dt) * s.R);
-  set_block(F, v_at, theta_at, (-dt) * RF);
-  set_block(F, v_at, force_bias_at, (-dt) * s.R);
-  set_block(F, theta_at, theta_at, transposed(E));
-  set_block(F, theta_at, gyro_bias_at, identity<3>(-dt));
-
   s.p = s.p + dt * s.v + (0.5 * dt * dt) * a;
   s.v = s.v + dt * a;
   s.R = orthonormal(s.R * E);
   s.velocity_bias = keep * s.velocity_bias;
 
-  const Mat<moved, n> FP = F * block<of, n>(s.P, 0, 0);
-  set_block(s.P, 0, 0, block<moved, of>(FP, 0, 0) * transposed(F));
-  set_both(s.P, 0, moved, block<moved, n - moved>(FP, 0, moved));
-  for (int i = velocity_bias_at_row; i < camera_turn_at; ++i) {
-    for (int j = 0; j < n; ++j) s.P(i, j) *= keep;
-    for (int j = 0; j < n; ++j) s.P(j, i) *= keep;
-  }
-  make_symmetric(s.P);
+  // F P, by the rows of P that F moves.
+  both_sides(s.P, [&](Mat<n, n>& P) {
+    const Mat<3, n> theta = block<3, n>(P, theta_at, 0), v = block<3, n>(P, v_at, 0);
+    const Mat<3, n> d_v = (-dt) * (RF * theta + R * block<3, n>(P, force_bias_at, 0));
+    set_block(P, 0, 0, block<3, n>(P, 0, 0) + dt * v + (0.5 * dt) * d_v);
+    set_block(P, v_at, 0, v + d_v);
+    set_block(P, theta_at, 0, back * theta - dt * block<3, n>(P, gyro_bias_at, 0));
+    set_block(P, velocity_bias_at_row, 0, keep * block<3, n>(P, velocity_bias_at_row, 0));
+  });
 
   const double share = FilterOptions::white_period * dt;
   for (int i = 0; i < 3; ++i) {
@@ -148,9 +146,9 @@ Innovation<4, AttitudeFilter::n> AttitudeFilter::innovation(const State& s, cons
   set_block(of.H, 0, theta_at, leans ? cross_matrix(e) : turned_back(e) * yaw_row(s.R));
   set_block(of.H, 0, camera_turn_at, C * cross_matrix(z.z));
   set_block(of.R, 0, 0,
-            C * z.R * transposed(C) + back * z.P_other * transposed(back) +
+            C * z.R * transposed(C) + back * block<3, 3>(z.P_other, 0, 0) * transposed(back) +
                 0.5 * square(yaw_variance(s)) * outer(level, level));
-  set_both(of.R, 0, 3, -1.0 * column(C * z.R_yaw));
+  set_both(of.R, 0, 3, -1.0 * column(C * z.R_yaw) - back * block<3, 1>(z.P_other, 0, 3));
   return of;
 }
 
@@ -166,20 +164,17 @@ void AttitudeFilter::correct(State& s, const Column<n>& e) const noexcept {
   s.camera_turn = s.camera_turn + vec3(e, camera_turn_at);
 
   // A turn of all that is known about the vertical moves p by e_z x p and v by e_z x v, elsewhere now than
-  // before; and theta is now in
-  // other axes of B.
-  constexpr int turned = 9;
-  const auto across = [&](const Vec3<double>& d) {
-    return column({-d.y, d.x, 0.0}) * transposed(column(up_before));
-  };
-  Mat<turned, turned> T = identity<turned>();
-  set_block(T, 0, theta_at, across(d_p));
-  set_block(T, v_at, theta_at, across(d_v));
-  set_block(T, theta_at, theta_at, transposed(s.R) * before);
-  const Mat<turned, n> TP = T * block<turned, n>(s.P, 0, 0);
-  set_block(s.P, 0, 0, block<turned, turned>(TP, 0, 0) * transposed(T));
-  set_both(s.P, 0, turned, block<turned, n - turned>(TP, 0, turned));
-  make_symmetric(s.P);
+  // before; and theta is now in other axes of B.
+  const Mat<3, 3> turned = transposed(s.R) * before;
+  both_sides(s.P, [&](Mat<n, n>& P) {
+    const Mat<3, n> theta = block<3, n>(P, theta_at, 0);
+    const Mat<1, n> yaw = transposed(column(up_before)) * theta;
+    for (int j = 0; j < n; ++j) {
+      P(0, j) -= d_p.y * yaw(0, j), P(1, j) += d_p.x * yaw(0, j);
+      P(v_at, j) -= d_v.y * yaw(0, j), P(v_at + 1, j) += d_v.x * yaw(0, j);
+    }
+    set_block(P, theta_at, 0, turned * theta);
+  });
 }
 
 PoseEstimate AttitudeFilter::read(const State& s, const MotionSample& motion) const noexcept {

@@ -15,9 +15,9 @@ namespace sightline {
 ///   b_v         bias of the told velocity    Gauss-Markov
 ///   c           turn of the camera           constant; S_true = S exp([c])
 ///
-/// The told velocity is a measurement at the end of each sample, R_GV(yaw)^T v + b_v. A sighting z of a body
-/// at p_t is compared in B,
-/// d_s e_x + R_BS exp([c]) z with R^T (p_t - p); where a gimbal holds the camera level, in V.
+/// The told velocity is a measurement at the end of each sample, R_GV(yaw)^T v + b_v. A sighting z of a body at
+/// p_t is compared in B, d_s e_x + R_BS exp([c]) z with R^T (p_t - p); where a gimbal holds the camera level, in
+/// V.
 class AttitudeFilter {
  public:
   static constexpr int n = 21;
@@ -38,6 +38,8 @@ class AttitudeFilter {
 
   /// Over dt [s] within or after a sample.
   void advance(State& s, const MotionSample& motion, double dt) const noexcept;
+  /// An error of what the other body tells is fresh to this filter.
+  void hear(State&, const Measurement&) const noexcept {}
   /// At the end of a sample: its velocity.
   void end(State& s, const MotionSample& motion) const noexcept;
   /// Nobody measured the motion of the last `gap` seconds.
@@ -45,9 +47,8 @@ class AttitudeFilter {
   /// Position, in the first three rows, and heading. Rows of what is not measured mean nothing.
   Innovation<4, n> innovation(const State& s, const Measurement& z,
                               const MotionSample& motion) const noexcept;
-  /// s <- s + e. The covariance is carried along so that a direction in which nothing was learned stays
-  /// unknown: a turn about the
-  /// body that is seen, as long as no heading is measured.
+  /// s <- s + e. The covariance is carried along so that a direction in which nothing was learned stays unknown:
+  /// a turn about the body that is seen, as long as no heading is measured.
   void correct(State& s, const Column<n>& e) const noexcept;
   double heading(const State& s) const noexcept { return yaw_of(s.R); }
   PoseEstimate read(const State& s, const MotionSample& motion) const noexcept;

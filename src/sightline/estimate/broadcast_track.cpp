@@ -14,10 +14,10 @@ const BroadcastOptions& checked_broadcast(const BroadcastOptions& options) {
 
 bool is_usable(const BroadcastPose& m) {
   bool usable = std::isfinite(m.stamp) && is_finite(m.p) && is_finite(m.v) && std::isfinite(m.psi) &&
-                std::isfinite(m.yaw_rate) && m.psi_variance >= 0 && std::isfinite(m.psi_variance);
-  for (int i = 0; i < 3; ++i) {
+                std::isfinite(m.yaw_rate);
+  for (int i = 0; i < 4; ++i) {
     usable = usable && m.P(i, i) >= 0;
-    for (int j = 0; j < 3; ++j) usable = usable && std::isfinite(m.P(i, j));
+    for (int j = 0; j < 4; ++j) usable = usable && std::isfinite(m.P(i, j));
   }
   return usable;
 }
@@ -67,9 +67,7 @@ KnownPose BroadcastTrack::between(const BroadcastPose& a, const BroadcastPose& b
   pose.p = (2 * s3 - 3 * s2 + 1) * a.p + (h * (s3 - 2 * s2 + s)) * a.v + (3 * s2 - 2 * s3) * b.p +
            (h * (s3 - s2)) * b.v;
   pose.psi = wrap(a.psi + s * wrap(b.psi - a.psi));
-  const double more = uses(h);
-  pose.P = more * ((1 - s) * a.P + s * b.P);
-  pose.psi_variance = more * ((1 - s) * a.psi_variance + s * b.psi_variance);
+  pose.P = uses(h) * ((1 - s) * a.P + s * b.P);
   return pose;
 }
 
@@ -81,8 +79,10 @@ KnownPose BroadcastTrack::after(const BroadcastPose& a, double t) const noexcept
   pose.p = a.p + d * a.v;
   pose.psi = wrap(a.psi + d * a.yaw_rate);
   const double drift = square(0.5 * options_.acceleration * d * d) + square(options_.velocity_sigma * d);
-  pose.P = more * (a.P + identity<3>(drift));
-  pose.psi_variance = more * (a.psi_variance + square(options_.turning * d));
+  pose.P = a.P;
+  for (int i = 0; i < 3; ++i) pose.P(i, i) += drift;
+  pose.P(3, 3) += square(options_.turning * d);
+  pose.P = more * pose.P;
   return pose;
 }
 

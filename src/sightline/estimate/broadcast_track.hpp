@@ -13,19 +13,18 @@ namespace sightline {
 
 /// A message: a pose, how it changes, and how sure it is.
 struct BroadcastPose {
-  double stamp = 0.0;         ///< [s]
-  Vec3<double> p{}, v{};      ///< in G [m], [m/s]
-  double psi = 0.0;           ///< heading [rad]
-  double yaw_rate = 0.0;      ///< [rad/s]
-  Mat<3, 3> P{};              ///< covariance of p [m^2]
-  double psi_variance = 0.0;  ///< [rad^2]
+  double stamp = 0.0;     ///< [s]
+  Vec3<double> p{}, v{};  ///< in G [m], [m/s]
+  double psi = 0.0;       ///< heading [rad]
+  double yaw_rate = 0.0;  ///< [rad/s]
+  Mat<4, 4> P{};          ///< covariance of (p, psi)
 };
 
 /// A pose that a sighting can be held against.
 struct KnownPose {
   Vec3<double> p{};
-  Mat<3, 3> P{};
-  double psi = 0.0, psi_variance = 0.0;
+  double psi = 0.0;
+  Mat<4, 4> P{};
 };
 
 struct BroadcastOptions {
@@ -57,12 +56,10 @@ struct BroadcastOptions {
 };
 
 /// Between two messages a cubic in time through their positions and velocities (Hermite), the heading linear;
-/// after the last the pose
-/// goes on, with the doubt that grows by the options.
+/// after the last the pose goes on, with the doubt that grows by the options.
 ///
 /// Several sightings between two messages share the error of the messages, which a filter would take to be new
-/// each time. So the
-/// covariance is larger by the number of sightings to a message, where that is above 1.
+/// each time. So the covariance is larger by the number of sightings to a message, where that is above 1.
 class BroadcastTrack {
  public:
   static constexpr std::size_t memory = 64;
@@ -70,8 +67,7 @@ class BroadcastTrack {
   /// @throws std::invalid_argument from BroadcastOptions::check()
   explicit BroadcastTrack(const BroadcastOptions& options = {});
 
-  /// Messages may come late and out of order. One that is not finite, or as old as one that is there, is
-  /// ignored.
+  /// Messages may come late and out of order. One that is not finite, or as old as one that is there, is ignored.
   void take(const BroadcastPose& message) noexcept;
   bool is_known() const noexcept { return count_ > 0; }
   /// The newest message; there must be one.

@@ -11,6 +11,7 @@
 #include "sightline/estimate/agreement.hpp"
 #include "sightline/estimate/kalman.hpp"
 #include "sightline/estimate/pose_filter.hpp"
+#include "sightline/estimate/stamped_list.hpp"
 #include "sightline/math/bounded.hpp"
 
 namespace sightline {
@@ -18,14 +19,12 @@ namespace sightline {
 /// What PoseFilter promises, around the mathematics of `Filter` (HeadingFilter, AttitudeFilter).
 ///
 /// The memory is a ring of samples, each with the state at its beginning, and the measurements in the order of
-/// their stamps, the
-/// refused ones too: what the gate says of one may change when an earlier one arrives.
+/// their stamps, the refused ones too: what the gate says of one may change when an earlier one arrives.
 ///
 /// Before there is an estimate, `start_sightings` measurements must mean one place (Agreement). Where
-/// `restart_sightings` are refused
-/// that mean one place, without one believed between, it begins anew from the last. Headings are counted
-/// apart: where positions fit and
-/// headings do not, the position alone is taken, but as many headings that agree make it begin anew as well.
+/// `restart_sightings` are refused that mean one place, without one believed between, it begins anew from the
+/// last. Headings are counted apart: where positions fit and headings do not, the position alone is taken, but as
+/// many headings that agree make it begin anew as well.
 template <class Filter>
 class Delayed final : public PoseFilter {
  public:
@@ -67,14 +66,10 @@ class Delayed final : public PoseFilter {
   std::size_t slot_of(double stamp) const noexcept;
   void drop_slot() noexcept;
 
-  static bool before(const Measurement& a, const Measurement& b) noexcept {
-    return a.stamp != b.stamp ? a.stamp < b.stamp : a.source < b.source;
-  }
-  Measurement* end_of_measured() noexcept { return measured_.data() + measured_count_; }
   bool remember(const Measurement& z) noexcept;
-  void forget_until(double stamp) noexcept;
 
   Fit weigh(State& s, const Measurement& z, const MotionSample& motion) const noexcept;
+  Fit intersect(State& s, const Measurement& z, const MotionSample& motion) const noexcept;
   template <int m>
   bool apply(State& s, const Innovation<m, n>& of, Fit& fit) const noexcept;
   Fit run(const Slot& slot, State& s, const Measurement* watched) noexcept;
@@ -90,8 +85,7 @@ class Delayed final : public PoseFilter {
   int start_, restart_;
   std::vector<Slot> slots_;  // ring
   std::size_t first_ = 0, count_ = 0;
-  std::array<Measurement, memory> measured_{};  // the first measured_count_, by stamp
-  std::size_t measured_count_ = 0;
+  StampedList<Measurement, memory> measured_{};
   Bounded<Measurement, pending_max> pending_;
   State state_{};
   MotionSample last_{};
@@ -130,8 +124,7 @@ Fit Delayed<Filter>::take(const Measurement& z) noexcept {
   }
   if (count_ == 0 || z.stamp < at(0).from || (known_ && z.stamp <= begun_)) return {Verdict::too_old};
   if (!known_) return {consider(z, slot_of(z.stamp))};
-  const Measurement* same = std::lower_bound(measured_.data(), end_of_measured(), z, before);
-  if (same != end_of_measured() && !before(z, *same)) return {Verdict::repeated};
+  if (measured_.has(z)) return {Verdict::repeated};
   if (!remember(z)) return {Verdict::too_old};
   Fit fit = replay(slot_of(z.stamp), &z);
   fit.verdict = judge(z, fit.verdict);
@@ -150,7 +143,7 @@ void Delayed<Filter>::start(const Vec3<double>& p, double psi, const Mat<4, 4>& 
 template <class Filter>
 void Delayed<Filter>::forget() noexcept {
   known_ = false;
-  measured_count_ = 0;
+  measured_.clear();
   pending_.clear();
   candidates_.clear();
   contradictions_.clear();
@@ -178,31 +171,18 @@ template <class Filter>
 void Delayed<Filter>::drop_slot() noexcept {
   first_ = (first_ + 1) % memory;
   --count_;
-  if (count_ > 0) forget_until(at(0).from);
-}
-
-/// Measurements before a time are in the states since.
-template <class Filter>
-void Delayed<Filter>::forget_until(double stamp) noexcept {
-  const Measurement* kept = std::find_if(measured_.data(), end_of_measured(),
-                                         [&](const Measurement& z) { return z.stamp >= stamp; });
-  const Measurement* end = end_of_measured();
-  measured_count_ = static_cast<std::size_t>(end - kept);
-  std::copy(kept, end, measured_.data());
+  if (count_ > 0) measured_.drop_before(at(0).from);  // it is in the states since
 }
 
 template <class Filter>
 bool Delayed<Filter>::remember(const Measurement& z) noexcept {
-  if (measured_count_ == memory) {
+  if (measured_.is_full()) {
     // Room for one: no state before the oldest is kept.
-    const double oldest = measured_[0].stamp;
+    const double oldest = measured_.begin()->stamp;
     while (count_ > 1 && at(0).from <= oldest) drop_slot();
-    if (measured_count_ == memory || z.stamp < at(0).from) return false;
+    if (measured_.is_full() || z.stamp < at(0).from) return false;
   }
-  Measurement* place = std::lower_bound(measured_.data(), end_of_measured(), z, before);
-  std::copy_backward(place, end_of_measured(), end_of_measured() + 1);
-  *place = z;
-  ++measured_count_;
+  measured_.insert(z);
   return true;
 }
 
@@ -225,8 +205,7 @@ Fit Delayed<Filter>::weigh(State& s, const Measurement& z, const MotionSample& m
   for (int i = z.measures_position() ? 0 : 3; i < (heading ? 4 : 3); ++i)
     fit.y[static_cast<std::size_t>(i)] = of.y(i, 0);
   if (!z.measures_position()) {
-    const Innovation<1, n> alone{block<1, 1>(of.y, 3, 0), block<1, n>(of.H, 3, 0), block<1, 1>(of.R, 3, 3)};
-    if (apply(s, alone, fit)) fit.verdict = Verdict::accepted;
+    if (apply(s, last_one(of), fit)) fit.verdict = Verdict::accepted;
     return fit;
   }
   if (heading && apply(s, of, fit)) {
@@ -239,18 +218,47 @@ Fit Delayed<Filter>::weigh(State& s, const Measurement& z, const MotionSample& m
   return fit;
 }
 
+/// Covariance intersection (Julier and Uhlmann 1997): for any correlation of the other's error with one's own,
+/// P / w and P_other / (1 - w) are a bound. The w that leaves the least variance is taken; none, where all are
+/// worse than nothing.
+template <class Filter>
+Fit Delayed<Filter>::intersect(State& s, const Measurement& z, const MotionSample& motion) const noexcept {
+  constexpr std::array weights = {0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995};
+  // Of position and, at an arm of 1.4 m, heading.
+  const auto variance = [&](const State& of) {
+    const Mat<4, 4> P = filter_.read(of, motion).P;
+    return P(0, 0) + P(1, 1) + P(2, 2) + 2.0 * P(3, 3);
+  };
+  const State before = s;
+  double least = variance(before);
+  Fit best{Verdict::rejected};
+  for (const double w : weights) {
+    State trial = before;
+    trial.P = (1 / w) * trial.P;
+    Measurement bounded = z;
+    bounded.other_error = OtherError::fresh;
+    bounded.P_other = (1 / (1 - w)) * z.P_other;
+    const Fit fit = weigh(trial, bounded, motion);
+    if (best.verdict == Verdict::rejected || fit.verdict == Verdict::accepted) best = fit;
+    if (fit.verdict == Verdict::rejected || variance(trial) >= least) continue;
+    least = variance(trial);
+    s = trial;
+  }
+  return best;
+}
+
 /// From the beginning of a slot to its end, with what was measured in it.
 /// @return how the watched one fitted
 template <class Filter>
 Fit Delayed<Filter>::run(const Slot& slot, State& s, const Measurement* watched) noexcept {
   Fit seen;
   double t = slot.from;
-  const Measurement* z = std::lower_bound(measured_.data(), end_of_measured(), slot.from,
-                                          [](const Measurement& a, double b) { return a.stamp < b; });
-  for (; z != end_of_measured() && z->stamp < slot.until; ++z) {
+  for (const Measurement* z = measured_.from(slot.from); z != measured_.end() && z->stamp < slot.until; ++z) {
     filter_.advance(s, slot.motion, z->stamp - t);
     t = z->stamp;
-    const Fit one = weigh(s, *z, slot.motion);
+    filter_.hear(s, *z);
+    const Fit one =
+        z->other_error == OtherError::unknown ? intersect(s, *z, slot.motion) : weigh(s, *z, slot.motion);
     if (watched != nullptr && z->stamp == watched->stamp && z->source == watched->source) seen = one;
   }
   filter_.advance(s, slot.motion, slot.until - t);
@@ -347,7 +355,7 @@ void Delayed<Filter>::begin(const Measurement& z, std::size_t slot, double psi,
   begun.from = z.stamp;
   begun.state =
       filter_.begin(filter_.place_meant(z, psi, psi_variance, begun.motion), psi, psi_variance, begun.motion);
-  forget_until(std::nextafter(z.stamp, std::numeric_limits<double>::infinity()));
+  measured_.drop_before(std::nextafter(z.stamp, std::numeric_limits<double>::infinity()));
   candidates_.clear();
   contradictions_.clear();
   turned_.clear();

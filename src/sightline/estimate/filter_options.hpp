@@ -11,14 +11,13 @@ namespace sightline {
 enum class FilterKind {
   heading,   ///< position and heading; roll and pitch are told (HeadingFilter)
   attitude,  ///< position, velocity and attitude from an inertial measurement unit (AttitudeFilter)
+  chain,     ///< as `heading`, of a robot that sees one that is localized itself (ChainFilter)
 };
-inline constexpr std::array<std::string_view, 2> filter_kinds = {"heading", "attitude"};
+inline constexpr std::array<std::string_view, 3> filter_kinds = {"heading", "attitude", "chain"};
 
 /// Standard deviations of what a robot is told of its motion. White noise is that of a mean over 10 ms
-/// (`white_period`); over dt it is
-/// less by sqrt(0.01 s / dt). A bias is a Gauss-Markov process of that standard deviation and correlation
-/// time, or a random walk that
-/// starts with it.
+/// (`white_period`); over dt it is less by sqrt(0.01 s / dt). A bias is a Gauss-Markov process of that standard
+/// deviation and correlation time, or a random walk that starts with it.
 struct FilterOptions {
   static constexpr std::string_view name = "estimate";
   static constexpr double white_period = 0.01;  // [s]
@@ -40,6 +39,7 @@ struct FilterOptions {
   double accelerometer_bias = 0.1;
   double accelerometer_walk = 2e-3;
   double camera_turn = 0.0;
+  double other_error_time = 2.0;
   int start_sightings = 3;
   int restart_sightings = 8;
 
@@ -76,6 +76,8 @@ struct FilterOptions {
         parameter("camera_turn", &O::camera_turn, "rad", from_zero,
                   "turn of the camera against its mount, each axis, that is estimated; 0: it is known; "
                   "attitude filter"),
+        parameter("other_error_time", &O::other_error_time, "s", above_zero,
+                  "correlation time of the error of a body that is localized itself; chain filter"),
         parameter("start_sightings", &O::start_sightings, "", count,
                   "sightings that must mean the same place before there is an estimate"),
         parameter("restart_sightings", &O::restart_sightings, "", count,

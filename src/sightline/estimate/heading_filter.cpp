@@ -3,12 +3,14 @@
 namespace sightline {
 namespace {
 
-constexpr int psi_at = 3, velocity_bias_at = 4, rate_bias_at = 7, tilt_at_row = 8;
+constexpr int psi_at = 3, velocity_bias_at = 4, rate_bias_at = 7, tilt_at_row = 8, other_at = 10;
 
 }  // namespace
 
-HeadingFilter::State HeadingFilter::begin(const Vec3<double>& p, double psi, const Mat<4, 4>& P,
-                                          const MotionSample&) const noexcept {
+template <int others>
+typename HeadingFilterOf<others>::State HeadingFilterOf<others>::begin(const Vec3<double>& p, double psi,
+                                                                       const Mat<4, 4>& P,
+                                                                       const MotionSample&) const noexcept {
   State s;
   s.p = p, s.psi = wrap(psi);
   set_block(s.P, 0, 0, P);
@@ -18,8 +20,9 @@ HeadingFilter::State HeadingFilter::begin(const Vec3<double>& p, double psi, con
   return s;
 }
 
-HeadingFilter::State HeadingFilter::begin(const Place& place, double psi, double psi_variance,
-                                          const MotionSample& motion) const noexcept {
+template <int others>
+typename HeadingFilterOf<others>::State HeadingFilterOf<others>::begin(
+    const Place& place, double psi, double psi_variance, const MotionSample& motion) const noexcept {
   Mat<4, 4> P;
   set_block(P, 0, 0, place.P);
   P(psi_at, psi_at) = psi_variance;
@@ -27,55 +30,67 @@ HeadingFilter::State HeadingFilter::begin(const Place& place, double psi, double
   return begin(place.p, psi, P, motion);
 }
 
-Place HeadingFilter::place_meant(const Measurement& z, double psi, double psi_variance,
-                                 const MotionSample& motion) const noexcept {
+template <int others>
+Place HeadingFilterOf<others>::place_meant(const Measurement& z, double psi, double psi_variance,
+                                           const MotionSample& motion) const noexcept {
   return place_of(z, mount_, tilt_at(motion, z.stamp), psi, psi_variance,
                   square(options_.tilt_bias) + square(options_.tilt_noise));
 }
 
-void HeadingFilter::advance(State& s, const MotionSample& motion, double dt) const noexcept {
-  if (!(dt > 0)) return;
+template <int others>
+HeadingTransition HeadingFilterOf<others>::move(State& s, const MotionSample& motion,
+                                                double dt) const noexcept {
   const SinCos<double> h = sincos(s.psi);
   const Vec3<double> v = motion.v_V - s.velocity_bias;
   const Vec3<double> v_G = {h.cos * v.x - h.sin * v.y, h.sin * v.x + h.cos * v.y, v.z};
-  const double keep_v = exp(-dt / options_.velocity_bias_time), keep_tilt = exp(-dt / options_.tilt_time);
+  const double keep_bias = exp(-dt / options_.velocity_bias_time), keep_tilt = exp(-dt / options_.tilt_time);
   s.p = s.p + dt * v_G;
   s.psi = wrap(s.psi + dt * (motion.yaw_rate - s.rate_bias));
-  s.velocity_bias = keep_v * s.velocity_bias;
+  s.velocity_bias = keep_bias * s.velocity_bias;
   s.tilt_error = {keep_tilt * s.tilt_error.x, keep_tilt * s.tilt_error.y};
-
-  // F P F^T: F adds to the rows of p those of psi and b_v, to that of psi that of b_r.
-  const auto turn_rows = [&](auto&& P) {
-    for (int j = 0; j < n; ++j) {
-      P(0, j) += dt * (-v_G.y * P(3, j) - h.cos * P(4, j) + h.sin * P(5, j));
-      P(1, j) += dt * (v_G.x * P(3, j) - h.sin * P(4, j) - h.cos * P(5, j));
-      P(2, j) -= dt * P(6, j);
-      P(3, j) -= dt * P(7, j);
-      for (int i = velocity_bias_at; i < rate_bias_at; ++i) P(i, j) *= keep_v;
-      for (int i = tilt_at_row; i < n; ++i) P(i, j) *= keep_tilt;
-    }
-  };
-  turn_rows([&](int i, int j) -> double& { return s.P(i, j); });
-  turn_rows([&](int i, int j) -> double& { return s.P(j, i); });
-  make_symmetric(s.P);
-
-  const double share = FilterOptions::white_period * dt;
-  for (int i = 0; i < 3; ++i) {
-    s.P(i, i) += square(options_.velocity_noise) * share;
-    s.P(velocity_bias_at + i, velocity_bias_at + i) += square(options_.velocity_bias) * (1 - square(keep_v));
-  }
-  s.P(psi_at, psi_at) += square(options_.yaw_rate_noise) * share;
-  s.P(rate_bias_at, rate_bias_at) += square(options_.yaw_rate_walk) * dt;
-  for (int i = tilt_at_row; i < n; ++i) s.P(i, i) += square(options_.tilt_bias) * (1 - square(keep_tilt));
+  return {dt, v_G, h, keep_bias, keep_tilt};
 }
 
-void HeadingFilter::blur(State& s, double gap) const noexcept {
+template <int others>
+void HeadingFilterOf<others>::advance(State& s, const MotionSample& motion, double dt) const noexcept {
+  if (!(dt > 0)) return;
+  const HeadingTransition step = move(s, motion, dt);
+  step.rows(n, [&](int i, int j) -> double& { return s.P(i, j); });
+  step.rows(n, [&](int i, int j) -> double& { return s.P(j, i); });
+  if constexpr (others > 0) {
+    const double keep = exp(-dt / options_.other_error_time);
+    s.other_error[0] = keep * s.other_error[0];
+    for (int i = other_at; i < n; ++i) {
+      for (int j = 0; j < n; ++j) s.P(i, j) *= keep;
+      for (int j = 0; j < n; ++j) s.P(j, i) *= keep;
+    }
+    const double fresh = 1 - square(keep);
+    set_block(s.P, other_at, other_at, block<4, 4>(s.P, other_at, other_at) + fresh * s.other_told[0]);
+  }
+  make_symmetric(s.P);
+  step.add_noise(options_, [&](int i, int j) -> double& { return s.P(i, j); });
+}
+
+template <int others>
+void HeadingFilterOf<others>::hear(State& s, const Measurement& z) const noexcept {
+  if constexpr (others > 0) {
+    if (z.of != Measures::sighting || z.other_error != OtherError::lasting) return;
+    if (trace(s.other_told[0]) == 0) set_block(s.P, other_at, other_at, z.P_other);
+    s.other_told[0] = z.P_other;
+  } else {
+    (void)s, (void)z;
+  }
+}
+
+template <int others>
+void HeadingFilterOf<others>::blur(State& s, double gap) const noexcept {
   for (int i = 0; i < 3; ++i) s.P(i, i) += square(0.5 * unmeasured_acceleration * gap * gap);
   s.P(psi_at, psi_at) += square(0.5 * unmeasured_turning * gap * gap);
 }
 
-Innovation<4, HeadingFilter::n> HeadingFilter::innovation(const State& s, const Measurement& z,
-                                                          const MotionSample& motion) const noexcept {
+template <int others>
+Innovation<4, HeadingFilterOf<others>::n> HeadingFilterOf<others>::innovation(
+    const State& s, const Measurement& z, const MotionSample& motion) const noexcept {
   Innovation<4, n> of{};
   of.y(3, 0) = wrap(z.heading() - s.psi);
   of.H(3, psi_at) = 1.0;
@@ -93,11 +108,28 @@ Innovation<4, HeadingFilter::n> HeadingFilter::innovation(const State& s, const 
   const Mat<3, 3> R_VB = leans ? tilt(told.x + s.tilt_error.x, pitch) : identity<3>();
   const Mat<3, 3> R_VS = R_VB * sensor_attitude(mount_), R_VG = turn_z(-s.psi);
   const Vec3<double> m = R_VB * Vec3<double>{mount_.offset, 0, 0} + R_VS * z.z;
-  const Vec3<double> e = R_VG * (z.p_other - s.p);
+  const bool lasting = others > 0 && z.other_error == OtherError::lasting;
+  Vec3<double> p_other = z.p_other;
+  if constexpr (others > 0) {
+    if (lasting) {
+      p_other = p_other + vec3(s.other_error[0]);
+      of.y(3, 0) = wrap(of.y(3, 0) + s.other_error[0](3, 0));
+      set_block(of.H, 0, other_at, R_VG);
+      of.H(3, other_at + 3) = -1.0;
+    }
+  }
+  const Vec3<double> e = R_VG * (p_other - s.p);
   set_block(of.y, 0, 0, column(m - e));
   set_block(of.H, 0, 0, -1.0 * R_VG);
   of.H(0, psi_at) = e.y, of.H(1, psi_at) = -e.x;
-  Mat<3, 3> R = R_VS * z.R * transposed(R_VS) + R_VG * z.P_other * transposed(R_VG);
+  Mat<3, 3> R = R_VS * z.R * transposed(R_VS);
+  Column<3> R_yaw = -1.0 * column(R_VS * z.R_yaw);
+  if (lasting) {
+    of.R(3, 3) = z.yaw_variance;
+  } else {
+    R += R_VG * block<3, 3>(z.P_other, 0, 0) * transposed(R_VG);
+    R_yaw = R_yaw - R_VG * block<3, 1>(z.P_other, 0, 3);
+  }
   const Vec3<double> level = {e.x, e.y, 0.0};
   R += 0.5 * square(s.P(psi_at, psi_at)) * outer(level, level);
   if (leans) {
@@ -111,24 +143,27 @@ Innovation<4, HeadingFilter::n> HeadingFilter::innovation(const State& s, const 
     R += square(options_.tilt_noise) * (outer(by_roll, by_roll) + outer(by_pitch, by_pitch));
   }
   set_block(of.R, 0, 0, R);
-  set_both(of.R, 0, 3, -1.0 * column(R_VS * z.R_yaw));
+  set_both(of.R, 0, 3, R_yaw);
   return of;
 }
 
-void HeadingFilter::correct(State& s, const Column<n>& e) const noexcept {
+template <int others>
+void HeadingFilterOf<others>::correct(State& s, const Column<n>& e) const noexcept {
   const Vec3<double> d = vec3(e);
   s.p = s.p + d;
   s.psi = wrap(s.psi + e(psi_at, 0));
   s.velocity_bias = s.velocity_bias + vec3(e, velocity_bias_at);
   s.rate_bias += e(rate_bias_at, 0);
   s.tilt_error = {s.tilt_error.x + e(tilt_at_row, 0), s.tilt_error.y + e(tilt_at_row + 1, 0)};
+  if constexpr (others > 0) s.other_error[0] += block<4, 1>(e, other_at, 0);
   // A turn of all that is known about the vertical moves p by e_z x p, elsewhere now than before.
   for (int j = 0; j < n; ++j) s.P(0, j) -= d.y * s.P(psi_at, j), s.P(1, j) += d.x * s.P(psi_at, j);
   for (int j = 0; j < n; ++j) s.P(j, 0) -= d.y * s.P(j, psi_at), s.P(j, 1) += d.x * s.P(j, psi_at);
   make_symmetric(s.P);
 }
 
-PoseEstimate HeadingFilter::read(const State& s, const MotionSample& motion) const noexcept {
+template <int others>
+PoseEstimate HeadingFilterOf<others>::read(const State& s, const MotionSample& motion) const noexcept {
   return {.known = true,
           .p = s.p,
           .v = turn_z(s.psi) * (motion.v_V - s.velocity_bias),
@@ -136,5 +171,8 @@ PoseEstimate HeadingFilter::read(const State& s, const MotionSample& motion) con
           .yaw_rate = motion.yaw_rate - s.rate_bias,
           .P = block<4, 4>(s.P, 0, 0)};
 }
+
+template class HeadingFilterOf<0>;
+template class HeadingFilterOf<1>;
 
 }  // namespace sightline

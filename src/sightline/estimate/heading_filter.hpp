@@ -1,11 +1,47 @@
 /// Position and heading of a robot that is told its velocity, yaw rate, roll and pitch.
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 #include "sightline/estimate/kalman.hpp"
 #include "sightline/estimate/place.hpp"
 #include "sightline/estimate/pose_filter.hpp"
 
 namespace sightline {
+
+/// F of one step of a HeadingFilter, and its noise.
+struct HeadingTransition {
+  double dt;
+  Vec3<double> v_G;
+  SinCos<double> heading;
+  double keep_bias, keep_tilt;
+
+  /// Rows 0 to 9 of F P, of so many columns; P(i, j) is an entry. With rows for columns it is P F^T.
+  template <class Entry>
+  void rows(int columns, const Entry& P) const noexcept {
+    for (int j = 0; j < columns; ++j) {
+      P(0, j) += dt * (-v_G.y * P(3, j) - heading.cos * P(4, j) + heading.sin * P(5, j));
+      P(1, j) += dt * (v_G.x * P(3, j) - heading.sin * P(4, j) - heading.cos * P(5, j));
+      P(2, j) -= dt * P(6, j);
+      P(3, j) -= dt * P(7, j);
+      for (int i = 4; i < 7; ++i) P(i, j) *= keep_bias;
+      for (int i = 8; i < 10; ++i) P(i, j) *= keep_tilt;
+    }
+  }
+  /// Adds Q.
+  template <class Entry>
+  void add_noise(const FilterOptions& options, const Entry& P) const noexcept {
+    const double share = FilterOptions::white_period * dt;
+    for (int i = 0; i < 3; ++i) {
+      P(i, i) += square(options.velocity_noise) * share;
+      P(4 + i, 4 + i) += square(options.velocity_bias) * (1 - square(keep_bias));
+    }
+    P(3, 3) += square(options.yaw_rate_noise) * share;
+    P(7, 7) += square(options.yaw_rate_walk) * dt;
+    for (int i = 8; i < 10; ++i) P(i, i) += square(options.tilt_bias) * (1 - square(keep_tilt));
+  }
+};
 
 /// State x and error state e, x <- x + e:
 ///
@@ -15,28 +51,38 @@ namespace sightline {
 ///   b_r    bias of the yaw rate             random walk
 ///   tau    true less told roll and pitch    Gauss-Markov
 ///
-/// A sighting z in S of a body at p_t is compared in V: with m = R_VB(told + tau) (d_s e_x + R_BS z) measured
-/// and
+/// A sighting z in S of a body at p_t is compared in V: with m = R_VB(told + tau) (d_s e_x + R_BS z) measured and
 /// e = R_GV^T (p_t - p) expected, y = m - e and
 ///
 ///   dy: e_p: R_GV^T,  e_psi: e_z x e,  e_tau: (R_y e_x) x m and e_y x m.
 ///
-/// The heading's error enters e beyond its first order; P_psi^2 e_l e_l^T / 2, e_l the level part of e, is
-/// added to the
-/// measurement's covariance for it. docs/localization.md derives both.
-class HeadingFilter {
+/// The heading's error enters e beyond its first order; P_psi^2 e_l e_l^T / 2, e_l the level part of e, is added
+/// to the measurement's covariance for it. docs/localization.md derives both.
+///
+/// With `others` = 1 a part more, for a body that is localized itself and tells its estimate:
+///
+///   b      its true pose (p, psi) less the one it tells   Gauss-Markov, of the covariance that it tells
+///
+/// (a Schmidt-Kalman filter with a Markov model of the other's error): sightings of OtherError::lasting share b.
+template <int others>
+class HeadingFilterOf {
+  static_assert(others == 0 || others == 1);
+
  public:
-  static constexpr int n = 10;
+  static constexpr int n = 10 + 4 * others;
   struct State {
     Vec3<double> p{};
     double psi = 0.0;
     Vec3<double> velocity_bias{};
     double rate_bias = 0.0;
     Vec2<double> tilt_error{};  ///< of roll, of pitch
+    std::array<Column<4>, static_cast<std::size_t>(others)> other_error{};
+    std::array<Mat<4, 4>, static_cast<std::size_t>(others)> other_told{};  ///< covariance that it told last
     Mat<n, n> P{};
   };
 
-  HeadingFilter(const FilterOptions& options, const SensorMount& mount) : options_(options), mount_(mount) {}
+  HeadingFilterOf(const FilterOptions& options, const SensorMount& mount)
+      : options_(options), mount_(mount) {}
 
   State begin(const Place& place, double psi, double psi_variance, const MotionSample& motion) const noexcept;
   State begin(const Vec3<double>& p, double psi, const Mat<4, 4>& P,
@@ -44,8 +90,12 @@ class HeadingFilter {
   Place place_meant(const Measurement& z, double psi, double psi_variance,
                     const MotionSample& motion) const noexcept;
 
-  /// Over dt [s] within or after a sample.
+  /// Over dt [s] within or after a sample, dt > 0: the state, without its covariance.
+  HeadingTransition move(State& s, const MotionSample& motion, double dt) const noexcept;
+  /// The same with its covariance; nothing where dt is not positive.
   void advance(State& s, const MotionSample& motion, double dt) const noexcept;
+  /// Before a measurement: what the other body tells of its error.
+  void hear(State& s, const Measurement& z) const noexcept;
   /// At the end of a sample.
   void end(State&, const MotionSample&) const noexcept {}
   /// Nobody measured the motion of the last `gap` seconds.
@@ -53,9 +103,8 @@ class HeadingFilter {
   /// Position, in the first three rows, and heading. Rows of what is not measured mean nothing.
   Innovation<4, n> innovation(const State& s, const Measurement& z,
                               const MotionSample& motion) const noexcept;
-  /// s <- s + e. The covariance is carried along so that a direction in which nothing was learned stays
-  /// unknown: a turn about the
-  /// body that is seen, as long as no heading is measured.
+  /// s <- s + e. The covariance is carried along so that a direction in which nothing was learned stays unknown:
+  /// a turn about the body that is seen, as long as no heading is measured.
   void correct(State& s, const Column<n>& e) const noexcept;
   double heading(const State& s) const noexcept { return s.psi; }
   PoseEstimate read(const State& s, const MotionSample& motion) const noexcept;
@@ -64,5 +113,12 @@ class HeadingFilter {
   FilterOptions options_;
   SensorMount mount_;
 };
+
+using HeadingFilter = HeadingFilterOf<0>;
+/// Of a robot that sees one that is localized itself.
+using ChainFilter = HeadingFilterOf<1>;
+
+extern template class HeadingFilterOf<0>;
+extern template class HeadingFilterOf<1>;
 
 }  // namespace sightline

@@ -3,14 +3,14 @@
 
 #include <array>
 #include <limits>
+#include <span>
 
 #include "sightline/math/matrix.hpp"
 
 namespace sightline {
 
-/// A measurement about the state of a filter: innovation y = measured - expected, H = d expected / d error
-/// state, R the covariance
-/// of the measurement.
+/// A measurement about the state of a filter: innovation y = measured - expected, H = d expected / d error state,
+/// R the covariance of the measurement.
 template <int m, int n>
 struct Innovation {
   Column<m> y;
@@ -28,31 +28,44 @@ Innovation<k, n> first(const Innovation<m, n>& of) noexcept {
 template <int m>
 inline constexpr double chi_squared_gate = std::array{10.828, 13.816, 16.266, 18.467}[std::size_t{m - 1}];
 
+/// The last component alone.
+template <int m, int n>
+Innovation<1, n> last_one(const Innovation<m, n>& of) noexcept {
+  return {block<1, 1>(of.y, m - 1, 0), block<1, n>(of.H, m - 1, 0), block<1, 1>(of.R, m - 1, m - 1)};
+}
+
 /// What came of an update.
 struct Gated {
   bool accepted = false;
   double squared = 0.0;  ///< y^T S^-1 y; infinite where S is not positive definite
 };
 
-/// With S = H P H^T + R and K = P H^T S^-1, where y^T S^-1 y is within the gate: dx <- K y and, in Joseph's
-/// form,
+/// With S = H P H^T + R and K = P H^T S^-1, where y^T S^-1 y is within the gate: dx <- K y and, in Joseph's form,
 ///
 ///   P <- (1 - K H) P (1 - K H)^T + K R K^T.
 ///
 /// Otherwise nothing is changed.
 template <int m, int n>
 Gated update(Mat<n, n>& P, const Innovation<m, n>& of, Column<n>& dx) noexcept {
-  // G^T = H P; entries of H are mostly 0.
+  // Most columns of H are 0; sums over the others alone.
+  std::array<int, static_cast<std::size_t>(n)> used;
+  std::size_t count = 0;
+  for (int l = 0; l < n; ++l)
+    for (int a = 0; a < m; ++a) {
+      if (of.H(a, l) == 0) continue;
+      used[count++] = l;
+      break;
+    }
+  const std::span<const int> columns(used.data(), count);
+  // G^T = H P, S = H P H^T + R.
   Mat<m, n> Gt;
   for (int a = 0; a < m; ++a)
-    for (int l = 0; l < n; ++l) {
-      if (of.H(a, l) == 0) continue;
+    for (const int l : columns)
       for (int j = 0; j < n; ++j) Gt(a, j) += of.H(a, l) * P(l, j);
-    }
   Mat<m, m> S = of.R;
   for (int a = 0; a < m; ++a)
     for (int b = 0; b < m; ++b)
-      for (int l = 0; l < n; ++l) S(a, b) += Gt(a, l) * of.H(b, l);
+      for (const int l : columns) S(a, b) += Gt(a, l) * of.H(b, l);
   const Cholesky<m> factor(S);
   if (!factor.positive) return {false, std::numeric_limits<double>::infinity()};
   const Column<m> white = factor.forward(of.y);
@@ -74,7 +87,7 @@ Gated update(Mat<n, n>& P, const Innovation<m, n>& of, Column<n>& dx) noexcept {
     std::array<double, static_cast<std::size_t>(m)> c;
     for (int a = 0; a < m; ++a) {
       double sum = 0.0;
-      for (int l = 0; l < n; ++l) sum += P(i, l) * of.H(a, l);
+      for (const int l : columns) sum += P(i, l) * of.H(a, l);
       c[static_cast<std::size_t>(a)] = sum - RKt(a, i);
     }
     for (int a = 0; a < m; ++a)

@@ -26,6 +26,13 @@ enum class Measures {
   heading,   ///< its own heading, as by a compass
 };
 
+/// How the error of what another body tells of itself goes on from one of its messages to the next.
+enum class OtherError {
+  fresh,  ///< each message has an error of its own, as from motion capture
+  lasting,  ///< it changes slowly, as that of a body that is localized itself: a Gauss-Markov process (ChainFilter)
+  unknown,  ///< it may depend on one's own: covariance intersection
+};
+
 /// A measurement of the time `stamp`, which may arrive late and out of order.
 struct Measurement {
   Measures of = Measures::sighting;
@@ -36,11 +43,12 @@ struct Measurement {
   Mat<3, 3> R{};         ///< covariance of z, in the same frame [m^2]
   bool has_yaw = false;  ///< of a sighting; a heading has it always
   double yaw = 0.0;      ///< sighting: heading of the other body less the robot's; heading: the robot's [rad]
-  double yaw_variance = 1.0;                         ///< [rad^2]
-  Vec3<double> R_yaw{};                              ///< covariance of z and yaw [m rad]
-  Vec3<double> p_other{};                            ///< of the body seen, at the stamp [m]
-  Mat<3, 3> P_other{};                               ///< covariance of p_other, in G [m^2]
-  double psi_other = 0.0, psi_other_variance = 0.0;  ///< its heading [rad], [rad^2]
+  double yaw_variance = 1.0;  ///< [rad^2]
+  Vec3<double> R_yaw{};       ///< covariance of z and yaw [m rad]
+  Vec3<double> p_other{};     ///< of the body seen, at the stamp, as it tells [m]
+  double psi_other = 0.0;     ///< its heading [rad]
+  Mat<4, 4> P_other{};        ///< covariance of (p_other, psi_other)
+  OtherError other_error = OtherError::fresh;
 
   bool measures_position() const noexcept { return of != Measures::heading; }
   bool measures_heading() const noexcept {
@@ -49,7 +57,7 @@ struct Measurement {
   /// The robot's heading that it means [rad], where it measures one.
   double heading() const noexcept { return of == Measures::heading ? yaw : psi_other - yaw; }
   double heading_variance() const noexcept {
-    return of == Measures::heading ? yaw_variance : yaw_variance + psi_other_variance;
+    return of == Measures::heading ? yaw_variance : yaw_variance + P_other(3, 3);
   }
   /// Whether its numbers are finite and its variances positive; nothing else is believed of one that is not.
   bool is_usable() const noexcept;
@@ -70,11 +78,10 @@ inline bool Measurement::is_usable() const noexcept {
   if (!measures_position()) return true;
   if (!(is_finite(z) && Cholesky<3>(R).positive)) return false;
   if (of == Measures::position) return true;
-  bool usable = is_finite(p_other) && std::isfinite(psi_other) && psi_other_variance >= 0 &&
-                std::isfinite(psi_other_variance) && is_finite(R_yaw);
-  for (int i = 0; i < 3; ++i) {
+  bool usable = is_finite(p_other) && std::isfinite(psi_other) && is_finite(R_yaw);
+  for (int i = 0; i < 4; ++i) {
     usable = usable && P_other(i, i) >= 0;
-    for (int j = 0; j < 3; ++j) usable = usable && std::isfinite(P_other(i, j));
+    for (int j = 0; j < 4; ++j) usable = usable && std::isfinite(P_other(i, j));
   }
   return usable;
 }

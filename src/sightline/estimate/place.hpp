@@ -39,7 +39,8 @@ inline Place place_of(const Measurement& z, const SensorMount& mount, const Vec2
   Place place;
   place.p = z.p_other - r;
   place.per_turn = {r.y, -r.x, 0.0};
-  place.P = R_GS * z.R * transposed(R_GS) + z.P_other + psi_variance * outer(place.per_turn, place.per_turn);
+  place.P = R_GS * z.R * transposed(R_GS) + block<3, 3>(z.P_other, 0, 0) +
+            psi_variance * outer(place.per_turn, place.per_turn);
   if (leans) {
     const Mat<3, 3> K = cross_matrix(r);
     place.P += tilt_variance * (K * transposed(K));

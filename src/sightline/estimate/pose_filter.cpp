@@ -17,6 +17,8 @@ std::unique_ptr<PoseFilter> make_pose_filter(const FilterOptions& options, const
   options.check();
   if (options.filter == FilterKind::attitude)
     return std::make_unique<Delayed<AttitudeFilter>>(options, AttitudeFilter(options, mount));
+  if (options.filter == FilterKind::chain)
+    return std::make_unique<Delayed<ChainFilter>>(options, ChainFilter(options, mount));
   return std::make_unique<Delayed<HeadingFilter>>(options, HeadingFilter(options, mount));
 }
 

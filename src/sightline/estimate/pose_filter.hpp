@@ -53,11 +53,10 @@ struct Fit {
 
 /// Error-state Kalman filter with a memory.
 ///
-/// A measurement is applied at its stamp, and all that came after is applied again: the estimate is the one
-/// that it would be had
-/// everything arrived in order, bit for bit, as long as no measurement is older than the memory (64 samples,
-/// 64 measurements) and none
-/// makes it begin anew. Nothing allocates, throws, locks or prints once it is made.
+/// A measurement is applied at its stamp, and all that came after is applied again: the estimate is the one that
+/// it would be had everything arrived in order, bit for bit, as long as no measurement is older than the memory
+/// (64 samples, 64 measurements) and none makes it begin anew. Nothing allocates, throws, locks or prints once it
+/// is made.
 class PoseFilter {
  public:
   static constexpr std::size_t memory = 64;
@@ -65,8 +64,8 @@ class PoseFilter {
   virtual ~PoseFilter() = default;
 
   /// The robot moved so. Samples follow each other; one that begins later than the last ended holds from there
-  /// on, with the doubt of
-  /// a motion that nobody measured. One that ends before the last did, or is not finite, is ignored.
+  /// on, with the doubt of a motion that nobody measured. One that ends before the last did, or is not finite, is
+  /// ignored.
   virtual void advance(const MotionSample& motion) noexcept = 0;
   virtual Fit take(const Measurement& measurement) noexcept = 0;
   /// Begins now from what is known otherwise.

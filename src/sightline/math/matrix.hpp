@@ -47,9 +47,12 @@ struct Mat {
 template <int r, int k, int c>
 Mat<r, c> operator*(const Mat<r, k>& a, const Mat<k, c>& b) noexcept {
   Mat<r, c> y;
-  for (int i = 0; i < r; ++i)
+  for (int i = 0; i < r; ++i) {
+    std::array<double, static_cast<std::size_t>(c)> sum{};  // a row that can stay in registers
     for (int l = 0; l < k; ++l)
-      for (int j = 0; j < c; ++j) y(i, j) += a(i, l) * b(l, j);
+      for (int j = 0; j < c; ++j) sum[static_cast<std::size_t>(j)] += a(i, l) * b(l, j);
+    y.row[static_cast<std::size_t>(i)] = sum;
+  }
   return y;
 }
 
@@ -122,8 +125,7 @@ inline Mat<3, 3> outer(const Vec3<double>& a, const Vec3<double>& b) noexcept {
 }
 
 /// A = L L^T of a symmetric positive definite matrix; of any other, or one that is not finite, `positive` is
-/// false and
-/// nothing may be solved.
+/// false and nothing may be solved.
 template <int n>
 class Cholesky {
  public:
