@@ -12,17 +12,16 @@
 
 #include "bridges/dds/px4_link.hpp"
 #include "bridges/dds/ros2_link.hpp"
+#include "bridges/dds/seen_poses.hpp"
 #include "sightline/base/index.hpp"
 
 namespace sightline::dds {
 namespace {
 
+constexpr Nanoseconds body_old = 500'000'000;  // before a flight
+
 std::unique_ptr<LinkEnd> made_end(dds_entity_t participant, const Link& link, std::string_view name,
                                   const Model& model, bool loopback) {
-  if (link.poses != PoseSource::odometry)
-    throw std::invalid_argument(
-        fmt::format("agent.{}.link.poses = {}, which this bridge does not fly by yet, expected odometry",
-                    name, pose_sources[static_cast<std::size_t>(link.poses)]));
   if (std::holds_alternative<Px4Link>(link.kind))
     return std::make_unique<Px4LinkEnd>(participant, link, loopback ? Stamps::of_this_machine : Stamps::none);
   if (std::holds_alternative<Ros2Link>(link.kind)) {
@@ -44,9 +43,12 @@ const Scenario& flown(const Scenario& scenario) {
   if (changes_in_flight(scenario))
     throw std::invalid_argument("event = the team changes in flight, which a fleet does not follow yet");
   for (const UncooperativeBody& body : scenario.uncooperative) {
-    if (body.motion)
+    const bool seen = std::any_of(scenario.fleet->bodies.begin(), scenario.fleet->bodies.end(),
+                                  [&](const BodyLink& link) { return link.body == body.body; });
+    if (body.motion && !seen)
       throw std::invalid_argument(fmt::format(
-          "{} moves, and no topic says where it is, expected a body at rest", scenario.team.name(body.body)));
+          "{} moves, and no topic says where it is, expected a link with poses, or a body at rest",
+          scenario.team.name(body.body)));
   }
   return scenario;
 }
@@ -76,6 +78,15 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
     robots_.push_back({name, std::move(end), RobotState(model), LinkMachine(times_),
                        size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
   }
+  for (const BodyLink& link : scenario.fleet->bodies) {
+    const auto uncooperative =
+        std::find_if(scenario.uncooperative.begin(), scenario.uncooperative.end(),
+                     [&](const UncooperativeBody& body) { return body.body == link.body; });
+    bodies_.push_back({std::string(team_.name(link.body)), size(link.body.index),
+                       size(team_.state_offset(link.body)), link.poses, uncooperative->velocity,
+                       std::make_unique<PoseIntake>()});
+    read_seen_poses(*bodies_.back().poses, domain_->participant(), link.poses, Attitude::ignored);
+  }
   watcher_ = std::thread([this, list = WriterList(domain_->participant())]() mutable {
     while (!done_) {
       const std::vector<SeenWriter> writers = list.look();
@@ -101,6 +112,15 @@ Measured DdsWorld::measure(double t) noexcept {
   }
   // What is at rest is where the scenario says.
   std::fill(stamps_.begin() + static_cast<std::ptrdiff_t>(robots_.size()), stamps_.end(), t);
+  for (Body& body : bodies_) {
+    SeenMotion seen;
+    stamps_[body.index] = -std::numeric_limits<double>::infinity();
+    if (!body.poses->look(seen)) continue;
+    const bool measured = body.velocity == SeenVelocity::measured;
+    const Vec3<double>&p = seen.motion.p, v = measured ? seen.motion.v : Vec3<double>{};
+    std::copy_n(std::array{p.x, p.y, p.z, v.x, v.y, v.z}.begin(), 6, &measured_[body.x]);
+    stamps_[body.index] = 1e-9 * static_cast<double>(seen.stamp - origin_);
+  }
   return {measured_, stamps_, {}};
 }
 
@@ -116,8 +136,11 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> believed,
                         std::span<const double> u) noexcept {
   const std::int64_t now = monotonic_now();
   const double t = 1e-9 * static_cast<double>(now);
+  const bool seen = order == LinkOrder::task || bodies_are_seen(now);
   for (Robot& robot : robots_) {
-    const LinkOutput output = robot.machine.step(t, robot.end->facts(now), order);
+    LinkFacts facts = robot.end->facts(now);
+    facts.checked = facts.checked && seen;
+    const LinkOutput output = robot.machine.step(t, facts, order);
     Command command;
     if (output.setpoint == Setpoint::task)
       command = robot.model.command(&believed[robot.x], &u[robot.u], 1e-9 * static_cast<double>(period_));
@@ -125,6 +148,13 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> believed,
       robot.model.rest();
     robot.end->send(output, command, now);
   }
+}
+
+bool DdsWorld::bodies_are_seen(std::int64_t now) const noexcept {
+  return std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
+    return body.poses->is_fresh(now, body_old) && !body.poses->of_second_writer() &&
+           !body.poses->in_other_frames();
+  });
 }
 
 bool DdsWorld::each_is(std::initializer_list<LinkState> states) const {
@@ -186,6 +216,10 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
       for (const std::string& sentence : robot.end->obstacles(writers))
         tell(fmt::format("{}: {}", robot.name, sentence));
     }
+    for (const Body& body : bodies_) {
+      for (const std::string& sentence : body.poses->obstacles(other_frames_than(body.from)))
+        tell(fmt::format("{}: {}", body.name, sentence));
+    }
   }
   land(interrupts, tell);
   return false;
@@ -217,6 +251,7 @@ std::vector<std::string> DdsWorld::faults() const {
 std::vector<std::string> DdsWorld::counts() const {
   std::vector<std::string> lines;
   for (const Robot& robot : robots_) lines.push_back(fmt::format("{}: {}", robot.name, robot.end->counts()));
+  for (const Body& body : bodies_) lines.push_back(fmt::format("{}: {}", body.name, body.poses->counts()));
   if (complaints() > 0)
     lines.push_back(fmt::format("{} packets that could not be read: {}", complaints(), last_complaint()));
   return lines;

@@ -48,6 +48,16 @@ class DdsWorld final : public LinkedWorld {
     LinkState told = LinkState::waiting;
   };
 
+  /// A target or an obstacle that others see.
+  struct Body {
+    std::string name;
+    std::size_t index, x;
+    PosesFrom from;
+    SeenVelocity velocity;
+    std::unique_ptr<PoseIntake> poses;
+  };
+
+  bool bodies_are_seen(std::int64_t now) const noexcept;
   void step_all(LinkOrder order, std::span<const double> believed, std::span<const double> u) noexcept;
   void tell_changes(const TellPerson& tell);
   /// Steps at the period until `done`; at once where that is so.
@@ -62,7 +72,8 @@ class DdsWorld final : public LinkedWorld {
   LinkTimes times_;
   std::shared_ptr<Domain> domain_;
   std::vector<Robot> robots_;  // in the order of the team, whose first bodies they are
-  std::int64_t origin_ = 0;    // time 0 of the loop, of the monotonic clock [ns]
+  std::vector<Body> bodies_;
+  std::int64_t origin_ = 0;  // time 0 of the loop, of the monotonic clock [ns]
   bool begun_ = false, seen_ = false;
   std::atomic<bool> done_{false};
   std::thread watcher_;

@@ -4,18 +4,44 @@
 
 namespace sightline::dds {
 
+bool PoseIntake::is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) noexcept {
+  if (clock_.fits(sampled, arrived)) return true;
+  ++other_time_;
+  return false;
+}
+
 void PoseIntake::take(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
   if (!is_finite(local)) {
     ++not_finite_;
     return;
   }
-  if (!clock_.fits(sampled, arrived)) {
-    ++other_time_;
-    return;
-  }
+  if (!is_of_our_time(sampled, arrived)) return;
   const Nanoseconds stamp = clock_.on_ours(sampled, arrived);
   least_delay_ = clock_.least();
   motion_.put({in_G(origin_, local), stamp});
+}
+
+void PoseIntake::take_pose(const Vec3<double>& p, const Quaternion& q, Nanoseconds sampled,
+                           Nanoseconds arrived) noexcept {
+  Motion motion = {p, q, {}, 0.0};
+  if (!is_finite(motion)) {
+    ++not_finite_;
+    return;
+  }
+  if (!is_of_our_time(sampled, arrived)) return;
+  switch (fit_.take(p, q, sampled, motion)) {
+    case VelocityFit::Outcome::good:
+      take(motion, sampled, arrived);
+      break;
+    case VelocityFit::Outcome::too_few:
+      break;
+    case VelocityFit::Outcome::repeated:
+      ++repeated_;
+      break;
+    case VelocityFit::Outcome::jump:
+      ++jumps_;
+      break;
+  }
 }
 
 bool PoseIntake::look(SeenMotion& seen) noexcept {
@@ -30,20 +56,31 @@ const SeenMotion& PoseIntake::newest() noexcept {
 
 std::vector<std::string> PoseIntake::obstacles(std::string_view other_frames) const {
   std::vector<std::string> sentences;
+  const std::string& topic = reader().topic();
   if (in_other_frames())
-    sentences.push_back(
-        fmt::format("{}: {} poses in {}", reader_->topic(), other_frame_.load(), other_frames));
+    sentences.push_back(fmt::format("{}: {} poses in {}", topic, other_frame_.load(), other_frames));
   if (of_second_writer())
-    sentences.push_back(fmt::format("{}: {} messages of a second writer", reader_->topic(),
-                                    reader_->counts().foreign.load()));
+    sentences.push_back(fmt::format("{}: {} messages of a second writer", topic, second_writer()));
+  if (why_none_ && motion_.count() == 0) {
+    if (reader().counts().received == 0)
+      sentences.push_back(fmt::format("{}: no message", topic));
+    else if (not_finite_ > 0)
+      sentences.push_back(fmt::format("{}: {} poses that are not finite", topic, not_finite_.load()));
+    else if (repeated_ > 0)
+      sentences.push_back(fmt::format("{}: {} poses whose stamps do not rise", topic, repeated_.load()));
+    else if (!in_other_frames())
+      sentences.push_back(fmt::format("{}: {}", topic, why_none_()));
+  }
   return sentences;
 }
 
 std::string PoseIntake::counts() const {
-  const ReaderCounts& n = reader_->counts();
-  return fmt::format("{} poses, {} not finite, {} of another time, {} in other frames, {} of a second writer",
-                     n.received.load(), not_finite_.load(), other_time_.load(), other_frame_.load(),
-                     n.foreign.load());
+  std::string words =
+      fmt::format("{} poses, {} not finite, {} of another time, {} in other frames, {} of a second writer",
+                  reader().counts().received.load(), not_finite_.load(), other_time_.load(),
+                  other_frame_.load(), second_writer());
+  if (why_none_) words += fmt::format(", {} repeated, {} that jumped", repeated_.load(), jumps_.load());
+  return words;
 }
 
 }  // namespace sightline::dds

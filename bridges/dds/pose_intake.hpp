@@ -1,7 +1,8 @@
-/// Where a robot says that it is: what its messages say, from the thread that receives to the control thread.
+/// Where a body is: what it, or others about it, say, from the thread that receives to the control thread.
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -10,29 +11,37 @@
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/conversion.hpp"
 #include "bridges/dds/mailbox.hpp"
+#include "bridges/dds/velocity_fit.hpp"
 
 namespace sightline::dds {
 
-/// What a robot did last.
+/// What a body did last.
 struct SeenMotion {
   Motion motion{};        ///< in G
   Nanoseconds stamp = 0;  ///< when it was so, of the monotonic clock
 };
 
-/// Of one robot, by one topic.
+/// Of one body.
 class PoseIntake {
  public:
   /// @param origin  of the frame that the messages are in
-  explicit PoseIntake(const LinkOrigin& origin) : origin_(origin) {}
-  /// The reader whose messages are taken in; it ends with the intake. Its messages may come at once.
-  void read_by(std::unique_ptr<RawReader> reader) { reader_ = std::move(reader); }
+  explicit PoseIntake(const LinkOrigin& origin = {}) : origin_(origin) {}
+  /// A reader whose messages are taken in, the first of all where there are several; it ends with the intake. Its messages may
+  /// come at once.
+  void read_by(std::unique_ptr<RawReader> reader) { readers_.push_back(std::move(reader)); }
+  /// Says why nothing came of what the readers received, a few words; of any thread.
+  void explain_by(std::function<std::string()> why_none) { why_none_ = std::move(why_none); }
 
   // Of the thread that receives. Nothing is allocated.
   /// A motion in the local frame, with its time by the sender's clock; what is not finite or of another time is counted alone.
   void take(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept;
-  /// One in a frame, or with a time, that cannot be meant.
+  /// A pose alone: the velocity is fitted to the last of them.
+  void take_pose(const Vec3<double>& p, const Quaternion& q, Nanoseconds sampled,
+                 Nanoseconds arrived) noexcept;
+  /// One in a frame, with a time, or of a writer that cannot be meant.
   void take_other_frame() noexcept { ++other_frame_; }
   void take_other_time() noexcept { ++other_time_; }
+  void take_second_writer() noexcept { ++foreign_; }
 
   // Of the control thread.
   /// The newest motion. @return false where there was none yet
@@ -46,10 +55,10 @@ class PoseIntake {
 
   // Of any thread.
   bool in_other_frames() const noexcept { return other_frame_ > 0; }
-  bool of_second_writer() const noexcept { return reader_->counts().foreign > 0; }
+  bool of_second_writer() const noexcept { return second_writer() > 0; }
   /// The least delay of the last 10 s, clocks' offset included.
   Nanoseconds least_delay() const noexcept { return least_delay_; }
-  const RawReader& reader() const noexcept { return *reader_; }
+  const RawReader& reader() const noexcept { return *readers_.front(); }
   /// What keeps a robot from being armed by these, a sentence each.
   /// @param other_frames  what poses that count as of other frames are in
   std::vector<std::string> obstacles(std::string_view other_frames) const;
@@ -57,13 +66,20 @@ class PoseIntake {
   std::string counts() const;
 
  private:
+  std::int64_t second_writer() const noexcept { return reader().counts().foreign + foreign_; }
+  /// Counts one that is not.
+  bool is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) noexcept;
+
   LinkOrigin origin_;
   Mailbox<SeenMotion> motion_;  // filled by the thread that receives
-  ClockOffset clock_;           // of the thread that receives
+  ClockOffset clock_;           // of that thread
+  VelocityFit fit_;             // of that thread
   std::atomic<Nanoseconds> least_delay_{0};
-  std::atomic<std::int64_t> not_finite_{0}, other_time_{0}, other_frame_{0};
-  SeenMotion newest_{};                // of the control thread: for when the mailbox is being written
-  std::unique_ptr<RawReader> reader_;  // last: it ends before what it fills
+  std::atomic<std::int64_t> not_finite_{0}, other_time_{0}, other_frame_{0}, foreign_{0}, repeated_{0},
+      jumps_{0};
+  SeenMotion newest_{};  // of the control thread: for when the mailbox is being written
+  std::function<std::string()> why_none_;
+  std::vector<std::unique_ptr<RawReader>> readers_;  // last: they end before what they fill
 };
 
 }  // namespace sightline::dds

@@ -9,6 +9,8 @@
 #include <optional>
 #include <set>
 
+#include "bridges/dds/seen_poses.hpp"
+
 extern "C" {
 #include "px4.h"
 }
@@ -21,6 +23,7 @@ namespace {
 constexpr Nanoseconds px4_second = 1'000'000'000;
 constexpr Nanoseconds odometry_old = px4_second, status_old = 5 * px4_second / 2;
 constexpr Nanoseconds newcomers_wait = 50'000'000;
+constexpr double turn_most = 0.2;     // between its heading and the one that is seen [rad]
 constexpr double least_height = 0.3;  // in the air, where nobody says so [m]
 constexpr std::uint8_t ack_accepted = 0, ack_in_progress = 5;
 constexpr std::uint8_t our_system = 200, our_component = 191;  // a companion computer
@@ -42,10 +45,11 @@ struct Px4LinkEnd::Ends {
 
 Px4LinkEnd::Px4LinkEnd(dds_entity_t participant, const Link& link, Stamps stamps)
     : px4_(std::get<Px4Link>(link.kind)),
+      from_(link.poses),
       origin_(link.origin),
       release_(px4_first + static_cast<int>(px4_.release)),
       stamps_(stamps),
-      poses_(link.origin),
+      odometry_(link.origin),
       ends_(std::make_unique<Ends>()) {
   const auto topic = [&](Px4Side side, std::string_view message) {
     return px4_topic(px4_.name_space, side, message, release_);
@@ -88,8 +92,12 @@ Px4LinkEnd::Px4LinkEnd(dds_entity_t participant, const Link& link, Stamps stamps
       [this](const void* m, const Arrival& a) {
         landed_.put({a.monotonic, static_cast<const px4_msgs_msg_dds__VehicleLandDetected_*>(m)->landed});
       });
-  poses_.read_by(reader(PX4_DESCRIPTOR(VehicleOdometry_), "VehicleOdometry", of_sensors, Writers::first,
-                        [this](const void* m, const Arrival& a) { on_odometry(m, a); }));
+  odometry_.read_by(reader(PX4_DESCRIPTOR(VehicleOdometry_), "VehicleOdometry", of_sensors, Writers::first,
+                           [this](const void* m, const Arrival& a) { on_odometry(m, a); }));
+  if (from_.source != PoseSource::odometry) {
+    seen_ = std::make_unique<PoseIntake>();
+    read_seen_poses(*seen_, participant, from_, Attitude::needed);
+  }
   ends_->setpoint = writer(PX4_DESCRIPTOR(TrajectorySetpoint_), "TrajectorySetpoint");
   ends_->heartbeat = writer(
       release_ == 14 ? PX4_DESCRIPTOR(OffboardControlMode_14_) : PX4_DESCRIPTOR(OffboardControlMode_15_),
@@ -121,7 +129,7 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
   const auto& m = *static_cast<const px4_msgs_msg_dds__VehicleOdometry_*>(message);
   if (m.pose_frame != px4_frame_ned ||
       (m.velocity_frame != px4_frame_ned && m.velocity_frame != px4_velocity_body)) {
-    poses_.take_other_frame();
+    odometry_.take_other_frame();
     return;
   }
   const Quaternion q = normalised({m.q[0], m.q[1], m.q[2], m.q[3]});
@@ -132,10 +140,16 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
   const Vec3<double> v = px4_vec(m.velocity);
   local.v = m.velocity_frame == px4_frame_ned ? turned_over(v) : rotation(local.q).to_G(body_turned_over(v));
   if (m.timestamp_sample > last_microsecond) {
-    poses_.take_other_time();
+    odometry_.take_other_time();
     return;
   }
-  poses_.take(local, of_microseconds(m.timestamp_sample), arrival.monotonic);
+  odometry_.take(local, of_microseconds(m.timestamp_sample), arrival.monotonic);
+}
+
+bool Px4LinkEnd::is_seen_well() noexcept {
+  return !seen_ ||
+         (!seen_->of_second_writer() && !seen_->in_other_frames() &&
+          odometry_.is_fresh(monotonic_now(), odometry_old) && std::abs(turned_from_seen()) < turn_most);
 }
 
 LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
@@ -147,11 +161,12 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   const auto is = [&](NavState nav) { return s.nav == static_cast<std::uint8_t>(nav); };
   const bool says_landed = now - last_landed_.arrived < status_old;
   LinkFacts facts;
-  facts.there = poses_.is_fresh(now, odometry_old) && now - s.arrived < status_old;
+  facts.there = poses().is_fresh(now, odometry_old) && now - s.arrived < status_old;
   facts.armed = s.arming == px4_armed;
   facts.landed = says_landed ? last_landed_.good : !facts.armed;
   facts.checked = s.preflight && last_position_.good && facts.landed && heard_ &&
-                  !poses_.of_second_writer() && (px4_.target_system == 0 || px4_.target_system == s.system);
+                  !odometry_.of_second_writer() && is_seen_well() &&
+                  (px4_.target_system == 0 || px4_.target_system == s.system);
   facts.contested = rivals_ > 0;
   facts.restarted = speakers_ >= 0 && ends_->status->writers_came() > speakers_;
   facts.failsafe = s.failsafe;
@@ -159,12 +174,20 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
                : is(NavState::takeoff) || is(NavState::hold) ? AutopilotMode::takeoff
                : is(NavState::land)                          ? AutopilotMode::land
                                                              : AutopilotMode::other;
-  const bool high = poses_.newest().motion.p.z - origin_.p.z > least_height;
+  const bool high = poses().newest().motion.p.z - origin_.p.z > least_height;
   facts.airborne =
       (is(NavState::hold) || is(NavState::offboard)) && high && !(says_landed && last_landed_.good);
   facts.refused = last_ack_.arrived > asked_at_ && last_ack_.command == static_cast<std::uint32_t>(asked_) &&
                   last_ack_.result != ack_accepted && last_ack_.result != ack_in_progress;
   return facts;
+}
+
+/// How far its estimator is turned from what others see, anticlockwise [rad]; 0 where one of them says nothing.
+double Px4LinkEnd::turned_from_seen() noexcept {
+  SeenMotion own, seen;
+  if (!seen_ || !seen_->look(seen) || !odometry_.look(own)) return 0.0;
+  const Vec2<double> a = heading(rotation(seen.motion.q)), b = heading(rotation(own.motion.q));
+  return std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y);
 }
 
 std::uint64_t Px4LinkEnd::stamp() const noexcept {
@@ -254,7 +277,7 @@ std::vector<std::string> Px4LinkEnd::obstacles(std::span<const SeenWriter> write
   const auto say = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
     sentences.push_back(fmt::format(format, std::forward<Args>(args)...));
   };
-  const std::array<const RawReader*, 4> readers = {&poses_.reader(), ends_->status.get(),
+  const std::array<const RawReader*, 4> readers = {&odometry_.reader(), ends_->status.get(),
                                                    ends_->position.get(), ends_->ack.get()};
   for (const RawReader* reader : readers) {
     const ReaderCounts& n = reader->counts();
@@ -272,8 +295,16 @@ std::vector<std::string> Px4LinkEnd::obstacles(std::span<const SeenWriter> write
     }
     if (!others.empty()) say("there is {}, of another release than 1.{}", fmt::join(others, ", "), release_);
   }
-  for (std::string& sentence : poses_.obstacles("frames that are not NED"))
+  for (std::string& sentence : odometry_.obstacles("frames that are not NED"))
     sentences.push_back(std::move(sentence));
+  if (seen_) {
+    for (std::string& sentence : seen_->obstacles(other_frames_than(from_)))
+      sentences.push_back(std::move(sentence));
+    if (const double turn = turned_from_seen(); std::abs(turn) > turn_most)
+      say("its estimator's heading is {:.2f} rad from the one that is seen, expected {} at most: "
+          "origin.heading, or what it is fed",
+          turn, turn_most);
+  }
   if (f.contested) say("{}: another program writes set-points", ends_->setpoint->topic());
   if (!heard_) say("{}: nobody reads it", ends_->setpoint->topic());
   if (last_status_.arrived > 0 && px4_.target_system != 0 && px4_.target_system != last_status_.system)
@@ -282,19 +313,19 @@ std::vector<std::string> Px4LinkEnd::obstacles(std::span<const SeenWriter> write
   if (last_status_.arrived > 0 && !last_status_.preflight) say("its own checks before a flight do not pass");
   if (last_position_.arrived > 0 && !last_position_.good) say("its estimator is not valid");
   if (!f.landed) say("it is not on the ground");
-  if (f.there && poses_.least_delay() > px4_second)
+  if (f.there && poses().least_delay() > px4_second)
     say("its messages are {:.1f} s old when they come: its clock is not that of this machine",
-        1e-9 * static_cast<double>(poses_.least_delay()));
+        1e-9 * static_cast<double>(poses().least_delay()));
   return sentences;
 }
 
 std::string Px4LinkEnd::counts() const {
   std::int64_t wrong = 0;
   for (const RawReader* reader :
-       std::array<const RawReader*, 5>{&poses_.reader(), ends_->status.get(), ends_->position.get(),
+       std::array<const RawReader*, 5>{&odometry_.reader(), ends_->status.get(), ends_->position.get(),
                                        ends_->ack.get(), ends_->landed.get()})
     wrong += reader->counts().too_long + reader->counts().too_short;
-  return fmt::format("{}, {} messages of other sizes", poses_.counts(), wrong);
+  return fmt::format("{}, {} messages of other sizes", poses().counts(), wrong);
 }
 
 }  // namespace sightline::dds

@@ -31,7 +31,7 @@ class Px4LinkEnd final : public LinkEnd {
   Px4LinkEnd(dds_entity_t participant, const Link& link, Stamps stamps);
   ~Px4LinkEnd() override;
 
-  bool look(SeenMotion& seen) noexcept override { return poses_.look(seen); }
+  bool look(SeenMotion& seen) noexcept override { return poses().look(seen); }
   LinkFacts facts(Nanoseconds now) noexcept override;
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
@@ -62,10 +62,15 @@ class Px4LinkEnd final : public LinkEnd {
   template <class M>
   void on_position(const M& m, const Arrival& arrival);
   void on_odometry(const void* message, const Arrival& arrival);
+  PoseIntake& poses() noexcept { return seen_ ? *seen_ : odometry_; }
+  const PoseIntake& poses() const noexcept { return seen_ ? *seen_ : odometry_; }
+  double turned_from_seen() noexcept;
+  bool is_seen_well() noexcept;
   std::uint64_t stamp() const noexcept;
   void command(Px4Command which, float param1, float param2, Nanoseconds now) noexcept;
 
   Px4Link px4_;
+  PosesFrom from_;
   LinkOrigin origin_;
   int release_;
   Stamps stamps_;
@@ -87,8 +92,9 @@ class Px4LinkEnd final : public LinkEnd {
   Nanoseconds asked_at_ = 0;
   int speakers_ = -1;  // that had come when it was asked to arm; -1: it was not yet
 
-  PoseIntake poses_;
-  std::unique_ptr<Ends> ends_;  // last: readers end before what they fill
+  PoseIntake odometry_;
+  std::unique_ptr<PoseIntake> seen_;  // by others, where they say where it is
+  std::unique_ptr<Ends> ends_;        // last: readers end before what they fill
 };
 
 }  // namespace sightline::dds

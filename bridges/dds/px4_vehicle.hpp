@@ -45,7 +45,7 @@ class Px4Vehicle final : public StandIn {
   std::string counts() const override;
 
   Px4VehicleCounts told() const;
-  Motion motion() const;  ///< in G
+  Motion motion() const override;  ///< in G
   bool armed() const;
   /// Whether its checks before a flight fail.
   void fail_checks(bool fails);

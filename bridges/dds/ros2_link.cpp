@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "bridges/dds/seen_poses.hpp"
+
 extern "C" {
 #include "ros.h"
 }
@@ -22,11 +24,15 @@ bool is_wanted(const std::string& wanted, const char* frame) { return wanted.emp
 }  // namespace
 
 Ros2LinkEnd::Ros2LinkEnd(dds_entity_t participant, const Link& link)
-    : ros2_(std::get<Ros2Link>(link.kind)), poses_(link.origin) {
+    : ros2_(std::get<Ros2Link>(link.kind)), from_(link.poses), poses_(link.origin) {
   cmd_vel_ = std::make_unique<RawWriter>(
       participant,
       ros2_.stamped ? geometry_msgs_msg_dds__TwistStamped__desc : geometry_msgs_msg_dds__Twist__desc,
       ros2_.cmd_vel, of_ros_commands);
+  if (from_.source != PoseSource::odometry) {
+    read_seen_poses(poses_, participant, from_, Attitude::needed);
+    return;
+  }
   poses_.read_by(std::make_unique<RawReader>(participant, nav_msgs_msg_dds__Odometry__desc, ros2_.odometry,
                                              of_sensors, std::nullopt, Writers::first,
                                              [this](const void* m, const Arrival& a) { on_odometry(m, a); }));
@@ -93,9 +99,11 @@ void Ros2LinkEnd::watch(std::span<const SeenWriter> writers) {
 
 std::vector<std::string> Ros2LinkEnd::obstacles(std::span<const SeenWriter>) {
   std::vector<std::string> sentences;
-  if (poses_.reader().counts().received == 0)
+  const bool own = from_.source == PoseSource::odometry;
+  if (own && poses_.reader().counts().received == 0)
     sentences.push_back(fmt::format("{}: no message", poses_.reader().topic()));
-  for (std::string& sentence : poses_.obstacles("other frames than frame, body_frame say"))
+  for (std::string& sentence :
+       poses_.obstacles(own ? "other frames than frame, body_frame say" : other_frames_than(from_)))
     sentences.push_back(std::move(sentence));
   if (rivals_ > 0) sentences.push_back(fmt::format("{}: another program writes to it", cmd_vel_->topic()));
   if (!heard_) sentences.push_back(fmt::format("{}: nobody reads it", cmd_vel_->topic()));

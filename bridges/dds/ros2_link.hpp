@@ -29,6 +29,7 @@ class Ros2LinkEnd final : public LinkEnd {
   void on_odometry(const void* message, const Arrival& arrival);
 
   Ros2Link ros2_;
+  PosesFrom from_;
 
   std::atomic<bool> heard_{false};  // by watch()
   std::atomic<int> rivals_{0};

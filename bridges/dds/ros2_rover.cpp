@@ -26,8 +26,10 @@ Ros2Rover::Ros2Rover(dds_entity_t participant, const Ros2Link& link, const Setup
       motion_(setup.start),
       frame_(or_else(link.frame, "odom")),
       body_frame_(or_else(link.body_frame, "base_link")) {
-  odometry_ = std::make_unique<FaultyWriter>(participant, nav_msgs_msg_dds__Odometry__desc, link.odometry,
-                                             Quality{.reliable = true, .depth = 1}, faults_);
+  // Where others see it, it says nothing.
+  if (!link.odometry.empty())
+    odometry_ = std::make_unique<FaultyWriter>(participant, nav_msgs_msg_dds__Odometry__desc, link.odometry,
+                                               Quality{.reliable = true, .depth = 1}, faults_);
   const dds_topic_descriptor_t& type =
       link.stamped ? geometry_msgs_msg_dds__TwistStamped__desc : geometry_msgs_msg_dds__Twist__desc;
   cmd_vel_ = std::make_unique<RawReader>(
@@ -63,6 +65,7 @@ void Ros2Rover::step(std::int64_t) {
   motion_.v = rotation(motion_.q).to_G({v_.x, v_.y, 0});
   motion_.p = motion_.p + period * motion_.v;
 
+  if (!odometry_) return;
   const Motion local = in_local(setup_.origin, faults_.said(motion_));
   const RosTime now = to_ros(realtime_now());
   nav_msgs_msg_dds__Odometry_ m{};

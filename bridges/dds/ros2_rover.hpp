@@ -28,7 +28,7 @@ class Ros2Rover final : public StandIn {
   bool is_steered() const override { return commands() > 0; }
   std::string counts() const override;
 
-  Motion motion() const;  ///< in G
+  Motion motion() const override;  ///< in G
   std::int64_t commands() const;
   bool stopped_itself() const;
 

@@ -18,6 +18,12 @@ namespace {
 
 constexpr double lowest_takeoff = 0.5;  // [m]
 
+const Scenario& of_fleet(const Scenario& scenario) {
+  if (!scenario.fleet)
+    throw std::invalid_argument("fleet is missing, expected a [fleet] that says how the robots are reached");
+  return scenario;
+}
+
 }  // namespace
 
 std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario& scenario, const Link& link,
@@ -52,9 +58,7 @@ std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario&
 }
 
 DdsStandIns::DdsStandIns(const Scenario& scenario, std::shared_ptr<Domain> domain)
-    : scenario_(scenario), domain_(std::move(domain)) {
-  if (!scenario_.fleet)
-    throw std::invalid_argument("fleet is missing, expected a [fleet] that says how the robots are reached");
+    : scenario_(of_fleet(scenario)), domain_(std::move(domain)), poses_(domain_->participant(), scenario_) {
   for (const Link& link : scenario_.fleet->links) {
     Robot& robot = robots_.emplace_back(link, std::string(scenario_.team.name(link.robot)),
                                         scenario_.simulation.seed + robots_.size());
@@ -129,6 +133,13 @@ void DdsStandIns::run(double duration, const Interrupts& interrupts, const TellP
     std::this_thread::sleep_until(begin + k * period);
     follow_plan(k, tell);
     for (Robot& robot : robots_) step(robot, k);
+    motions_.clear();
+    for (Robot& robot : robots_) {
+      if (robot.stand_in) robot.at = robot.stand_in->motion();
+      const bool by_others = robot.link.poses.source != PoseSource::odometry;
+      motions_.push_back(by_others ? robot.faults.said(robot.at) : robot.at);
+    }
+    poses_.step(StandIn::period, motions_);
   }
 }
 
@@ -155,6 +166,7 @@ std::vector<std::string> DdsStandIns::counts() const {
     lines.push_back(fmt::format("{}: {}{}{}", robot.name, robot.stand_in ? robot.stand_in->counts() : "gone",
                                 faults.empty() ? "" : "; ", faults));
   }
+  if (std::string line = poses_.counts(); !line.empty()) lines.push_back(std::move(line));
   return lines;
 }
 

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "bridges/dds/conversion.hpp"
 #include "bridges/dds/domain.hpp"
 #include "bridges/dds/faults.hpp"
+#include "bridges/dds/stand_in_poses.hpp"
 #include "sightline/scenario/bridge.hpp"
 
 namespace sightline::dds {
@@ -23,6 +25,7 @@ class StandIn {
   virtual void step(std::int64_t number) = 0;
   /// Whether somebody steers it.
   virtual bool is_steered() const = 0;
+  virtual Motion motion() const = 0;  ///< in G
   /// What it was told and did, in words.
   virtual std::string counts() const = 0;
 };
@@ -54,6 +57,7 @@ class DdsStandIns final : public StandIns {
     std::string name;
     Faults faults;
     std::unique_ptr<StandIn> stand_in;         // none: until it begins anew
+    Motion at{};                               // where it is, or was last
     std::vector<std::string> earlier;          // what those before it did, in words
     std::int64_t begins_anew = 0;              // at this number of periods
     std::optional<std::int64_t> steered_from;  // the number of periods
@@ -72,6 +76,8 @@ class DdsStandIns final : public StandIns {
   std::shared_ptr<Domain> domain_;
   std::deque<Robot> robots_;
   std::vector<Planned> plan_;
+  std::vector<Motion> motions_;  // of each, as others see it
+  StandInPoses poses_;
 };
 
 }  // namespace sightline::dds

@@ -32,7 +32,7 @@ TEST(PoseIntake, TheNewestMotionIsSeenInTheTeamsFrameAndByOurClock) {
 }
 
 TEST(PoseIntake, WhatIsNotFiniteOrOfAnotherTimeIsCountedAndNotSeen) {
-  PoseIntake poses({});
+  PoseIntake poses;
   const Motion good = {{1, 0, 0}, upright({1, 0}), {}, 0};
   Motion bad = good;
   bad.p.y = std::numeric_limits<double>::quiet_NaN();

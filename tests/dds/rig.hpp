@@ -90,7 +90,7 @@ class Rig {
     });
     outcome = loop.fly();
     other.join();
-    after_task = told_of(0);
+    if (dynamic_cast<Px4Vehicle*>(&stand_ins.of(0)) != nullptr) after_task = told_of(0);
     land();
     return outcome;
   }

@@ -35,7 +35,7 @@ TEST(ReadLink, EachKindHasWhatTheFileSaysAndDefaultsForTheRest) {
   EXPECT_EQ(vehicle.target_system, 2);
   EXPECT_EQ(link.origin.p.z, 3.0);
   EXPECT_EQ(link.origin.heading, 0.5);
-  EXPECT_EQ(link.poses, PoseSource::odometry);
+  EXPECT_EQ(link.poses.source, PoseSource::odometry);
   EXPECT_THAT(summary(a),
               HasSubstr("link        uav0: /px4_1 of PX4 1.16, poses by odometry, origin [1, 2, 3] m\n"));
 
@@ -43,16 +43,42 @@ TEST(ReadLink, EachKindHasWhatTheFileSaysAndDefaultsForTheRest) {
       fleet("kind = \"crazyswarm2\"\nposes = \"mocap\"\npose_topic = \"/poses\"\npose_name = \"cf1\"\n"));
   const auto& crazyflie = std::get<Crazyswarm2Link>(b.fleet->links[0].kind);
   EXPECT_EQ(crazyflie.name_space, "/uav0");
-  EXPECT_EQ(b.fleet->links[0].poses, PoseSource::mocap);
-  EXPECT_EQ(b.fleet->links[0].pose_name, "cf1");
+  EXPECT_EQ(b.fleet->links[0].poses.source, PoseSource::mocap);
+  EXPECT_EQ(b.fleet->links[0].poses.name, "cf1");
+  EXPECT_EQ(b.fleet->links[0].poses.frame, "world");
 
   const Scenario c =
       scenario_of(fleet("kind = \"ros2\"\nodometry = \"/r/odom\"\ncmd_vel = \"/r/cmd_vel\"\nstamped = "
-                        "true\nframe = \"odom\"\nposes = \"tf\"\npose_name = \"base_link\"\n"));
+                        "true\nframe = \"odom\"\n"));
   const auto& rover = std::get<Ros2Link>(c.fleet->links[0].kind);
   EXPECT_EQ(rover.odometry, "/r/odom");
   EXPECT_TRUE(rover.stamped);
   EXPECT_EQ(rover.frame, "odom");
+
+  const Scenario d =
+      scenario_of(fleet("kind = \"ros2\"\ncmd_vel = \"/r/cmd_vel\"\nposes = \"tf\"\npose_name = "
+                        "\"base_link\"\npose_frame = \"map\"\n"));
+  EXPECT_EQ(d.fleet->links[0].poses.source, PoseSource::tf);
+  EXPECT_EQ(d.fleet->links[0].poses.frame, "map");
+  EXPECT_THAT(summary(d),
+              HasSubstr("link        uav0: /r/cmd_vel, poses by tf of base_link, origin [0, 0, 0] m\n"));
+}
+
+TEST(ReadLink, TargetsAndObstaclesMayBeSeenByOthers) {
+  const Scenario a = scenario_of(
+      fleet(px4) +
+      "[target.lamp]\np = [1, 0, 1]\n[target.lamp.link]\nposes = \"mocap\"\npose_topic = \"/lamp/pose\"\n"
+      "[obstacle.box]\np = [3, 0, 1]\n"
+      "[obstacle.cart]\np = [5, 0, 0]\nlink = { poses = \"tf\", pose_name = \"cart\", pose_frame = \"map\" "
+      "}\n");
+  ASSERT_EQ(a.fleet->bodies.size(), 2u);
+  EXPECT_EQ(a.team.name(a.fleet->bodies[0].body), "lamp");
+  EXPECT_EQ(a.fleet->bodies[0].poses.topic, "/lamp/pose");
+  EXPECT_EQ(a.fleet->bodies[1].poses.frame, "map");
+  EXPECT_THAT(summary(a), HasSubstr("link        cart: poses by tf of cart\n"));
+  // What others see may move, whatever it does in simulation.
+  EXPECT_EQ(a.uncooperative[0].speed_max, 1.5);
+  EXPECT_EQ(a.uncooperative[1].speed_max, 0.0);
 }
 
 TEST(ReadLink, ANetworkIsLoopbackUnlessItIsSaid) {
@@ -130,6 +156,20 @@ TEST(ReadLink, WhatDoesNotHoldIsRefusedWithItsPlace) {
       {fleet(px4 + "poses = \"mocap\"\n"), "link.pose_topic is missing, expected the topic of its poses"},
       {fleet(px4 + "poses = \"tf\"\n"),
        "link.pose_name is missing, expected what motion capture or /tf calls it"},
+      {fleet(px4 + "poses = \"tf\"\npose_name = \"world\"\n"),
+       "link.pose_name = \"world\", expected another frame than pose_frame, \"world\""},
+      {fleet(px4 + "pose_frame = \"map\"\n"),
+       "link.pose_frame = \"map\", expected no such key, only with poses = \"mocap\" or \"tf\""},
+      {fleet("kind = \"ros2\"\ncmd_vel = \"/v\"\nodometry = \"/o\"\nposes = \"tf\"\npose_name = \"b\"\n"),
+       "link.odometry = \"/o\", expected no such key, only with poses = \"odometry\""},
+      {fleet("kind = \"crazyswarm2\"\nposes = \"tf\"\npose_name = \"b\"\norigin = { p = [0, 0, 0] }\n"),
+       "expected no such key, only with poses = \"odometry\": those of others are in G"},
+      {fleet(px4) + "[target.lamp]\np = [0, 0, 1]\nlink = { poses = \"odometry\" }\n",
+       "target.lamp.link.poses = \"odometry\", expected \"mocap\" or \"tf\": where others see it"},
+      {fleet(px4) + "[target.lamp]\np = [0, 0, 1]\nlink = { kind = \"px4\" }\n",
+       "target.lamp.link.kind = \"px4\", expected a known key"},
+      {agent + "[target.lamp]\np = [0, 0, 1]\nlink = { poses = \"tf\", pose_name = \"b\" }\n",
+       "target.lamp.link = a table, expected no such table without a [fleet]"},
       {fleet(px4 + "pose_topic = \"/p\"\n"),
        "link.pose_topic = \"/p\", expected no such key, only with poses = \"mocap\""},
       {fleet("kind = \"ros2\"\nodometry = \"/o\"\n"),

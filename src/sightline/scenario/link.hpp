@@ -62,9 +62,17 @@ struct Ros2Link {
   static constexpr auto parameters() { return std::tuple{}; }
 };
 
-/// Where a robot's poses come from.
+/// Where poses come from: from the robot itself, or from others, in G and without velocities.
 enum class PoseSource { odometry, mocap, tf };
 inline constexpr std::array<std::string_view, 3> pose_sources = {"odometry", "mocap", "tf"};
+
+struct PosesFrom {
+  PoseSource source = PoseSource::odometry;
+  std::string topic{};  ///< of mocap: PoseStamped, or NamedPoseArray where the body has a name
+  std::string name{};   ///< of the body in a NamedPoseArray; of tf, the frame of the body
+  std::string frame =
+      "world";  ///< that is G: of mocap the frame of its poses, of tf where the chain of parents ends
+};
 
 /// Where a local frame lies in G.
 struct LinkOrigin {
@@ -75,10 +83,8 @@ struct LinkOrigin {
 struct Link {
   BodyId robot{};
   std::variant<Px4Link, Crazyswarm2Link, Ros2Link> kind{};
-  LinkOrigin origin{};  ///< of the frame that its odometry is in
-  PoseSource poses = PoseSource::odometry;
-  std::string pose_topic{};  ///< of mocap: PoseStamped, or NamedPoseArray where the body has a name
-  std::string pose_name{};   ///< of the body in a NamedPoseArray; of tf, the frame of the robot
+  LinkOrigin origin{};  ///< of the frame that its odometry is in, and its velocity commands
+  PosesFrom poses{};
 
   /// "px4"
   std::string_view kind_name() const {
@@ -103,9 +109,16 @@ inline constexpr std::array<std::string_view, 6> key_files = {
     "identity_ca.cert.pem",    "cert.pem",       "key.pem",
     "permissions_ca.cert.pem", "governance.p7s", "permissions.p7s"};
 
+/// A target or an obstacle that others say the place of.
+struct BodyLink {
+  BodyId body{};
+  PosesFrom poses{};
+};
+
 struct FleetPlan {
   FleetNetwork network{};
   std::vector<Link> links{};        ///< of each robot, in the order of the team
+  std::vector<BodyLink> bodies{};   ///< of those that have one, in the order of the team
   std::vector<LinkFault> faults{};  ///< that stand-ins have
 };
 

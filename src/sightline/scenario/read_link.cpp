@@ -59,7 +59,8 @@ std::vector<std::string> read_network_names(const TomlTable& at, std::string_vie
 }
 
 // Of each kind, what stands beside what the kind says of its parameters.
-constexpr std::array<std::string_view, 5> common = {"kind", "origin", "poses", "pose_topic", "pose_name"};
+constexpr std::array<std::string_view, 6> common = {"kind",       "origin",    "poses",
+                                                    "pose_topic", "pose_name", "pose_frame"};
 
 template <class Kind>
 Kind read_kind(const TomlTable& at, std::initializer_list<std::string_view> texts) {
@@ -88,7 +89,13 @@ LinkKind read_crazyswarm2(const TomlTable& at, const std::string& agent) {
 
 LinkKind read_ros2(const TomlTable& at, const std::string&) {
   Ros2Link link = read_kind<Ros2Link>(at, {"odometry", "cmd_vel", "stamped", "frame", "body_frame"});
-  link.odometry = read_ros_name(at, "odometry", "the topic of its odometry");
+  // Who is seen by others has no need of its own.
+  if (at.has("poses") && at.text("poses", "where its poses come from") != pose_sources[0]) {
+    for (const std::string_view key : {"odometry", "frame", "body_frame"})
+      if (at.has(key)) at.refuse(key, "no such key, only with poses = \"odometry\"");
+  } else {
+    link.odometry = read_ros_name(at, "odometry", "the topic of its odometry");
+  }
   link.cmd_vel = read_ros_name(at, "cmd_vel", "the topic of its velocity commands");
   if (at.has("stamped")) link.stamped = at.boolean("stamped");
   if (at.has("frame")) link.frame = read_frame(at, "frame", "the frame of its odometry");
@@ -100,22 +107,28 @@ using ReadKind = LinkKind (*)(const TomlTable&, const std::string&);
 constexpr std::array<Named<ReadKind>, 3> link_kinds = {
     {{Px4Link::name, read_px4}, {Crazyswarm2Link::name, read_crazyswarm2}, {Ros2Link::name, read_ros2}}};
 
-void read_poses(const TomlTable& at, Link& link) {
+PosesFrom read_poses(const TomlTable& at) {
+  PosesFrom poses;
   if (at.has("poses")) {
     if (at.text("poses", "where its poses come from") == "estimate")
       at.refuse("poses", fmt::format("one of {}: what an estimator makes of detections is not there yet",
                                      fmt::join(pose_sources, ", ")));
     const std::string_view word = at.word("poses", pose_sources);
-    link.poses = static_cast<PoseSource>(std::find(pose_sources.begin(), pose_sources.end(), word) -
-                                         pose_sources.begin());
+    poses.source = static_cast<PoseSource>(std::find(pose_sources.begin(), pose_sources.end(), word) -
+                                           pose_sources.begin());
   }
-  const bool mocap = link.poses == PoseSource::mocap, odometry = link.poses == PoseSource::odometry;
+  const bool mocap = poses.source == PoseSource::mocap, odometry = poses.source == PoseSource::odometry;
   if (at.has("pose_topic") && !mocap) at.refuse("pose_topic", "no such key, only with poses = \"mocap\"");
-  if (at.has("pose_name") && odometry)
-    at.refuse("pose_name", "no such key, only with poses = \"mocap\" or \"tf\"");
-  if (mocap) link.pose_topic = read_ros_name(at, "pose_topic", "the topic of its poses");
+  for (const std::string_view key : {"pose_name", "pose_frame"}) {
+    if (at.has(key) && odometry) at.refuse(key, "no such key, only with poses = \"mocap\" or \"tf\"");
+  }
+  if (mocap) poses.topic = read_ros_name(at, "pose_topic", "the topic of its poses");
   if (!odometry && (at.has("pose_name") || !mocap))
-    link.pose_name = read_frame(at, "pose_name", "what motion capture or /tf calls it");
+    poses.name = read_frame(at, "pose_name", "what motion capture or /tf calls it");
+  if (at.has("pose_frame")) poses.frame = read_frame(at, "pose_frame", "the frame that is G");
+  if (poses.source == PoseSource::tf && poses.name == poses.frame)
+    at.refuse("pose_name", fmt::format("another frame than pose_frame, \"{}\"", poses.frame));
+  return poses;
 }
 
 /// Where the keys are; those of a log's fleet need not be any more.
@@ -172,21 +185,44 @@ void read_link(const TomlTable& agent, const std::string& name, BodyId robot,
   Link& link = fleet->links.emplace_back();
   link.robot = robot;
   link.kind = find(link_kinds, at.word("kind", names(link_kinds)))(at, name);
-  read_poses(at, link);
+  link.poses = read_poses(at);
+  const bool is_px4 = std::holds_alternative<Px4Link>(link.kind),
+             own = link.poses.source == PoseSource::odometry;
   if (at.has("origin")) {
+    if (!own && !is_px4)
+      at.refuse("origin", "no such key, only with poses = \"odometry\": those of others are in G");
     const TomlTable origin = at.table("origin", "a table with p and heading");
     origin.read({{"heading",
                   &link.origin.heading,
                   {-2 * std::numbers::pi, 2 * std::numbers::pi, "-2 pi to 2 pi rad"}}},
                 {"p"});
     link.origin.p = origin.vec3("p");
-  } else if (std::holds_alternative<Px4Link>(link.kind) && link.poses == PoseSource::odometry) {
+  } else if (is_px4 && own) {
     at.refuse("origin",
               "a table with p and heading: where in G its estimator starts, its local frame's origin");
   }
 }
 
+void read_body_link(const TomlTable& body, BodyId id, std::optional<FleetPlan>& fleet) {
+  if (!body.has("link")) return;
+  if (!fleet) body.refuse("link", "no such table without a [fleet]");
+  const TomlTable at = body.table("link");
+  at.expect_only({"poses", "pose_topic", "pose_name", "pose_frame"});
+  BodyLink& link = fleet->bodies.emplace_back();
+  link.body = id;
+  link.poses = read_poses(at);
+  if (link.poses.source == PoseSource::odometry)
+    at.refuse("poses", "\"mocap\" or \"tf\": where others see it");
+}
+
 namespace {
+
+std::string poses_in_words(const PosesFrom& poses) {
+  std::string words(pose_sources[static_cast<std::size_t>(poses.source)]);
+  if (!poses.topic.empty()) words += fmt::format(" on {}", poses.topic);
+  if (!poses.name.empty()) words += fmt::format(" of {}", poses.name);
+  return words;
+}
 
 std::string network_in_words(const FleetNetwork& network) {
   return fmt::format("fleet       domain {} on {}, {}{}", network.domain, fmt::join(network.interfaces, ", "),
@@ -206,11 +242,11 @@ std::string link_in_words(const Link& link, std::string_view name) {
     how = fmt::format("{} of Crazyswarm2", crazyflie->name_space);
   } else {
     const auto& ros2 = std::get<Ros2Link>(link.kind);
-    how = fmt::format("{} and {}", ros2.odometry, ros2.cmd_vel);
+    how = ros2.odometry.empty() ? ros2.cmd_vel : fmt::format("{} and {}", ros2.odometry, ros2.cmd_vel);
   }
   const Vec3<double>& p = link.origin.p;
   return fmt::format("link        {}: {}, poses by {}, origin [{}, {}, {}] m", name, how,
-                     pose_sources[static_cast<std::size_t>(link.poses)], p.x, p.y, p.z);
+                     poses_in_words(link.poses), p.x, p.y, p.z);
 }
 
 }  // namespace
@@ -220,6 +256,8 @@ std::string in_words(const FleetPlan& fleet, const Team& team) {
   for (const Link& link : fleet.links) all += fmt::format("\n{}", link_in_words(link, team.name(link.robot)));
   for (const LinkFault& fault : fleet.faults)
     all += fmt::format("\nfault       {}: {}", team.name(fault.robot), in_words(fault));
+  for (const BodyLink& link : fleet.bodies)
+    all += fmt::format("\nlink        {}: poses by {}", team.name(link.body), poses_in_words(link.poses));
   return all;
 }
 

@@ -1,4 +1,4 @@
-/// [fleet] and [agent.NAME.link].
+/// [fleet], [agent.NAME.link], [target.NAME.link] and [obstacle.NAME.link].
 #pragma once
 
 #include <optional>
@@ -18,6 +18,10 @@ std::optional<FleetNetwork> read_fleet(const TomlTable& root);
 /// @throws ScenarioError
 void read_link(const TomlTable& agent, const std::string& name, BodyId robot,
                std::optional<FleetPlan>& fleet);
+
+/// [target.NAME.link] and [obstacle.NAME.link], which a body may have: adds it to the fleet.
+/// @throws ScenarioError
+void read_body_link(const TomlTable& at, BodyId body, std::optional<FleetPlan>& fleet);
 
 /// Lines for the summary of a scenario.
 std::string in_words(const FleetPlan& fleet, const Team& team);

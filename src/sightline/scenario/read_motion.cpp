@@ -95,7 +95,7 @@ Motion read_motion(const TomlTable& body, const FindAgent& agent) {
 }  // namespace
 
 UncooperativeStart read_uncooperative(const TomlTable& at, const FindAgent& agent) {
-  at.expect_only({"p", "v", "motion", "velocity", "speed_max", "d_hard", "present"});
+  at.expect_only({"p", "v", "motion", "velocity", "speed_max", "d_hard", "present", "link"});
   UncooperativeStart read;
   UncooperativeBody& uncooperative = read.uncooperative;
   std::optional<Vec3<double>> start;
@@ -113,8 +113,8 @@ UncooperativeStart read_uncooperative(const TomlTable& at, const FindAgent& agen
     const bool measured = at.word("velocity", known) == "measured";
     uncooperative.velocity = measured ? SeenVelocity::measured : SeenVelocity::unknown;
   }
-  // A thing that stands still in the scenario is taken to stay.
-  if (!uncooperative.motion && norm(read.v) == 0) uncooperative.speed_max = 0.0;
+  // A thing that stands still in the scenario is taken to stay, unless others say where it is.
+  if (!uncooperative.motion && norm(read.v) == 0 && !at.has("link")) uncooperative.speed_max = 0.0;
   if (at.has("speed_max")) uncooperative.speed_max = at.number("speed_max", not_negative(">= 0 m/s"));
   if (at.has("d_hard")) uncooperative.d_hard = at.number("d_hard", positive("> 0 m"));
   return read;

@@ -286,6 +286,7 @@ class Reader {
       enter(name, at, [&, &n = name] { return scenario_.team.add(Obstacle{n}); });
       ids.push_back(read.uncooperative.body = bodies_.at(name));
       scenario_.uncooperative.push_back(std::move(read.uncooperative));
+      read_body_link(at, bodies_.at(name), scenario_.fleet);
       scenario_.presence.push_back(is_present(at) ? Presence::hold : Presence::absent);
     }
   }

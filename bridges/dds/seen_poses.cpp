@@ -1,0 +1,152 @@
+#include "bridges/dds/seen_poses.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <mutex>
+#include <set>
+
+#include "bridges/dds/transform_chain.hpp"
+
+extern "C" {
+#include "ros.h"
+}
+
+namespace sightline::dds {
+namespace {
+
+using RosHeader = std_msgs_msg_dds__Header_;
+using RosPose = geometry_msgs_msg_dds__Pose_;
+constexpr Quality of_tf = {.depth = 100}, of_static_tf = {true, true, 100};
+constexpr std::size_t named_most = 16;  // that are told
+const char* const too_seldom = "never four poses within 0.4 s";
+
+Nanoseconds stamp_of(const RosHeader& header) { return of_ros(header.stamp.sec, header.stamp.nanosec); }
+
+/// Takes poses in one frame.
+struct PoseTaker {
+  PoseIntake& intake;
+  std::string frame;
+  Attitude attitude;
+
+  void operator()(const RosHeader& header, const RosPose& pose, const Arrival& arrival) const noexcept {
+    if (frame != header.frame_id) {
+      intake.take_other_frame();
+      return;
+    }
+    const auto& [p, q] = pose;
+    intake.take_pose({p.x, p.y, p.z},
+                     attitude == Attitude::ignored ? upright({1, 0}) : normalised({q.w, q.x, q.y, q.z}),
+                     stamp_of(header), arrival.monotonic);
+  }
+};
+
+void read_stamped(PoseIntake& intake, dds_entity_t participant, const PosesFrom& from, Attitude attitude) {
+  intake.explain_by([] { return std::string(too_seldom); });
+  intake.read_by(std::make_unique<RawReader>(
+      participant, geometry_msgs_msg_dds__PoseStamped__desc, from.topic, of_sensors, std::nullopt,
+      Writers::first, [take = PoseTaker{intake, from.frame, attitude}](const void* m, const Arrival& a) {
+        const auto& pose = *static_cast<const geometry_msgs_msg_dds__PoseStamped_*>(m);
+        take(pose.header, pose.pose, a);
+      }));
+}
+
+/// Which names there are, until the one that is looked for comes.
+struct OtherNames {
+  std::mutex lock;  // of both
+  std::set<std::string> names;
+  bool found = false;
+};
+
+void read_named(PoseIntake& intake, dds_entity_t participant, const PosesFrom& from, Attitude attitude) {
+  const auto others = std::make_shared<OtherNames>();
+  intake.explain_by([others, name = from.name] {
+    const std::scoped_lock lock(others->lock);
+    if (others->found) return std::string(too_seldom);
+    return others->names.empty()
+               ? fmt::format("no body at all, expected \"{}\"", name)
+               : fmt::format("no body \"{}\", there is {}", name, fmt::join(others->names, ", "));
+  });
+  using Array = motion_capture_tracking_interfaces_msg_dds__NamedPoseArray_;
+  intake.read_by(std::make_unique<RawReader>(
+      participant, motion_capture_tracking_interfaces_msg_dds__NamedPoseArray__desc, from.topic, of_sensors,
+      std::nullopt, Writers::first,
+      [others, name = from.name, take = PoseTaker{intake, from.frame, attitude}](const void* m,
+                                                                                 const Arrival& a) {
+        const auto& array = *static_cast<const Array*>(m);
+        const std::span bodies(array.poses._buffer, array.poses._length);
+        const auto body =
+            std::find_if(bodies.begin(), bodies.end(), [&](const auto& named) { return name == named.name; });
+        if (body != bodies.end()) take(array.header, body->pose, a);
+        const std::scoped_lock lock(others->lock);
+        others->found = others->found || body != bodies.end();
+        for (std::size_t i = 0; !others->found && i < bodies.size() && others->names.size() < named_most; ++i)
+          others->names.insert(bodies[i].name);
+      }));
+}
+
+/// Of a reader of /tf and one of /tf_static, which may have threads of their own.
+struct SeenTransforms {
+  explicit SeenTransforms(const PosesFrom& from) : chain(from.name, from.frame) {}
+  std::mutex lock;
+  TransformChain chain;
+};
+
+FrameTransform transform_of(const geometry_msgs_msg_dds__TransformStamped_& t, const Arrival& arrival) {
+  const auto& [p, q] = t.transform;
+  return {t.header.frame_id,    t.child_frame_id,   {p.x, p.y, p.z},
+          {q.w, q.x, q.y, q.z}, stamp_of(t.header), arrival.writer};
+}
+
+void read_transforms(PoseIntake& intake, dds_entity_t participant, const PosesFrom& from, Attitude attitude) {
+  const auto seen = std::make_shared<SeenTransforms>(from);
+  intake.explain_by([seen, from] {
+    const std::scoped_lock lock(seen->lock);
+    const std::string end = seen->chain.ends_at();
+    if (end.empty()) return std::string(too_seldom);
+    if (end == from.name) return fmt::format("no transform of \"{}\"", from.name);
+    return fmt::format("the parents of \"{}\" end at \"{}\", expected pose_frame, \"{}\"", from.name, end,
+                       from.frame);
+  });
+  const auto each = [](const void* m) {
+    const auto& message = *static_cast<const tf2_msgs_msg_dds__TFMessage_*>(m);
+    return std::span(message.transforms._buffer, message.transforms._length);
+  };
+  intake.read_by(std::make_unique<RawReader>(
+      participant, tf2_msgs_msg_dds__TFMessage__desc, "/tf", of_tf, std::nullopt, Writers::all,
+      [seen, each, attitude, &intake](const void* m, const Arrival& a) {
+        const std::scoped_lock lock(seen->lock);
+        bool moved = false;
+        for (const auto& transform : each(m)) {
+          const TransformChain::Taken taken = seen->chain.take(transform_of(transform, a));
+          moved = moved || taken == TransformChain::Taken::moved;
+          if (taken == TransformChain::Taken::second_writer) intake.take_second_writer();
+        }
+        const auto pose = moved ? seen->chain.pose() : std::nullopt;
+        if (!pose) return;
+        const Quaternion q = attitude == Attitude::ignored ? upright({1, 0}) : pose->q;
+        intake.take_pose(pose->p, q, pose->stamp, a.monotonic);
+      }));
+  intake.read_by(std::make_unique<RawReader>(participant, tf2_msgs_msg_dds__TFMessage__desc, "/tf_static",
+                                             of_static_tf, std::nullopt, Writers::all,
+                                             [seen, each](const void* m, const Arrival& a) {
+                                               const std::scoped_lock lock(seen->lock);
+                                               for (const auto& transform : each(m))
+                                                 seen->chain.take_static(transform_of(transform, a));
+                                             }));
+}
+
+}  // namespace
+
+void read_seen_poses(PoseIntake& intake, dds_entity_t participant, const PosesFrom& from, Attitude attitude) {
+  if (from.source == PoseSource::tf) return read_transforms(intake, participant, from, attitude);
+  from.name.empty() ? read_stamped(intake, participant, from, attitude)
+                    : read_named(intake, participant, from, attitude);
+}
+
+std::string other_frames_than(const PosesFrom& from) {
+  return fmt::format("a frame that is not pose_frame, \"{}\"", from.frame);
+}
+
+}  // namespace sightline::dds
