@@ -120,7 +120,7 @@ int replay(const ReplayCommand& command, const Parts& parts) {
     }
     const FlownAs flown = flown_as(log);
     const Scenario scenario = scenario_of(flown, log, command, parts);
-    RecordedFlight flight(log, scenario.team, scenario.x0, scenario.horizon.dt);
+    RecordedFlight flight(log, scenario.team, scenario.x0, scenario.horizon.dt, goals_of(scenario.fleet));
     if (flown.version != sightline::version || flown.compiler != compiler) {
       say(fmt::format("the log is of sightline {} ({}), this is {} ({}): last bits may differ", flown.version,
                       flown.compiler, sightline::version, compiler));

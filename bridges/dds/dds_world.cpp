@@ -53,6 +53,17 @@ const Scenario& flown(const Scenario& scenario) {
   return scenario;
 }
 
+/// Where [safety] lets a robot fly, or drive.
+GoalSpace goal_space(const Scenario& scenario, const Model& model) {
+  GoalSpace space;
+  if (!scenario.safety) return space;
+  space.world = scenario.safety->world;
+  if (model.rolls()) return space;
+  space.floor = scenario.safety->barrier_options.floor;
+  space.ceiling = scenario.safety->barrier_options.ceiling;
+  return space;
+}
+
 void sleep_until(std::int64_t t) noexcept {
   const timespec wake = {t / 1'000'000'000, t % 1'000'000'000};
   while (monotonic_now() < t) ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, nullptr);
@@ -77,6 +88,10 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
     std::unique_ptr<LinkEnd> end = made_end(domain_->participant(), link, name, model, loopback);
     robots_.push_back({name, std::move(end), RobotState(model), LinkMachine(times_),
                        size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
+    if (!link.goals.track) continue;
+    robots_.back().track = link.goals.track;
+    robots_.back().goals =
+        std::make_unique<GoalIntake>(domain_->participant(), link.goals, goal_space(scenario, model));
   }
   for (const BodyLink& link : scenario.fleet->bodies) {
     const auto uncooperative =
@@ -91,6 +106,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
     while (!done_) {
       const std::vector<SeenWriter> writers = list.look();
       for (Robot& robot : robots_) robot.end->watch(writers);
+      tell_news();
       std::this_thread::sleep_for(std::chrono::milliseconds(200));
     }
   });
@@ -103,6 +119,11 @@ DdsWorld::~DdsWorld() {
 
 Measured DdsWorld::measure(double t) noexcept {
   if (!begun_) origin_ = monotonic_now() - std::llround(1e9 * t);
+  for (Robot& robot : robots_) {
+    if (!robot.track) continue;
+    if (!begun_) robot.track->clear(), robot.goals->forget();
+    robot.goals->pass_on(t, *robot.track);
+  }
   begun_ = seen_ = true;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     SeenMotion seen;
@@ -178,6 +199,16 @@ void DdsWorld::tell_changes(const TellPerson& tell) {
   }
 }
 
+void DdsWorld::tell_news() {
+  const std::scoped_lock lock(news_);
+  if (!news_go_to_) return;
+  for (Robot& robot : robots_) {
+    if (!robot.goals) continue;
+    for (const std::string& sentence : robot.goals->news())
+      news_go_to_(fmt::format("{}: {}", robot.name, sentence));
+  }
+}
+
 template <class Done>
 void DdsWorld::steps_until(LinkOrder order, const Interrupts& interrupts, const TellPerson& tell,
                            Done&& done) {
@@ -208,7 +239,11 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
     });
     if (!out())
       steps_until(LinkOrder::hold, interrupts, tell, [&] { return out() || each_is({S::holding}); });
-    if (!out()) return true;
+    if (!out()) {
+      const std::scoped_lock lock(news_);
+      news_go_to_ = tell;
+      return true;
+    }
   } else {
     const std::vector<SeenWriter> writers = WriterList(domain_->participant()).look();
     for (Robot& robot : robots_) {
@@ -226,6 +261,11 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
 }
 
 void DdsWorld::land(const Interrupts& interrupts, const TellPerson& tell) {
+  tell_news();
+  {
+    const std::scoped_lock lock(news_);
+    news_go_to_ = {};
+  }
   steps_until(LinkOrder::land, interrupts, tell, [&] {
     return each_is({LinkState::done, LinkState::pilot});
   });
@@ -250,7 +290,10 @@ std::vector<std::string> DdsWorld::faults() const {
 
 std::vector<std::string> DdsWorld::counts() const {
   std::vector<std::string> lines;
-  for (const Robot& robot : robots_) lines.push_back(fmt::format("{}: {}", robot.name, robot.end->counts()));
+  for (const Robot& robot : robots_) {
+    lines.push_back(fmt::format("{}: {}", robot.name, robot.end->counts()));
+    if (robot.goals) lines.push_back(fmt::format("{}: {}", robot.name, robot.goals->counts()));
+  }
   for (const Body& body : bodies_) lines.push_back(fmt::format("{}: {}", body.name, body.poses->counts()));
   if (complaints() > 0)
     lines.push_back(fmt::format("{} packets that could not be read: {}", complaints(), last_complaint()));

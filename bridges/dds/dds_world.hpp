@@ -4,11 +4,13 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "bridges/dds/domain.hpp"
+#include "bridges/dds/goal_intake.hpp"
 #include "bridges/dds/link_end.hpp"
 #include "sightline/scenario/bridge.hpp"
 
@@ -44,7 +46,9 @@ class DdsWorld final : public LinkedWorld {
     std::unique_ptr<LinkEnd> end;
     RobotState model;
     LinkMachine machine;
-    std::size_t x, u;  // where its state and its inputs begin
+    std::size_t x, u;                    // where its state and its inputs begin
+    std::shared_ptr<GoalTrack> track{};  // none: it takes no goals
+    std::unique_ptr<GoalIntake> goals{};
     LinkState told = LinkState::waiting;
   };
 
@@ -60,6 +64,7 @@ class DdsWorld final : public LinkedWorld {
   bool bodies_are_seen(std::int64_t now) const noexcept;
   void step_all(LinkOrder order, std::span<const double> believed, std::span<const double> u) noexcept;
   void tell_changes(const TellPerson& tell);
+  void tell_news();
   /// Steps at the period until `done`; at once where that is so.
   template <class Done>
   void steps_until(LinkOrder order, const Interrupts& interrupts, const TellPerson& tell, Done&& done);
@@ -76,6 +81,8 @@ class DdsWorld final : public LinkedWorld {
   std::int64_t origin_ = 0;  // time 0 of the loop, of the monotonic clock [ns]
   bool begun_ = false, seen_ = false;
   std::atomic<bool> done_{false};
+  std::mutex news_;          // of the next
+  TellPerson news_go_to_{};  // while the task is flown
   std::thread watcher_;
 };
 

@@ -58,17 +58,17 @@ struct Seeing {
   PoseIntake intake;
 };
 
-const PosesFrom stamped = {PoseSource::mocap, "/body/pose", "", "world"},
-                named = {PoseSource::mocap, "/poses", "cf1", "world"},
+const PosesFrom by_stamped = {PoseSource::mocap, "/body/pose", "", "world"},
+                by_named = {PoseSource::mocap, "/poses", "cf1", "world"},
                 by_tf = {PoseSource::tf, "", "base", "world"};
-const Quaternion straight = {1, 0, 0, 0};
+const Quaternion level_east = {1, 0, 0, 0};
 
 TEST(SeenPoses, APoseOfMotionCaptureHasItsVelocity) {
   const Domain domain{test::own_network()};
-  Seeing one(domain, stamped), other(domain, named);
+  Seeing one(domain, by_stamped), other(domain, by_named);
   const auto writer = one.writer(), array = other.writer();
   for (int k = 0; k < 20; ++k) {
-    Seeing::send(*writer, "world", {0.01 * k, 0, 1}, straight, k);
+    Seeing::send(*writer, "world", {0.01 * k, 0, 1}, level_east, k);
     Seeing::send_named(*array, "world", "cf1", {0, 0.02 * k, 1}, k);
     Seeing::send_named(*array, "world", "cf2", {9, 9, 9}, k);
   }
@@ -84,19 +84,19 @@ TEST(SeenPoses, APoseOfMotionCaptureHasItsVelocity) {
 
 TEST(SeenPoses, WhatDoesNotHoldHasASentence) {
   const Domain domain{test::own_network()};
-  Seeing one(domain, stamped);
+  Seeing one(domain, by_stamped);
   EXPECT_THAT(one.said(), ElementsAre("rt/body/pose: no message"));
   const auto writer = one.writer();
   Seeing::send(*writer, "world", {0, 0, 1}, {std::nan(""), 0, 0, 0}, 0);
   EXPECT_THAT(one.said(), ElementsAre("rt/body/pose: 1 poses that are not finite"));
-  Seeing::send(*writer, "map", {0, 0, 1}, straight, 0);
+  Seeing::send(*writer, "map", {0, 0, 1}, level_east, 0);
   EXPECT_THAT(one.said(), Contains("rt/body/pose: 1 poses in a frame that is not pose_frame, \"world\""));
   EXPECT_TRUE(one.intake.in_other_frames());
   const auto rival = one.writer();
-  Seeing::send(*rival, "world", {0, 0, 1}, straight, 0);
+  Seeing::send(*rival, "world", {0, 0, 1}, level_east, 0);
   EXPECT_THAT(one.said(), Contains("rt/body/pose: 1 messages of a second writer"));
 
-  Seeing other(domain, named);
+  Seeing other(domain, by_named);
   const auto array = other.writer();
   Seeing::send_named(*array, "world", "cf3", {}, 0);
   Seeing::send_named(*array, "world", "cf2", {}, 0);
@@ -116,7 +116,7 @@ TEST(SeenPoses, WhatDoesNotHoldHasASentence) {
 
 TEST(SeenPoses, ASingleMarkerIsEnoughForABodyWithoutAHeading) {
   const Domain domain{test::own_network()};
-  Seeing one(domain, stamped, Attitude::ignored);
+  Seeing one(domain, by_stamped, Attitude::ignored);
   const auto writer = one.writer();
   for (int k = 0; k < 5; ++k)
     Seeing::send(*writer, "world", {0, 0, 1}, {std::nan(""), std::nan(""), std::nan(""), std::nan("")}, k);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "sightline/scenario/goal_track.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/scenario_text.hpp"
 
@@ -62,6 +63,29 @@ TEST(ReadLink, EachKindHasWhatTheFileSaysAndDefaultsForTheRest) {
   EXPECT_EQ(d.fleet->links[0].poses.frame, "map");
   EXPECT_THAT(summary(d),
               HasSubstr("link        uav0: /r/cmd_vel, poses by tf of base_link, origin [0, 0, 0] m\n"));
+}
+
+TEST(ReadLink, ARobotThatTakesGoalsHasAReferenceThatTheyChange) {
+  const std::string weighs =
+      "[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\nQ = [1, 1, 1, 0, 0, 0, 0]\n"
+      "reference = { constant = { p = [0, 0, 2] } }\n";
+  const Scenario a = scenario_of("[fleet]\n" + weighs + "[agent.uav0.link]\n" + px4 +
+                                 "goal_topic = \"/uav0/goal\"\ngoal_speed = 1.5\ngoal_frame = \"map\"\n");
+  const GoalsFrom& goals = a.fleet->links[0].goals;
+  EXPECT_EQ(goals.goal_topic, "/uav0/goal");
+  EXPECT_EQ(goals.path_topic, "");
+  EXPECT_EQ(goals.frame, "map");
+  EXPECT_EQ(goals.speed, 1.5);
+  ASSERT_EQ(goals_of(a.fleet).size(), 1u);
+  std::vector<double> x(7);
+  const auto height = [&](double t) {
+    a.team.agents()[0].x_ref(t, a.team.agents()[0].model, x);
+    return x[2];
+  };
+  EXPECT_EQ(height(1.0), 2.0);
+  EXPECT_EQ(goals.track->add(1.0, std::vector{Waypoint{.p = {0, 0, 3}}}), GoalAnswer::taken);
+  EXPECT_EQ(height(9.0), 3.0);
+  EXPECT_THAT(summary(a), HasSubstr("origin [1, 2, 3] m, goals on /uav0/goal\n"));
 }
 
 TEST(ReadLink, TargetsAndObstaclesMayBeSeenByOthers) {
@@ -156,6 +180,11 @@ TEST(ReadLink, WhatDoesNotHoldIsRefusedWithItsPlace) {
       {fleet(px4 + "poses = \"mocap\"\n"), "link.pose_topic is missing, expected the topic of its poses"},
       {fleet(px4 + "poses = \"tf\"\n"),
        "link.pose_name is missing, expected what motion capture or /tf calls it"},
+      {fleet(px4 + "goal_topic = \"/g\"\n"),
+       "link.goal_topic = \"/g\", expected a robot whose Q weighs its position: this one would not follow"},
+      {fleet(px4 + "goal_speed = 1\n"),
+       "link.goal_speed = 1, expected no such key, only with goal_topic or path_topic"},
+      {fleet(px4 + "path_topic = \"g\"\n"), "link.path_topic = \"g\", expected the topic of its paths"},
       {fleet(px4 + "poses = \"tf\"\npose_name = \"world\"\n"),
        "link.pose_name = \"world\", expected another frame than pose_frame, \"world\""},
       {fleet(px4 + "pose_frame = \"map\"\n"),

@@ -209,7 +209,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
   }
   rows_ += ",allocations,iterations,missed\n";
   events_ = open(schemas_.event, "/events", "json");
-  measurements_.emplace(team_, mcap_);
+  measurements_.emplace(team_, mcap_, goals_of(scenario.fleet));
   begin();
 }
 

@@ -23,12 +23,18 @@ std::string topic_of(const Team& team, BodyId body, std::string_view what) {
 
 }  // namespace
 
-MeasurementLog::MeasurementLog(const Team& team, McapWriter& mcap)
+MeasurementLog::MeasurementLog(const Team& team, McapWriter& mcap, const std::vector<RobotGoals>& goals)
     : team_(team), mcap_(mcap), detections_(size(team.bodies())) {
   const SchemaId measurement = mcap.schema("sightline.Measurement", "jsonschema",
                                            json_schema({{"stamp", "number"}, {"x", "numbers"}}));
   for (int i = 0; i < team.bodies(); ++i)
     bodies_.push_back({mcap.channel(measurement, topic_of(team, BodyId{i}, "measurement"), "json", {})});
+  for (const RobotGoals& robot : goals) {
+    const SchemaId goal =
+        mcap.schema("sightline.Goal", "jsonschema",
+                    json_schema({{"after", "numbers"}, {"p", "numbers"}, {"heading", "numbers"}}));
+    goals_.push_back({robot.track, {mcap.channel(goal, topic_of(team, robot.robot, "goal"), "json", {})}});
+  }
   changes_ = {
       mcap.channel(mcap.schema("sightline.TeamAnswer", "jsonschema", json_schema({})), "/team", "json", {})};
 }
@@ -57,7 +63,28 @@ SchemaId MeasurementLog::detection() {
   return *detection_;
 }
 
+/// Those that came up to now.
+void MeasurementLog::add_goals(double time) {
+  for (Goals& robot : goals_) {
+    for (; robot.written < robot.track->messages() && robot.track->time(robot.written) <= time;
+         ++robot.written) {
+      robot.track->waypoints(robot.written, waypoints_);
+      begin(robot.track->time(robot.written));
+      const auto list = [&](std::string_view key, auto&& each) {
+        numbers_.clear();
+        for (const Waypoint& waypoint : waypoints_) each(waypoint);
+        put(text_, key, numbers_);
+      };
+      list("after", [&](const Waypoint& w) { numbers_.push_back(w.after); });
+      list("p", [&](const Waypoint& w) { numbers_.insert(numbers_.end(), {w.p.x, w.p.y, w.p.z}); });
+      list("heading", [&](const Waypoint& w) { numbers_.push_back(w.heading); });
+      send(robot.channel, time);
+    }
+  }
+}
+
 void MeasurementLog::add(const Sample& sample) {
+  add_goals(sample.time);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const BodyId body{static_cast<int>(i)};
     begin(sample.time);
@@ -114,6 +141,10 @@ class RecordedFlight::Reader {
         ++inputs_;
       };
     }
+    for (const RobotGoals& robot : flight.goals_)
+      takes_[topic_of(team, robot.robot, "goal")] = [this, track = robot.track](const McapMessage&) {
+        read_goal(track);
+      };
     takes_["/team"] = [this](const McapMessage&) { period().team_answered = true; };
     takes_["/events"] = [this](const McapMessage&) {
       if (text_.word("kind") == to_string(EventKind::missed_period))
@@ -198,6 +229,17 @@ class RecordedFlight::Reader {
     flight_.detections_max_ = std::max(flight_.detections_max_, period().detections.size());
   }
 
+  void read_goal(const std::shared_ptr<GoalTrack>& track) {
+    const std::span<const double> after = text_.numbers("after"), p = text_.numbers("p"),
+                                  heading = text_.numbers("heading");
+    if (after.empty() || after.size() > GoalTrack::path_most || p.size() != 3 * after.size() ||
+        heading.size() != after.size())
+      throw std::runtime_error("a goal of another length, expected 1 to 64 waypoints");
+    RecordedGoal& goal = flight_.sent_.emplace_back(RecordedGoal{text_.number("time"), track, {}});
+    for (std::size_t i = 0; i < after.size(); ++i)
+      goal.waypoints.push_back({after[i], {p[3 * i], p[3 * i + 1], p[3 * i + 2]}, heading[i]});
+  }
+
   void read_solver(const McapMessage& message) {
     text_.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
     period().status.push_back(status_named(text_.word("status")));
@@ -219,8 +261,9 @@ class RecordedFlight::Reader {
 };
 
 RecordedFlight::RecordedFlight(const std::filesystem::path& log, Team team, std::vector<double> start,
-                               double period)
-    : team_(std::move(team)), start_(std::move(start)), period_(period) {
+                               double period, std::vector<RobotGoals> goals)
+    : team_(std::move(team)), start_(std::move(start)), period_(period), goals_(std::move(goals)) {
+  for (const RobotGoals& robot : goals_) robot.track->clear();
   McapReader mcap(log);
   if (!mcap.ok()) throw std::runtime_error(mcap.error());
   Reader reader(*this);
@@ -242,6 +285,8 @@ std::int64_t RecordedFlight::number(double time) const noexcept { return std::ll
 Measured RecordedFlight::measure(double) noexcept {
   const RecordedPeriod& now = periods_[std::min(next_, periods_.size() - 1)];
   measured_ = true;
+  for (; next_goal_ < sent_.size() && sent_[next_goal_].time <= now.time; ++next_goal_)
+    (void)sent_[next_goal_].track->add(sent_[next_goal_].time, sent_[next_goal_].waypoints);
   return {now.measured, now.stamps, now.truth, now.detections};
 }
 

@@ -6,6 +6,7 @@
 ///                         so; null in x is a number that was not finite, a null stamp is a body never seen
 ///     /OBSERVER/detection {time, stamp, arrival, target, tags, p, q, covariance}: what its camera said of another body,
 ///     in order
+///     /AGENT/goal         {time, after, p, heading}: where a person sent it, the waypoints one after another
 ///     /team               {time}: a team that was asked for took over in this period, or was refused
 ///
 /// beside /BODY/state (the truth), /AGENT/input (the command) and /events (missed periods). No time of the wall clock.
@@ -20,6 +21,7 @@
 #include "sightline/record/mcap.hpp"
 #include "sightline/run/clock.hpp"
 #include "sightline/run/sample.hpp"
+#include "sightline/scenario/goal_track.hpp"
 #include "sightline/world/world.hpp"
 
 namespace sightline {
@@ -27,7 +29,7 @@ namespace sightline {
 /// Writes the topics above, but for those of the log itself.
 class MeasurementLog {
  public:
-  MeasurementLog(const Team& team, McapWriter& mcap);
+  MeasurementLog(const Team& team, McapWriter& mcap, const std::vector<RobotGoals>& goals = {});
 
   /// Adds a sample; allocates nothing once the buffers have grown and each observer has detected something.
   void add(const Sample& sample);
@@ -43,6 +45,16 @@ class MeasurementLog {
 
   Team team_;
   McapWriter& mcap_;
+  struct Goals {
+    std::shared_ptr<const GoalTrack> track;
+    Channel channel{};
+    std::size_t written = 0;
+  };
+  void add_goals(double time);
+
+  std::vector<Goals> goals_;
+  std::vector<Waypoint> waypoints_;
+  std::vector<double> numbers_;
   std::vector<Channel> bodies_;                     // of each body
   std::vector<std::optional<Channel>> detections_;  // of each body that detected one
   std::optional<SchemaId> detection_{};
@@ -64,9 +76,11 @@ struct RecordedPeriod {
 class RecordedFlight final : public World, public Clock {
  public:
   /// @param team  of the scenario that was flown
+  /// @param goals  those of the team that took goals: their tracks are cleared, and get the recorded ones
   /// @throws std::runtime_error with a sentence that names the file where it cannot be read, or holds no measurements
   /// of this team
-  RecordedFlight(const std::filesystem::path& log, Team team, std::vector<double> start, double period);
+  RecordedFlight(const std::filesystem::path& log, Team team, std::vector<double> start, double period,
+                 std::vector<RobotGoals> goals = {});
 
   const std::vector<RecordedPeriod>& periods() const noexcept { return periods_; }
   /// Whether the log ends in the middle, as that of a killed run.
@@ -96,6 +110,14 @@ class RecordedFlight final : public World, public Clock {
   std::vector<double> start_;
   double period_;  // [s]
   std::vector<RecordedPeriod> periods_;
+  struct RecordedGoal {
+    double time;  // [s]
+    std::shared_ptr<GoalTrack> track;
+    std::vector<Waypoint> waypoints;
+  };
+  std::vector<RobotGoals> goals_;
+  std::vector<RecordedGoal> sent_;
+  std::size_t next_goal_ = 0;
   std::size_t next_ = 0;  // period to be measured
   bool measured_ = false;
   std::size_t detections_max_ = 0;

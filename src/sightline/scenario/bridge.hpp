@@ -15,7 +15,7 @@ namespace sightline {
 
 /// How often a person asked to end: once, and all land; twice, and they are left to their autopilots.
 using Interrupts = std::atomic<int>;
-/// Takes a sentence for a person. Not called between take_off() and land().
+/// Takes a sentence for a person. Between take_off() and land() called by a thread of the bridge, else by its caller's; never by two.
 using TellPerson = std::function<void(std::string_view)>;
 
 enum class Arming { real, dry_run };

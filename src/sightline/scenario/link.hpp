@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -80,11 +81,23 @@ struct LinkOrigin {
   double heading = 0.0;  ///< of its x axis, where it is ENU [rad]
 };
 
+class GoalTrack;
+
+/// Where a person sends the robot in flight.
+struct GoalsFrom {
+  std::string goal_topic{};            ///< of PoseStamped; empty: none
+  std::string path_topic{};            ///< of Path, whose poses have stamps; empty: none
+  std::string frame = "world";         ///< that is G
+  double speed = 0.5;                  ///< towards goals [m/s]
+  std::shared_ptr<GoalTrack> track{};  ///< the robot's reference, which they change; none: it takes no goals
+};
+
 struct Link {
   BodyId robot{};
   std::variant<Px4Link, Crazyswarm2Link, Ros2Link> kind{};
   LinkOrigin origin{};  ///< of the frame that its odometry is in, and its velocity commands
   PosesFrom poses{};
+  GoalsFrom goals{};
 
   /// "px4"
   std::string_view kind_name() const {

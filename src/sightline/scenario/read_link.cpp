@@ -7,6 +7,8 @@
 #include <array>
 #include <numbers>
 
+#include "sightline/model/state_roles.hpp"
+#include "sightline/scenario/goal_track.hpp"
 #include "sightline/scenario/read_part.hpp"
 
 namespace sightline {
@@ -59,8 +61,9 @@ std::vector<std::string> read_network_names(const TomlTable& at, std::string_vie
 }
 
 // Of each kind, what stands beside what the kind says of its parameters.
-constexpr std::array<std::string_view, 6> common = {"kind",       "origin",    "poses",
-                                                    "pose_topic", "pose_name", "pose_frame"};
+constexpr std::array<std::string_view, 10> common = {"kind",       "origin",     "poses",      "pose_topic",
+                                                     "pose_name",  "pose_frame", "goal_topic", "path_topic",
+                                                     "goal_frame", "goal_speed"};
 
 template <class Kind>
 Kind read_kind(const TomlTable& at, std::initializer_list<std::string_view> texts) {
@@ -176,7 +179,7 @@ std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
   return network;
 }
 
-void read_link(const TomlTable& agent, const std::string& name, BodyId robot,
+void read_link(const TomlTable& agent, const std::string& name, BodyId robot, GoalsFrom goals,
                std::optional<FleetPlan>& fleet) {
   if (agent.has("link") && !fleet) agent.refuse("link", "no such table without a [fleet]");
   if (!fleet) return;
@@ -184,6 +187,7 @@ void read_link(const TomlTable& agent, const std::string& name, BodyId robot,
       agent.table("link", "a table that says how the robot is reached, as for each of a [fleet]");
   Link& link = fleet->links.emplace_back();
   link.robot = robot;
+  link.goals = std::move(goals);
   link.kind = find(link_kinds, at.word("kind", names(link_kinds)))(at, name);
   link.poses = read_poses(at);
   const bool is_px4 = std::holds_alternative<Px4Link>(link.kind),
@@ -201,6 +205,33 @@ void read_link(const TomlTable& agent, const std::string& name, BodyId robot,
     at.refuse("origin",
               "a table with p and heading: where in G its estimator starts, its local frame's origin");
   }
+}
+
+GoalsFrom read_goals(const TomlTable& agent, Agent& robot) {
+  GoalsFrom goals;
+  if (!agent.has("link")) return goals;
+  const TomlTable at = agent.table("link");
+  const bool any = at.has("goal_topic") || at.has("path_topic");
+  for (const std::string_view key : {"goal_frame", "goal_speed"})
+    if (at.has(key) && !any) at.refuse(key, "no such key, only with goal_topic or path_topic");
+  if (!any) return goals;
+  if (at.has("goal_topic")) goals.goal_topic = read_ros_name(at, "goal_topic", "the topic of its goals");
+  if (at.has("path_topic")) goals.path_topic = read_ros_name(at, "path_topic", "the topic of its paths");
+  if (at.has("goal_frame")) goals.frame = read_frame(at, "goal_frame", "the frame that is G");
+  if (at.has("goal_speed"))
+    goals.speed = at.number("goal_speed", {0.01, GoalTrack::path_speed, "0.01 to 5 m/s"});
+  const StateRoles roles = roles_of(robot.model);
+  const bool weighs = std::any_of(roles.position.begin(), roles.position.end(), [&](int state) {
+    const auto i = static_cast<std::size_t>(state);
+    return state >= 0 && (robot.Q[i] > 0 || robot.Q_f[i] > 0);
+  });
+  const std::string_view key = at.has("goal_topic") ? "goal_topic" : "path_topic";
+  if (!weighs) at.refuse(key, "a robot whose Q weighs its position: this one would not follow");
+  if (robot.model.nx() > Reference::max_states)
+    at.refuse(key, fmt::format("a robot of at most {} states", Reference::max_states));
+  goals.track = std::make_shared<GoalTrack>(robot.model, robot.x_ref, goals.speed);
+  robot.x_ref = GoalTrack::reference(goals.track);
+  return goals;
 }
 
 void read_body_link(const TomlTable& body, BodyId id, std::optional<FleetPlan>& fleet) {
@@ -245,8 +276,11 @@ std::string link_in_words(const Link& link, std::string_view name) {
     how = ros2.odometry.empty() ? ros2.cmd_vel : fmt::format("{} and {}", ros2.odometry, ros2.cmd_vel);
   }
   const Vec3<double>& p = link.origin.p;
-  return fmt::format("link        {}: {}, poses by {}, origin [{}, {}, {}] m", name, how,
-                     poses_in_words(link.poses), p.x, p.y, p.z);
+  std::string words = fmt::format("link        {}: {}, poses by {}, origin [{}, {}, {}] m", name, how,
+                                  poses_in_words(link.poses), p.x, p.y, p.z);
+  for (const std::string& topic : {link.goals.goal_topic, link.goals.path_topic})
+    if (!topic.empty()) words += fmt::format(", goals on {}", topic);
+  return words;
 }
 
 }  // namespace

@@ -15,9 +15,14 @@ namespace sightline {
 std::optional<FleetNetwork> read_fleet(const TomlTable& root);
 
 /// [agent.NAME.link], which each robot of a fleet has, and no other: adds it to the fleet, if there is one.
+/// @param goals  of the same table
 /// @throws ScenarioError
-void read_link(const TomlTable& agent, const std::string& name, BodyId robot,
+void read_link(const TomlTable& agent, const std::string& name, BodyId robot, GoalsFrom goals,
                std::optional<FleetPlan>& fleet);
+
+/// What [agent.NAME.link] says of goals: the robot's reference becomes one that they change.
+/// @throws ScenarioError
+GoalsFrom read_goals(const TomlTable& agent, Agent& robot);
 
 /// [target.NAME.link] and [obstacle.NAME.link], which a body may have: adds it to the fleet.
 /// @throws ScenarioError

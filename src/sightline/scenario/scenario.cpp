@@ -177,13 +177,11 @@ class Reader {
       std::optional<RobotVehicle> vehicle = read_vehicle(at, model, scenario_.world);
       if (vehicle && model.sight(start.data(), agent.u_ref.data()).p.z < 0)
         at.table("start").refuse("p", 2, "at least 0 m, the height of the ground");
+      GoalsFrom goals = read_goals(at, agent);
       enter(name, at, [&] { return scenario_.team.add(std::move(agent)); });
-      if (vehicle) {
-        vehicle->robot = bodies_.at(name);
-        scenario_.vehicles.push_back(std::move(*vehicle));
-      }
+      if (vehicle) vehicle->robot = bodies_.at(name), scenario_.vehicles.push_back(std::move(*vehicle));
       read_compensation(at, bodies_.at(name));
-      read_link(at, name, bodies_.at(name), scenario_.fleet);
+      read_link(at, name, bodies_.at(name), std::move(goals), scenario_.fleet);
       scenario_.presence.push_back(is_present(at) ? Presence::steered : Presence::absent);
     }
   }
