@@ -27,7 +27,7 @@ std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() 
 }  // namespace
 
 struct Px4Vehicle::Ends {
-  std::unique_ptr<FaultyWriter> odometry, status, ack, landed, position, battery;
+  std::unique_ptr<FaultyWriter> odometry, status, ack, landed, position;
   std::unique_ptr<RawReader> command, setpoint, heartbeat;
 };
 
@@ -37,6 +37,7 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
       booted_(monotonic_now()),
       body_(setup.p, setup.heading, setup.rotors),
       faults_(faults),
+      aside_(participant, link, faults),
       ends_(std::make_unique<Ends>()) {
   const auto topic = [&](Px4Side side, std::string_view message) {
     return px4_topic(link.name_space, side, message, release_);
@@ -66,10 +67,6 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
                            : release_ == 15 ? VEHICLE_DESCRIPTOR(VehicleLocalPosition_15_)
                                             : VEHICLE_DESCRIPTOR(VehicleLocalPosition_16_),
                            "VehicleLocalPosition");
-  ends_->battery = writer(release_ < 16   ? VEHICLE_DESCRIPTOR(BatteryStatus_14_)
-                          : release_ < 17 ? VEHICLE_DESCRIPTOR(BatteryStatus_16_)
-                                          : VEHICLE_DESCRIPTOR(BatteryStatus_17_),
-                          "BatteryStatus");
   const auto command = [this](const auto& c) {
     on_command(c.command, c.param1, c.param2, c.target_system, c.source_system);
   };
@@ -198,7 +195,7 @@ void Px4Vehicle::step(std::int64_t number) {
   send_odometry();
   if (number % 20 == 0) send_status();
   if (number % 10 == 5) send_slow();
-  if (number % 100 == 50) send_battery();
+  if (number % 100 == 50) aside_.send();
 }
 
 void Px4Vehicle::suffer() {
@@ -209,7 +206,7 @@ void Px4Vehicle::suffer() {
     arming_ = px4_disarmed;
     send_status();
   }
-  if (faults_.changed(K::battery_low)) send_battery();
+  if (faults_.changed(K::battery_low)) aside_.send();
   if (faults_.changed(K::estimator_invalid)) send_slow();
 }
 
@@ -274,25 +271,6 @@ void Px4Vehicle::send_slow() {
     fill(px4_msgs_msg_dds__VehicleLocalPosition_15_{});
   else
     fill(px4_msgs_msg_dds__VehicleLocalPosition_16_{});
-}
-
-void Px4Vehicle::send_battery() {
-  const bool low = faults_.on(LinkFaultKind::battery_low);
-  const auto fill = [&](auto&& m) {
-    m.timestamp = microseconds();
-    m.connected = true;
-    m.cell_count = 4;
-    m.remaining = low ? 0.05F : 0.8F;
-    m.voltage_v = low ? 13.2F : 15.6F;
-    m.warning = low ? px4_battery_critical : px4_battery_good;
-    ends_->battery->write(&m);
-  };
-  if (release_ < 16)
-    fill(px4_msgs_msg_dds__BatteryStatus_14_{});
-  else if (release_ < 17)
-    fill(px4_msgs_msg_dds__BatteryStatus_16_{});
-  else
-    fill(px4_msgs_msg_dds__BatteryStatus_17_{});
 }
 
 void Px4Vehicle::acknowledge(std::uint32_t command, std::uint8_t result, std::uint8_t source) {

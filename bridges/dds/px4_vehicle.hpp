@@ -11,6 +11,7 @@
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/faults.hpp"
 #include "bridges/dds/px4_link.hpp"
+#include "bridges/dds/px4_vehicle_aside.hpp"
 #include "bridges/dds/stand_in.hpp"
 #include "bridges/dds/stand_in_body.hpp"
 
@@ -49,6 +50,8 @@ class Px4Vehicle final : public StandIn {
   bool armed() const;
   /// Whether its checks before a flight fail.
   void fail_checks(bool fails);
+  /// Battery, failsafe flags, answers about layouts.
+  Px4VehicleAside& aside() { return aside_; }
 
  private:
   struct Ends;
@@ -62,7 +65,6 @@ class Px4Vehicle final : public StandIn {
   void send_odometry();
   void send_status();
   void send_slow();
-  void send_battery();
   void suffer();
   void acknowledge(std::uint32_t command, std::uint8_t result, std::uint8_t source);
 
@@ -78,6 +80,7 @@ class Px4Vehicle final : public StandIn {
   Vec3<double> v_sp_{}, a_sp_{};  // in G
   double r_sp_ = 0.0;
   Faults& faults_;
+  Px4VehicleAside aside_;
   std::unique_ptr<Ends> ends_;
 };
 

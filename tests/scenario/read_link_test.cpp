@@ -167,6 +167,7 @@ TEST(ReadLink, WhatDoesNotHoldIsRefusedWithItsPlace) {
       {fleet("kind = \"px4\"\nrelease = \"1.16\"\n"),
        "agent.uav0.link.origin is missing, expected a table with p and heading"},
       {fleet(px4 + "target_system = 0\n"), "link.target_system = 0, expected"},
+      {fleet(px4 + "battery_min = 20\n"), "link.battery_min = 20, expected 0 to 1"},
       {fleet(px4 + "namespace = \"px4_1\"\n"),
        "link.namespace = \"px4_1\", expected the namespace of its topics, as \"/a/b\""},
       {fleet(px4 + "namespace = \"/px4//1\"\n"), "link.namespace = \"/px4//1\", expected"},

@@ -28,12 +28,15 @@ struct Px4Link {
   Px4Release release = Px4Release::v1_16;
   std::string name_space{};  ///< of its topics, "/px4_1"; empty: none
   int target_system = 0;     ///< MAV_SYS_ID, that it must have; 0: any
+  double battery_min = 0.2;  ///< charge that is left, below which it is not armed
 
   static constexpr auto parameters() {
     constexpr std::array<std::string_view, 5> releases = {"1.14", "1.15", "1.16", "1.17", "1.18"};
     return std::tuple{parameter("release", &Px4Link::release, releases, "release of its firmware"),
                       parameter("target_system", &Px4Link::target_system, "", {1, 255, "1 to 255"},
-                                "MAV_SYS_ID that it must have; none: any")};
+                                "MAV_SYS_ID that it must have; none: any"),
+                      parameter("battery_min", &Px4Link::battery_min, "", {0, 1, "0 to 1"},
+                                "charge that must be left before a flight; full: 1")};
   }
 };
 
@@ -43,12 +46,15 @@ struct Crazyswarm2Link {
 
   std::string name_space{};  ///< of its topics and services, "/cf1"
   double takeoff_height = 0.5, takeoff_time = 2.0;
+  double battery_min = 3.6;  ///< voltage, below which it is not armed
 
   static constexpr auto parameters() {
     return std::tuple{parameter("takeoff_height", &Crazyswarm2Link::takeoff_height, "m",
                                 {0.1, 10, "0.1 to 10"}, "above the ground, where the task begins"),
                       parameter("takeoff_time", &Crazyswarm2Link::takeoff_time, "s", {0.5, 20, "0.5 to 20"},
-                                "from the ground to there")};
+                                "from the ground to there"),
+                      parameter("battery_min", &Crazyswarm2Link::battery_min, "V", {0, 10, "0 to 10"},
+                                "voltage that its battery must have before a flight")};
   }
 };
 
