@@ -59,9 +59,9 @@ std::int64_t now_of(clockid_t clock) noexcept {
 std::int64_t monotonic_now() noexcept { return now_of(CLOCK_MONOTONIC); }
 std::int64_t realtime_now() noexcept { return now_of(CLOCK_REALTIME); }
 
-RawWriter::RawWriter(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
-                     Quality quality)
-    : topic_(on_wire(topic)) {
+RawWriter::RawWriter(Port at, const dds_topic_descriptor_t& type, const std::string& topic, Quality quality)
+    : topic_(on_wire(topic)), type_(wire_type(type.m_typename)) {
+  if (at.voice == Voice::silent) return;
   const Qos qos = qos_of(quality, message_type(type.m_typename));
   const Listener listener(dds_create_listener(&reader_came_), dds_delete_listener);
   dds_lset_publication_matched(listener.get(),
@@ -69,27 +69,37 @@ RawWriter::RawWriter(dds_entity_t participant, const dds_topic_descriptor_t& typ
                                  if (status.current_count_change > 0)
                                    *static_cast<std::atomic<std::int64_t>*>(came) = monotonic_now();
                                });
-  entity_ = dds_create_writer(participant, made_topic(participant, type, topic_), qos.get(), listener.get());
+  entity_ = dds_create_writer(at, made_topic(at, type, topic_), qos.get(), listener.get());
   if (entity_ < 0)
     throw std::runtime_error(fmt::format("writer of {}: {}", topic_, dds_strretcode(-entity_)));
 }
 
-RawWriter::~RawWriter() { dds_delete(entity_); }  // waits for its listener
+RawWriter::~RawWriter() {
+  if (entity_ > 0) dds_delete(entity_);  // waits for its listener
+}
+
+bool RawWriter::heard(std::span<const SeenWriter> readers) const {
+  if (entity_ > 0) return matched() > 0;
+  return std::any_of(readers.begin(), readers.end(), [&](const SeenWriter& reader) {
+    return reader.topic == topic_ && reader.type == type_;
+  });
+}
 
 int RawWriter::matched() const noexcept {
+  if (entity_ == 0) return 0;
   return std::max(0, static_cast<int>(dds_get_matched_subscriptions(entity_, nullptr, 0)));
 }
 
 int RawWriter::rivals(std::span<const SeenWriter> writers) const {
-  dds_guid_t ours{};
-  dds_get_guid(entity_, &ours);
+  dds_guid_t ours{};  // of a silent one: nobody's
+  if (entity_ > 0) dds_get_guid(entity_, &ours);
   return static_cast<int>(std::count_if(writers.begin(), writers.end(), [&](const SeenWriter& writer) {
     return writer.topic == topic_ && std::memcmp(&writer.guid, &ours, sizeof ours) != 0;
   }));
 }
 
-WriterList::WriterList(dds_entity_t participant)
-    : reader_(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr)),
+WriterList::WriterList(dds_entity_t participant, dds_entity_t of)
+    : reader_(dds_create_reader(participant, of, nullptr, nullptr)),
       samples_(writers_max),
       infos_(writers_max) {
   if (reader_ < 0) throw std::runtime_error(fmt::format("who writes: {}", dds_strretcode(-reader_)));
@@ -148,7 +158,7 @@ void RawReader::take(const ddsi_serdata* data, std::uint64_t writer) {
   std::fill(scratch_.begin(), scratch_.end(), 0);
   if (ddsi_serdata_to_sample(data, scratch_.data(), nullptr, nullptr)) {
     ++counts_.received;
-    take_(scratch_.data(), {monotonic_now(), writer});
+    take_(scratch_.data(), {monotonic_now(), writer, size});
   } else {
     ++counts_.unreadable;
   }

@@ -28,7 +28,17 @@ inline constexpr Quality of_px4_output = {false, true, 1};    // what a client o
 inline constexpr Quality of_ros_commands = {true, false, 1};  // matches readers of both kinds
 inline constexpr Quality of_services = {true, false, 10};
 
-/// A writer of the domain, with the names of its topic and of its type as on the wire.
+/// Where what is ours lives in a domain, and whether it writes there. Who is silent cannot send, and nobody sees a writer of his.
+enum class Voice { speaks, silent };
+struct Port {
+  dds_entity_t participant;
+  Voice voice = Voice::speaks;
+
+  Port(dds_entity_t of, Voice speaks_or_not = Voice::speaks) : participant(of), voice(speaks_or_not) {}
+  operator dds_entity_t() const { return participant; }
+};
+
+/// A writer or a reader of the domain, with the names of its topic and of its type as on the wire.
 struct SeenWriter {
   std::string topic, type;
   dds_guid_t guid{};
@@ -37,8 +47,9 @@ struct SeenWriter {
 /// All of them that are alive, asked as often as one likes. One thread.
 class WriterList {
  public:
+  /// @param of  of readers, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION
   /// @throws std::runtime_error where nobody says
-  explicit WriterList(dds_entity_t participant);
+  explicit WriterList(dds_entity_t participant, dds_entity_t of = DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
   std::vector<SeenWriter> look();
 
  private:
@@ -52,27 +63,31 @@ class RawWriter {
  public:
   /// @param topic  of ROS, "/a/b"; as on the wire where it does not begin with /
   /// @throws std::runtime_error with the topic
-  RawWriter(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
-            Quality quality);
+  RawWriter(Port at, const dds_topic_descriptor_t& type, const std::string& topic, Quality quality);
   ~RawWriter();
   RawWriter(const RawWriter&) = delete;
   RawWriter& operator=(const RawWriter&) = delete;
 
   /// Sends; a reader that does not keep up misses it. Nothing is allocated for messages up to 256 bytes.
-  bool write(const void* message) noexcept { return dds_write(entity_, message) == DDS_RETCODE_OK; }
+  bool write(const void* message) noexcept {
+    return entity_ > 0 && dds_write(entity_, message) == DDS_RETCODE_OK;
+  }
   /// Readers that there are.
   int matched() const noexcept;
+  /// Whether somebody reads it; of a silent one, whether somebody would, by its topic and type.
+  bool heard(std::span<const SeenWriter> readers) const;
   /// When the last of them came, of the monotonic clock [ns]; 0: never. Of any thread.
   std::int64_t reader_came() const noexcept { return reader_came_; }
   dds_entity_t entity() const noexcept { return entity_; }
   /// Of these, those of the same topic that are not ours.
   int rivals(std::span<const SeenWriter> writers) const;
   const std::string& topic() const { return topic_; }
+  const std::string& type() const { return type_; }  ///< as on the wire
 
  private:
-  std::string topic_;
+  std::string topic_, type_;
   std::atomic<std::int64_t> reader_came_{0};
-  dds_entity_t entity_;
+  dds_entity_t entity_ = 0;  // of a silent one: none
 };
 
 template <class M>
@@ -86,6 +101,7 @@ class Writer : public RawWriter {
 struct Arrival {
   std::int64_t monotonic = 0;  ///< when it came [ns]
   std::uint64_t writer = 0;    ///< a number of its own for each
+  std::size_t size = 0;        ///< of the message on the wire [bytes], filled up to a multiple of 4
 };
 
 /// What a reader met. Read by any thread.
@@ -120,6 +136,7 @@ class RawReader {
   /// Writers that came so far, those that left included. Of any thread.
   int writers_came() const noexcept { return writers_came_; }
   const std::string& topic() const { return topic_; }
+  std::string type() const { return wire_type(type_.m_typename); }
   /// Writers that there are.
   int matched() const noexcept;
 

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "bridges/dds/dds_world.hpp"
+#include "bridges/dds/doctor.hpp"
 #include "bridges/dds/first_flyer.hpp"
 #include "bridges/dds/stand_in.hpp"
 #include "sightline/run/realtime.hpp"
@@ -28,6 +28,9 @@ class DdsBridge final : public Bridge {
   }
   std::unique_ptr<StandIns> stand_in(const Scenario& scenario) const override {
     return std::make_unique<DdsStandIns>(scenario, domain_of(scenario, std::nullopt, Identity::vehicles));
+  }
+  std::unique_ptr<FleetDoctor> examine(const Scenario& scenario) const override {
+    return std::make_unique<DdsDoctor>(scenario, domain_of(scenario, std::nullopt, Identity::flyer));
   }
 };
 

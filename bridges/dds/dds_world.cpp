@@ -20,7 +20,7 @@ namespace {
 
 constexpr Nanoseconds body_old = 500'000'000;  // before a flight
 
-std::unique_ptr<LinkEnd> made_end(dds_entity_t participant, const Link& link, std::string_view name,
+std::unique_ptr<LinkEnd> made_end(Port participant, const Link& link, std::string_view name,
                                   const Model& model, bool loopback) {
   if (std::holds_alternative<Px4Link>(link.kind))
     return std::make_unique<Px4LinkEnd>(participant, link, loopback ? Stamps::of_this_machine : Stamps::none);
@@ -35,6 +35,9 @@ std::unique_ptr<LinkEnd> made_end(dds_entity_t participant, const Link& link, st
       fmt::format("agent.{}.link.kind = {}, which this bridge does not fly yet, expected px4 or ros2", name,
                   link.kind_name()));
 }
+
+constexpr std::int64_t looks_each = 200'000'000;        // before a flight
+constexpr std::int64_t listened_least = 1'500'000'000;  // a battery speaks once a second
 
 /// Refuses what would not be what the scenario says.
 const Scenario& flown(const Scenario& scenario) {
@@ -71,21 +74,24 @@ void sleep_until(std::int64_t t) noexcept {
 
 }  // namespace
 
-DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, const LinkTimes& times)
-    : team_(flown(scenario).team),
+DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, const LinkTimes& times,
+                   Voice voice)
+    : scenario_(flown(scenario)),
+      team_(scenario_.team),
       start_(scenario.x0),
       measured_(scenario.x0),
       stamps_(size(team_.bodies()), -std::numeric_limits<double>::infinity()),
       rest_(size(team_.nu())),
       period_(std::llround(1e9 * scenario.horizon.dt)),
       times_(times),
-      domain_(std::move(domain)) {
+      domain_(std::move(domain)),
+      lookout_(domain_->participant()) {
   times_.task = scenario.simulation.duration + 60.0;
   const bool loopback = scenario.fleet->network.interfaces == std::vector<std::string>{"lo"};
-  for (const Link& link : scenario.fleet->links) {
+  for (const Link& link : scenario_.fleet->links) {
     const std::string name(team_.name(link.robot));
     const Model& model = team_.model(link.robot);
-    std::unique_ptr<LinkEnd> end = made_end(domain_->participant(), link, name, model, loopback);
+    std::unique_ptr<LinkEnd> end = made_end({domain_->participant(), voice}, link, name, model, loopback);
     robots_.push_back({name, std::move(end), RobotState(model), LinkMachine(times_),
                        size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
     if (!link.goals.track) continue;
@@ -160,7 +166,7 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> believed,
   const bool seen = order == LinkOrder::task || bodies_are_seen(now);
   for (Robot& robot : robots_) {
     LinkFacts facts = robot.end->facts(now);
-    facts.checked = facts.checked && seen;
+    facts.checked = facts.checked && robot.cleared && seen;
     const LinkOutput output = robot.machine.step(t, facts, order);
     Command command;
     if (output.setpoint == Setpoint::task)
@@ -225,13 +231,20 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
   const auto out = [&] {
     return interrupts > 0 || !each_is({S::waiting, S::ready, S::arming, S::taking_off, S::holding});
   };
-  steps_until(LinkOrder::check, interrupts, tell, [&] { return out() || each_is({S::ready}); });
-  if (each_is({S::ready}) && interrupts == 0) {
+  // The periods of those who wait are long enough to look around: nothing is sent to them.
+  std::int64_t looked = 0;
+  steps_until(LinkOrder::check, interrupts, tell, [&] {
+    if (monotonic_now() - looked > looks_each) clear_robots(), looked = monotonic_now();
+    return out() || each_is({S::ready});
+  });
+  clear_robots();  // they may have been ready for long
+  if (each_is({S::ready}) && all_cleared() && interrupts == 0) {
     if (arming == Arming::dry_run) {
       tell("all are ready, none is armed: a dry run");
       steps_until(LinkOrder::land, interrupts, tell, [&] { return !in_our_hands() && each_is({S::done}); });
       return false;
     }
+    for (Robot& robot : robots_) robot.end->stop_examining();
     steps_until(LinkOrder::take_off, interrupts, tell, [&] {
       return out() || std::all_of(robots_.begin(), robots_.end(), [](Robot& r) {
                return r.machine.state() == S::taking_off && r.end->facts(monotonic_now()).airborne;
@@ -245,19 +258,67 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
       return true;
     }
   } else {
-    const std::vector<SeenWriter> writers = WriterList(domain_->participant()).look();
-    for (Robot& robot : robots_) {
-      if (robot.machine.state() != S::done && robot.machine.state() != S::waiting) continue;
-      for (const std::string& sentence : robot.end->obstacles(writers))
-        tell(fmt::format("{}: {}", robot.name, sentence));
-    }
-    for (const Body& body : bodies_) {
-      for (const std::string& sentence : body.poses->obstacles(other_frames_than(body.from)))
-        tell(fmt::format("{}: {}", body.name, sentence));
-    }
+    refuse(tell);
   }
   land(interrupts, tell);
   return false;
+}
+
+std::vector<Finding> DdsWorld::examine() {
+  std::vector<ExaminedRobot> examined;
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    examined.push_back({robots_[i].name, &scenario_.fleet->links[i], robots_[i].end.get()});
+  std::vector<Finding> findings = examine_fleet(scenario_, examined, lookout_.look());
+  for (const Body& body : bodies_) {
+    FindingList found(body.name);
+    body.poses->examine("the frame that is G", other_frames_than(body.from), found);
+    for (Finding& finding : found.take()) findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+void DdsWorld::clear_robots() {
+  const std::vector<Finding> findings = examine();
+  const std::int64_t now = monotonic_now();
+  for (Robot& robot : robots_) {
+    SeenMotion seen;
+    if (robot.heard == 0 && robot.end->look(seen)) robot.heard = now;
+    robot.cleared = robot.heard > 0 && now - robot.heard > listened_least &&
+                    std::none_of(findings.begin(), findings.end(), [&](const Finding& finding) {
+                      const bool concerns = finding.robot.empty() || finding.robot == robot.name;
+                      return concerns && finding.light == Light::red && keeps_grounded(finding.aspect);
+                    });
+  }
+}
+
+bool DdsWorld::all_cleared() const {
+  return std::all_of(robots_.begin(), robots_.end(), [](const Robot& robot) { return robot.cleared; });
+}
+
+void DdsWorld::refuse(const TellPerson& tell) {
+  const bool ready = each_is({LinkState::ready});
+  for (const Finding& finding : examine()) {
+    if (finding.light != Light::red || !keeps_grounded(finding.aspect)) continue;
+    const std::string sentence =
+        fmt::format("{}: {}", finding.robot.empty() ? "fleet" : finding.robot, finding.sentence);
+    if (ready) refusals_.push_back(sentence);
+    tell(sentence);
+  }
+}
+
+std::vector<RobotPose> DdsWorld::poses() {
+  std::vector<RobotPose> all;
+  for (Robot& robot : robots_) {
+    RobotPose& pose = all.emplace_back(RobotPose{robot.name});
+    SeenMotion seen;
+    if (!robot.end->look(seen)) continue;
+    const Vec2<double> d = heading(rotation(seen.motion.q));
+    pose.known = true;
+    pose.p = seen.motion.p;
+    pose.heading = std::atan2(d.y, d.x);
+    pose.age = 1e-9 * static_cast<double>(monotonic_now() - seen.stamp);
+  }
+  return all;
 }
 
 void DdsWorld::land(const Interrupts& interrupts, const TellPerson& tell) {
@@ -280,7 +341,7 @@ std::string DdsWorld::ended() const {
 }
 
 std::vector<std::string> DdsWorld::faults() const {
-  std::vector<std::string> sentences;
+  std::vector<std::string> sentences = refusals_;
   for (const Robot& robot : robots_) {
     if (robot.machine.reason() != LinkReason::as_asked)
       sentences.push_back(fmt::format("{}: {}", robot.name, to_string(robot.machine.reason())));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bridges/dds/domain.hpp"
+#include "bridges/dds/fleet_findings.hpp"
 #include "bridges/dds/goal_intake.hpp"
 #include "bridges/dds/link_end.hpp"
 #include "sightline/scenario/bridge.hpp"
@@ -20,7 +21,9 @@ class DdsWorld final : public LinkedWorld {
  public:
   /// @param domain  of the scenario's [fleet]
   /// @throws std::invalid_argument for a scenario that it cannot fly, std::runtime_error where a topic cannot be had
-  DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, const LinkTimes& times = {});
+  /// @param voice   silent: it listens alone, and nobody notices
+  DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, const LinkTimes& times = {},
+           Voice voice = Voice::speaks);
   ~DdsWorld() override;
 
   const Team& team() const noexcept override { return team_; }
@@ -36,6 +39,10 @@ class DdsWorld final : public LinkedWorld {
   std::vector<std::string> faults() const override;
   std::vector<std::string> counts() const override;
 
+  /// Before a flight, by the thread that flies: what is found of the robots, and where they say that they are.
+  std::vector<Finding> examine();
+  std::vector<RobotPose> poses();
+
   LinkState state(BodyId robot) const {
     return robots_[static_cast<std::size_t>(robot.index)].machine.state();
   }
@@ -50,6 +57,8 @@ class DdsWorld final : public LinkedWorld {
     std::shared_ptr<GoalTrack> track{};  // none: it takes no goals
     std::unique_ptr<GoalIntake> goals{};
     LinkState told = LinkState::waiting;
+    bool cleared = false;    // nothing that was found keeps it on the ground
+    std::int64_t heard = 0;  // when its first pose was there, of the monotonic clock [ns]; 0: none was
   };
 
   /// A target or an obstacle that others see.
@@ -65,20 +74,27 @@ class DdsWorld final : public LinkedWorld {
   void step_all(LinkOrder order, std::span<const double> believed, std::span<const double> u) noexcept;
   void tell_changes(const TellPerson& tell);
   void tell_news();
+  void clear_robots();
+  bool all_cleared() const;
+  /// Says what keeps the fleet on the ground.
+  void refuse(const TellPerson& tell);
   /// Steps at the period until `done`; at once where that is so.
   template <class Done>
   void steps_until(LinkOrder order, const Interrupts& interrupts, const TellPerson& tell, Done&& done);
   bool each_is(std::initializer_list<LinkState> states) const;
   bool in_our_hands() const;
 
-  Team team_;
+  Scenario scenario_;
+  const Team& team_;
   std::vector<double> start_, measured_, stamps_, rest_;
   std::int64_t period_;  // [ns]
   LinkTimes times_;
   std::shared_ptr<Domain> domain_;
   std::vector<Robot> robots_;  // in the order of the team, whose first bodies they are
   std::vector<Body> bodies_;
-  std::int64_t origin_ = 0;  // time 0 of the loop, of the monotonic clock [ns]
+  Lookout lookout_;
+  std::vector<std::string> refusals_;  // of robots that were ready
+  std::int64_t origin_ = 0;            // time 0 of the loop, of the monotonic clock [ns]
   bool begun_ = false, seen_ = false;
   std::atomic<bool> done_{false};
   std::mutex news_;          // of the next

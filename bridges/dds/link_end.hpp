@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "bridges/dds/link_machine.hpp"
 #include "bridges/dds/pose_intake.hpp"
 #include "bridges/dds/robot_state.hpp"
+#include "bridges/dds/surroundings.hpp"
 
 namespace sightline::dds {
 
@@ -26,8 +28,15 @@ class LinkEnd {
 
   /// Takes note of who else is there; a few times a second, by one thread.
   virtual void watch(std::span<const SeenWriter> writers) = 0;
-  /// What keeps it from being armed, a sentence each.
-  virtual std::vector<std::string> obstacles(std::span<const SeenWriter> writers) = 0;
+  /// What is found of it before a flight: what it is flown by, and what keeps it from being armed. By the thread that looks; it
+  /// may allocate.
+  virtual void examine(const Surroundings& around, FindingList& to) = 0;
+  /// Ends what serves examine() alone: before it is to arm.
+  virtual void stop_examining() {}
+  /// By what it is known where it is.
+  virtual const PoseIntake& intake() const noexcept = 0;
+  /// Where on earth its local frame begins, where it says.
+  virtual std::optional<GeoPoint> reference() const { return std::nullopt; }
   /// What was received and refused, in words.
   virtual std::string counts() const = 0;
 };

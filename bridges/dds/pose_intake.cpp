@@ -15,6 +15,7 @@ void PoseIntake::take(const Motion& local, Nanoseconds sampled, Nanoseconds arri
     ++not_finite_;
     return;
   }
+  arrivals_.note(sampled, arrived);
   if (!is_of_our_time(sampled, arrived)) return;
   const Nanoseconds stamp = clock_.on_ours(sampled, arrived);
   least_delay_ = clock_.least();
@@ -54,24 +55,24 @@ const SeenMotion& PoseIntake::newest() noexcept {
   return newest_;
 }
 
-std::vector<std::string> PoseIntake::obstacles(std::string_view other_frames) const {
-  std::vector<std::string> sentences;
+void PoseIntake::examine(std::string_view frames, std::string_view other_frames, FindingList& to) const {
   const std::string& topic = reader().topic();
   if (in_other_frames())
-    sentences.push_back(fmt::format("{}: {} poses in {}", topic, other_frame_.load(), other_frames));
+    to.add(Aspect::frames, Light::red, "{}: {} poses in {}", topic, other_frame_.load(), other_frames);
+  else if (motion_.count() > 0)
+    to.add(Aspect::frames, Light::green, "poses in {}", frames);
   if (of_second_writer())
-    sentences.push_back(fmt::format("{}: {} messages of a second writer", topic, second_writer()));
+    to.add(Aspect::writers, Light::red, "{}: {} messages of a second writer", topic, second_writer());
   if (why_none_ && motion_.count() == 0) {
     if (reader().counts().received == 0)
-      sentences.push_back(fmt::format("{}: no message", topic));
+      to.add(Aspect::topics, Light::red, "{}: no message", topic);
     else if (not_finite_ > 0)
-      sentences.push_back(fmt::format("{}: {} poses that are not finite", topic, not_finite_.load()));
+      to.add(Aspect::topics, Light::red, "{}: {} poses that are not finite", topic, not_finite_.load());
     else if (repeated_ > 0)
-      sentences.push_back(fmt::format("{}: {} poses whose stamps do not rise", topic, repeated_.load()));
+      to.add(Aspect::topics, Light::red, "{}: {} poses whose stamps do not rise", topic, repeated_.load());
     else if (!in_other_frames())
-      sentences.push_back(fmt::format("{}: {}", topic, why_none_()));
+      to.add(Aspect::topics, Light::red, "{}: {}", topic, why_none_());
   }
-  return sentences;
 }
 
 std::string PoseIntake::counts() const {

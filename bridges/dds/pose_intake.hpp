@@ -8,9 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "bridges/dds/arrivals.hpp"
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/conversion.hpp"
 #include "bridges/dds/mailbox.hpp"
+#include "bridges/dds/surroundings.hpp"
 #include "bridges/dds/velocity_fit.hpp"
 
 namespace sightline::dds {
@@ -59,9 +61,11 @@ class PoseIntake {
   /// The least delay of the last 10 s, clocks' offset included.
   Nanoseconds least_delay() const noexcept { return least_delay_; }
   const RawReader& reader() const noexcept { return *readers_.front(); }
-  /// What keeps a robot from being armed by these, a sentence each.
+  const Arrivals& arrivals() const noexcept { return arrivals_; }
+  /// Adds what is found of them.
+  /// @param frames        that they are in
   /// @param other_frames  what poses that count as of other frames are in
-  std::vector<std::string> obstacles(std::string_view other_frames) const;
+  void examine(std::string_view frames, std::string_view other_frames, FindingList& to) const;
   /// What was received and refused, in words.
   std::string counts() const;
 
@@ -74,6 +78,7 @@ class PoseIntake {
   Mailbox<SeenMotion> motion_;  // filled by the thread that receives
   ClockOffset clock_;           // of that thread
   VelocityFit fit_;             // of that thread
+  Arrivals arrivals_;           // filled by it
   std::atomic<Nanoseconds> least_delay_{0};
   std::atomic<std::int64_t> not_finite_{0}, other_time_{0}, other_frame_{0}, foreign_{0}, repeated_{0},
       jumps_{0};

@@ -1,13 +1,11 @@
 #include "bridges/dds/px4_link.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <set>
 
 #include "bridges/dds/seen_poses.hpp"
 
@@ -43,13 +41,14 @@ struct Px4LinkEnd::Ends {
   std::unique_ptr<RawWriter> heartbeat, setpoint, command;
 };
 
-Px4LinkEnd::Px4LinkEnd(dds_entity_t participant, const Link& link, Stamps stamps)
+Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps)
     : px4_(std::get<Px4Link>(link.kind)),
       from_(link.poses),
       origin_(link.origin),
       release_(px4_first + static_cast<int>(px4_.release)),
       stamps_(stamps),
       odometry_(link.origin),
+      aside_(std::make_unique<Px4Aside>(participant, px4_)),
       ends_(std::make_unique<Ends>()) {
   const auto topic = [&](Px4Side side, std::string_view message) {
     return px4_topic(px4_.name_space, side, message, release_);
@@ -270,53 +269,68 @@ void Px4LinkEnd::watch(std::span<const SeenWriter> writers) {
   rivals_ = ends_->setpoint->rivals(writers) + ends_->heartbeat->rivals(writers);
 }
 
-std::vector<std::string> Px4LinkEnd::obstacles(std::span<const SeenWriter> writers) {
-  std::vector<std::string> sentences;
-  const Nanoseconds now = monotonic_now();
-  const LinkFacts f = facts(now);
-  const auto say = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
-    sentences.push_back(fmt::format(format, std::forward<Args>(args)...));
-  };
+void Px4LinkEnd::examine_topics(const Surroundings& around, FindingList& to) const {
   const std::array<const RawReader*, 4> readers = {&odometry_.reader(), ends_->status.get(),
                                                    ends_->position.get(), ends_->ack.get()};
   for (const RawReader* reader : readers) {
     const ReaderCounts& n = reader->counts();
     if (n.too_long + n.too_short > 0)
-      say("{}: {} messages of {} bytes, which PX4 1.{} does not have: another release?", reader->topic(),
-          n.too_long + n.too_short, n.wrong_size.load(), release_);
+      to.add(Aspect::release, Light::red, "{}: {} messages of {} bytes, which PX4 1.{} does not have",
+             reader->topic(), n.too_long + n.too_short, n.wrong_size.load(), release_);
   }
   for (const RawReader* reader : std::span(readers).first<3>())
-    if (reader->counts().received == 0) say("{}: no message of PX4 1.{}", reader->topic(), release_);
-  if (ends_->status->counts().received == 0) {
-    std::set<std::string> others;
-    for (const SeenWriter& t : writers) {
-      const std::string begin = wire_topic(px4_.name_space + "/fmu/out/vehicle_status");
-      if (t.topic.starts_with(begin) && t.topic != ends_->status->topic()) others.insert(t.topic);
-    }
-    if (!others.empty()) say("there is {}, of another release than 1.{}", fmt::join(others, ", "), release_);
-  }
-  for (std::string& sentence : odometry_.obstacles("frames that are not NED"))
-    sentences.push_back(std::move(sentence));
+    if (reader->counts().received == 0)
+      to.add(Aspect::topics, Light::red, "{}: no message of PX4 1.{}, {}", reader->topic(), release_,
+             why_nothing_comes(*reader, around));
+  for (const RawWriter* writer : {ends_->setpoint.get(), ends_->heartbeat.get(), ends_->command.get()})
+    if (!writer->heard(around.readers))
+      to.add(Aspect::topics, Light::red, "{}: {}", writer->topic(), why_unheard(*writer, around));
+  to.add_green(Aspect::topics, "odometry, status and local position come, it hears commands and set-points");
+}
+
+void Px4LinkEnd::examine_writers(const Surroundings& around, FindingList& to) const {
+  for (const RawWriter* writer : {ends_->setpoint.get(), ends_->heartbeat.get()})
+    if (writer->rivals(around.writers) > 0)
+      to.add(Aspect::writers, Light::red, "{}: another program writes {}", writer->topic(),
+             writer == ends_->setpoint.get() ? "set-points" : "heartbeats: another flyer");
+  to.add_green(Aspect::writers, "nobody else speaks in its place or steers it");
+}
+
+void Px4LinkEnd::examine_state(FindingList& to) {
+  if (const std::optional<std::string> invalid = aside_->invalid())
+    invalid->empty()
+        ? to.add(Aspect::estimator, Light::green, "valid: position and velocity, level and upright")
+        : to.add(Aspect::estimator, Light::red, "its estimator is not valid: {}", *invalid);
+  const LinkFacts f = facts(monotonic_now());
+  const Status& s = last_status_;
+  if (s.arrived == 0) return;
+  if (px4_.target_system != 0 && px4_.target_system != s.system)
+    to.add(Aspect::system, Light::red, "it is system {}, expected {}", s.system, px4_.target_system);
+  to.add_green(Aspect::system, "system {}", s.system);
+  if (!s.preflight)
+    to.add(Aspect::checks, Light::red, "its own checks before a flight do not pass{}", aside_->failing());
+  if (s.failsafe) to.add(Aspect::checks, Light::red, "its failsafe acts{}", aside_->failing());
+  to.add_green(Aspect::checks, "its own checks before a flight pass");
+  if (f.armed) to.add(Aspect::state, Light::red, "it is armed already");
+  if (!f.landed) to.add(Aspect::state, Light::red, "it is not on the ground");
+  to.add_green(Aspect::state, "disarmed, on the ground");
+}
+
+void Px4LinkEnd::examine(const Surroundings& around, FindingList& to) {
+  if (!aside_) return;
+  examine_topics(around, to);
+  odometry_.examine("NED, counted from its origin", "frames that are not NED", to);
   if (seen_) {
-    for (std::string& sentence : seen_->obstacles(other_frames_than(from_)))
-      sentences.push_back(std::move(sentence));
+    seen_->examine("the frame that is G", other_frames_than(from_), to);
     if (const double turn = turned_from_seen(); std::abs(turn) > turn_most)
-      say("its estimator's heading is {:.2f} rad from the one that is seen, expected {} at most: "
-          "origin.heading, or what it is fed",
-          turn, turn_most);
+      to.add(Aspect::frames, Light::red,
+             "its estimator's heading is {:.2f} rad from the one that is seen, expected {} at most: "
+             "origin.heading, or what it is fed",
+             turn, turn_most);
   }
-  if (f.contested) say("{}: another program writes set-points", ends_->setpoint->topic());
-  if (!heard_) say("{}: nobody reads it", ends_->setpoint->topic());
-  if (last_status_.arrived > 0 && px4_.target_system != 0 && px4_.target_system != last_status_.system)
-    say("it is system {}, expected {}", last_status_.system, px4_.target_system);
-  if (f.armed) say("it is armed already");
-  if (last_status_.arrived > 0 && !last_status_.preflight) say("its own checks before a flight do not pass");
-  if (last_position_.arrived > 0 && !last_position_.good) say("its estimator is not valid");
-  if (!f.landed) say("it is not on the ground");
-  if (f.there && poses().least_delay() > px4_second)
-    say("its messages are {:.1f} s old when they come: its clock is not that of this machine",
-        1e-9 * static_cast<double>(poses().least_delay()));
-  return sentences;
+  examine_writers(around, to);
+  examine_state(to);
+  aside_->examine(around, to);
 }
 
 std::string Px4LinkEnd::counts() const {

@@ -8,6 +8,7 @@
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/link_end.hpp"
 #include "bridges/dds/mailbox.hpp"
+#include "bridges/dds/px4_aside.hpp"
 #include "bridges/dds/px4_release.hpp"
 #include "sightline/scenario/link.hpp"
 
@@ -28,14 +29,17 @@ class Px4LinkEnd final : public LinkEnd {
  public:
   /// @param stamps  of_this_machine where the agent runs on it; PX4 takes what has none as of now
   /// @throws std::runtime_error where a topic cannot be had
-  Px4LinkEnd(dds_entity_t participant, const Link& link, Stamps stamps);
+  Px4LinkEnd(Port participant, const Link& link, Stamps stamps);
   ~Px4LinkEnd() override;
 
   bool look(SeenMotion& seen) noexcept override { return poses().look(seen); }
   LinkFacts facts(Nanoseconds now) noexcept override;
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
-  std::vector<std::string> obstacles(std::span<const SeenWriter> writers) override;
+  void examine(const Surroundings& around, FindingList& to) override;
+  const PoseIntake& intake() const noexcept override { return poses(); }
+  std::optional<GeoPoint> reference() const override { return aside_ ? aside_->reference() : std::nullopt; }
+  void stop_examining() override { aside_.reset(); }
   std::string counts() const override;
 
  private:
@@ -66,6 +70,9 @@ class Px4LinkEnd final : public LinkEnd {
   const PoseIntake& poses() const noexcept { return seen_ ? *seen_ : odometry_; }
   double turned_from_seen() noexcept;
   bool is_seen_well() noexcept;
+  void examine_topics(const Surroundings& around, FindingList& to) const;
+  void examine_writers(const Surroundings& around, FindingList& to) const;
+  void examine_state(FindingList& to);
   std::uint64_t stamp() const noexcept;
   void command(Px4Command which, float param1, float param2, Nanoseconds now) noexcept;
 
@@ -94,6 +101,7 @@ class Px4LinkEnd final : public LinkEnd {
 
   PoseIntake odometry_;
   std::unique_ptr<PoseIntake> seen_;  // by others, where they say where it is
+  std::unique_ptr<Px4Aside> aside_;   // until it is to arm
   std::unique_ptr<Ends> ends_;        // last: readers end before what they fill
 };
 

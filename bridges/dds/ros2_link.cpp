@@ -23,7 +23,7 @@ bool is_wanted(const std::string& wanted, const char* frame) { return wanted.emp
 
 }  // namespace
 
-Ros2LinkEnd::Ros2LinkEnd(dds_entity_t participant, const Link& link)
+Ros2LinkEnd::Ros2LinkEnd(Port participant, const Link& link)
     : ros2_(std::get<Ros2Link>(link.kind)), from_(link.poses), poses_(link.origin) {
   cmd_vel_ = std::make_unique<RawWriter>(
       participant,
@@ -97,17 +97,21 @@ void Ros2LinkEnd::watch(std::span<const SeenWriter> writers) {
   rivals_ = cmd_vel_->rivals(writers);
 }
 
-std::vector<std::string> Ros2LinkEnd::obstacles(std::span<const SeenWriter>) {
-  std::vector<std::string> sentences;
+void Ros2LinkEnd::examine(const Surroundings& around, FindingList& to) {
   const bool own = from_.source == PoseSource::odometry;
   if (own && poses_.reader().counts().received == 0)
-    sentences.push_back(fmt::format("{}: no message", poses_.reader().topic()));
-  for (std::string& sentence :
-       poses_.obstacles(own ? "other frames than frame, body_frame say" : other_frames_than(from_)))
-    sentences.push_back(std::move(sentence));
-  if (rivals_ > 0) sentences.push_back(fmt::format("{}: another program writes to it", cmd_vel_->topic()));
-  if (!heard_) sentences.push_back(fmt::format("{}: nobody reads it", cmd_vel_->topic()));
-  return sentences;
+    to.add(Aspect::topics, Light::red, "{}: no message, {}", poses_.reader().topic(),
+           why_nothing_comes(poses_.reader(), around));
+  if (!cmd_vel_->heard(around.readers))
+    to.add(Aspect::topics, Light::red, "{}: {}", cmd_vel_->topic(), why_unheard(*cmd_vel_, around));
+  if (own)
+    poses_.examine("the frames that are expected", "other frames than frame, body_frame say", to);
+  else
+    poses_.examine("the frame that is G", other_frames_than(from_), to);
+  to.add_green(Aspect::topics, "its poses come, it hears its cmd_vel");
+  if (cmd_vel_->rivals(around.writers) > 0)
+    to.add(Aspect::writers, Light::red, "{}: another program writes to it", cmd_vel_->topic());
+  to.add_green(Aspect::writers, "nobody else speaks in its place or steers it");
 }
 
 }  // namespace sightline::dds

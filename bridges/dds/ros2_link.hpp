@@ -16,13 +16,14 @@ namespace sightline::dds {
 class Ros2LinkEnd final : public LinkEnd {
  public:
   /// @throws std::runtime_error where a topic cannot be had
-  Ros2LinkEnd(dds_entity_t participant, const Link& link);
+  Ros2LinkEnd(Port participant, const Link& link);
 
   bool look(SeenMotion& seen) noexcept override { return poses_.look(seen); }
   LinkFacts facts(Nanoseconds now) noexcept override;
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
-  std::vector<std::string> obstacles(std::span<const SeenWriter> writers) override;
+  void examine(const Surroundings& around, FindingList& to) override;
+  const PoseIntake& intake() const noexcept override { return poses_; }
   std::string counts() const override { return poses_.counts(); }
 
  private:

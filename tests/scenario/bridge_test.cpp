@@ -11,6 +11,7 @@ namespace {
 struct NoBridge final : Bridge {
   std::unique_ptr<LinkedWorld> connect(const Scenario&) const override { return nullptr; }
   std::unique_ptr<StandIns> stand_in(const Scenario&) const override { return nullptr; }
+  std::unique_ptr<FleetDoctor> examine(const Scenario&) const override { return nullptr; }
 };
 
 // A fleet is read by programs that cannot fly it, and by those that can: what is read is the same.

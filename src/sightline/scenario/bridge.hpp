@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/scenario/finding.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/world/world.hpp"
 
@@ -52,12 +53,31 @@ class StandIns {
   virtual std::vector<std::string> counts() const = 0;
 };
 
+/// Where a robot says that it is, in G.
+struct RobotPose {
+  std::string robot;
+  bool known = false;    ///< it has said so
+  Vec3<double> p{};      ///< [m]
+  double heading = 0.0;  ///< [rad]
+  double age = 0.0;      ///< [s]
+};
+
+/// Listens to the robots of a fleet before a flight. It sends nothing that one of them could obey.
+class FleetDoctor {
+ public:
+  virtual ~FleetDoctor() = default;
+  /// Of what was heard in the last 10 s.
+  virtual std::vector<Finding> findings() = 0;
+  virtual std::vector<RobotPose> poses() = 0;
+};
+
 class Bridge {
  public:
   virtual ~Bridge() = default;
   /// @throws std::invalid_argument for a scenario that it cannot fly, std::runtime_error where the network cannot be had
   virtual std::unique_ptr<LinkedWorld> connect(const Scenario& scenario) const = 0;
   virtual std::unique_ptr<StandIns> stand_in(const Scenario& scenario) const = 0;
+  virtual std::unique_ptr<FleetDoctor> examine(const Scenario& scenario) const = 0;
 };
 
 }  // namespace sightline

@@ -1,0 +1,221 @@
+#include "bridges/dds/fleet_findings.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "sightline/base/index.hpp"
+#include "sightline/scenario/read_safety.hpp"
+
+namespace sightline::dds {
+namespace {
+
+constexpr double times_fresh = 2.5;        // of the time between two poses
+constexpr double late_most = 0.05;         // of latency, where nothing says what is fresh [s]
+constexpr double drift_most = 1e-3;        // [s/s]
+constexpr double another_time = 1e5;       // clocks that differ by more are not meant to be the same [s]
+constexpr double references_apart = 2.0;   // of origins by satellite [m]
+constexpr double same_origin = 1e-6;       // [m]
+constexpr std::int64_t poses_needed = 20;  // before their rate is judged
+
+/// To centimetres, without a zero that is negative.
+double rounded(double x) { return std::round(100 * x) / 100 + 0.0; }
+
+struct Placed {
+  bool known = false;
+  Vec3<double> p{};
+};
+
+const LadderTimes* times_of(const Scenario& scenario) {
+  return scenario.safety && scenario.safety->supervisor ? &scenario.safety->supervisor->times : nullptr;
+}
+
+void examine_rate(const Scenario& scenario, const ArrivalFigures& f, FindingList& to) {
+  const LadderTimes* const times = times_of(scenario);
+  const double needed = times_fresh / f.rate;
+  const bool rare = times != nullptr && needed > times->fresh * 1.02;  // what is said is rounded
+  to.add(Aspect::rate, rare ? Light::red : Light::green,
+         "{:.0f} poses a second, the longest gap {:.3f} s, the last {:.3f} s old{}", f.rate, f.gap_longest,
+         f.age,
+         rare ? fmt::format("; levels flap unless safety.supervisor.fresh = {} s is {:.3f} s or more",
+                            times->fresh, needed)
+              : "");
+}
+
+void examine_clock(const ArrivalFigures& f, FindingList& to) {
+  const double behind = f.delay_least;
+  if (std::abs(behind) > another_time)
+    to.add(Aspect::clock, Light::red,
+           "its stamps are {:.0f} s from our time: of its start, or of a simulation; set UXRCE_DDS_SYNCT = 1 "
+           "of PX4, use_sim_time = false of ROS",
+           std::abs(behind));
+  else if (behind < -clocks_apart)
+    to.add(Aspect::clock, Light::red,
+           "its clock is {:.3f} s ahead of ours, expected {} s at most: have one of chrony or PTP set both",
+           -behind, clocks_apart);
+  else if (behind > clocks_apart)
+    to.add(Aspect::clock, Light::red,
+           "its clock is {:.3f} s behind ours, or no pose is faster on its way; expected {} s at most: have "
+           "one of chrony or PTP set both",
+           behind, clocks_apart);
+  else if (std::abs(f.drift) > drift_most)
+    to.add(Aspect::clock, Light::red, "its clock and ours drift apart by {:.1f} ms a second, expected {:g}",
+           1e3 * std::abs(f.drift), 1e3 * drift_most);
+  else
+    to.add(Aspect::clock, Light::green, "within {:.1f} ms of ours, drifts by {:.2f} ms a second",
+           1e3 * std::abs(behind), 1e3 * std::abs(f.drift));
+}
+
+void examine_latency(const Scenario& scenario, const ArrivalFigures& f, FindingList& to) {
+  const LadderTimes* const times = times_of(scenario);
+  const double most = times != nullptr ? times->fresh : late_most;
+  const double beyond = f.delay_p99 - f.delay_least;
+  to.add(Aspect::latency, beyond > most ? Light::red : Light::green,
+         "from stamp to here {:.1f} ms, p99 {:.1f} ms beyond the least of {:.1f} ms{}",
+         1e3 * (f.delay_median - f.delay_least), 1e3 * beyond, 1e3 * f.delay_least,
+         beyond > most ? fmt::format(", expected {:g} ms at most", 1e3 * most) : "");
+}
+
+void examine_place(const Scenario& scenario, const Vec3<double>& p, const Vec3<double>& start,
+                   FindingList& to) {
+  std::vector<std::string> beyond;
+  if (scenario.safety) {
+    const double world = scenario.safety->world, ceiling = scenario.safety->barrier_options.ceiling;
+    if (std::abs(p.x) > world || std::abs(p.y) > world)
+      beyond.push_back(fmt::format("beyond world = {} m", world));
+    if (p.z > ceiling) beyond.push_back(fmt::format("above ceiling = {} m", ceiling));
+  }
+  to.add(Aspect::place, beyond.empty() ? Light::green : Light::red,
+         "at [{:.2f}, {:.2f}, {:.2f}] m in G, {:.2f} m beside its start{}", rounded(p.x), rounded(p.y),
+         rounded(p.z), norm(p.x - start.x, p.y - start.y),
+         beyond.empty() ? (scenario.safety ? ", within the walls" : "")
+                        : fmt::format(", {}: is its origin right?", fmt::join(beyond, " and ")));
+}
+
+/// The nearest pair of each kind that is too near, or the nearest of all.
+class NearestPair {
+ public:
+  explicit NearestPair(const Scenario& scenario) : scenario_(scenario) {}
+
+  void look(BodyId a, const Vec3<double>& pa, BodyId b, const Vec3<double>& pb) {
+    const double d = norm(pa - pb), least = hard_distance(scenario_, a, b).value_or(0.0);
+    const bool bad = d < least;
+    if (bad > bad_ || (bad == bad_ && d - least < margin_)) {
+      bad_ = bad, margin_ = d - least;
+      said_ = fmt::format("{} and {} are {:.2f} m apart, d_hard = {} m", scenario_.team.name(a),
+                          scenario_.team.name(b), d, least);
+    }
+  }
+  bool bad() const { return bad_; }
+  const std::string& said() const { return said_; }
+
+ private:
+  const Scenario& scenario_;
+  bool bad_ = false;
+  double margin_ = std::numeric_limits<double>::infinity();
+  std::string said_;
+};
+
+bool is_same_origin(const ExaminedRobot& a, const ExaminedRobot& b) {
+  return std::holds_alternative<Px4Link>(a.link->kind) && std::holds_alternative<Px4Link>(b.link->kind) &&
+         norm(a.link->origin.p - b.link->origin.p) < same_origin;
+}
+
+void examine_distances(const Scenario& scenario, std::span<const ExaminedRobot> robots,
+                       std::span<const Placed> placed, FindingList& to) {
+  if (std::none_of(placed.begin(), placed.end(), [](const Placed& one) { return one.known; })) return;
+  NearestPair nearest(scenario);
+  std::vector<std::string> shared;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (!placed[i].known) continue;
+    for (std::size_t j = i + 1; j < robots.size(); ++j) {
+      if (!placed[j].known) continue;
+      nearest.look(robots[i].link->robot, placed[i].p, robots[j].link->robot, placed[j].p);
+      if (is_same_origin(robots[i], robots[j]) && norm(placed[i].p - placed[j].p) < same_origin + 0.1)
+        shared.push_back(fmt::format("{} and {}", robots[i].name, robots[j].name));
+    }
+    for (const UncooperativeBody& other : scenario.uncooperative) {
+      const std::vector<double> rest(size(scenario.team.model(other.body).nu()));
+      const std::size_t x = size(scenario.team.state_offset(other.body));
+      nearest.look(robots[i].link->robot, placed[i].p, other.body,
+                   scenario.team.model(other.body).sight(&scenario.x0[x], rest.data()).p);
+    }
+  }
+  if (!nearest.said().empty())
+    to.add(Aspect::distance, nearest.bad() ? Light::red : Light::green, "{}{}", nearest.said(),
+           nearest.bad() ? "" : ": none is nearer to its own");
+  if (!shared.empty())
+    to.add(Aspect::origins, Light::red,
+           "{} say one origin and one place: the origin of each is where its own estimator started",
+           fmt::join(shared, ", "));
+}
+
+// Where vehicles say where on earth their local frames begin, these lie as the fleet says.
+void examine_origins(std::span<const ExaminedRobot> robots, FindingList& to) {
+  const ExaminedRobot* first = nullptr;
+  int compared = 0;
+  for (const ExaminedRobot& robot : robots) {
+    const std::optional<GeoPoint> reference = robot.end->reference();
+    if (!reference) continue;
+    if (first == nullptr) {
+      first = &robot;
+      continue;
+    }
+    const Vec3<double> enu = east_north_up(*reference, *first->end->reference());
+    const double heading = first->link->origin.heading;
+    const Vec2<double> measured =
+        rotate<double>(Vec2<double>{std::cos(heading), std::sin(heading)}, Vec2<double>{enu.x, enu.y});
+    const Vec3<double> said = robot.link->origin.p - first->link->origin.p;
+    const double apart = norm(measured.x - said.x, measured.y - said.y);
+    ++compared;
+    if (apart > references_apart)
+      to.add(Aspect::origins, Light::red,
+             "{} began [{:.1f}, {:.1f}] m from {} by satellite, by their origins [{:.1f}, {:.1f}] m",
+             robot.name, measured.x, measured.y, first->name, said.x, said.y);
+  }
+  if (compared > 0)
+    to.add_green(Aspect::origins, "{} origins agree with where the vehicles began by satellite",
+                 compared + 1);
+}
+
+}  // namespace
+
+std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const ExaminedRobot> robots,
+                                   const Surroundings& around) {
+  const Nanoseconds now = monotonic_now();
+  std::vector<Finding> all;
+  std::vector<Placed> placed(robots.size());
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    FindingList list(robots[i].name);
+    robots[i].end->examine(around, list);
+    const ArrivalFigures f = robots[i].end->intake().arrivals().figures(now, realtime_now() - now);
+    if (f.count >= poses_needed) {
+      examine_rate(scenario, f, list);
+      examine_clock(f, list);
+      examine_latency(scenario, f, list);
+    }
+    SeenMotion seen;
+    if (robots[i].end->look(seen)) {
+      placed[i] = {true, seen.motion.p};
+      const Team& team = scenario.team;
+      const BodyId robot = robots[i].link->robot;
+      const std::vector<double> rest(size(team.model(robot).nu()));
+      examine_place(scenario, seen.motion.p,
+                    team.model(robot).sight(&scenario.x0[size(team.state_offset(robot))], rest.data()).p,
+                    list);
+    }
+    std::vector<Finding> findings = list.take();
+    std::move(findings.begin(), findings.end(), std::back_inserter(all));
+  }
+  FindingList fleet("");
+  examine_distances(scenario, robots, placed, fleet);
+  examine_origins(robots, fleet);
+  std::vector<Finding> findings = fleet.take();
+  std::move(findings.begin(), findings.end(), std::back_inserter(all));
+  return all;
+}
+
+}  // namespace sightline::dds
