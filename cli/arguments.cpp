@@ -58,6 +58,14 @@ Arguments::Arguments()
   vehicles_command->add_option("--seconds", vehicles.seconds, "How long [s]; until Ctrl-C")
       ->check(CLI::Range(0.0, 1e9));
 
+  doctor_command =
+      app.add_subcommand("doctor", "Look at a fleet before a flight: green or red, a sentence each");
+  add_fleet(*doctor_command, doctor.fleet);
+  doctor_command->add_option("--seconds", doctor.seconds, "How long it listens [s] [10]")
+      ->check(CLI::Range(1.0, 3600.0));
+  doctor_command->add_flag("--watch", doctor.watch, "Print where each robot is, once a second, until Ctrl-C");
+  doctor_command->add_flag("--json", doctor.json, "JSON instead of a table");
+
   check_command = app.add_subcommand("check", "Check a scenario and print what it describes");
   add_scenario(*check_command, check.scenario);
   check_command->add_flag("--print", check.expanded,

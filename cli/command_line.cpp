@@ -25,6 +25,7 @@ int execute(int argc, char** argv, const Parts& parts) {
   if (words.run_command->parsed()) return run(words.run, parts);
   if (words.fly_command->parsed()) return fly_fleet(words.fly, parts);
   if (words.vehicles_command->parsed()) return vehicles(words.vehicles, parts);
+  if (words.doctor_command->parsed()) return doctor(words.doctor, parts);
   if (words.check_command->parsed()) return check(words.check, parts);
   if (words.report_command->parsed()) return report(words.folder);
   if (words.replay_command->parsed()) return replay(words.replay, parts);

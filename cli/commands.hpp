@@ -69,6 +69,13 @@ struct VehiclesCommand {
   double seconds = 1e9;  ///< until Ctrl-C
 };
 
+struct DoctorCommand {
+  NamedScenario fleet;
+  std::optional<double> seconds;  ///< how long it listens; none: 10, and watching until Ctrl-C
+  bool watch = false;             ///< where the robots are, once a second, and nothing else
+  bool json = false;
+};
+
 struct ReplayCommand {
   std::filesystem::path folder;       ///< of a run
   std::optional<std::string> solver;  ///< none: the flight's own
@@ -129,6 +136,9 @@ int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const Partitio
 int fly_fleet(const FlyCommand& command, const Parts& parts);
 /// Stands in for the robots of a fleet.
 int vehicles(const VehiclesCommand& command, const Parts& parts);
+/// Looks at the robots of a fleet before a flight, and at this machine; sends nothing that a robot could obey. 1 where something is
+/// red.
+int doctor(const DoctorCommand& command, const Parts& parts);
 /// Flies a scenario many times as its [campaign] says; leaves campaign.sqlite and campaign.html. 1 where a run is
 /// not recovered.
 int campaign(const CampaignCommand& command, const Parts& parts);

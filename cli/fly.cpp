@@ -5,6 +5,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/fault_keys.hpp"
+#include "cli/fleet.hpp"
 #include "cli/output.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/closed_loop.hpp"
@@ -14,13 +15,18 @@ namespace sightline::cli {
 namespace {
 
 // Of the process, as signals are.
-Interrupts interrupts{0};
-std::atomic<bool> stop_flight{false};
+Interrupts interrupt_count{0};
+std::atomic<bool> interrupted{false};
 
 void on_interrupt(int) {
-  ++interrupts;
-  stop_flight = true;
+  ++interrupt_count;
+  interrupted = true;
 }
+
+}  // namespace
+
+Interrupts& interrupts() { return interrupt_count; }
+std::atomic<bool>& stop_flight() { return interrupted; }
 
 void listen_to_interrupts() {
   struct sigaction action {};
@@ -41,8 +47,6 @@ Scenario read_fleet(const NamedScenario& fleet, const Parts& parts) {
   return scenario;
 }
 
-}  // namespace
-
 int fly_fleet(const FlyCommand& command, const Parts& parts) {
   std::unique_ptr<LinkedWorld> world;
   std::optional<RunFolder> folder;
@@ -62,7 +66,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
   outlive_the_terminal();
   listen_to_interrupts();
   SteadyClock clock;
-  LinkedFlight linked{*world, command.dry_run ? Arming::dry_run : Arming::real, interrupts, stop_flight};
+  LinkedFlight linked{*world, command.dry_run ? Arming::dry_run : Arming::real, interrupts(), stop_flight()};
   int code = 2;
   try {
     code = fly(std::move(scenario), *folder, clock, nullptr, &linked);
@@ -87,7 +91,7 @@ int vehicles(const VehiclesCommand& command, const Parts& parts) {
       const FaultKeys keys([&](FaultTyping::Asked asked) { say(stand_ins->toggle(asked.robot, asked.kind)); },
                            help);
       if (FaultKeys::on_a_terminal()) help();
-      stand_ins->run(command.seconds, interrupts, [](std::string_view sentence) { say(sentence); });
+      stand_ins->run(command.seconds, interrupts(), [](std::string_view sentence) { say(sentence); });
     }
     for (const std::string& line : stand_ins->counts()) print("{}\n", line);
     return 0;

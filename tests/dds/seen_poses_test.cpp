@@ -51,7 +51,15 @@ struct Seeing {
     m.poses._buffer = &body;
     (void)to.write(&m);
   }
-  std::vector<std::string> said() const { return intake.obstacles(other_frames_than(from)); }
+  /// What is red.
+  std::vector<std::string> said() const {
+    FindingList findings("");
+    intake.examine("the frame that is G", other_frames_than(from), findings);
+    std::vector<std::string> sentences;
+    for (const Finding& finding : findings.take())
+      if (finding.light == Light::red) sentences.push_back(finding.sentence);
+    return sentences;
+  }
 
   PosesFrom from;
   const Domain& domain;
