@@ -4,6 +4,7 @@
 
 #include <time.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cassert>
 #include <cstddef>
@@ -58,8 +59,9 @@ class Ring final : public Sink<T> {
   void pop() noexcept { read_.store(read_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
   /// Consumer: the oldest item, as soon as there is one; nullptr when the ring is closed and empty.
   const T* wait() const noexcept {
-    constexpr timespec nap = {0, 200'000};  // 0.2 ms
-    for (;;) {
+    // Each nap costs some 10 us: the longer it waits, the longer they are, from 0.2 ms.
+    constexpr long longest = 3'200'000;  // [ns]
+    for (timespec nap = {0, 200'000};; nap.tv_nsec = std::min(longest, 2 * nap.tv_nsec)) {
       const bool last = closed_.load(std::memory_order_acquire);  // before the look at the front
       if (const T* item = front()) return item;
       if (last) return nullptr;
