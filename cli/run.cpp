@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "cli/allocations.hpp"
@@ -113,6 +114,21 @@ LoopOutcome fly_linked(LinkedFlight& linked, ClosedLoop& loop, Sink<Sample>& sin
   return outcome;
 }
 
+/// A summary that says how a flight on links kept time as well.
+std::string with_timing(const std::string& summary, const LinkTiming& timing) {
+  using Ordered = nlohmann::ordered_json;
+  const auto us = [](const LinkTiming::Delay& delay) {
+    return Ordered{{"median", 1e6 * delay.median}, {"p99", 1e6 * delay.p99}, {"max", 1e6 * delay.most}};
+  };
+  Ordered json = Ordered::parse(summary);
+  json["real_time"] = {{"periods", timing.periods},
+                       {"missed", timing.missed},
+                       {"wake_us", us(timing.wake)},
+                       {"arrival_us", us(timing.arrival)},
+                       {"cpu", timing.cpu}};
+  return json.dump(2, ' ', false, Ordered::error_handler_t::replace) + "\n";
+}
+
 /// Flies the scenario under its controllers; leaves run.mcap, timing.csv and summary.json in the folder.
 Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
                   const Controllers& controllers, TeamSwitcher* team_switcher = nullptr,
@@ -135,7 +151,9 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
   log.finish();
   progress.end();
 
-  Flight flight = {log.summary().json(), faults_of(outcome, world, log), log.error().empty()};
+  std::string summary = log.summary().json();
+  if (linked != nullptr) summary = with_timing(summary, linked->world.timing());
+  Flight flight = {std::move(summary), faults_of(outcome, world, log), log.error().empty()};
   if (sink.landed()) flight.faults.emplace_back("what was known of a robot grew too old: all landed");
   // Beside an earlier log stands its own summary.
   std::string lost = log.begun() ? write_summary(folder, flight.summary) : "";

@@ -67,6 +67,19 @@ GoalSpace goal_space(const Scenario& scenario, const Model& model) {
   return space;
 }
 
+constexpr double never_seen = -std::numeric_limits<double>::infinity();
+
+/// Of the whole program [s].
+double cpu_seconds() noexcept {
+  timespec t{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+LinkTiming::Delay delay_of(const DelayHistogram& times) {
+  return {times.within(0.5), times.within(0.99), times.within(1.0)};
+}
+
 void sleep_until(std::int64_t t) noexcept {
   const timespec wake = {t / 1'000'000'000, t % 1'000'000'000};
   while (monotonic_now() < t) ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, nullptr);
@@ -80,7 +93,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       team_(scenario_.team),
       start_(scenario.x0),
       measured_(scenario.x0),
-      stamps_(size(team_.bodies()), -std::numeric_limits<double>::infinity()),
+      stamps_(size(team_.bodies()), never_seen),
       rest_(size(team_.nu())),
       period_(std::llround(1e9 * scenario.horizon.dt)),
       times_(times),
@@ -92,7 +105,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
     const std::string name(team_.name(link.robot));
     const Model& model = team_.model(link.robot);
     std::unique_ptr<LinkEnd> end = made_end({domain_->participant(), voice}, link, name, model, loopback);
-    robots_.push_back({name, std::move(end), RobotState(model), LinkMachine(times_),
+    robots_.push_back({name, std::move(end), RobotState(model), LinkMachine(times_), size(link.robot.index),
                        size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
     if (!link.goals.track) continue;
     robots_.back().track = link.goals.track;
@@ -124,24 +137,27 @@ DdsWorld::~DdsWorld() {
 }
 
 Measured DdsWorld::measure(double t) noexcept {
-  if (!begun_) origin_ = monotonic_now() - std::llround(1e9 * t);
+  const std::int64_t now = monotonic_now(), due = std::llround(1e9 * t);
+  if (!begun_) origin_ = now - due, begun_cpu_ = cpu_seconds();
   for (Robot& robot : robots_) {
     if (!robot.track) continue;
     if (!begun_) robot.track->clear(), robot.goals->forget();
     robot.goals->pass_on(t, *robot.track);
   }
   begun_ = seen_ = true;
-  for (std::size_t i = 0; i < robots_.size(); ++i) {
+  ++periods_;
+  wakes_.add(1e-9 * static_cast<double>(now - origin_ - due));
+  // What has no link is at rest, and where the scenario says.
+  std::fill(stamps_.begin(), stamps_.end(), t);
+  for (Robot& robot : robots_) {
     SeenMotion seen;
-    if (!robots_[i].end->look(seen)) continue;
-    robots_[i].model.write(seen.motion, &measured_[robots_[i].x]);
-    stamps_[i] = 1e-9 * static_cast<double>(seen.stamp - origin_);
+    const bool came = robot.end->look(seen);
+    if (came) robot.model.write(seen.motion, &measured_[robot.x]);
+    stamps_[robot.body] = came ? 1e-9 * static_cast<double>(seen.stamp - origin_) : never_seen;
   }
-  // What is at rest is where the scenario says.
-  std::fill(stamps_.begin() + static_cast<std::ptrdiff_t>(robots_.size()), stamps_.end(), t);
   for (Body& body : bodies_) {
     SeenMotion seen;
-    stamps_[body.index] = -std::numeric_limits<double>::infinity();
+    stamps_[body.index] = never_seen;
     if (!body.poses->look(seen)) continue;
     const bool measured = body.velocity == SeenVelocity::measured;
     const Vec3<double>&p = seen.motion.p, v = measured ? seen.motion.v : Vec3<double>{};
@@ -152,9 +168,12 @@ Measured DdsWorld::measure(double t) noexcept {
 }
 
 bool DdsWorld::apply(double, std::span<const double> believed, std::span<const double> u, double,
-                     std::int64_t) noexcept {
+                     std::int64_t periods) noexcept {
   // Of missed periods nothing can be told any more.
-  if (!std::exchange(seen_, false)) return true;
+  if (!std::exchange(seen_, false)) {
+    periods_ += periods, missed_ += periods;
+    return true;
+  }
   step_all(LinkOrder::task, believed, u);
   return each_is({LinkState::holding, LinkState::flying});
 }
@@ -327,6 +346,8 @@ void DdsWorld::land(const Interrupts& interrupts, const TellPerson& tell) {
     const std::scoped_lock lock(news_);
     news_go_to_ = {};
   }
+  if (begun_ && !cpu_)
+    cpu_ = (cpu_seconds() - begun_cpu_) / (1e-9 * static_cast<double>(monotonic_now() - origin_));
   steps_until(LinkOrder::land, interrupts, tell, [&] {
     return each_is({LinkState::done, LinkState::pilot});
   });
@@ -349,8 +370,24 @@ std::vector<std::string> DdsWorld::faults() const {
   return sentences;
 }
 
+LinkTiming DdsWorld::timing() const {
+  DelayHistogram arrivals;
+  for (const Robot& robot : robots_)
+    if (const DelayHistogram* of_robot = robot.end->arrivals()) arrivals.add(*of_robot);
+  return {periods_, missed_, delay_of(wakes_), delay_of(arrivals), cpu_.value_or(0.0)};
+}
+
 std::vector<std::string> DdsWorld::counts() const {
   std::vector<std::string> lines;
+  if (periods_ > 0) {
+    const LinkTiming t = timing();
+    lines.push_back(
+        fmt::format("{} periods, {} missed; wake-up late by {:.3f} ms at the median, {:.3f} at 99 %, {:.3f} "
+                    "at most; poses "
+                    "come after {:.3f} ms, {:.3f}, {:.3f}; {:.1f} % of one core",
+                    t.periods, t.missed, 1e3 * t.wake.median, 1e3 * t.wake.p99, 1e3 * t.wake.most,
+                    1e3 * t.arrival.median, 1e3 * t.arrival.p99, 1e3 * t.arrival.most, 1e2 * t.cpu));
+  }
   for (const Robot& robot : robots_) {
     lines.push_back(fmt::format("{}: {}", robot.name, robot.end->counts()));
     if (robot.goals) lines.push_back(fmt::format("{}: {}", robot.name, robot.goals->counts()));

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -38,6 +39,7 @@ class DdsWorld final : public LinkedWorld {
   void land(const Interrupts& interrupts, const TellPerson& tell) override;
   std::vector<std::string> faults() const override;
   std::vector<std::string> counts() const override;
+  LinkTiming timing() const override;
 
   /// Before a flight, by the thread that flies: what is found of the robots, and where they say that they are.
   std::vector<Finding> examine();
@@ -53,7 +55,7 @@ class DdsWorld final : public LinkedWorld {
     std::unique_ptr<LinkEnd> end;
     RobotState model;
     LinkMachine machine;
-    std::size_t x, u;                    // where its state and its inputs begin
+    std::size_t body, x, u;              // its place in the team, where its state and its inputs begin
     std::shared_ptr<GoalTrack> track{};  // none: it takes no goals
     std::unique_ptr<GoalIntake> goals{};
     LinkState told = LinkState::waiting;
@@ -96,6 +98,10 @@ class DdsWorld final : public LinkedWorld {
   std::vector<std::string> refusals_;  // of robots that were ready
   std::int64_t origin_ = 0;            // time 0 of the loop, of the monotonic clock [ns]
   bool begun_ = false, seen_ = false;
+  std::int64_t periods_ = 0, missed_ = 0;
+  DelayHistogram wakes_;
+  double begun_cpu_ = 0.0;
+  std::optional<double> cpu_;  // at the end of the task, of one core
   std::atomic<bool> done_{false};
   std::mutex news_;          // of the next
   TellPerson news_go_to_{};  // while the task is flown

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bridges/dds/channel.hpp"
+#include "bridges/dds/delay_histogram.hpp"
 #include "bridges/dds/link_machine.hpp"
 #include "bridges/dds/pose_intake.hpp"
 #include "bridges/dds/robot_state.hpp"
@@ -39,6 +40,8 @@ class LinkEnd {
   virtual std::optional<GeoPoint> reference() const { return std::nullopt; }
   /// What was received and refused, in words.
   virtual std::string counts() const = 0;
+  /// From the stamps of its poses to us, where its clock is ours; none otherwise.
+  virtual const DelayHistogram* arrivals() const noexcept { return nullptr; }
 };
 
 }  // namespace sightline::dds

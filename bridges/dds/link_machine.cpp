@@ -31,6 +31,7 @@ enum class When {
   offboard,
   contested,
   restarted,
+  unfit,
   lost,
   late,        // longer than the state may last
   unanswered,  // offboard was asked for, and the time for it is over
@@ -61,7 +62,10 @@ std::string_view to_string(LinkReason reason) {
       "it did not land in time",
       "it is left to its autopilot",
       "another program writes set-points to it",
-      "it was restarted, or another one speaks in its place"};
+      "it was restarted, or another one speaks in its place",
+      "its battery is low",
+      "its estimator is not valid",
+      "its estimator jumped too far"};
   return word_of(words, reason);
 }
 
@@ -110,6 +114,8 @@ bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, dou
       return f.restarted;
     case When::contested:
       return f.contested;
+    case When::unfit:
+      return f.unfit != LinkReason::as_asked;
     case When::lost:
       return !f.there;
     case When::late:
@@ -148,10 +154,10 @@ void LinkMachine::ask(Request request, double t, LinkOutput& output) noexcept {
 }
 
 // The first row that holds is taken. Nothing leads out of done and pilot.
-const std::array<LinkMachine::Row, 55> LinkMachine::table = [] {
+const std::array<LinkMachine::Row, 58> LinkMachine::table = [] {
   using S = LinkState;
   using R = LinkReason;
-  return std::array<Row, 55>{{
+  return std::array<Row, 58>{{
       {S::waiting, When::handed_over, S::done, R::handed_over},
       {S::waiting, When::to_land, S::done, R::as_asked},
       {S::waiting, When::ready, S::ready, R::as_asked},
@@ -180,6 +186,7 @@ const std::array<LinkMachine::Row, 55> LinkMachine::table = [] {
       {S::taking_off, When::to_land, S::landing, R::as_asked},
       {S::taking_off, When::refused, S::landing, R::refused},
       {S::taking_off, When::contested, S::landing, R::contested},
+      {S::taking_off, When::unfit, S::landing, R::as_asked},
       {S::taking_off, When::lost, S::landing, R::silent},
       {S::taking_off, When::offboard, S::holding, R::as_asked},
       {S::taking_off, When::unanswered, S::landing, R::refused},
@@ -192,6 +199,7 @@ const std::array<LinkMachine::Row, 55> LinkMachine::table = [] {
       {S::holding, When::not_offboard, S::pilot, R::pilot},
       {S::holding, When::to_land, S::landing, R::as_asked},
       {S::holding, When::contested, S::landing, R::contested},
+      {S::holding, When::unfit, S::landing, R::as_asked},
       {S::holding, When::lost, S::landing, R::silent},
       {S::holding, When::to_task, S::flying, R::as_asked},
       {S::holding, When::late, S::landing, R::no_task},
@@ -203,6 +211,7 @@ const std::array<LinkMachine::Row, 55> LinkMachine::table = [] {
       {S::flying, When::not_offboard, S::pilot, R::pilot},
       {S::flying, When::to_land, S::landing, R::as_asked},
       {S::flying, When::contested, S::landing, R::contested},
+      {S::flying, When::unfit, S::landing, R::as_asked},
       {S::flying, When::lost, S::landing, R::silent},
       {S::flying, When::to_hold, S::holding, R::as_asked},
       {S::flying, When::late, S::landing, R::no_end},
@@ -226,7 +235,7 @@ LinkOutput LinkMachine::step(double t, const LinkFacts& facts, LinkOrder order) 
   if (row != table.end()) {
     state_ = row->to;
     since_ = t;
-    if (reason_ == LinkReason::as_asked) reason_ = row->why;
+    if (reason_ == LinkReason::as_asked) reason_ = row->when == When::unfit ? facts.unfit : row->why;
     if (state_ == LinkState::arming) ask(Request::arm, t, output);
     if (state_ == LinkState::taking_off) ask(Request::take_off, t, output);
     if (state_ == LinkState::landing) ask(Request::land, t, output);

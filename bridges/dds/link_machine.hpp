@@ -39,8 +39,11 @@ enum class LinkReason : std::uint8_t {
   handed_over,  ///< to its autopilot, on a person's request
   contested,    ///< another program writes set-points to it
   restarted,    ///< another one speaks in its place since it was armed
+  battery_low,
+  estimator_invalid,
+  moved,  ///< its estimator jumped further than is followed
 };
-inline constexpr int link_reasons = 16;
+inline constexpr int link_reasons = 19;
 /// A part of a sentence: "it was disarmed".
 std::string_view to_string(LinkReason reason);
 
@@ -63,6 +66,8 @@ struct LinkFacts {
   bool failsafe = false;
   bool contested = false;  ///< another program writes set-points to it
   bool restarted = false;  ///< another one speaks in its place since it was asked to arm
+  LinkReason unfit =
+      LinkReason::as_asked;  ///< why it cannot go on flying, by what it says of itself; as_asked: it can
   AutopilotMode mode = AutopilotMode::other;
 };
 
@@ -120,7 +125,7 @@ class LinkMachine {
 
  private:
   struct Row;
-  static const std::array<Row, 55> table;
+  static const std::array<Row, 58> table;
 
   bool holds(const Row& row, const LinkFacts& facts, LinkOrder order, double t) const noexcept;
   bool asked(Request request) const noexcept { return asked_[static_cast<std::size_t>(request)]; }

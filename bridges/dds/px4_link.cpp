@@ -21,8 +21,9 @@ namespace {
 constexpr Nanoseconds px4_second = 1'000'000'000;
 constexpr Nanoseconds odometry_old = px4_second, status_old = 5 * px4_second / 2;
 constexpr Nanoseconds newcomers_wait = 50'000'000;
-constexpr double turn_most = 0.2;     // between its heading and the one that is seen [rad]
-constexpr double least_height = 0.3;  // in the air, where nobody says so [m]
+constexpr Nanoseconds beat_every = 35'000'000;  // PX4 wants to hear 2 in a second
+constexpr double turn_most = 0.2;               // between its heading and the one that is seen [rad]
+constexpr double least_height = 0.3;            // in the air, where nobody says so [m]
 constexpr std::uint8_t ack_accepted = 0, ack_in_progress = 5;
 constexpr std::uint8_t our_system = 200, our_component = 191;  // a companion computer
 constexpr float px4_nan = std::numeric_limits<float>::quiet_NaN();
@@ -37,7 +38,7 @@ std::size_t px4_bytes(std::string_view message, int release) {
 
 /// Readers and writers. Those that differ between releases are made for one of their layouts.
 struct Px4LinkEnd::Ends {
-  std::unique_ptr<RawReader> status, position, landed, ack;
+  std::unique_ptr<RawReader> status, position, landed, battery, ack;
   std::unique_ptr<RawWriter> heartbeat, setpoint, command;
 };
 
@@ -75,6 +76,11 @@ Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps)
         reader(type, "VehicleLocalPosition", of_sensors, Writers::all,
                [this](const void* m, const Arrival& a) { on_position(*static_cast<const M*>(m), a); });
   };
+  const auto battery = [&]<class M>(const dds_topic_descriptor_t& type, const M*) {
+    ends_->battery =
+        reader(type, "BatteryStatus", of_sensors, Writers::all,
+               [this](const void* m, const Arrival& a) { on_battery(*static_cast<const M*>(m), a); });
+  };
 #define PX4_LAYOUT(message) PX4_DESCRIPTOR(message), static_cast<const px4_msgs_msg_dds__##message*>(nullptr)
   if (release_ == 14) {
     status(PX4_LAYOUT(VehicleStatus_14_)), position(PX4_LAYOUT(VehicleLocalPosition_14_));
@@ -85,6 +91,9 @@ Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps)
     release_ < 18 ? status(PX4_LAYOUT(VehicleStatus_16_)) : status(PX4_LAYOUT(VehicleStatus_18_));
   }
   release_ == 14 ? ack(PX4_LAYOUT(VehicleCommandAck_14_)) : ack(PX4_LAYOUT(VehicleCommandAck_15_));
+  release_ < 16    ? battery(PX4_LAYOUT(BatteryStatus_14_))
+  : release_ == 16 ? battery(PX4_LAYOUT(BatteryStatus_16_))
+                   : battery(PX4_LAYOUT(BatteryStatus_17_));
 #undef PX4_LAYOUT
   ends_->landed = reader(
       PX4_DESCRIPTOR(VehicleLandDetected_), "VehicleLandDetected", of_sensors, Writers::all,
@@ -124,6 +133,11 @@ void Px4LinkEnd::on_position(const M& m, const Arrival& arrival) {
   position_.put({arrival.monotonic, m.xy_valid && m.z_valid && m.v_xy_valid && m.v_z_valid});
 }
 
+template <class M>
+void Px4LinkEnd::on_battery(const M& m, const Arrival& arrival) {
+  battery_.put({arrival.monotonic, m.warning < px4_battery_critical});
+}
+
 void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
   const auto& m = *static_cast<const px4_msgs_msg_dds__VehicleOdometry_*>(message);
   if (m.pose_frame != px4_frame_ned ||
@@ -142,7 +156,24 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
     odometry_.take_other_time();
     return;
   }
-  odometry_.take(local, of_microseconds(m.timestamp_sample), arrival.monotonic);
+  const Nanoseconds sampled = of_microseconds(m.timestamp_sample);
+  arrivals_.add(1e-9 * static_cast<double>(realtime_now() - sampled));
+  // What is not finite is counted there.
+  if (!is_finite(local) || anchor_.follow(local, m.reset_counter, sampled)) {
+    odometry_.take(local, sampled, arrival.monotonic);
+    if (is_finite(local)) sampled_.put(m.timestamp_sample);
+  }
+}
+
+bool Px4LinkEnd::look(SeenMotion& seen) noexcept {
+  (void)sampled_.look(answered_);
+  return poses().look(seen);
+}
+
+LinkReason Px4LinkEnd::unfit() const noexcept {
+  if (!last_battery_.good) return LinkReason::battery_low;
+  if (last_position_.arrived > 0 && !last_position_.good) return LinkReason::estimator_invalid;
+  return anchor_.moved() > px4_.reset_max ? LinkReason::moved : LinkReason::as_asked;
 }
 
 bool Px4LinkEnd::is_seen_well() noexcept {
@@ -155,6 +186,7 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   (void)status_.look(last_status_);
   (void)position_.look(last_position_);
   (void)landed_.look(last_landed_);
+  (void)battery_.look(last_battery_);
   (void)ack_.look(last_ack_);
   const Status& s = last_status_;
   const auto is = [&](NavState nav) { return s.nav == static_cast<std::uint8_t>(nav); };
@@ -163,7 +195,8 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   facts.there = poses().is_fresh(now, odometry_old) && now - s.arrived < status_old;
   facts.armed = s.arming == px4_armed;
   facts.landed = says_landed ? last_landed_.good : !facts.armed;
-  facts.checked = s.preflight && last_position_.good && facts.landed && heard_ &&
+  facts.unfit = unfit();
+  facts.checked = s.preflight && last_position_.good && last_battery_.good && facts.landed && heard_ &&
                   !odometry_.of_second_writer() && is_seen_well() &&
                   (px4_.target_system == 0 || px4_.target_system == s.system);
   facts.contested = rivals_ > 0;
@@ -219,7 +252,8 @@ void Px4LinkEnd::command(Px4Command which, float param1, float param2, Nanosecon
 }
 
 void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds now) noexcept {
-  if (output.heartbeat) {
+  if (output.heartbeat && now - beat_at_ >= beat_every) {
+    beat_at_ = now;
     const auto beat = [&](auto&& mode) {
       mode.timestamp = stamp();
       mode.velocity = true;
@@ -242,6 +276,7 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
       for (std::size_t k = 0; k < 3; ++k)
         s.velocity[k] = static_cast<float>(vs[k]), s.acceleration[k] = static_cast<float>(as[k]);
       s.yawspeed = static_cast<float>(-c.r);
+      if (stamps_ == Stamps::of_this_machine) s.timestamp = answered_;
     }
     (void)ends_->setpoint->write(&s);
   }
@@ -250,6 +285,7 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
       break;
     case Request::arm:
       speakers_ = ends_->status->writers_came();
+      anchor_.hold();
       command(Px4Command::arm_disarm, 1.0F, 0.0F, now);
       break;
     case Request::take_off:
@@ -336,10 +372,13 @@ void Px4LinkEnd::examine(const Surroundings& around, FindingList& to) {
 std::string Px4LinkEnd::counts() const {
   std::int64_t wrong = 0;
   for (const RawReader* reader :
-       std::array<const RawReader*, 5>{&odometry_.reader(), ends_->status.get(), ends_->position.get(),
-                                       ends_->ack.get(), ends_->landed.get()})
+       std::array<const RawReader*, 6>{&odometry_.reader(), ends_->status.get(), ends_->position.get(),
+                                       ends_->ack.get(), ends_->landed.get(), ends_->battery.get()})
     wrong += reader->counts().too_long + reader->counts().too_short;
-  return fmt::format("{}, {} messages of other sizes", poses().counts(), wrong);
+  std::string words = fmt::format("{}, {} messages of other sizes", poses().counts(), wrong);
+  if (anchor_.jumps() > 0)
+    words += fmt::format(", {} jumps of its estimator by {:.2f} m in sum", anchor_.jumps(), anchor_.moved());
+  return words;
 }
 
 }  // namespace sightline::dds

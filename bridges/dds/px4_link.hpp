@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bridges/dds/channel.hpp"
+#include "bridges/dds/frame_anchor.hpp"
 #include "bridges/dds/link_end.hpp"
 #include "bridges/dds/mailbox.hpp"
 #include "bridges/dds/px4_aside.hpp"
@@ -32,7 +33,7 @@ class Px4LinkEnd final : public LinkEnd {
   Px4LinkEnd(Port participant, const Link& link, Stamps stamps);
   ~Px4LinkEnd() override;
 
-  bool look(SeenMotion& seen) noexcept override { return poses().look(seen); }
+  bool look(SeenMotion& seen) noexcept override;
   LinkFacts facts(Nanoseconds now) noexcept override;
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
@@ -41,6 +42,9 @@ class Px4LinkEnd final : public LinkEnd {
   std::optional<GeoPoint> reference() const override { return aside_ ? aside_->reference() : std::nullopt; }
   void stop_examining() override { aside_.reset(); }
   std::string counts() const override;
+  const DelayHistogram* arrivals() const noexcept override {
+    return stamps_ == Stamps::of_this_machine ? &arrivals_ : nullptr;
+  }
 
  private:
   struct Status {
@@ -65,6 +69,9 @@ class Px4LinkEnd final : public LinkEnd {
   void on_ack(const M& m, const Arrival& arrival);
   template <class M>
   void on_position(const M& m, const Arrival& arrival);
+  template <class M>
+  void on_battery(const M& m, const Arrival& arrival);
+  LinkReason unfit() const noexcept;
   void on_odometry(const void* message, const Arrival& arrival);
   PoseIntake& poses() noexcept { return seen_ ? *seen_ : odometry_; }
   const PoseIntake& poses() const noexcept { return seen_ ? *seen_ : odometry_; }
@@ -84,8 +91,11 @@ class Px4LinkEnd final : public LinkEnd {
 
   // Filled by the thread that receives.
   Mailbox<Status> status_;
-  Mailbox<Flags> position_, landed_;
+  Mailbox<Flags> position_, landed_, battery_;
   Mailbox<Ack> ack_;
+  Mailbox<std::uint64_t> sampled_;  // when the newest pose was, by its clock [us]
+  FrameAnchor anchor_;
+  DelayHistogram arrivals_;
 
   // By watch().
   std::atomic<bool> heard_{false};  // it reads what we write
@@ -93,11 +103,12 @@ class Px4LinkEnd final : public LinkEnd {
 
   // Of the control thread: the last that was seen, for when a mailbox is being written.
   Status last_status_{};
-  Flags last_position_{}, last_landed_{};
+  Flags last_position_{}, last_landed_{}, last_battery_{.good = true};
   Ack last_ack_{};
   Px4Command asked_{};
-  Nanoseconds asked_at_ = 0;
-  int speakers_ = -1;  // that had come when it was asked to arm; -1: it was not yet
+  Nanoseconds asked_at_ = 0, beat_at_ = 0;
+  std::uint64_t answered_ = 0;  // sampled_ of the pose that commands answer
+  int speakers_ = -1;           // that had come when it was asked to arm; -1: it was not yet
 
   PoseIntake odometry_;
   std::unique_ptr<PoseIntake> seen_;  // by others, where they say where it is

@@ -142,6 +142,10 @@ void Px4Vehicle::on_setpoint(const void* message) {
   const std::scoped_lock lock(lock_);
   ++told_.setpoints;
   if (nav_ != NavState::offboard) ++told_.setpoints_outside;
+  // What asks it to hold answers no pose.
+  const bool answers = s.velocity[0] != 0 || s.velocity[1] != 0 || s.velocity[2] != 0;
+  if (answers && s.timestamp > 0 && s.timestamp < last_microsecond)
+    answers_.add(1e-9 * static_cast<double>(realtime_now() - of_microseconds(s.timestamp)));
   for (const float v : s.velocity) {
     if (!std::isfinite(v) || std::abs(v) > fastest) {
       ++told_.bad_setpoints;
@@ -287,7 +291,9 @@ void Px4Vehicle::acknowledge(std::uint32_t command, std::uint8_t result, std::ui
 
 Px4VehicleCounts Px4Vehicle::told() const {
   const std::scoped_lock lock(lock_);
-  return told_;
+  Px4VehicleCounts told = told_;
+  told.answer_median = answers_.within(0.5), told.answer_p99 = answers_.within(0.99);
+  return told;
 }
 Motion Px4Vehicle::motion() const {
   const std::scoped_lock lock(lock_);
@@ -312,9 +318,9 @@ std::string Px4Vehicle::counts() const {
   return fmt::format(
       "{} set-points ({} outside offboard, {} bad), {} heartbeats, {} requests to arm, {} for offboard, {}, "
       "at [{:.2f}, {:.2f}, "
-      "{:.2f}] m{}",
+      "{:.2f}] m, answers {:.3f} ms after the pose at the median, {:.3f} at 99 %{}",
       n.setpoints, n.setpoints_outside, n.bad_setpoints, n.heartbeats, n.arm_requests, n.offboard_requests,
-      armed() ? "armed" : "disarmed", m.p.x, m.p.y, m.p.z,
+      armed() ? "armed" : "disarmed", m.p.x, m.p.y, m.p.z, 1e3 * n.answer_median, 1e3 * n.answer_p99,
       n.failsafe_after > 0 ? fmt::format(", failsafe {:.3f} s after the last heartbeat", n.failsafe_after)
                            : "");
 }

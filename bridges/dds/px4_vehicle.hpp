@@ -9,6 +9,7 @@
 #include <string>
 
 #include "bridges/dds/channel.hpp"
+#include "bridges/dds/delay_histogram.hpp"
 #include "bridges/dds/faults.hpp"
 #include "bridges/dds/px4_link.hpp"
 #include "bridges/dds/px4_vehicle_aside.hpp"
@@ -22,6 +23,8 @@ struct Px4VehicleCounts {
   std::int64_t setpoints = 0, setpoints_outside = 0;  ///< outside: while it was in another mode than offboard
   std::int64_t bad_setpoints = 0;                     ///< not finite, or faster than 10 m/s
   std::int64_t heartbeats = 0, arm_requests = 0, offboard_requests = 0;
+  double answer_median = 0.0,
+         answer_p99 = 0.0;      ///< from the stamp of a pose to the set-point that answers it [s]
   double failsafe_after = 0.0;  ///< from the last heartbeat to its failsafe [s]; 0: there was none
 };
 
@@ -72,6 +75,7 @@ class Px4Vehicle final : public StandIn {
   Setup setup_;
   mutable std::recursive_mutex lock_;  // of all below: readers' thread and the one that steps
   Px4VehicleCounts told_;
+  DelayHistogram answers_;
   std::uint8_t arming_ = px4_disarmed;
   NavState nav_ = NavState::hold;
   bool failsafe_ = false, checks_ = true, landed_ = true;

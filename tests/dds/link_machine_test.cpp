@@ -84,6 +84,10 @@ TEST(LinkMachine, EachWayOutOfFlightHasItsReason) {
       {"disarmed", [](LinkFacts& f) { f.armed = false; }, LinkState::done, LinkReason::disarmed},
       {"contested", [](LinkFacts& f) { f.contested = true; }, LinkState::landing, LinkReason::contested},
       {"restarted", [](LinkFacts& f) { f.restarted = true; }, LinkState::done, LinkReason::restarted},
+      {"battery", [](LinkFacts& f) { f.unfit = LinkReason::battery_low; }, LinkState::landing,
+       LinkReason::battery_low},
+      {"estimator", [](LinkFacts& f) { f.unfit = LinkReason::estimator_invalid; }, LinkState::landing,
+       LinkReason::estimator_invalid},
       {"silent", [](LinkFacts& f) { f.there = false; }, LinkState::landing, LinkReason::silent}};
   for (const Case& one : cases) {
     for (const LinkOrder order : {LinkOrder::task, LinkOrder::hold}) {
@@ -159,6 +163,11 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
     for (int k = 0, after_end = 0; k < 3000 && left > 0 && after_end < 50; ++k, --left, t += 0.02) {
       if (chance(wild)) f.there = !f.there || chance(0.2);
       if (chance(wild)) f.checked = chance(0.7);
+      if (chance(wild))
+        f.unfit = chance(0.6)   ? LinkReason::as_asked
+                  : chance(0.3) ? LinkReason::battery_low
+                  : chance(0.5) ? LinkReason::estimator_invalid
+                                : LinkReason::moved;
       if (chance(wild)) f.armed = chance(0.7);
       if (chance(wild)) f.airborne = chance(0.7);
       if (chance(wild)) f.landed = chance(0.5);

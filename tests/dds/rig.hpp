@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -48,9 +49,13 @@ inline Scenario row_of(const Fields& releases, double duration, const std::strin
 struct NullSink final : Sink<Sample> {
   explicit NullSink(Sample prototype) : sample(std::move(prototype)) {}
   Sample* claim() noexcept override { return &sample; }
-  void publish() noexcept override {}
+  void publish() noexcept override {
+    for (int i = 0; i < sample.event_count; ++i)
+      happened.at(static_cast<std::size_t>(sample.events[static_cast<std::size_t>(i)].kind)) += 1;
+  }
   void close() noexcept override {}
   Sample sample;
+  std::array<int, event_kinds> happened{};
 };
 
 /// Vehicles and their flyer, on one domain of this program.
@@ -90,6 +95,7 @@ class Rig {
     });
     outcome = loop.fly();
     other.join();
+    happened = sink.happened;
     if (dynamic_cast<Px4Vehicle*>(&stand_ins.of(0)) != nullptr) after_task = told_of(0);
     land();
     return outcome;
@@ -108,6 +114,7 @@ class Rig {
   std::thread stepping;
   std::unique_ptr<DdsWorld> world;
   Fields told;
+  std::array<int, event_kinds> happened{};  // events of the task, by kind
   Px4VehicleCounts after_task;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -21,6 +22,17 @@ using TellPerson = std::function<void(std::string_view)>;
 
 enum class Arming { real, dry_run };
 
+/// How a flight kept time, while its task was flown. Times in s.
+struct LinkTiming {
+  struct Delay {
+    double median = 0.0, p99 = 0.0, most = 0.0;
+  };
+  std::int64_t periods = 0, missed = 0;  ///< missed: over before they could begin; of `periods`
+  Delay wake{};                          ///< from a period's begin until the loop runs
+  Delay arrival{};                       ///< from the stamp of a pose to us; 0 where clocks differ
+  double cpu = 0.0;                      ///< of one core, by the whole program
+};
+
 /// Robots that are reached over links, as a world. Time 0 is the first measure().
 ///
 /// take_off(), a Loop that flies in it, land(): by one thread. Each call of apply() keeps the robots in flight; where none comes for
@@ -36,6 +48,8 @@ class LinkedWorld : public World {
   virtual std::vector<std::string> faults() const = 0;
   /// After the flight: what was counted, a line each: messages, and those that were refused.
   virtual std::vector<std::string> counts() const = 0;
+  /// After the flight.
+  virtual LinkTiming timing() const = 0;
 };
 
 /// Stands in for the robots of a fleet, in the place of their links' far ends.

@@ -29,6 +29,7 @@ struct Px4Link {
   std::string name_space{};  ///< of its topics, "/px4_1"; empty: none
   int target_system = 0;     ///< MAV_SYS_ID, that it must have; 0: any
   double battery_min = 0.2;  ///< charge that is left, below which it is not armed
+  double reset_max = 0.3;    ///< jumps of its estimator, in sum, that are taken as its frame's [m]
 
   static constexpr auto parameters() {
     constexpr std::array<std::string_view, 5> releases = {"1.14", "1.15", "1.16", "1.17", "1.18"};
@@ -36,7 +37,9 @@ struct Px4Link {
                       parameter("target_system", &Px4Link::target_system, "", {1, 255, "1 to 255"},
                                 "MAV_SYS_ID that it must have; none: any"),
                       parameter("battery_min", &Px4Link::battery_min, "", {0, 1, "0 to 1"},
-                                "charge that must be left before a flight; full: 1")};
+                                "charge that must be left before a flight; full: 1"),
+                      parameter("reset_max", &Px4Link::reset_max, "m", {0.0, 100.0, "0 to 100"},
+                                "jumps of its estimator, in sum, that are taken as its frame's")};
   }
 };
 
