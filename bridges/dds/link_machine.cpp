@@ -13,7 +13,8 @@ std::string_view word_of(const std::array<std::string_view, n>& words, Enum valu
 
 /// What makes a row hold.
 enum class When {
-  handed_over,  // order
+  emergency,  // order
+  handed_over,
   to_land,
   to_take_off,  // and the autopilot has heard us long enough
   to_hold,
@@ -65,7 +66,8 @@ std::string_view to_string(LinkReason reason) {
       "it was restarted, or another one speaks in its place",
       "its battery is low",
       "its estimator is not valid",
-      "its estimator jumped too far"};
+      "its estimator jumped too far",
+      "its motors were stopped, as a person asked"};
   return word_of(words, reason);
 }
 
@@ -78,6 +80,8 @@ struct LinkMachine::Row {
 
 bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, double t) const noexcept {
   switch (row.when) {
+    case When::emergency:
+      return order == LinkOrder::emergency;
     case When::handed_over:
       return order == LinkOrder::hand_over;
     case When::to_land:
@@ -154,15 +158,17 @@ void LinkMachine::ask(Request request, double t, LinkOutput& output) noexcept {
 }
 
 // The first row that holds is taken. Nothing leads out of done and pilot.
-const std::array<LinkMachine::Row, 58> LinkMachine::table = [] {
+const std::array<LinkMachine::Row, 65> LinkMachine::table = [] {
   using S = LinkState;
   using R = LinkReason;
-  return std::array<Row, 58>{{
+  return std::array<Row, 65>{{
+      {S::waiting, When::emergency, S::done, R::as_asked},
       {S::waiting, When::handed_over, S::done, R::handed_over},
       {S::waiting, When::to_land, S::done, R::as_asked},
       {S::waiting, When::ready, S::ready, R::as_asked},
       {S::waiting, When::late, S::done, R::not_ready},
 
+      {S::ready, When::emergency, S::done, R::as_asked},
       {S::ready, When::handed_over, S::done, R::handed_over},
       {S::ready, When::to_land, S::done, R::as_asked},
       {S::ready, When::lost, S::done, R::silent},
@@ -171,6 +177,7 @@ const std::array<LinkMachine::Row, 58> LinkMachine::table = [] {
       {S::ready, When::to_take_off, S::arming, R::as_asked},
       {S::ready, When::late, S::done, R::no_task},
 
+      {S::arming, When::emergency, S::done, R::emergency},
       {S::arming, When::handed_over, S::done, R::handed_over},
       {S::arming, When::restarted, S::done, R::restarted},
       {S::arming, When::armed_to_land, S::landing, R::as_asked},
@@ -178,6 +185,7 @@ const std::array<LinkMachine::Row, 58> LinkMachine::table = [] {
       {S::arming, When::refused, S::done, R::arming_refused},
       {S::arming, When::late, S::done, R::no_answer},
 
+      {S::taking_off, When::emergency, S::done, R::emergency},
       {S::taking_off, When::handed_over, S::done, R::handed_over},
       {S::taking_off, When::restarted, S::done, R::restarted},
       {S::taking_off, When::disarmed, S::done, R::disarmed},
@@ -192,6 +200,7 @@ const std::array<LinkMachine::Row, 58> LinkMachine::table = [] {
       {S::taking_off, When::unanswered, S::landing, R::refused},
       {S::taking_off, When::late, S::landing, R::too_long},
 
+      {S::holding, When::emergency, S::done, R::emergency},
       {S::holding, When::handed_over, S::done, R::handed_over},
       {S::holding, When::restarted, S::done, R::restarted},
       {S::holding, When::disarmed, S::done, R::disarmed},
@@ -204,6 +213,7 @@ const std::array<LinkMachine::Row, 58> LinkMachine::table = [] {
       {S::holding, When::to_task, S::flying, R::as_asked},
       {S::holding, When::late, S::landing, R::no_task},
 
+      {S::flying, When::emergency, S::done, R::emergency},
       {S::flying, When::handed_over, S::done, R::handed_over},
       {S::flying, When::restarted, S::done, R::restarted},
       {S::flying, When::disarmed, S::done, R::disarmed},
@@ -216,6 +226,7 @@ const std::array<LinkMachine::Row, 58> LinkMachine::table = [] {
       {S::flying, When::to_hold, S::holding, R::as_asked},
       {S::flying, When::late, S::landing, R::no_end},
 
+      {S::landing, When::emergency, S::done, R::emergency},
       {S::landing, When::handed_over, S::done, R::handed_over},
       {S::landing, When::restarted, S::done, R::restarted},
       {S::landing, When::disarmed_on_ground, S::done, R::as_asked},
@@ -233,6 +244,7 @@ LinkOutput LinkMachine::step(double t, const LinkFacts& facts, LinkOrder order) 
   const auto row = std::find_if(table.begin(), table.end(),
                                 [&](const Row& r) { return r.from == state_ && holds(r, facts, order, t); });
   if (row != table.end()) {
+    if (row->why == LinkReason::emergency) ask(Request::emergency, t, output);
     state_ = row->to;
     since_ = t;
     if (reason_ == LinkReason::as_asked) reason_ = row->when == When::unfit ? facts.unfit : row->why;

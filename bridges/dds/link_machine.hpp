@@ -41,9 +41,10 @@ enum class LinkReason : std::uint8_t {
   restarted,    ///< another one speaks in its place since it was armed
   battery_low,
   estimator_invalid,
-  moved,  ///< its estimator jumped further than is followed
+  moved,      ///< its estimator jumped further than is followed
+  emergency,  ///< a person had its motors stopped
 };
-inline constexpr int link_reasons = 19;
+inline constexpr int link_reasons = 20;
 /// A part of a sentence: "it was disarmed".
 std::string_view to_string(LinkReason reason);
 
@@ -71,7 +72,7 @@ struct LinkFacts {
   AutopilotMode mode = AutopilotMode::other;
 };
 
-/// What a robot is to do, in this order but for land and hand_over, which may come at any time.
+/// What a robot is to do, in this order but for the last three, which may come at any time.
 enum class LinkOrder : std::uint8_t {
   check,      ///< get ready, no more
   take_off,   ///< arm and take off
@@ -79,10 +80,11 @@ enum class LinkOrder : std::uint8_t {
   task,       ///< fly the task
   land,       ///< and stay on the ground
   hand_over,  ///< send nothing any more
+  emergency,  ///< stop the motors of what is in our hands, once, and send nothing any more
 };
 
 enum class Setpoint : std::uint8_t { none, zero, task };
-enum class Request : std::uint8_t { none, arm, take_off, offboard, land };
+enum class Request : std::uint8_t { none, arm, take_off, offboard, land, emergency };
 
 /// What is to be sent in this period.
 struct LinkOutput {
@@ -95,7 +97,7 @@ struct LinkOutput {
 struct LinkTimes {
   double ready = 10.0;      ///< waiting, until it is ready
   double heard = 1.2;       ///< ready, at least: PX4 wants to hear more than 1 s
-  double called = 60.0;     ///< ready, until it is to take off
+  double called = 3600.0;   ///< ready, until it is to take off
   double arming = 2.0;      ///< from the request to arm until it is
   double takeoff = 30.0;    ///< until it is where it takes set-points
   double offboard = 2.0;    ///< until it does, from the request on
@@ -105,8 +107,8 @@ struct LinkTimes {
   double land_again = 0.5;  ///< from one request to land to the next
 };
 
-/// One robot. step() is called each period and takes at most one row of the table. It asks once to arm, once to take off and once for
-/// set-points to be taken, in all its life; landing it asks again. It sends set-points while the autopilot takes them, and at no other time.
+/// One robot. step() is called each period and takes at most one row of the table. It asks once to arm, once to take off, once to take
+/// set-points and once for an emergency, in all its life; landing it asks again. Set-points go out only while the autopilot takes them.
 class LinkMachine {
  public:
   explicit LinkMachine(const LinkTimes& times = {}) : times_(times) {}
@@ -125,7 +127,7 @@ class LinkMachine {
 
  private:
   struct Row;
-  static const std::array<Row, 58> table;
+  static const std::array<Row, 65> table;
 
   bool holds(const Row& row, const LinkFacts& facts, LinkOrder order, double t) const noexcept;
   bool asked(Request request) const noexcept { return asked_[static_cast<std::size_t>(request)]; }
@@ -136,7 +138,7 @@ class LinkMachine {
   LinkReason reason_ = LinkReason::as_asked;
   bool begun_ = false, took_off_ = false;
   double since_ = 0.0, asked_at_ = 0.0;
-  std::array<bool, 5> asked_{};  // by Request
+  std::array<bool, 6> asked_{};  // by Request
 };
 
 }  // namespace sightline::dds

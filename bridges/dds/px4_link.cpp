@@ -297,6 +297,9 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
     case Request::land:
       command(Px4Command::land, 0.0F, 0.0F, now);
       break;
+    case Request::emergency:
+      command(Px4Command::arm_disarm, 0.0F, px4_force, now);
+      break;
   }
 }
 

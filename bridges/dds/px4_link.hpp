@@ -20,6 +20,7 @@ enum class NavState : std::uint8_t { position = 2, hold = 4, takeoff = 17, land 
 inline constexpr std::uint8_t px4_disarmed = 1, px4_armed = 2;
 enum class Px4Command : std::uint32_t { land = 21, takeoff = 22, set_mode = 176, arm_disarm = 400 };
 inline constexpr float px4_custom_mode = 1.0F, px4_mode_offboard = 6.0F;
+inline constexpr float px4_force = 21196.0F;  // of arm_disarm: in the air, too
 inline constexpr std::uint8_t px4_frame_ned = 1, px4_velocity_body = 3;
 inline constexpr std::uint8_t px4_battery_good = 0, px4_battery_critical = 2;  // BatteryStatus.warning
 

@@ -112,8 +112,10 @@ void Px4Vehicle::on_command(std::uint32_t command, float param1, float param2, s
         result = ready ? accepted : temporarily_rejected;
         if (ready) arming_ = px4_armed;
       } else {
-        result = landed_ ? accepted : denied;
-        if (landed_) arming_ = px4_disarmed;
+        const bool forced = param2 == px4_force;
+        told_.kills += forced ? 1 : 0;
+        result = landed_ || forced ? accepted : denied;
+        if (result == accepted) arming_ = px4_disarmed;
       }
       break;
     case Px4Command::takeoff:

@@ -70,7 +70,7 @@ LinkFacts Ros2LinkEnd::facts(Nanoseconds now) noexcept {
 void Ros2LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds) noexcept {
   if (output.request == Request::arm) ours_ = true;
   if (output.request == Request::land) stops_ = true;
-  if (output.setpoint == Setpoint::none) return;
+  if (output.setpoint == Setpoint::none && output.request != Request::emergency) return;
   geometry_msgs_msg_dds__Twist_ twist{};
   if (output.setpoint == Setpoint::task) {
     twist.linear.x = c.d.x * c.v_end.x + c.d.y * c.v_end.y;

@@ -143,6 +143,36 @@ TEST(LinkMachine, HandedOverNothingIsSent) {
   EXPECT_FALSE(output.heartbeat);
 }
 
+TEST(LinkMachine, AnEmergencyStopsWhatItHadArmedOnceAndNothingElse) {
+  for (const LinkState from : {LinkState::waiting, LinkState::ready, LinkState::arming, LinkState::taking_off,
+                               LinkState::holding, LinkState::flying, LinkState::landing, LinkState::done}) {
+    LinkMachine machine;
+    Obedient robot;
+    robot.facts.checked = from != LinkState::waiting;
+    double t = 0.0;
+    if (from == LinkState::landing || from == LinkState::done)
+      t = until(LinkState::flying, machine, robot, LinkOrder::task, t);
+    t = until(from, machine, robot,
+              from >= LinkState::landing   ? LinkOrder::land
+              : from == LinkState::holding ? LinkOrder::hold
+                                           : LinkOrder::task,
+              t, 5);
+    ASSERT_EQ(machine.state(), from);
+    const bool ours = machine.in_our_hands();
+    int stopped = 0;
+    for (int k = 0; k < 200; ++k, t += tick) {
+      const LinkOutput output = machine.step(t, robot.facts, LinkOrder::emergency);
+      stopped += output.request == Request::emergency ? 1 : 0;
+      ASSERT_TRUE(output.request == Request::none || (k == 0 && ours)) << to_string(from);
+      ASSERT_FALSE(output.heartbeat);
+      ASSERT_EQ(output.setpoint, Setpoint::none);
+    }
+    EXPECT_EQ(stopped, ours ? 1 : 0) << to_string(from);
+    EXPECT_EQ(machine.state(), LinkState::done);
+    EXPECT_EQ(machine.reason(), ours ? LinkReason::emergency : LinkReason::as_asked) << to_string(from);
+  }
+}
+
 // Whatever robots and persons do: set-points only where the autopilot takes them and in the states for them, heartbeats only from
 // ready to landing, one request each to arm, take off and take set-points, no way out of pilot and done, and each state in bounded time.
 TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
@@ -158,7 +188,7 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
     LinkFacts f{.there = true, .checked = true};
     LinkOrder order = LinkOrder::check;
     double t = 0.0, entered = 0.0;
-    int armed = 0, took_off = 0, offboard = 0;
+    int armed = 0, took_off = 0, offboard = 0, stopped = 0;
     const double wild = chance(0.3) ? 0.0 : chance(0.5) ? 0.001 : 0.02;  // of each fact, each time
     for (int k = 0, after_end = 0; k < 3000 && left > 0 && after_end < 50; ++k, --left, t += 0.02) {
       if (chance(wild)) f.there = !f.there || chance(0.2);
@@ -177,7 +207,7 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
       if (chance(wild)) f.contested = chance(0.3);
       if (chance(wild)) f.mode = static_cast<AutopilotMode>(std::uniform_int_distribution<>(0, 3)(random));
       if (chance(0.004))
-        order = static_cast<LinkOrder>(std::uniform_int_distribution<>(0, chance(0.3) ? 5 : 3)(random));
+        order = static_cast<LinkOrder>(std::uniform_int_distribution<>(0, chance(0.3) ? 6 : 3)(random));
       const LinkState before = machine.state();
       const LinkOutput out = machine.step(t, f, order);
       const LinkState state = machine.state();
@@ -196,7 +226,13 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
           << to_string(state);
       ASSERT_TRUE(out.setpoint != Setpoint::task || state == LinkState::flying);
       ASSERT_TRUE(!out.heartbeat || (state >= LinkState::ready && state <= LinkState::landing));
-      ASSERT_TRUE(out.request == Request::none || (!final && state != LinkState::waiting));
+      if (out.request == Request::emergency) {
+        ASSERT_TRUE(before >= LinkState::arming && before <= LinkState::landing && state == LinkState::done);
+        ++stopped;
+      } else {
+        ASSERT_TRUE(out.request == Request::none || (!final && state != LinkState::waiting));
+      }
+      ASSERT_LE(stopped, 1);
       armed += out.request == Request::arm ? 1 : 0;
       took_off += out.request == Request::take_off ? 1 : 0;
       offboard += out.request == Request::offboard ? 1 : 0;
