@@ -51,7 +51,8 @@ Arguments::Arguments()
   fly_command = app.add_subcommand("fly", "Fly a fleet of real robots; write log, summary and report");
   add_fleet(*fly_command, fly.fleet);
   fly_command->add_option("-o,--output", fly.output, "Folder for the results [out/NAME]");
-  fly_command->add_flag("--dry-run", fly.dry_run, "All but arm");
+  const auto dry_run = fly_command->add_flag("--dry-run", fly.dry_run, "All but arm");
+  fly_command->add_flag("--wait", fly.wait, "Take off when the service ~/start is called")->excludes(dry_run);
 
   vehicles_command = app.add_subcommand("vehicles", "Stand in for the robots of a fleet, on their topics");
   add_fleet(*vehicles_command, vehicles.fleet);

@@ -62,6 +62,7 @@ struct FlyCommand {
   NamedScenario fleet;           ///< a scenario with a [fleet]
   std::filesystem::path output;  ///< empty: out/NAME
   bool dry_run = false;          ///< all but arm
+  bool wait = false;             ///< arms when the service ~/start is called
 };
 
 struct VehiclesCommand {

@@ -66,7 +66,8 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
   outlive_the_terminal();
   listen_to_interrupts();
   SteadyClock clock;
-  LinkedFlight linked{*world, command.dry_run ? Arming::dry_run : Arming::real, interrupts(), stop_flight()};
+  const Arming arming = command.dry_run ? Arming::dry_run : command.wait ? Arming::on_call : Arming::real;
+  LinkedFlight linked{*world, arming, interrupts(), stop_flight()};
   int code = 2;
   try {
     code = fly(std::move(scenario), *folder, clock, nullptr, &linked);

@@ -8,6 +8,7 @@
 
 #include "cli/allocations.hpp"
 #include "cli/commands.hpp"
+#include "cli/linked_sink.hpp"
 #include "cli/output.hpp"
 #include "cli/partition.hpp"
 #include "cli/progress.hpp"
@@ -72,30 +73,6 @@ struct Flight {
   bool logged;  // its files are whole
 };
 
-/// Ends a flight on links where a robot of it is to land: its link lands it, and all others.
-class LandingWatch final : public Sink<Sample> {
- public:
-  LandingWatch(Sink<Sample>& sink, std::atomic<bool>* stop) : sink_(sink), stop_(stop) {}
-
-  Sample* claim() noexcept override { return sample_ = sink_.claim(); }
-  void publish() noexcept override {
-    const auto lands = [](FallbackLevel level) { return level >= FallbackLevel::land; };
-    if (stop_ != nullptr && std::any_of(sample_->levels.begin(), sample_->levels.end(), lands)) {
-      landed_ = true;
-      stop_->store(true, std::memory_order_relaxed);
-    }
-    sink_.publish();
-  }
-  void close() noexcept override { sink_.close(); }
-  bool landed() const { return landed_; }
-
- private:
-  Sink<Sample>& sink_;
-  std::atomic<bool>* stop_;
-  Sample* sample_ = nullptr;
-  bool landed_ = false;
-};
-
 /// From the ground to the ground, by a thread of its own: what it asks of the machine is for no one else.
 LoopOutcome fly_linked(LinkedFlight& linked, ClosedLoop& loop, Sink<Sample>& sink) {
   LoopOutcome outcome;
@@ -139,9 +116,11 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
   Sample prototype = sized_sample(world, controllers);
   make_room_for_plans(scenario, prototype);
   Ring<Sample> ring(ring_capacity(prototype), prototype);
-  std::atomic<bool>* const stop = linked != nullptr ? &linked->stop : nullptr;
-  LandingWatch sink(ring, stop);
-  ClosedLoop loop(scenario, world, controllers, clock, sink, allocations, team_switcher, stop);
+  std::optional<LinkedSink> shown;
+  if (linked != nullptr) shown.emplace(ring, linked->world, linked->stop);
+  Sink<Sample>& sink = shown ? static_cast<Sink<Sample>&>(*shown) : ring;
+  ClosedLoop loop(scenario, world, controllers, clock, sink, allocations, team_switcher,
+                  linked != nullptr ? &linked->stop : nullptr);
 
   Progress progress(scenario.simulation.duration);
   Log log(
@@ -154,7 +133,8 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
   std::string summary = log.summary().json();
   if (linked != nullptr) summary = with_timing(summary, linked->world.timing());
   Flight flight = {std::move(summary), faults_of(outcome, world, log), log.error().empty()};
-  if (sink.landed()) flight.faults.emplace_back("what was known of a robot grew too old: all landed");
+  if (shown && shown->too_old())
+    flight.faults.emplace_back("what was known of a robot grew too old: all landed");
   // Beside an earlier log stands its own summary.
   std::string lost = log.begun() ? write_summary(folder, flight.summary) : "";
   if (!lost.empty()) {

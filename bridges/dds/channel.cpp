@@ -27,6 +27,8 @@ Qos qos_of(Quality quality, const MessageType& type) {
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, quality.depth);
   dds_qset_durability(qos.get(),
                       quality.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, quality.depth, DDS_LENGTH_UNLIMITED,
+                              DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);  // of who comes later
   dds_qset_writer_data_lifecycle(qos.get(), false);
   const dds_data_representation_id_t plain = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(qos.get(), 1, &plain);

@@ -97,6 +97,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       rest_(size(team_.nu())),
       period_(std::llround(1e9 * scenario.horizon.dt)),
       times_(times),
+      node_(scenario.fleet->network.node),
       domain_(std::move(domain)),
       lookout_(domain_->participant()) {
   times_.task = scenario.simulation.duration + 60.0;
@@ -121,11 +122,17 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
                        std::make_unique<PoseIntake>()});
     read_seen_poses(*bodies_.back().poses, domain_->participant(), link.poses, Attitude::ignored);
   }
+  if (voice == Voice::speaks)
+    services_ = std::make_unique<OperatorServices>(domain_->participant(), node_, calls_);
+  if (voice == Voice::speaks && scenario.fleet->network.topics)
+    topics_ = std::make_unique<TopicsOut>(scenario, domain_->participant(),
+                                          [this](std::size_t i) { return robots_[i].end->counts(); });
   watcher_ = std::thread([this, list = WriterList(domain_->participant())]() mutable {
     while (!done_) {
       const std::vector<SeenWriter> writers = list.look();
       for (Robot& robot : robots_) robot.end->watch(writers);
       tell_news();
+      rival_ = services_ != nullptr && services_->has_rival(writers);
       std::this_thread::sleep_for(std::chrono::milliseconds(200));
     }
   });
@@ -180,10 +187,12 @@ bool DdsWorld::apply(double, std::span<const double> believed, std::span<const d
 
 void DdsWorld::step_all(LinkOrder order, std::span<const double> believed,
                         std::span<const double> u) noexcept {
+  if (calls_.is_emergency()) order = LinkOrder::emergency;
   const std::int64_t now = monotonic_now();
   const double t = 1e-9 * static_cast<double>(now);
   const bool seen = order == LinkOrder::task || bodies_are_seen(now);
-  for (Robot& robot : robots_) {
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    Robot& robot = robots_[i];
     LinkFacts facts = robot.end->facts(now);
     facts.checked = facts.checked && robot.cleared && seen;
     const LinkOutput output = robot.machine.step(t, facts, order);
@@ -193,6 +202,10 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> believed,
     else
       robot.model.rest();
     robot.end->send(output, command, now);
+    if (topics_ == nullptr) continue;
+    RobotShown shown = {.state = robot.machine.state(), .reason = robot.machine.reason(), .facts = facts};
+    shown.seen = robot.end->look(shown.last);
+    topics_->show(i, shown);
   }
 }
 
@@ -234,6 +247,15 @@ void DdsWorld::tell_news() {
   }
 }
 
+void DdsWorld::tell_all(const std::string& sentence, const TellPerson& tell) {
+  tell(sentence);
+  if (topics_ != nullptr) topics_->say(sentence);
+}
+
+void DdsWorld::show(const Sample& sample) noexcept {
+  if (topics_ != nullptr) topics_->show(sample);
+}
+
 template <class Done>
 void DdsWorld::steps_until(LinkOrder order, const Interrupts& interrupts, const TellPerson& tell,
                            Done&& done) {
@@ -248,22 +270,40 @@ void DdsWorld::steps_until(LinkOrder order, const Interrupts& interrupts, const 
 bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellPerson& tell) {
   using S = LinkState;
   const auto out = [&] {
-    return interrupts > 0 || !each_is({S::waiting, S::ready, S::arming, S::taking_off, S::holding});
+    return interrupts > 0 || !refusal_.empty() || calls_.to_land() ||
+           !each_is({S::waiting, S::ready, S::arming, S::taking_off, S::holding});
   };
   // The periods of those who wait are long enough to look around: nothing is sent to them.
   std::int64_t looked = 0;
-  steps_until(LinkOrder::check, interrupts, tell, [&] {
+  const auto look_around = [&] {
     if (monotonic_now() - looked > looks_each) clear_robots(), looked = monotonic_now();
+  };
+  steps_until(LinkOrder::check, interrupts, tell, [&] {
+    look_around();
     return out() || each_is({S::ready});
   });
+  if (rival_ && each_is({S::ready})) {
+    refusal_ = fmt::format("fleet.node = \"{}\", by which another program serves, expected a name of its own",
+                           node_);
+    tell_all(refusal_, tell);
+  }
+  if (arming == Arming::on_call && !out()) {
+    calls_.is_at(FlightPhase::waiting);
+    tell_all(fmt::format("all are ready: {}/start lets them take off", node_), tell);
+    steps_until(LinkOrder::check, interrupts, tell, [&] {
+      look_around();
+      return out() || calls_.started();
+    });
+  }
   clear_robots();  // they may have been ready for long
-  if (each_is({S::ready}) && all_cleared() && interrupts == 0) {
+  if (each_is({S::ready}) && all_cleared() && !out()) {
     if (arming == Arming::dry_run) {
-      tell("all are ready, none is armed: a dry run");
+      tell_all("all are ready, none is armed: a dry run", tell);
       steps_until(LinkOrder::land, interrupts, tell, [&] { return !in_our_hands() && each_is({S::done}); });
       return false;
     }
     for (Robot& robot : robots_) robot.end->stop_examining();
+    calls_.is_at(FlightPhase::taking_off);
     steps_until(LinkOrder::take_off, interrupts, tell, [&] {
       return out() || std::all_of(robots_.begin(), robots_.end(), [](Robot& r) {
                return r.machine.state() == S::taking_off && r.end->facts(monotonic_now()).airborne;
@@ -272,6 +312,7 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
     if (!out())
       steps_until(LinkOrder::hold, interrupts, tell, [&] { return out() || each_is({S::holding}); });
     if (!out()) {
+      calls_.is_at(FlightPhase::task);
       const std::scoped_lock lock(news_);
       news_go_to_ = tell;
       return true;
@@ -341,6 +382,7 @@ std::vector<RobotPose> DdsWorld::poses() {
 }
 
 void DdsWorld::land(const Interrupts& interrupts, const TellPerson& tell) {
+  calls_.is_at(FlightPhase::landing);
   tell_news();
   {
     const std::scoped_lock lock(news_);
@@ -351,10 +393,13 @@ void DdsWorld::land(const Interrupts& interrupts, const TellPerson& tell) {
   steps_until(LinkOrder::land, interrupts, tell, [&] {
     return each_is({LinkState::done, LinkState::pilot});
   });
+  calls_.is_at(FlightPhase::over);
 }
 
 std::string DdsWorld::ended() const {
   for (const Robot& robot : robots_) {
+    if (robot.machine.reason() == LinkReason::emergency)
+      return fmt::format("{}: {}", robot.name, to_string(robot.machine.reason()));
     if (robot.machine.reason() != LinkReason::as_asked)
       return fmt::format("{}: {}; the others landed", robot.name, to_string(robot.machine.reason()));
   }
@@ -363,6 +408,7 @@ std::string DdsWorld::ended() const {
 
 std::vector<std::string> DdsWorld::faults() const {
   std::vector<std::string> sentences = refusals_;
+  if (!refusal_.empty()) sentences.push_back(refusal_);
   for (const Robot& robot : robots_) {
     if (robot.machine.reason() != LinkReason::as_asked)
       sentences.push_back(fmt::format("{}: {}", robot.name, to_string(robot.machine.reason())));
@@ -393,6 +439,7 @@ std::vector<std::string> DdsWorld::counts() const {
     if (robot.goals) lines.push_back(fmt::format("{}: {}", robot.name, robot.goals->counts()));
   }
   for (const Body& body : bodies_) lines.push_back(fmt::format("{}: {}", body.name, body.poses->counts()));
+  if (topics_ != nullptr) lines.push_back(topics_->counts());
   if (complaints() > 0)
     lines.push_back(fmt::format("{} packets that could not be read: {}", complaints(), last_complaint()));
   return lines;

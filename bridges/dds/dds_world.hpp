@@ -14,6 +14,8 @@
 #include "bridges/dds/fleet_findings.hpp"
 #include "bridges/dds/goal_intake.hpp"
 #include "bridges/dds/link_end.hpp"
+#include "bridges/dds/services.hpp"
+#include "bridges/dds/topics_out.hpp"
 #include "sightline/scenario/bridge.hpp"
 
 namespace sightline::dds {
@@ -37,6 +39,8 @@ class DdsWorld final : public LinkedWorld {
 
   bool take_off(Arming arming, const Interrupts& interrupts, const TellPerson& tell) override;
   void land(const Interrupts& interrupts, const TellPerson& tell) override;
+  bool asked_to_land() const noexcept override { return calls_.to_land(); }
+  void show(const Sample& sample) noexcept override;
   std::vector<std::string> faults() const override;
   std::vector<std::string> counts() const override;
   LinkTiming timing() const override;
@@ -80,6 +84,8 @@ class DdsWorld final : public LinkedWorld {
   bool all_cleared() const;
   /// Says what keeps the fleet on the ground.
   void refuse(const TellPerson& tell);
+  /// To the person, and to those who look on.
+  void tell_all(const std::string& sentence, const TellPerson& tell);
   /// Steps at the period until `done`; at once where that is so.
   template <class Done>
   void steps_until(LinkOrder order, const Interrupts& interrupts, const TellPerson& tell, Done&& done);
@@ -91,11 +97,17 @@ class DdsWorld final : public LinkedWorld {
   std::vector<double> start_, measured_, stamps_, rest_;
   std::int64_t period_;  // [ns]
   LinkTimes times_;
+  std::string node_;
   std::shared_ptr<Domain> domain_;
   std::vector<Robot> robots_;  // in the order of the team, whose first bodies they are
   std::vector<Body> bodies_;
   Lookout lookout_;
+  OperatorCalls calls_;
+  std::unique_ptr<OperatorServices> services_;  // none where it only listens
+  std::atomic<bool> rival_{false};     // another program has our name
+  std::string refusal_;                // of the flight as a whole; empty: none
   std::vector<std::string> refusals_;  // of robots that were ready
+  std::unique_ptr<TopicsOut> topics_;  // none where nobody is to see the flight
   std::int64_t origin_ = 0;            // time 0 of the loop, of the monotonic clock [ns]
   bool begun_ = false, seen_ = false;
   std::int64_t periods_ = 0, missed_ = 0;

@@ -91,6 +91,21 @@ TEST_F(Fly, FaultsBeginAndEndByKey) {
   ::close(terminal);
 }
 
+TEST_F(Fly, WhereItWaitsForACallNothingIsArmedBefore) {
+  const fs::path fleet = desk("10.0");
+  const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+  std::vector<std::string> words = flight(fleet);
+  words.emplace_back("--wait");
+  const auto flyer = begin(words, "fly");
+  ASSERT_TRUE(says("fly.err", "all are ready: /sightline/start lets them take off")) << said("fly.err");
+  flyer->end(SIGINT);
+  EXPECT_EQ(flyer->code(), 0) << said("fly.err");
+  vehicles->end(SIGINT);
+  EXPECT_THAT(said("vehicles.out"), HasSubstr(" 0 requests to arm"));
+  EXPECT_THAT(said("vehicles.out"), Not(HasSubstr(" 1 requests to arm")));
+  EXPECT_NE(test::sightline("fly --wait --dry-run " + fleet.string(), folder).code, 0);
+}
+
 TEST_F(Fly, AScenarioWithoutAFleetIsRefused) {
   for (const char* command : {"fly", "vehicles"}) {
     const auto refused =

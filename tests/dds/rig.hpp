@@ -17,6 +17,7 @@
 #include "bridges/dds/dds_world.hpp"
 #include "bridges/dds/px4_vehicle.hpp"
 #include "cli/allocations.hpp"
+#include "cli/linked_sink.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "tests/dds/own_domain.hpp"
 #include "tests/support/scenario_text.hpp"
@@ -82,13 +83,14 @@ class Rig {
     world->land(interrupts, [this](std::string_view sentence) { told.emplace_back(sentence); });
   }
   /// Takes off, flies the task, lands; meanwhile `happens` after so long of the task [s].
-  LoopOutcome fly(double after = 0, const std::function<void()>& happens = {}) {
+  LoopOutcome fly(double after = 0, const std::function<void()>& happens = {}, Arming arming = Arming::real) {
     const Controls controls(scenario);
     SteadyClock clock;
     NullSink sink(sized_sample(*world, controls.controllers()));
-    ClosedLoop loop(scenario, *world, controls.controllers(), clock, sink, cli::allocations, nullptr, &stop);
+    cli::LinkedSink shown(sink, *world, stop);
+    ClosedLoop loop(scenario, *world, controls.controllers(), clock, shown, cli::allocations, nullptr, &stop);
     LoopOutcome outcome;
-    if (!take_off()) return outcome;
+    if (!take_off(arming)) return outcome;
     std::thread other([&] {
       std::this_thread::sleep_for(std::chrono::duration<double>(after));
       if (happens) happens();

@@ -108,13 +108,18 @@ TEST(ReadLink, TargetsAndObstaclesMayBeSeenByOthers) {
 TEST(ReadLink, ANetworkIsLoopbackUnlessItIsSaid) {
   const Scenario a = scenario_of(fleet(px4));
   EXPECT_EQ(a.fleet->network.interfaces, std::vector<std::string>{"lo"});
-  EXPECT_THAT(summary(a), HasSubstr("fleet       domain 0 on lo, asks 127.0.0.1, no multicast\n"));
+  EXPECT_THAT(
+      summary(a),
+      HasSubstr("fleet       domain 0 on lo, asks 127.0.0.1, no multicast; /sightline shows the flight\n"));
+  EXPECT_TRUE(a.fleet->network.topics);
   const Scenario b = scenario_of(fleet(
       px4,
       "domain = 5\ninterfaces = [\"eth0\"]\ndiscovery = { peers = [\"10.0.0.2\"], participants = 9 }\n"));
   EXPECT_EQ(b.fleet->network.domain, 5);
   EXPECT_EQ(b.fleet->network.peers, std::vector<std::string>{"10.0.0.2"});
   EXPECT_EQ(b.fleet->network.participants, 9);
+  const Scenario quiet = scenario_of(fleet(px4, "node = \"/lab/flyer_2\"\ntopics = false\n"));
+  EXPECT_THAT(summary(quiet), HasSubstr("no multicast; /lab/flyer_2 shows nothing\n"));
   EXPECT_EQ(scenario_of(fleet(px4, "interfaces = [\"eth0\"]\ndiscovery = { multicast = true }\n"))
                 .fleet->network.multicast,
             Multicast::on);
@@ -204,6 +209,9 @@ TEST(ReadLink, WhatDoesNotHoldIsRefusedWithItsPlace) {
        "link.pose_topic = \"/p\", expected no such key, only with poses = \"mocap\""},
       {fleet("kind = \"ros2\"\nodometry = \"/o\"\n"),
        "link.cmd_vel is missing, expected the topic of its velocity commands"},
+      {fleet(px4, "node = \"flyer\"\n"),
+       "fleet.node = \"flyer\", expected the name of the flyer, as \"/a/b\""},
+      {fleet(px4, "topics = 1\n"), "fleet.topics = 1, expected"},
       {fleet(px4, "domain = 231\n"), "fleet.domain = 231, expected an integer, 0 to 230"},
       {fleet(px4, "interfaces = [\"eth0\"]\n"),
        "fleet.discovery.peers is missing, expected the addresses of the other machines"},

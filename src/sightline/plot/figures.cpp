@@ -23,8 +23,6 @@ using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
 using View = Drawing::Grid::View;
 
-constexpr std::array<std::string_view, Drawing::colours + 2> colours = {
-    "#3b82d6", "#e07b1a", "#2a9d5c", "#a05cd0", "#d64a8b", "#1aa3b5", "#d8322f", "#8a8f98"};
 constexpr int width = 900, left = 102, axes_width = 780;  // [px]
 constexpr std::string_view picture_head = "<?xml ";       // of each that gnuplot draws
 
@@ -218,7 +216,7 @@ std::string notes(const Panel& panel) {
   }
   for (const Drawing::Moment& moment : panel.moments) {
     script += fmt::format("set arrow from {0},graph 0 to {0},graph 1 nohead lc rgb '{1}' lw 1 dt (2,4)\n",
-                          moment.x, colours[Drawing::faint_colour]);
+                          moment.x, palette[Drawing::faint_colour]);
     if (!moment.text.empty()) {
       script += fmt::format("set label {} at {},graph 1 left offset 0.2,-0.6 font ',10'\n",
                             literal(moment.text), moment.x);
@@ -298,7 +296,7 @@ void write_panel(std::ostream& script, const Panel& panel, int axes) {
                                                                   : "using 1:2:(0)";
     script << (i > 0 || !panel.grid.z.empty() ? ", " : "")
            << fmt::format("$c{} {} {} lc rgb '{}' {}", i, columns, style(curve.mark),
-                          colours.at(curve.colour),
+                          palette.at(curve.colour),
                           curve.title.empty() ? "notitle" : "title " + literal(curve.title));
   }
   script << '\n';

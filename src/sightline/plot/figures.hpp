@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "sightline/plot/palette.hpp"
+
 namespace sightline {
 
 /// What a picture shows, in its own words: panels in rows, one above the other.
@@ -64,7 +66,7 @@ struct Drawing {
     std::vector<std::string> y_names{};  ///< of y = 0, 1, ..., in place of the numbers
   };
 
-  static constexpr std::size_t colours = 6;  ///< that tell curves apart
+  static constexpr std::size_t colours = palette_robots;  ///< that tell curves apart
   static constexpr std::size_t limit_colour = 6, faint_colour = 7;
 
   std::string title, caption;  ///< plain text

@@ -124,6 +124,9 @@ struct StampedAttitude {
   std::array<double, 4> q{0, 0, 0, 1};  ///< (x, y, z, w) of a quaternion of length 1
 };
 
+/// What G is called in logs and on topics.
+inline constexpr std::string_view frame_of_G = "map";
+
 /// A kind of ROS 2 message as a log names it.
 struct RosSchema {
   std::string_view name;  ///< "geometry_msgs/msg/PoseStamped"

@@ -26,7 +26,7 @@ namespace sightline {
 namespace {
 
 constexpr double chunk_time = 0.1;  // [s]
-constexpr std::string_view frame = "map";
+constexpr std::string_view frame = frame_of_G;
 
 // d x d' about z [rad/s]; 0 for a body without a heading.
 double turn_rate(const Model& model, const StateRoles& roles, const double* x, const double* u) {

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/run/sample.hpp"
 #include "sightline/scenario/finding.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/world/world.hpp"
@@ -20,7 +21,11 @@ using Interrupts = std::atomic<int>;
 /// Takes a sentence for a person. Between take_off() and land() called by a thread of the bridge, else by its caller's; never by two.
 using TellPerson = std::function<void(std::string_view)>;
 
-enum class Arming { real, dry_run };
+enum class Arming {
+  real,
+  on_call,  ///< not before somebody calls for it, by what the bridge offers others
+  dry_run,
+};
 
 /// How a flight kept time, while its task was flown. Times in s.
 struct LinkTiming {
@@ -44,6 +49,10 @@ class LinkedWorld : public World {
   virtual bool take_off(Arming arming, const Interrupts& interrupts, const TellPerson& tell) = 0;
   /// Brings all that fly to the ground. Returns when none is left to care for, in bounded time.
   virtual void land(const Interrupts& interrupts, const TellPerson& tell) = 0;
+  /// Whether somebody else than the program's user asks that all land.
+  virtual bool asked_to_land() const noexcept = 0;
+  /// Shows a period to those who look on. By the thread that flies: allocates nothing, waits for nobody.
+  virtual void show(const Sample& sample) noexcept = 0;
   /// After the flight: what made it fail, a sentence each.
   virtual std::vector<std::string> faults() const = 0;
   /// After the flight: what was counted, a line each: messages, and those that were refused.

@@ -121,8 +121,10 @@ struct FleetNetwork {
   std::vector<std::string> interfaces = {"lo"};    ///< by which messages leave, by name
   std::vector<std::string> peers = {"127.0.0.1"};  ///< machines that are asked who is there
   Multicast multicast = Multicast::off;
-  int participants = 32;         ///< most programs of one machine
-  std::filesystem::path keys{};  ///< DDS security: a folder of each of key_owners; empty: none
+  int participants = 32;            ///< most programs of one machine
+  std::filesystem::path keys{};     ///< DDS security: a folder of each of key_owners; empty: none
+  std::string node = "/sightline";  ///< what the flyer is called: the beginning of its topics and services
+  bool topics = true;               ///< shows the flight to others
 };
 inline constexpr int domain_max = 230;
 /// Who of a fleet has keys, and the files of each, by the names that SROS 2 gives them.

@@ -161,10 +161,12 @@ std::filesystem::path read_keys(const TomlTable& at) {
 std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
   if (!root.has("fleet")) return std::nullopt;
   const TomlTable at = root.table("fleet");
-  at.expect_only({"domain", "interfaces", "discovery", "security", "fault"});
+  at.expect_only({"domain", "interfaces", "discovery", "security", "fault", "node", "topics"});
   FleetNetwork network;
   if (at.has("domain")) network.domain = static_cast<int>(at.integer("domain", 0, domain_max));
   if (at.has("interfaces")) network.interfaces = read_network_names(at, "interfaces", "names of interfaces");
+  if (at.has("node")) network.node = read_ros_name(at, "node", "the name of the flyer");
+  if (at.has("topics")) network.topics = at.boolean("topics");
   const TomlTable discovery = at.table_or_empty("discovery");
   discovery.expect_only({"peers", "multicast", "participants"});
   if (discovery.has("multicast") && discovery.boolean("multicast")) network.multicast = Multicast::on;
@@ -256,11 +258,13 @@ std::string poses_in_words(const PosesFrom& poses) {
 }
 
 std::string network_in_words(const FleetNetwork& network) {
-  return fmt::format("fleet       domain {} on {}, {}{}", network.domain, fmt::join(network.interfaces, ", "),
+  return fmt::format("fleet       domain {} on {}, {}{}; {} {}", network.domain,
+                     fmt::join(network.interfaces, ", "),
                      network.multicast == Multicast::on
                          ? "by multicast"
                          : fmt::format("asks {}, no multicast", fmt::join(network.peers, ", ")),
-                     network.keys.empty() ? "" : ", DDS security");
+                     network.keys.empty() ? "" : ", DDS security", network.node,
+                     network.topics ? "shows the flight" : "shows nothing");
 }
 
 std::string link_in_words(const Link& link, std::string_view name) {

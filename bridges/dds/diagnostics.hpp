@@ -1,0 +1,41 @@
+/// How links and solver are, as diagnostics of ROS 2 say it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "bridges/dds/topics_out.hpp"
+
+namespace sightline::dds {
+
+/// Numbers as in diagnostic_msgs/DiagnosticStatus.
+enum class Health : std::uint8_t { ok, warn, error, stale };
+
+struct Diagnosis {
+  Health level = Health::ok;
+  std::string name{}, message{}, hardware{};
+  std::vector<std::pair<std::string, std::string>> values{};
+};
+
+/// What the loop did since the last diagnosis.
+struct LoopShown {
+  bool begun = false;
+  SolverRecord last{};
+  double solve_us_most = 0.0, update_us_most = 0.0;
+  std::int64_t periods = 0, missed = 0;
+};
+
+/// @param name    of the robot
+/// @param age     of what is known of it [s]
+/// @param fresh   older than this is told [s]
+/// @param level   of its supervisor
+/// @param counts  of its link, in words
+Diagnosis diagnose_link(std::string_view name, const RobotShown& shown, double age, double fresh,
+                        FallbackLevel level, const std::string& counts);
+Diagnosis diagnose_solver(std::string_view solver, const LoopShown& loop);
+
+}  // namespace sightline::dds

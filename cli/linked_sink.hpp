@@ -1,0 +1,41 @@
+/// Between a flight on links and its log.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+
+#include "sightline/run/ring.hpp"
+#include "sightline/scenario/bridge.hpp"
+
+namespace sightline::cli {
+
+/// Shows each period to those who look on, and ends the flight where a robot of it is to land, or somebody asks for it: the link lands
+/// it, and all others.
+class LinkedSink final : public Sink<Sample> {
+ public:
+  /// @param stop  ends the loop
+  LinkedSink(Sink<Sample>& sink, LinkedWorld& world, std::atomic<bool>& stop)
+      : sink_(sink), world_(world), stop_(stop) {}
+
+  Sample* claim() noexcept override { return sample_ = sink_.claim(); }
+  void publish() noexcept override {
+    const auto lands = [](FallbackLevel level) { return level >= FallbackLevel::land; };
+    too_old_ = too_old_ || std::any_of(sample_->levels.begin(), sample_->levels.end(), lands);
+    if (too_old_ || world_.asked_to_land()) stop_.store(true, std::memory_order_relaxed);
+    world_.show(*sample_);
+    sink_.publish();
+  }
+  void close() noexcept override { sink_.close(); }
+
+  /// Whether a robot was to land by its supervisor.
+  bool too_old() const { return too_old_; }
+
+ private:
+  Sink<Sample>& sink_;
+  LinkedWorld& world_;
+  std::atomic<bool>& stop_;
+  Sample* sample_ = nullptr;
+  bool too_old_ = false;
+};
+
+}  // namespace sightline::cli
