@@ -10,7 +10,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "bridges/dds/crazyswarm_link.hpp"
 #include "bridges/dds/px4_link.hpp"
+#include "bridges/dds/ros2_flyer_link.hpp"
 #include "bridges/dds/ros2_link.hpp"
 #include "bridges/dds/seen_poses.hpp"
 #include "sightline/base/index.hpp"
@@ -24,16 +26,16 @@ std::unique_ptr<LinkEnd> made_end(Port participant, const Link& link, std::strin
                                   const Model& model, bool loopback) {
   if (std::holds_alternative<Px4Link>(link.kind))
     return std::make_unique<Px4LinkEnd>(participant, link, loopback ? Stamps::of_this_machine : Stamps::none);
-  if (std::holds_alternative<Ros2Link>(link.kind)) {
-    if (!model.rolls())
-      throw std::invalid_argument(fmt::format(
-          "agent.{}.link.kind = ros2, by which a {} does not take off yet, expected a robot that drives",
-          name, model.name()));
+  if (const auto* ros2 = std::get_if<Ros2Link>(&link.kind)) {
+    check_commands(*ros2, name, model);
+    if (ros2->flies()) return std::make_unique<Ros2FlyerLinkEnd>(participant, link);
     return std::make_unique<Ros2LinkEnd>(participant, link);
   }
-  throw std::invalid_argument(
-      fmt::format("agent.{}.link.kind = {}, which this bridge does not fly yet, expected px4 or ros2", name,
-                  link.kind_name()));
+  if (model.rolls())
+    throw std::invalid_argument(fmt::format(
+        "agent.{}.link.kind = crazyswarm2, behind which a {} does not drive, expected a robot that flies",
+        name, model.name()));
+  return std::make_unique<CrazyswarmLinkEnd>(participant, link);
 }
 
 constexpr std::int64_t looks_each = 200'000'000;        // before a flight

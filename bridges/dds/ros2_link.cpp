@@ -71,12 +71,16 @@ void Ros2LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds) 
   if (output.request == Request::arm) ours_ = true;
   if (output.request == Request::land) stops_ = true;
   if (output.setpoint == Setpoint::none && output.request != Request::emergency) return;
+  if (output.setpoint == Setpoint::task)
+    steer({c.d.x * c.v_end.x + c.d.y * c.v_end.y, c.d.x * c.v_end.y - c.d.y * c.v_end.x, 0.0}, c.r);
+  else
+    steer({}, 0.0);
+}
+
+void Ros2LinkEnd::steer(const Vec3<double>& v, double r) noexcept {
   geometry_msgs_msg_dds__Twist_ twist{};
-  if (output.setpoint == Setpoint::task) {
-    twist.linear.x = c.d.x * c.v_end.x + c.d.y * c.v_end.y;
-    twist.linear.y = c.d.x * c.v_end.y - c.d.y * c.v_end.x;
-    twist.angular.z = c.r;
-  }
+  twist.linear = {v.x, v.y, v.z};
+  twist.angular.z = r;
   if (!ros2_.stamped) {
     (void)cmd_vel_->write(&twist);
     return;

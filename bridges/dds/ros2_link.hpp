@@ -13,18 +13,24 @@ namespace sightline::dds {
 
 /// It has no arming: it is ours once it was asked, until it stands again. Such robots stop by themselves about 0.5 s after the last
 /// cmd_vel.
-class Ros2LinkEnd final : public LinkEnd {
+class Ros2LinkEnd : public LinkEnd {
  public:
   /// @throws std::runtime_error where a topic cannot be had
   Ros2LinkEnd(Port participant, const Link& link);
 
-  bool look(SeenMotion& seen) noexcept override { return poses_.look(seen); }
+  bool look(SeenMotion& seen) noexcept final { return poses_.look(seen); }
   LinkFacts facts(Nanoseconds now) noexcept override;
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
   void examine(const Surroundings& around, FindingList& to) override;
   const PoseIntake& intake() const noexcept override { return poses_; }
   std::string counts() const override { return poses_.counts(); }
+
+ protected:
+  /// Sends a velocity, forward, to the left and up, and a rate of the heading: all that a Twist has room for, in its own units.
+  void steer(const Vec3<double>& v, double r) noexcept;
+  const Ros2Link& link() const { return ros2_; }
+  const Motion& motion() noexcept { return poses_.newest().motion; }
 
  private:
   void on_odometry(const void* message, const Arrival& arrival);

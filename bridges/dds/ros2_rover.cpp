@@ -15,21 +15,10 @@ constexpr double rover_lag = 0.1;                        // [s]
 constexpr std::int64_t patience_of_rover = 500'000'000;  // [ns]
 constexpr double fastest_rover = 10.0;                   // that it may be asked [m/s]
 
-std::string or_else(const std::string& text, const char* fallback) { return text.empty() ? fallback : text; }
-
 }  // namespace
 
 Ros2Rover::Ros2Rover(dds_entity_t participant, const Ros2Link& link, const Setup& setup, Faults& faults)
-    : link_(link),
-      setup_(setup),
-      faults_(faults),
-      motion_(setup.start),
-      frame_(or_else(link.frame, "odom")),
-      body_frame_(or_else(link.body_frame, "base_link")) {
-  // Where others see it, it says nothing.
-  if (!link.odometry.empty())
-    odometry_ = std::make_unique<FaultyWriter>(participant, nav_msgs_msg_dds__Odometry__desc, link.odometry,
-                                               Quality{.reliable = true, .depth = 1}, faults_);
+    : link_(link), setup_(setup), motion_(setup.start), odometry_(participant, link, setup.origin, faults) {
   const dds_topic_descriptor_t& type =
       link.stamped ? geometry_msgs_msg_dds__TwistStamped__desc : geometry_msgs_msg_dds__Twist__desc;
   cmd_vel_ = std::make_unique<RawReader>(
@@ -64,18 +53,7 @@ void Ros2Rover::step(std::int64_t) {
   motion_.q = Quaternion{std::cos(turn / 2), 0, 0, std::sin(turn / 2)} * motion_.q;
   motion_.v = rotation(motion_.q).to_G({v_.x, v_.y, 0});
   motion_.p = motion_.p + period * motion_.v;
-
-  if (!odometry_) return;
-  const Motion local = in_local(setup_.origin, faults_.said(motion_));
-  const RosTime now = to_ros(realtime_now());
-  nav_msgs_msg_dds__Odometry_ m{};
-  m.header.stamp.sec = now.sec, m.header.stamp.nanosec = now.nanosec;
-  m.header.frame_id = frame_.data(), m.child_frame_id = body_frame_.data();
-  m.pose.pose.position = {local.p.x, local.p.y, local.p.z};
-  m.pose.pose.orientation = {local.q.x, local.q.y, local.q.z, local.q.w};
-  m.twist.twist.linear = {v_.x, v_.y, 0};
-  m.twist.twist.angular = {0, 0, motion_.r};
-  odometry_->write(&m);
+  odometry_.send(motion_);
 }
 
 Motion Ros2Rover::motion() const {

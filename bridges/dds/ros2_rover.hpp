@@ -7,7 +7,7 @@
 
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/conversion.hpp"
-#include "bridges/dds/faults.hpp"
+#include "bridges/dds/ros2_odometry.hpp"
 #include "bridges/dds/stand_in.hpp"
 
 namespace sightline::dds {
@@ -37,15 +37,13 @@ class Ros2Rover final : public StandIn {
 
   Ros2Link link_;
   Setup setup_;
-  Faults& faults_;
   mutable std::mutex lock_;  // of all below
   Motion motion_;
   Vec2<double> v_{}, v_wanted_{};  // forward, to the left [m/s]
   double r_wanted_ = 0.0;
   std::int64_t commanded_at_ = 0, commands_ = 0, bad_ = 0;
   bool stopped_itself_ = false;
-  std::string frame_, body_frame_;
-  std::unique_ptr<FaultyWriter> odometry_;
+  Ros2Odometry odometry_;
   std::unique_ptr<RawReader> cmd_vel_;
 };
 

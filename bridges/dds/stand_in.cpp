@@ -8,8 +8,10 @@
 #include <stdexcept>
 #include <thread>
 
+#include "bridges/dds/crazyflie_vehicle.hpp"
 #include "bridges/dds/px4_release.hpp"
 #include "bridges/dds/px4_vehicle.hpp"
+#include "bridges/dds/ros2_flyer.hpp"
 #include "bridges/dds/ros2_rover.hpp"
 #include "sightline/base/index.hpp"
 
@@ -29,11 +31,20 @@ const Scenario& of_fleet(const Scenario& scenario) {
 std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario& scenario, const Link& link,
                                        Faults& faults) {
   const Team& team = scenario.team;
-  const std::vector<double> rest(size(team.model(link.robot).nu()));
-  const Sight<double> start =
-      team.model(link.robot).sight(&scenario.x0[size(team.state_offset(link.robot))], rest.data());
+  const Model& model = team.model(link.robot);
+  const std::vector<double> rest(size(model.nu()));
+  const Sight<double> start = model.sight(&scenario.x0[size(team.state_offset(link.robot))], rest.data());
+  const Vec3<double> below = {start.p.x, start.p.y, 0.0};
+  const double heading = std::atan2(start.d.y, start.d.x), altitude = std::max(lowest_takeoff, start.p.z);
+  std::optional<Vehicle> rotors;
+  for (const RobotVehicle& vehicle : scenario.vehicles)
+    if (vehicle.robot == link.robot) rotors = vehicle.vehicle;
   if (const auto* ros2 = std::get_if<Ros2Link>(&link.kind)) {
-    const std::span<const std::string_view> states = team.model(link.robot).states();
+    check_commands(*ros2, team.name(link.robot), model);
+    if (ros2->flies())
+      return std::make_unique<Ros2Flyer>(
+          participant, *ros2, Ros2Flyer::Setup{link.origin, below, heading, altitude, rotors}, faults);
+    const std::span<const std::string_view> states = model.states();
     return std::make_unique<Ros2Rover>(
         participant, *ros2,
         Ros2Rover::Setup{.origin = link.origin,
@@ -41,20 +52,25 @@ std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario&
                          .sideward = std::find(states.begin(), states.end(), "v_s") != states.end()},
         faults);
   }
-  const auto* px4 = std::get_if<Px4Link>(&link.kind);
-  if (px4 == nullptr)
-    throw std::invalid_argument(
-        fmt::format("agent.{}.link.kind = {}, which nothing stands in for yet, expected px4 or ros2",
-                    team.name(link.robot), link.kind_name()));
-  Px4Vehicle::Setup setup{.origin = link.origin,
-                          .p = {start.p.x, start.p.y, 0.0},
-                          .heading = std::atan2(start.d.y, start.d.x),
-                          .altitude = std::max(lowest_takeoff, start.p.z),
-                          .system = static_cast<std::uint8_t>(
-                              px4->target_system > 0 ? px4->target_system : 1 + link.robot.index % 255)};
-  for (const RobotVehicle& vehicle : scenario.vehicles)
-    if (vehicle.robot == link.robot) setup.rotors = vehicle.vehicle;
-  return std::make_unique<Px4Vehicle>(participant, *px4, setup, faults);
+  if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind))
+    return std::make_unique<CrazyflieVehicle>(
+        participant, *crazyflie,
+        CrazyflieVehicle::Setup{.origin = link.origin,
+                                .p = below,
+                                .heading = heading,
+                                .rotors = rotors.value_or(Vehicle::crazyflie())},
+        faults);
+  const auto& px4 = std::get<Px4Link>(link.kind);
+  return std::make_unique<Px4Vehicle>(
+      participant, px4,
+      Px4Vehicle::Setup{.origin = link.origin,
+                        .p = below,
+                        .heading = heading,
+                        .altitude = altitude,
+                        .system = static_cast<std::uint8_t>(
+                            px4.target_system > 0 ? px4.target_system : 1 + link.robot.index % 255),
+                        .rotors = rotors},
+      faults);
 }
 
 DdsStandIns::DdsStandIns(const Scenario& scenario, std::shared_ptr<Domain> domain)

@@ -226,11 +226,26 @@ TEST(DdsWorld, WhatItCannotFlyIsRefusedWithASentence) {
   EXPECT_EQ(refusal(row_of({"1.16"}, 1.0, "[target.t]\np = [9, 9, 1]\n")), "");
   EXPECT_THAT(refusal(row_of({"1.16", "1.16"}, 1.0, "[[event]]\nat = 0.5\nremove = \"uav0\"\n")),
               HasSubstr("changes in flight"));
+  const auto of_link = [&](const std::string& robot, const std::string& link) {
+    return refusal(test::scenario_of("[fleet]\n[agent.a]\nrobot = \"" + robot +
+                                     "\"\nstart = { p = [0, 0, 1] }\n[agent.a.link]\nkind = \"" + link));
+  };
+  const std::string ros2 = "ros2\"\nodometry = \"/o\"\ncmd_vel = \"/c\"\n",
+                    takes_off = "takeoff = \"/t\"\nland = \"/l\"\n";
+  EXPECT_EQ(
+      of_link("unicycle", "crazyswarm2\"\n"),
+      "agent.a.link.kind = crazyswarm2, behind which a unicycle does not drive, expected a robot that flies");
+  EXPECT_EQ(of_link("multirotor", ros2),
+            "agent.a.link.takeoff is missing, expected it and land, by which a multirotor flies");
+  EXPECT_EQ(of_link("unicycle", ros2 + takes_off),
+            "agent.a.link.takeoff = /t, where a unicycle drives, expected a robot that flies");
+  EXPECT_EQ(of_link("multirotor", ros2 + takes_off),
+            "agent.a.link.commands = velocity, which are no inputs of a multirotor, expected one of "
+            "velocity_multirotor");
   EXPECT_THAT(
-      refusal(test::scenario_of(
-          "[fleet]\n[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\n[agent.a.link]\n"
-          "kind = \"crazyswarm2\"\n")),
-      HasSubstr("agent.a.link.kind = crazyswarm2, which this bridge does not fly yet, expected px4 or ros2"));
+      of_link("velocity_multirotor", ros2 + takes_off + "commands = \"normalised\"\n"),
+      HasSubstr(
+          "commands = normalised, which are no inputs of a velocity_multirotor, expected one of multirotor"));
   EXPECT_THAT(refusal(test::scenario_of("[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\n")),
               HasSubstr("fleet is missing"));
 }

@@ -103,6 +103,10 @@ class Rig {
     return outcome;
   }
 
+  template <class S>
+  S& as(std::size_t i) {
+    return dynamic_cast<S&>(stand_ins.of(i));
+  }
   Px4Vehicle& vehicle(std::size_t i) { return dynamic_cast<Px4Vehicle&>(stand_ins.of(i)); }
   Faults& faults(std::size_t i) { return stand_ins.faults(i); }
   Px4VehicleCounts told_of(std::size_t i) { return vehicle(i).told(); }

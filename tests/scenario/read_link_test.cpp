@@ -105,6 +105,28 @@ TEST(ReadLink, TargetsAndObstaclesMayBeSeenByOthers) {
   EXPECT_EQ(a.uncooperative[1].speed_max, 0.0);
 }
 
+TEST(ReadLink, WhatFliesOnRos2SaysWhatTakesItOffAndLandsIt) {
+  const std::string ros2 = "kind = \"ros2\"\nodometry = \"/o\"\ncmd_vel = \"/c\"\n";
+  EXPECT_FALSE(std::get<Ros2Link>(scenario_of(fleet(ros2)).fleet->links[0].kind).flies());
+  const Scenario a = scenario_of(fleet(
+      ros2 +
+      "takeoff = \"/t\"\nland = \"/l\"\nstate = \"/s\"\ncalls = \"trigger\"\ncommands = \"normalised\"\n"));
+  const auto& link = std::get<Ros2Link>(a.fleet->links[0].kind);
+  EXPECT_TRUE(link.flies());
+  EXPECT_EQ(link.land, "/l");
+  EXPECT_EQ(link.state, "/s");
+  EXPECT_EQ(link.calls, FlightCalls::trigger);
+  EXPECT_EQ(link.commands, FlightCommands::normalised);
+  EXPECT_THAT(scenario_refusal(fleet(ros2 + "takeoff = \"/t\"\n")),
+              HasSubstr("link.land is missing, expected what lands it, a topic or a service"));
+  EXPECT_THAT(scenario_refusal(fleet(ros2 + "state = \"/s\"\n")),
+              EndsWith("link.state = \"/s\", expected no such key, only with takeoff and land"));
+  EXPECT_THAT(scenario_refusal(fleet(ros2 + "takeoff = \"/t\"\nland = \"/l\"\ncalls = \"actions\"\n")),
+              HasSubstr("expected one of \"topics\", \"empty\", \"trigger\""));
+  EXPECT_THAT(scenario_refusal(fleet("kind = \"crazyswarm2\"\nbattery_min = 0\n")),
+              EndsWith("expected 2.5 to 30 V"));
+}
+
 TEST(ReadLink, ANetworkIsLoopbackUnlessItIsSaid) {
   const Scenario a = scenario_of(fleet(px4));
   EXPECT_EQ(a.fleet->network.interfaces, std::vector<std::string>{"lo"});

@@ -49,16 +49,28 @@ struct Crazyswarm2Link {
 
   std::string name_space{};  ///< of its topics and services, "/cf1"
   double takeoff_height = 0.5, takeoff_time = 2.0;
-  double battery_min = 3.6;  ///< voltage, below which it is not armed
+  double battery_min = 3.7;  ///< voltage, below which it is not armed
 
   static constexpr auto parameters() {
     return std::tuple{parameter("takeoff_height", &Crazyswarm2Link::takeoff_height, "m",
                                 {0.1, 10, "0.1 to 10"}, "above the ground, where the task begins"),
                       parameter("takeoff_time", &Crazyswarm2Link::takeoff_time, "s", {0.5, 20, "0.5 to 20"},
                                 "from the ground to there"),
-                      parameter("battery_min", &Crazyswarm2Link::battery_min, "V", {0, 10, "0 to 10"},
-                                "voltage that its battery must have before a flight")};
+                      parameter("battery_min", &Crazyswarm2Link::battery_min, "V", {2.5, 30, "2.5 to 30"},
+                                "that its battery must have before a flight")};
   }
+};
+
+/// What takes a robot on ROS 2 off and lands it.
+enum class FlightCalls {
+  topics,   ///< std_msgs/Empty
+  empty,    ///< services of std_srvs/Empty
+  trigger,  ///< services of std_srvs/Trigger
+};
+/// What the numbers of its cmd_vel are.
+enum class FlightCommands {
+  velocity,    ///< [m/s], [rad/s]
+  normalised,  ///< inputs of (24), within [-1, 1]
 };
 
 /// A robot with an odometry and a cmd_vel topic: rovers, and multirotors that take velocities.
@@ -69,7 +81,20 @@ struct Ros2Link {
   bool stamped = false;               ///< cmd_vel is a TwistStamped
   std::string frame{}, body_frame{};  ///< that the odometry must be in and of; empty: any
 
-  static constexpr auto parameters() { return std::tuple{}; }
+  // Of one that flies.
+  std::string takeoff{}, land{};  ///< topics or services
+  FlightCalls calls = FlightCalls::topics;
+  FlightCommands commands = FlightCommands::velocity;
+  std::string state{};  ///< topic of its state; empty: none
+
+  bool flies() const { return !takeoff.empty(); }
+
+  static constexpr auto parameters() {
+    constexpr std::array<std::string_view, 3> calls = {"topics", "empty", "trigger"};
+    constexpr std::array<std::string_view, 2> commands = {"velocity", "normalised"};
+    return std::tuple{parameter("calls", &Ros2Link::calls, calls, "what takeoff and land are"),
+                      parameter("commands", &Ros2Link::commands, commands, "what its cmd_vel is in")};
+  }
 };
 
 /// Where poses come from: from the robot itself, or from others, in G and without velocities.

@@ -77,7 +77,7 @@ inline constexpr std::array<LinkFaultText, link_fault_kinds> link_faults = [] {
       {"silent", 's', all, "", {}, 0.0, "nothing comes from it"},
       {"disarm", 'x', px4, "", {}, 0.0, "it is disarmed"},
       {"pilot", 'p', px4, "", {}, 0.0, "a pilot takes it"},
-      {"battery_low", 'b', px4, "", {}, 0.0, "its battery is critical"},
+      {"battery_low", 'b', {true, true, false}, "", {}, 0.0, "its battery is critical"},
       {"estimator_invalid", 'e', px4, "", {}, 0.0, "its estimator is not valid"},
       {"wrong_release",
        'w',

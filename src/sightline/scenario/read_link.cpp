@@ -91,7 +91,8 @@ LinkKind read_crazyswarm2(const TomlTable& at, const std::string& agent) {
 }
 
 LinkKind read_ros2(const TomlTable& at, const std::string&) {
-  Ros2Link link = read_kind<Ros2Link>(at, {"odometry", "cmd_vel", "stamped", "frame", "body_frame"});
+  Ros2Link link = read_kind<Ros2Link>(
+      at, {"odometry", "cmd_vel", "stamped", "frame", "body_frame", "takeoff", "land", "state"});
   // Who is seen by others has no need of its own.
   if (at.has("poses") && at.text("poses", "where its poses come from") != pose_sources[0]) {
     for (const std::string_view key : {"odometry", "frame", "body_frame"})
@@ -103,6 +104,14 @@ LinkKind read_ros2(const TomlTable& at, const std::string&) {
   if (at.has("stamped")) link.stamped = at.boolean("stamped");
   if (at.has("frame")) link.frame = read_frame(at, "frame", "the frame of its odometry");
   if (at.has("body_frame")) link.body_frame = read_frame(at, "body_frame", "the frame of its body");
+  if (at.has("takeoff") || at.has("land")) {
+    link.takeoff = read_ros_name(at, "takeoff", "what takes it off, a topic or a service");
+    link.land = read_ros_name(at, "land", "what lands it, a topic or a service");
+    if (at.has("state")) link.state = read_ros_name(at, "state", "the topic of its state");
+  } else {
+    for (const std::string_view key : {"calls", "commands", "state"})
+      if (at.has(key)) at.refuse(key, "no such key, only with takeoff and land");
+  }
   return link;
 }
 

@@ -1,0 +1,104 @@
+/// Stands in for a Crazyflie and the server of Crazyswarm2 before it: its services, its commanders, its supervisor.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "bridges/dds/channel.hpp"
+#include "bridges/dds/crazyswarm_link.hpp"
+#include "bridges/dds/faults.hpp"
+#include "bridges/dds/stand_in.hpp"
+#include "bridges/dds/stand_in_body.hpp"
+
+namespace sightline::dds {
+
+/// What a stand-in was told. Of any thread.
+struct CrazyflieCounts {
+  std::int64_t setpoints = 0, setpoints_outside = 0;  ///< outside: while it did not fly
+  std::int64_t bad_setpoints = 0;                     ///< not finite, or further than 2 m from it
+  std::int64_t arm_requests = 0, takeoff_requests = 0, land_requests = 0;
+  std::int64_t locked_out = 0;    ///< of take-off and landing, while set-points had it
+  double levelled_after = 0.0;    ///< the last set-point [s]; 0: it never did
+  double motors_off_after = 0.0;  ///< the last set-point [s]; 0: it never did
+};
+
+/// What a service does when it is called.
+enum class Serving { well, without_answer, not_at_all };
+
+/// On the ground below where its robot starts. As the firmware's: the commander for take-off and landing gives way to set-points until
+/// they are said to have ended; without set-points it levels out after 0.5 s, and stops its motors for good after 2 s. It arms where
+/// its supervisor lets it, and takes off where it is armed and its battery good.
+class CrazyflieVehicle final : public StandIn {
+ public:
+  struct Setup {
+    LinkOrigin origin{};
+    Vec3<double> p{};  ///< in G, on the ground [m]
+    double heading = 0.0;
+    Vehicle rotors = Vehicle::crazyflie();
+    bool arms_itself = false;
+  };
+
+  /// @param faults  of this vehicle; outlives it
+  CrazyflieVehicle(dds_entity_t participant, const Crazyswarm2Link& link, const Setup& setup, Faults& faults);
+  ~CrazyflieVehicle() override;
+
+  void step(std::int64_t number) override;
+  bool is_steered() const override { return told().setpoints > 0; }
+  std::string counts() const override;
+
+  CrazyflieCounts told() const;
+  Motion motion() const;  ///< in G
+  std::uint16_t supervisor() const;
+  /// What can be wrong with it.
+  void set_voltage(double voltage);
+  void serve(Serving serving);
+  void tumble();
+
+ private:
+  struct Ends;
+  /// Who gives it set-points.
+  enum class Commander {
+    stopped,  ///< nobody: its motors are off
+    ended,    ///< nobody any more: the last one counts
+    plan,     ///< of take-off and landing
+    others,
+  };
+  /// Of take-off and landing: a smooth way to a height.
+  struct Plan {
+    double from = 0.0, to = 0.0, begun = 0.0, duration = 0.0;
+    Vec2<double> p{};
+  };
+
+  std::uint8_t pm_state() const { return faults_.on(LinkFaultKind::battery_low) ? battery_low : on_battery; }
+  bool has(std::uint16_t bit) const { return (supervisor_ & bit) != 0; }
+  void on_state(const void* message);
+  bool on_arm(bool arm);
+  void on_takeoff(double height, double duration);
+  void on_land(double height, double duration);
+  void on_setpoints_end();
+  void plan(double height, double duration);
+  void stop_motors(bool for_good);
+  void supervise();
+  void move();
+  void send_pose();
+  void send_status();
+
+  Crazyswarm2Link link_;
+  Setup setup_;
+  Faults& faults_;
+  mutable std::mutex lock_;  // of all below: readers' thread and the one that steps
+  CrazyflieCounts told_;
+  StandInBody body_;
+  std::uint16_t supervisor_ = 0;
+  double voltage_ = 4.1;
+  Serving serving_ = Serving::well;
+  bool lands_ = false;
+  Commander commander_ = Commander::stopped;
+  Plan plan_{};
+  TrajectoryPoint setpoint_{};  // in G
+  std::int64_t setpoint_at_ = 0, lifted_at_ = 0;
+  std::unique_ptr<Ends> ends_;
+};
+
+}  // namespace sightline::dds

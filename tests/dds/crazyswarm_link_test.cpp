@@ -1,0 +1,211 @@
+#include "bridges/dds/crazyswarm_link.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bridges/dds/crazyflie_vehicle.hpp"
+#include "tests/dds/rig.hpp"
+#include "tests/support/child.hpp"
+
+extern "C" {
+#include "crazyflie.h"
+}
+
+namespace sightline::dds {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// Crazyflies in a row, 2 m apart, whose world is turned.
+Scenario crazyflies(int count, double duration, const std::string& robot = "multirotor",
+                    const std::string& more = "") {
+  std::string text = fmt::format(
+      "[fleet]\ndomain = {}\n[simulation]\nduration = {}\n[safety]\nbarrier = \"off\"\nfloor = 0.1\n"
+      "position_sigma = 0.01\nheading_sigma = 0.01\n[safety.supervisor]\nfresh = 0.05\n{}",
+      test::own_domain(), duration, more);
+  const bool point = robot == "point_mass";
+  for (int i = 0; i < count; ++i)
+    text += fmt::format(
+        "[agent.cf{0}]\nrobot = \"{2}\"\nstart = {{ p = [{1}, 0.0, 0.6], heading = 0.0 }}\nQ = [1.5, 1.5, "
+        "1.6, "
+        "{3}]\nR = [{4}]\nreference = {{ circle = {{ centre = [{1}, 0.0, 0.8], radius = 0.3, rate = 0.5 }} "
+        "}}\n"
+        "[agent.cf{0}.link]\nkind = \"crazyswarm2\"\ntakeoff_time = 1.0\norigin = {{ p = [0.5, 0.0, 0.0], "
+        "heading = 0.4 }}\n",
+        i, 2 * i, robot, point ? "0.5, 0.5, 0.5" : "0, 0, 0, 0",
+        point ? "0.5, 0.5, 0.5" : "0.5, 0.5, 0.5, 0.5");
+  return test::scenario_of(text);
+}
+
+CrazyflieVehicle& crazyflie_of(Rig& rig, std::size_t i) { return rig.as<CrazyflieVehicle>(i); }
+
+void expect_untouched(Rig& rig, std::size_t i) {
+  const CrazyflieCounts n = crazyflie_of(rig, i).told();
+  EXPECT_EQ(n.setpoints, 0) << i;
+  EXPECT_EQ(n.arm_requests, 0) << i;
+  EXPECT_EQ(n.takeoff_requests, 0) << i;
+}
+
+/// Took off and landed once, and was told nothing that it could not follow.
+void expect_well_flown(Rig& rig, std::size_t i) {
+  const CrazyflieCounts n = crazyflie_of(rig, i).told();
+  EXPECT_EQ(n.arm_requests, 1) << i;
+  EXPECT_EQ(n.takeoff_requests, 1) << i;
+  EXPECT_EQ(n.land_requests, 1) << i;
+  EXPECT_EQ(n.setpoints_outside, 0) << i;
+  EXPECT_EQ(n.bad_setpoints, 0) << i;
+  EXPECT_EQ(n.locked_out, 0) << i;
+  EXPECT_EQ(n.levelled_after, 0.0) << i;
+  EXPECT_EQ(crazyflie_of(rig, i).supervisor(), can_be_armed) << i;
+  EXPECT_LT(crazyflie_of(rig, i).motion().p.z, 0.02) << i;
+  EXPECT_EQ(rig.state(static_cast<int>(i)), LinkState::done) << i;
+}
+
+TEST(CrazyswarmLink, CrazyfliesTakeOffFlyTheirTaskAndLand) {
+  for (const char* robot : {"multirotor", "point_mass"}) {
+    Rig rig(crazyflies(2, 3.0, robot));
+    const LoopOutcome outcome = rig.fly();
+    EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.told, "\n"));
+    EXPECT_EQ(outcome.max_allocations, 0);
+    EXPECT_THAT(rig.world->faults(), IsEmpty());
+    for (std::size_t i = 0; i < 2; ++i) {
+      expect_well_flown(rig, i);
+      EXPECT_GT(crazyflie_of(rig, i).told().setpoints, 250) << i;
+      const Motion m = crazyflie_of(rig, i).motion();  // where its circle ended, or near by
+      EXPECT_NEAR(norm(m.p.x - 2.0 * static_cast<double>(i), m.p.y), 0.3, 0.2) << robot << i;
+    }
+  }
+}
+
+TEST(CrazyswarmLink, WhatCannotFlyStaysOnTheGroundAndSaysWhy) {
+  Rig rig(crazyflies(5, 1.0), {.ready = 2.5});
+  crazyflie_of(rig, 0).set_voltage(3.6);
+  rig.faults(1).begin(Kind::battery_low);
+  rig.faults(2).begin(Kind::silent);
+  crazyflie_of(rig, 3).tumble();
+  Writer<crazyflie_interfaces_msg_dds__Hover_> other(rig.domain->another_participant(),
+                                                     crazyflie_interfaces_msg_dds__Hover__desc,
+                                                     "/cf4/cmd_hover", of_ros_commands);
+  EXPECT_FALSE(rig.take_off());
+  EXPECT_THAT(rig.told, Contains("cf0: its battery has 3.60 V, expected 3.7 V"));
+  EXPECT_THAT(rig.told, Contains("cf1: its power is in state 3, expected 0: the battery is low"));
+  EXPECT_THAT(rig.told, Contains(HasSubstr("cf2: rt/cf2/pose: ")));
+  EXPECT_THAT(rig.told, Contains("cf3: it has tumbled"));
+  EXPECT_THAT(rig.told, Contains("cf4: rt/cf4/cmd_hover: another program writes set-points"));
+  for (std::size_t i = 0; i < 5; ++i) expect_untouched(rig, i);
+}
+
+TEST(CrazyswarmLink, WithoutAServerItSaysWhatIsMissing) {
+  const Scenario scenario = crazyflies(1, 1.0);
+  DdsWorld world(scenario, std::make_shared<Domain>(scenario.fleet->network), {.ready = 0.5});
+  const Interrupts none{0};
+  Fields told;
+  EXPECT_FALSE(world.take_off(Arming::real, none, [&](std::string_view s) { told.emplace_back(s); }));
+  for (const char* sentence : {"cf0: rt/cf0/cmd_full_state: nobody reads it", "cf0: /cf0/takeoff: no server",
+                               "cf0: /cf0/land: no server", "cf0: /cf0/notify_setpoints_stop: no server"})
+    EXPECT_THAT(told, Contains(sentence));
+}
+
+TEST(CrazyswarmLink, ServicesThatDoNotAnswerAreBelievedByWhatTheyDo) {
+  Rig rig(crazyflies(2, 1.0));
+  crazyflie_of(rig, 0).serve(Serving::without_answer);
+  const LoopOutcome outcome = rig.fly();
+  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_THAT(rig.world->faults(), IsEmpty());
+  EXPECT_EQ(crazyflie_of(rig, 0).told().locked_out, 0);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_LT(crazyflie_of(rig, i).motion().p.z, 0.02) << i;
+}
+
+TEST(CrazyswarmLink, WhereArmingDoesNothingTheOthersLand) {
+  Rig rig(crazyflies(2, 5.0));
+  crazyflie_of(rig, 0).serve(Serving::not_at_all);
+  EXPECT_FALSE(rig.take_off());
+  EXPECT_THAT(rig.world->faults(), Contains("cf0: it did not arm in time"));
+  EXPECT_EQ(crazyflie_of(rig, 0).told().setpoints, 0);
+  EXPECT_LT(crazyflie_of(rig, 1).motion().p.z, 0.02);
+}
+
+TEST(CrazyswarmLink, OneThatRefusesToTakeOffIsDisarmedAndTheOthersLand) {
+  Rig rig(crazyflies(2, 5.0));
+  std::thread weaken([&] {
+    EXPECT_TRUE(test::eventually([&] { return (crazyflie_of(rig, 0).supervisor() & is_armed) != 0; }));
+    rig.faults(0).begin(Kind::battery_low);
+  });
+  EXPECT_FALSE(rig.take_off());
+  weaken.join();
+  EXPECT_THAT(rig.world->faults(), Contains("cf0: it refused what it was asked"));
+  EXPECT_EQ(crazyflie_of(rig, 0).told().setpoints, 0);
+  EXPECT_EQ(crazyflie_of(rig, 0).supervisor(), can_be_armed);
+  EXPECT_EQ(rig.state(0), LinkState::done);
+  EXPECT_LT(crazyflie_of(rig, 1).motion().p.z, 0.02);
+}
+
+TEST(CrazyswarmLink, WhereOneFallsSilentTheOthersLand) {
+  Rig rig(crazyflies(2, 20.0), {.landing = 10.0});
+  const LoopOutcome outcome = rig.fly(1.0, [&] { rig.faults(0).begin(Kind::silent); });
+  EXPECT_FALSE(outcome.finite);
+  EXPECT_THAT(rig.world->faults(), Contains("cf0: nothing came from it any more"));
+  expect_well_flown(rig, 1);
+  EXPECT_LT(crazyflie_of(rig, 0).motion().p.z, 0.02);  // it was asked to land, and hears
+}
+
+TEST(CrazyswarmLink, WhereSomebodyElseWritesSetpointsItLands) {
+  Rig rig(crazyflies(1, 20.0));
+  std::unique_ptr<RawWriter> other;
+  const LoopOutcome outcome = rig.fly(1.0, [&] {
+    other = std::make_unique<RawWriter>(rig.domain->another_participant(),
+                                        crazyflie_interfaces_msg_dds__FullState__desc, "/cf0/cmd_full_state",
+                                        of_ros_commands);
+  });
+  EXPECT_FALSE(outcome.finite);
+  EXPECT_THAT(rig.world->faults(), Contains("cf0: another program writes set-points to it"));
+  EXPECT_LT(crazyflie_of(rig, 0).motion().p.z, 0.02);
+}
+
+TEST(CrazyswarmLink, WithoutItsFlyerItLevelsOutAndThenStopsItsMotors) {
+  Rig rig(crazyflies(1, 20.0));
+  ASSERT_TRUE(rig.take_off());
+  rig.interrupts = 2;  // hands over: nothing is sent any more
+  rig.land();
+  const std::int64_t sent = crazyflie_of(rig, 0).told().setpoints;
+  std::this_thread::sleep_for(std::chrono::milliseconds(2300));
+  const CrazyflieCounts n = crazyflie_of(rig, 0).told();
+  EXPECT_EQ(n.setpoints, sent);
+  EXPECT_EQ(n.land_requests, 0);
+  EXPECT_NEAR(n.levelled_after, 0.5, 0.05);
+  EXPECT_NEAR(n.motors_off_after, 2.0, 0.05);
+  EXPECT_EQ(crazyflie_of(rig, 0).supervisor(), is_locked);
+}
+
+// The firmware of Crazyflies with brushed motors arms itself: it is asked nothing, and done when it has landed.
+TEST(CrazyswarmLink, OneThatArmsItselfFliesToo) {
+  const Scenario scenario = crazyflies(1, 1.0);
+  const auto domain = std::make_shared<Domain>(scenario.fleet->network);
+  const Link& link = scenario.fleet->links[0];
+  Faults faults(1);
+  CrazyflieVehicle brushed(domain->another_participant(), std::get<Crazyswarm2Link>(link.kind),
+                           {.origin = link.origin, .arms_itself = true}, faults);
+  Interrupts none{0};
+  std::thread stepping([&] {
+    for (std::int64_t k = 0; none == 0; ++k, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
+      brushed.step(k);
+  });
+  {
+    DdsWorld world(scenario, domain, {});
+    Fields told;
+    const auto tell = [&](std::string_view s) { told.emplace_back(s); };
+    EXPECT_TRUE(world.take_off(Arming::real, none, tell)) << fmt::format("{}", fmt::join(told, "\n"));
+    world.land(none, tell);
+    EXPECT_THAT(world.faults(), IsEmpty());
+  }
+  EXPECT_EQ(brushed.told().arm_requests, 0);
+  EXPECT_EQ(brushed.told().takeoff_requests, 1);
+  EXPECT_LT(brushed.motion().p.z, 0.02);
+  none = 1;
+  stepping.join();
+}
+
+}  // namespace
+}  // namespace sightline::dds
