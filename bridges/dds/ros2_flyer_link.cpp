@@ -124,6 +124,7 @@ void Ros2FlyerLinkEnd::send(const LinkOutput& output, const Command& command, Na
     case Request::land:
       if (phase_ != Phase::landing) land_from_ = motion().p.z - ground_;
       phase_ = Phase::landing;
+      [[fallthrough]];
     case Request::emergency:  // it has nothing that stops motors
       steer({}, 0.0);  // some drivers keep the last one
       land_.send();

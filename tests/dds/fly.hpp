@@ -20,15 +20,16 @@ namespace sightline::dds {
 
 class FlyTest : public testing::Test {
  protected:
-  /// The shipped fleet, on a domain of its own, for so long [s].
-  std::filesystem::path desk(const std::string& duration) const {
-    std::string text = test::read_file(SIGHTLINE_SOURCE_DIR "/fleets/desk.toml");
+  /// A shipped fleet, on a domain of its own, for so long [s].
+  std::filesystem::path fleet_of(const std::string& name, const std::string& duration) const {
+    std::string text = test::read_file(SIGHTLINE_SOURCE_DIR "/fleets/" + name + ".toml");
     text = std::regex_replace(text, std::regex("\nduration = 60.0 "), "\nduration = " + duration + " ");
-    text = std::regex_replace(text, std::regex("\ndomain = 77 "),
+    text = std::regex_replace(text, std::regex("\ndomain = [0-9]+ "),
                               "\ndomain = " + std::to_string(test::own_domain()) + " ");
-    std::ofstream(folder / "desk.toml") << text;
-    return folder / "desk.toml";
+    std::ofstream(folder / (name + ".toml")) << text;
+    return folder / (name + ".toml");
   }
+  std::filesystem::path desk(const std::string& duration) const { return fleet_of("desk", duration); }
   /// The command with stdout and stderr in files of that name.
   std::unique_ptr<test::Child> begin(std::vector<std::string> words, const std::string& name) const {
     const std::string out = (folder / (name + ".out")).string(), err = (folder / (name + ".err")).string();
@@ -47,6 +48,21 @@ class FlyTest : public testing::Test {
     const auto done = test::sightline("replay " + (folder / flight).string(), folder);
     EXPECT_EQ(done.code, 0) << done.err;
     EXPECT_THAT(done.out, testing::HasSubstr(" commands, 0 differ"));
+  }
+  /// Takes off on a desk, flies for so long, lands, and flies again from its log; hard distances are kept, all exit with 0.
+  void expect_flies(const std::string& name, const std::string& duration) const {
+    const std::filesystem::path fleet = fleet_of(name, duration);
+    const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+    const auto flown =
+        test::sightline("fly " + fleet.string() + " -o " + (folder / "flown").string(), folder);
+    EXPECT_EQ(flown.code, 0) << flown.out << flown.err;
+    EXPECT_THAT(flown.out, testing::HasSubstr("allocations in an update  0\n"));
+    vehicles->end(SIGINT);
+    EXPECT_EQ(vehicles->code(), 0);
+    for (const char* bad : {"failsafe", "levelled out", "stopped by itself", "in the air", "flying"})
+      EXPECT_THAT(said("vehicles.out"), testing::Not(testing::HasSubstr(bad)));
+    EXPECT_THAT(said("vehicles.out"), testing::Not(testing::ContainsRegex("[1-9][0-9]* (while|bad)")));
+    expect_replayed("flown");
   }
   std::vector<std::string> flight(const std::filesystem::path& fleet) const {
     return {"fly", fleet.string(), "-o", (folder / "flown").string()};

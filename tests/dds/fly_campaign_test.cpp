@@ -69,5 +69,27 @@ TEST_F(FlyInterrupted, WhereNobodyAnswersItSaysWhoIsMissingAndArmsNothing) {
   EXPECT_THAT(flown.err, Not(HasSubstr("arming")));
 }
 
+using FlyWhole = FlyTest;
+
+TEST_F(FlyWhole, TwoCrazyfliesFlyForAMinute) { expect_flies("crazyflies", "60.0"); }
+TEST_F(FlyWhole, AMultirotorWatchesARoverOnRos2ForAMinute) { expect_flies("rover", "60.0"); }
+TEST_F(FlyWhole, AMixedFleetFliesForAMinute) { expect_flies("mixed", "60.0"); }
+
+TEST_F(FlyInterrupted, CrazyfliesWhoseFlyerIsKilledLevelOutAndStopTheirMotors) {
+  const fs::path fleet = fleet_of("crazyflies", "60.0");
+  const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+  const auto flyer = begin(flight(fleet), "fly");
+  ASSERT_TRUE(says("fly.err", "cf2: holding")) << said("fly.err") << said("vehicles.err");
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  flyer->end(SIGKILL);
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  vehicles->end(SIGINT);
+  EXPECT_TRUE(std::regex_search(
+      said("vehicles.out"),
+      std::regex("locked, .*levelled out 0\\.5[0-9]* s after the last set-point, motors off 2\\.0[0-9]* s")))
+      << said("vehicles.out");
+  expect_replayed("flown");
+}
+
 }  // namespace
 }  // namespace sightline::dds

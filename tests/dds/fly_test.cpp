@@ -32,6 +32,17 @@ TEST_F(Fly, TheShippedFleetTakesOffFliesItsTaskLandsAndIsReplayed) {
   expect_replayed("flown");
 }
 
+TEST_F(Fly, AMixedFleetFliesOneTask) { expect_flies("mixed", "4.0"); }
+
+// As `sightline check` does.
+TEST_F(Fly, EachShippedFleetIsRead) {
+  for (const auto& file : fs::directory_iterator(SIGHTLINE_SOURCE_DIR "/fleets")) {
+    const auto checked = test::sightline("check " + file.path().string(), folder);
+    EXPECT_EQ(checked.code, 0) << checked.err;
+    EXPECT_THAT(checked.out, HasSubstr("link        "));
+  }
+}
+
 TEST_F(Fly, VehiclesThatRestartInFlightAreNeitherArmedNorSteeredAgain) {
   const fs::path fleet = desk("60.0");
   auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
