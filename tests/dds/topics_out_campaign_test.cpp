@@ -18,7 +18,8 @@ TEST(TopicsOutCampaign, SixteenVehiclesAreShownForAFewPercentOfACore) {
   std::string pairs;
   for (int i = 0; i < 15; ++i)
     pairs += fmt::format(
-        "[[couple]]\npotential = {{ sensor_cone = {{ alpha = 0.5 }} }}\nbetween = [\"uav{0}\", \"uav{1}\"]\n"
+        "[agent.uav{0}.sensor]\npitch = 0.1\n[[couple]]\npotential = {{ sensor_cone = {{ alpha = 0.5 }} "
+        "}}\nbetween = [\"uav{0}\", \"uav{1}\"]\n"
         "felt_by = [\"uav{0}\"]\nweight = 0.001\n",
         i, i + 1);
   Rig rig(row_of(Fields(16, "1.16"), 20.0, pairs));

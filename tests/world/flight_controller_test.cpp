@@ -15,7 +15,7 @@
 namespace sightline {
 namespace {
 
-using test::Wrench;
+using test::RotorWrench;
 
 RigidBody body_of(const Vehicle& v) { return {.mass = v.mass, .inertia = v.inertia, .p = {0, 0, 1}}; }
 Quaternion turned(const Vec3<double>& axis, double angle) {
@@ -23,8 +23,8 @@ Quaternion turned(const Vec3<double>& axis, double angle) {
   return {std::cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
 }
 
-Wrench asked(const Vehicle& v, FlightController& controller, const RigidBody& body,
-             const std::array<double, 4>& u) {
+RotorWrench asked(const Vehicle& v, FlightController& controller, const RigidBody& body,
+                  const std::array<double, 4>& u) {
   return test::wrench(v, controller.update(body, rotation(body.q), u));
 }
 
@@ -44,7 +44,7 @@ TEST(FlightController, AtRestAndWithoutCommandItAsksForTheWeightAndNoTorque) {
   for (const auto& preset : Vehicle::presets()) {
     for (const Commands commands : {Commands::tilt, Commands::velocity, Commands::full_state}) {
       FlightController controller(preset.part, commands);
-      const Wrench w = asked(preset.part, controller, body_of(preset.part), {});
+      const RotorWrench w = asked(preset.part, controller, body_of(preset.part), {});
       EXPECT_NEAR(w.thrust, preset.part.weight(), 1e-12);
       EXPECT_LT(norm(w.torque), 1e-12);
     }
@@ -58,15 +58,15 @@ TEST(FlightController, TiltCommandsTiltForwardAndToTheRightInTheHeadingFrame) {
     RigidBody body = body_of(v);
     body.q = turned({0, 0, 1}, psi);
     FlightController controller(v, Commands::tilt);
-    const Wrench forward = asked(v, controller, body, {0.1, 0, 0, 0});
+    const RotorWrench forward = asked(v, controller, body, {0.1, 0, 0, 0});
     EXPECT_GT(forward.torque.y, 0.0);
     EXPECT_NEAR(forward.torque.x, 0.0, 1e-12);
     controller.begin();
-    const Wrench right = asked(v, controller, body, {0, 0.1, 0, 0});
+    const RotorWrench right = asked(v, controller, body, {0, 0.1, 0, 0});
     EXPECT_GT(right.torque.x, 0.0);
     EXPECT_NEAR(right.torque.y, 0.0, 1e-12);
     controller.begin();
-    const Wrench turn = asked(v, controller, body, {0, 0, 0, 0.1});
+    const RotorWrench turn = asked(v, controller, body, {0, 0, 0, 0.1});
     EXPECT_GT(turn.torque.z, 0.0);
     controller.begin();
     EXPECT_GT(asked(v, controller, body, {0, 0, 0.1, 0}).thrust, v.weight());
@@ -78,7 +78,7 @@ TEST(FlightController, AsksForNoTiltTorqueAtTheTiltThatIsCommanded) {
   RigidBody body = body_of(v);
   body.q = turned({0, 1, 0}, 0.5 * v.tilt_max);
   FlightController controller(v, Commands::tilt);
-  const Wrench w = asked(v, controller, body, {0.5, 0, 0, 0});
+  const RotorWrench w = asked(v, controller, body, {0.5, 0, 0, 0});
   EXPECT_LT(norm(w.torque), 1e-12);
   // The collective makes up for the tilt.
   EXPECT_NEAR(w.thrust * std::cos(0.5 * v.tilt_max), v.weight(), 1e-12);
@@ -104,7 +104,7 @@ TEST(FlightController, NeverAsksForMoreTiltThanTheLimitUnderVelocityCommands) {
   FlightController controller(v, Commands::velocity);
   // Held there by an error of 50 m/s, with no torque asked for beyond.
   for (int k = 0; k < 1000; ++k) {
-    const Wrench w = asked(v, controller, body, {50, 0, 0, 0});
+    const RotorWrench w = asked(v, controller, body, {50, 0, 0, 0});
     EXPECT_NEAR(w.torque.y, 0.0, 1e-9);
   }
 }

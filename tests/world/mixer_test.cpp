@@ -12,7 +12,7 @@
 namespace sightline {
 namespace {
 
-using test::Wrench;
+using test::RotorWrench;
 using test::wrench;
 
 std::vector<Vehicle> mixed_vehicles() {
@@ -35,7 +35,7 @@ TEST(Mixer, GivesTheThrustAndTheTorqueWhereNoRotorIsAtItsEnd) {
       const double thrust = v.weight() * (1 + 0.1 * within(random));
       const Vec3<double> torque = {0.5 * f * arm * within(random), 0.5 * f * arm * within(random),
                                    0.1 * f * v.k_m * within(random)};
-      const Wrench w = wrench(v, mix(thrust, torque));
+      const RotorWrench w = wrench(v, mix(thrust, torque));
       EXPECT_NEAR(w.thrust, thrust, 1e-12 * v.weight());
       EXPECT_LT(norm(w.torque - torque), 1e-12 * v.weight());
     }
@@ -53,7 +53,7 @@ TEST(Mixer, KeepsTheTiltWhateverYawIsAskedForAndGivesYawWhatIsLeft) {
                                  0.4 * most * v.radius * within(random), 0};
       const double yaw = 20 * most * v.k_m * within(random);
       const Thrusts without = mix(v.weight(), tilt), with = mix(v.weight(), tilt + Vec3<double>{0, 0, yaw});
-      const Wrench calm = wrench(v, without), turning = wrench(v, with);
+      const RotorWrench calm = wrench(v, without), turning = wrench(v, with);
       EXPECT_NEAR(turning.torque.x, calm.torque.x, 1e-12 * v.weight());
       EXPECT_NEAR(turning.torque.y, calm.torque.y, 1e-12 * v.weight());
       EXPECT_NEAR(turning.thrust, calm.thrust, 1e-12 * v.weight());
@@ -73,7 +73,7 @@ TEST(Mixer, MovesTheCollectiveToMakeRoomForTheTilt) {
   const double most = v.thrust_max() / 4;
   const Vec3<double> tilt = {1.2 * most * 0.174, 0, 0};
   for (const double thrust : {0.0, v.weight(), 2 * v.thrust_max()}) {
-    const Wrench w = wrench(v, mix(thrust, tilt));
+    const RotorWrench w = wrench(v, mix(thrust, tilt));
     EXPECT_NEAR(w.torque.x, tilt.x, 1e-12);
     EXPECT_NEAR(w.torque.y, 0.0, 1e-12);
   }
@@ -84,7 +84,7 @@ TEST(Mixer, MovesTheCollectiveToMakeRoomForTheTilt) {
 TEST(Mixer, ATiltBeyondAllRotorsIsScaledAndKeepsItsDirection) {
   for (const Vehicle& v : mixed_vehicles()) {
     const Vec3<double> tilt = {100.0, 50.0, 0.0};
-    const Wrench w = wrench(v, Mixer(v)(v.weight(), tilt));
+    const RotorWrench w = wrench(v, Mixer(v)(v.weight(), tilt));
     EXPECT_GT(w.torque.x, 0.0);
     EXPECT_NEAR(w.torque.y, 0.5 * w.torque.x, 1e-9 * w.torque.x);
   }

@@ -1,0 +1,79 @@
+#include "sightline/world/motion_sensor.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/refusal.hpp"
+
+namespace sightline {
+namespace {
+
+/// Nearly without errors: white noise must be above 0.
+FilterOptions nearly_exact() {
+  FilterOptions o;
+  o.velocity_noise = o.yaw_rate_noise = o.gyro_noise = o.accelerometer_noise = 1e-12;
+  o.velocity_bias = o.yaw_rate_bias = o.tilt_bias = o.tilt_noise = o.gyro_bias = o.accelerometer_bias = 0.0;
+  o.yaw_rate_walk = o.gyro_walk = o.accelerometer_walk = 0.0;
+  return o;
+}
+
+// On a circle, leaning inwards as one that turns evenly does.
+Vec3<double> on_circle(double t) { return {std::cos(t), std::sin(t), 1.0}; }
+Mat<3, 3> leaning_inwards(double t) {
+  return turn_z(t + 0.5 * std::numbers::pi) * tilt(-std::atan2(1.0, gravity), 0.0);
+}
+
+TEST(MotionSensor, WithoutErrorsItTellsTheMotion) {
+  MotionSensor sensor(nearly_exact(), 1, 0);
+  constexpr double dt = 0.01;
+  for (int k = 1; k < 300; ++k) {
+    const double t = k * dt;
+    const MotionSample u =
+        sensor.measure(t, dt, on_circle(t - dt), leaning_inwards(t - dt), on_circle(t), leaning_inwards(t));
+    EXPECT_NEAR(u.t, t - dt, 1e-12);
+    EXPECT_EQ(u.dt, dt);
+    EXPECT_NEAR(u.v_V.x, 1.0, 1e-4);
+    EXPECT_NEAR(u.v_V.y, 0.0, 1e-4);
+    EXPECT_NEAR(u.yaw_rate, 1.0, 1e-9);
+    EXPECT_NEAR(u.roll, -std::atan2(1.0, gravity), 1e-9);
+    EXPECT_NEAR(u.pitch, 0.0, 1e-9);
+    if (k < 2) continue;
+    EXPECT_NEAR(norm(u.force), std::sqrt(1 + gravity * gravity), 1e-3);
+    EXPECT_NEAR(u.force.y, 0.0, 1e-2) << "it leans by what it turns with";
+    const Vec3<double> w_G = leaning_inwards(t - dt) * u.gyro;
+    EXPECT_NEAR(w_G.z, 1.0, 1e-4);
+    EXPECT_NEAR(norm(w_G), 1.0, 1e-4);
+  }
+}
+
+TEST(MotionSensor, ItsErrorsAreOfTheSizeThatIsSaid) {
+  const FilterOptions errors;
+  constexpr double dt = 0.01;
+  double bias = 0.0, white = 0.0;
+  constexpr int robots = 400;
+  for (int i = 0; i < robots; ++i) {
+    MotionSensor sensor(errors, 5, i);
+    const MotionSample a = sensor.measure(dt, dt, {}, identity<3>(), {}, identity<3>());
+    const MotionSample b = sensor.measure(2 * dt, dt, {}, identity<3>(), {}, identity<3>());
+    bias += square(0.5 * (a.v_V.x + b.v_V.x)) / robots;
+    white += square(a.v_V.x - b.v_V.x) / (2 * robots);
+  }
+  EXPECT_NEAR(std::sqrt(white), errors.velocity_noise, 0.005);
+  EXPECT_NEAR(std::sqrt(bias - 0.5 * white), errors.velocity_bias, 0.01);
+}
+
+TEST(MotionSensor, SameSeedSameNumbersAndAnErrorOutOfItsRangeIsRefused) {
+  MotionSensor a({}, 3, 1), b({}, 3, 1), c({}, 4, 1);
+  const auto told = [](MotionSensor& s) {
+    return s.measure(0.01, 0.01, {}, identity<3>(), {}, identity<3>()).v_V.x;
+  };
+  const double first = told(a);
+  EXPECT_EQ(first, told(b));
+  EXPECT_NE(first, told(c));
+  FilterOptions bad;
+  bad.gyro_noise = 0.0;
+  EXPECT_EQ(refusal_of([&] { return MotionSensor(bad, 1, 0); }),
+            "estimate.gyro_noise = 0, expected > 0 rad/s");
+}
+
+}  // namespace
+}  // namespace sightline
