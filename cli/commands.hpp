@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/analysis/identification/excitation.hpp"
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/run/clock.hpp"
 #include "sightline/scenario/bridge.hpp"
@@ -135,6 +136,10 @@ int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const Partitio
 /// Flies a fleet over the program's bridge: takes off, flies the task, lands; Ctrl-C lands, a second one leaves the robots to their
 /// autopilots. Files as run().
 int fly_fleet(const FlyCommand& command, const Parts& parts);
+/// Excites a robot of a fleet over its link, alone: takes off, moves within the walls, lands; Ctrl-C lands it.
+/// @throws std::invalid_argument where it does not take off, or not to the end
+FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const ExcitationOptions& options,
+                             const Parts& parts);
 /// Stands in for the robots of a fleet.
 int vehicles(const VehiclesCommand& command, const Parts& parts);
 /// Looks at the robots of a fleet before a flight, and at this machine; sends nothing that a robot could obey. 1 where something is

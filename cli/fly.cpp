@@ -2,11 +2,13 @@
 
 #include <atomic>
 #include <csignal>
+#include <thread>
 
 #include "cli/commands.hpp"
 #include "cli/fault_keys.hpp"
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
+#include "sightline/run/realtime.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/parts.hpp"
@@ -79,6 +81,42 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
   const std::vector<std::string> faults = world->faults();
   for (const std::string& fault : faults) say(fault);
   return code == 0 && !faults.empty() ? 1 : code;
+}
+
+FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const ExcitationOptions& options,
+                             const Parts& parts) {
+  if (parts.bridge == nullptr)
+    throw std::invalid_argument(
+        "this sightline has no bridge to robots, expected one that was built with Cyclone DDS");
+  if (options.height)
+    throw std::invalid_argument(
+        "--height of a robot on a link, expected none: it begins where it took off to");
+  Scenario alone = fleet;
+  std::erase_if(alone.fleet->links, [&](const Link& link) { return link.robot != BodyId(robot); });
+  const std::unique_ptr<LinkedWorld> world = parts.bridge->connect(alone);
+  outlive_the_terminal();
+  listen_to_interrupts();
+  FlownMotion motion;
+  std::string why = "it did not take off";
+  std::thread([&] {
+    const TellPerson tell_person = [](std::string_view sentence) {
+      offer_message(fmt::format("sightline: {}\n", sentence));
+    };
+    tell_person(become_realtime(control_priority).sentence());
+    if (!world->take_off(Arming::real, interrupts, tell_person)) return;
+    SteadyClock clock;
+    try {
+      motion = fly_excitation(alone, robot, options, *world, clock, stop_flight);
+      why.clear();
+    } catch (const std::exception& error) {
+      why = error.what();
+    }
+    world->land(interrupts, tell_person);
+  }).join();
+  for (const std::string& line : world->counts()) say(line);
+  for (const std::string& fault : world->faults()) say(fault);
+  if (!why.empty()) throw std::invalid_argument(why);
+  return motion;
 }
 
 int vehicles(const VehiclesCommand& command, const Parts& parts) {

@@ -76,7 +76,8 @@ int identify(const IdentifyCommand& command, const Parts& parts) {
                                       .radius = command.radius};
       options.check();
       lock_in(fs::path("out") / scenario.name / "identify");
-      motion = fly_excitation(scenario, robot, options);
+      motion = scenario.fleet ? excite_over_link(scenario, robot, options, parts)
+                              : fly_excitation(scenario, robot, options);
       found = in(command.of.file, [&] { return sightline::identify(motion, options.kind); });
     }
   } catch (const std::exception& error) {

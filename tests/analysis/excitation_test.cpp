@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/scenario/closed_loop.hpp"
 #include "tests/support/identified.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -78,6 +79,31 @@ TEST(Excitation, BeginsInTheAirAloneAndAtRest) {
   EXPECT_EQ(motion.truth.front().p.z, 2.0);
   EXPECT_EQ(fly_excitation(scenario, uav(scenario), {.height = 5.0}).truth.front().p.z, 5.0);
   EXPECT_NEAR(motion.seconds(), 21.0, 1e-9);
+}
+
+// In a world where it flies already: it stays within the walls, which leave less than it was asked for, and away from what is there.
+TEST(Excitation, OfAFlyingRobotStaysWithinTheWalls) {
+  const auto flown = [](const std::string& rest, bool stopped = false) {
+    const Scenario scenario = alone("robot = \"multirotor\"", 7, "", "[world]\nkind = \"rotors\"\n" + rest);
+    const std::unique_ptr<World> world = make_world(scenario);
+    SimulatedClock clock;
+    const std::atomic<bool> stop{stopped};
+    return fly_excitation(scenario, uav(scenario), {.seconds = 20}, *world, clock, stop);
+  };
+  const FlownMotion motion = flown(
+      "[safety]\nfloor = 2.4\nceiling = 4.0\nworld = 1.2\nposition_sigma = 0.01\nheading_sigma = 0.01\n");
+  ASSERT_EQ(motion.size(), 2100u);
+  for (const SeenMotion& m : motion.truth) {
+    EXPECT_LT(std::max(std::abs(m.p.x), std::abs(m.p.y)), 1.2);
+    EXPECT_GT(m.p.z, 2.4);
+    EXPECT_LT(m.p.z, 4.0);
+  }
+  EXPECT_THAT(
+      refusal_of([&] { flown("[safety]\nceiling = 3.1\nposition_sigma = 0.01\nheading_sigma = 0.01\n"); }),
+      HasSubstr("it began at [0.00, 0.00, 3.00] m, expected room of 0.75 m level"));
+  EXPECT_THAT(refusal_of([&] { flown("[obstacle.rock]\np = [0.0, 3.0, 2.0]\n"); }),
+              HasSubstr("rock is 3.00 m from uav, expected more than 4.50 m"));
+  EXPECT_THAT(refusal_of([&] { flown("", true); }), HasSubstr("the excitation was ended"));
 }
 
 TEST(Excitation, TheSameSeedIsTheSameFlight) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/no_value.hpp"
 #include "sightline/base/refuse.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/scenario/closed_loop.hpp"
@@ -121,57 +122,120 @@ std::array<double, 4> ExcitationSignal::at(double t) {
   return held_;
 }
 
-FlownMotion fly_excitation(const Scenario& scenario, AgentId robot, const ExcitationOptions& options) {
-  options.check();
-  const Scenario begun = raised(scenario, robot, options);
-  const Team& team = begun.team;
-  const Model& model = team.model(robot);
-  const std::unique_ptr<World> world = make_world(begun);
-  std::vector<Presence> alone(size(team.bodies()), Presence::absent);
-  alone[sightline::at(robot)] = Presence::steered;
-  world->set_presence(alone);
+namespace {
 
-  const double period = begun.horizon.dt;
+/// As much of what was asked for as there is room for around the place.
+ExcitationOptions fitted(ExcitationOptions options, const Scenario& scenario, AgentId robot,
+                         const Vec3<double>& p) {
+  constexpr double beyond = 1.5, least_radius = 0.5, least_climb = 0.2;
+  double level = beyond * options.radius, climb = beyond * options.climb;
+  if (scenario.safety) {
+    const BarrierOptions& walls = scenario.safety->barrier_options;
+    level = std::min(level, scenario.safety->world - std::max(std::abs(p.x), std::abs(p.y)));
+    climb = std::min({climb, p.z - walls.floor, walls.ceiling - p.z});
+  }
+  options.radius = level / beyond, options.climb = climb / beyond;
+  if (!(options.radius >= least_radius && options.climb >= least_climb))
+    refuse(
+        "it began at [{:.2f}, {:.2f}, {:.2f}] m, expected room of {:.2f} m level and {:.2f} m up and down "
+        "within the "
+        "walls",
+        p.x, p.y, p.z, beyond * least_radius, beyond * least_climb);
+  const Team& team = scenario.team;
+  for (const UncooperativeBody& other : scenario.uncooperative) {
+    const auto x = size(team.state_offset(other.body));
+    const std::vector<double> rest(size(team.model(other.body).nu()));
+    const Vec3<double> r = team.model(other.body).sight(&scenario.x0[x], rest.data()).p - p;
+    const double kept = other.d_hard.value_or(scenario.safety ? scenario.safety->d_hard : 0.0);
+    if (norm(r.x, r.y) < beyond * options.radius + kept)
+      refuse("{} is {:.2f} m from {}, expected more than {:.2f} m: less radius, or another place",
+             team.name(other.body), norm(r.x, r.y), team.name(robot), beyond * options.radius + kept);
+  }
+  return options;
+}
+
+enum class Room { free, within_walls };
+constexpr double first_seen_by = 0.2;  // [s]
+
+FlownMotion excite(const Scenario& scenario, AgentId robot, const ExcitationOptions& asked, World& world,
+                   Clock& clock, Room room, const std::atomic<bool>* stop) {
+  const Team& team = scenario.team;
+  const Model& model = team.model(robot);
+  const double period = scenario.horizon.dt;
   FlownMotion motion = motion_of(team, robot, period);
   const std::size_t x = size(team.state_offset(robot)), u_at = size(team.input_offset(robot));
+  ExcitationOptions options = asked;
   ExcitationSignal signal(options);
   std::optional<WayBack> back;
   std::vector<double> u(size(team.nu()));
   std::array<double, 4> command{};
   double last_height = 0.0;
-  const auto periods = std::llround((ExcitationOptions::hover_seconds + options.seconds) / period);
-  for (std::int64_t k = 0; k < periods; ++k) {
+  const std::int64_t periods = std::llround((ExcitationOptions::hover_seconds + options.seconds) / period);
+  motion.u.reserve(static_cast<std::size_t>(periods));
+  motion.measured.reserve(static_cast<std::size_t>(periods));
+  clock.start(period);
+  for (std::int64_t next = 0; next < periods; ++next) {
+    const std::int64_t k = std::min(clock.wait(next), periods - 1);
+    if (stop != nullptr && *stop) refuse("the excitation was ended, expected {} s of it", options.seconds);
+    // Periods that were missed passed under the command before.
+    for (; next < k; ++next) motion.add(model, nullptr, no_value, nullptr, command);
     const double t = static_cast<double>(k) * period;
-    const Measured now = world->measure(t);
+    const Measured now = world.measure(t);
     motion.add(model, &now.measured[x], t - now.stamps[sightline::at(robot)],
                now.truth.empty() ? nullptr : &now.truth[x], command);
     const auto last = std::find_if(motion.measured.rbegin(), motion.measured.rend(), is_seen);
-    if (last == motion.measured.rend())
-      refuse("{} was not seen at 0 s, expected a measurement", motion.robot);
-    if (!back) back.emplace(motion, *last, options), last_height = last->p.z;
+    // On a link the first pose may be from before the first period.
+    const bool is_known = last != motion.measured.rend();
+    if (!is_known && (room == Room::free || t > first_seen_by))
+      refuse("{} was not seen at {} s, expected a measurement", motion.robot, t);
+    if (is_known) {
+      if (!back) {
+        if (room == Room::within_walls) options = fitted(options, scenario, robot, last->p);
+        back.emplace(motion, *last, options), last_height = last->p.z;
+      }
 
-    // The climb from the height, over about a tenth of a second.
-    const double share = std::min(1.0, period / 0.1);
-    const double vertical = (last->p.z - last_height) / 0.1;
-    last_height += share * (last->p.z - last_height);
-    const bool excites = t >= ExcitationOptions::hover_seconds;
-    const bool waits = back->returns(*last, vertical) || !excites;
-    const std::array<double, 4> home = back->command(*last, waits);
-    const std::array<double, 4> wanted =
-        excites ? signal.at(t - ExcitationOptions::hover_seconds) : std::array<double, 4>{};
-    for (std::size_t i = 0; i < command.size(); ++i) {
-      const double part = home[i] + (waits && i != yaw ? 0.0 : wanted[i]);
-      command[i] = motion.u_max[i] * std::clamp(part, -1.0, 1.0);
+      // The climb from the height, over about a tenth of a second.
+      const double share = std::min(1.0, period / 0.1);
+      const double vertical = (last->p.z - last_height) / 0.1;
+      last_height += share * (last->p.z - last_height);
+      const bool excites = t >= ExcitationOptions::hover_seconds;
+      const bool waits = back->returns(*last, vertical) || !excites;
+      const std::array<double, 4> home = back->command(*last, waits);
+      const std::array<double, 4> wanted =
+          excites ? signal.at(t - ExcitationOptions::hover_seconds) : std::array<double, 4>{};
+      for (std::size_t i = 0; i < command.size(); ++i) {
+        const double part = home[i] + (waits && i != yaw ? 0.0 : wanted[i]);
+        command[i] = motion.u_max[i] * std::clamp(part, -1.0, 1.0);
+      }
     }
     motion.u.back() = command;
     std::copy(command.begin(), command.end(), u.begin() + static_cast<std::ptrdiff_t>(u_at));
-    if (!world->apply(t, now.measured, u, period, 1)) {
-      const std::string why = world->ended();
+    if (!world.apply(t, now.measured, u, period, 1)) {
+      const std::string why = world.ended();
       refuse("{}: {}, expected a flight of {} s; begin higher (--height) or with more room (--radius)",
-             begun.file.native(), why.empty() ? "a state is no longer finite" : why, options.seconds);
+             scenario.file.native(), why.empty() ? "a state is no longer finite" : why, options.seconds);
     }
   }
   return motion;
+}
+
+}  // namespace
+
+FlownMotion fly_excitation(const Scenario& scenario, AgentId robot, const ExcitationOptions& options) {
+  options.check();
+  const Scenario begun = raised(scenario, robot, options);
+  const std::unique_ptr<World> world = make_world(begun);
+  std::vector<Presence> alone(size(begun.team.bodies()), Presence::absent);
+  alone[sightline::at(robot)] = Presence::steered;
+  world->set_presence(alone);
+  SimulatedClock clock;
+  return excite(begun, robot, options, *world, clock, Room::free, nullptr);
+}
+
+FlownMotion fly_excitation(const Scenario& scenario, AgentId robot, const ExcitationOptions& options,
+                           World& world, Clock& clock, const std::atomic<bool>& stop) {
+  options.check();
+  return excite(scenario, robot, options, world, clock, Room::within_walls, &stop);
 }
 
 }  // namespace sightline

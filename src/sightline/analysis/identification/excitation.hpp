@@ -2,12 +2,14 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "sightline/analysis/identification/flown_motion.hpp"
+#include "sightline/run/clock.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/world/disturbance.hpp"
 
@@ -52,5 +54,12 @@ class ExcitationSignal {
 /// second, it flies back and the excitation waits.
 /// @throws std::invalid_argument from the options, the world, and where the world ends: "uav touched the ground at ..."
 FlownMotion fly_excitation(const Scenario& scenario, AgentId robot, const ExcitationOptions& options = {});
+
+/// The same in a world in which the robot flies already, from where it is: a robot on a link, in real time. It stays within floor,
+/// ceiling and world of [safety], where that leaves 0.5 m level and 0.2 m up and down.
+/// @param stop  ends it once it is true
+/// @throws std::invalid_argument as above, where there is less room, where another body of the scenario is within it, and when stopped
+FlownMotion fly_excitation(const Scenario& scenario, AgentId robot, const ExcitationOptions& options,
+                           World& world, Clock& clock, const std::atomic<bool>& stop);
 
 }  // namespace sightline
