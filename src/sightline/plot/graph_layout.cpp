@@ -15,14 +15,14 @@ constexpr double turned_top = 120.0;  // room for a name that is turned
 constexpr std::size_t columns_max = 9, nodes_in_a_column = 18, side_name = 18, turned_name = 12;
 constexpr std::size_t crowd = 14;  // nodes of a circle, beyond which names are turned
 
-using Column = std::vector<std::size_t>;
+using GraphColumn = std::vector<std::size_t>;
 
 /// The nodes by depth, each column in the order of the mean row of what its nodes lean on.
-std::vector<Column> columns_of(const NodeGraph& graph, const std::vector<std::size_t>& depths) {
-  std::vector<Column> columns(depths.empty() ? 0 : 1 + *std::max_element(depths.begin(), depths.end()));
+std::vector<GraphColumn> columns_of(const NodeGraph& graph, const std::vector<std::size_t>& depths) {
+  std::vector<GraphColumn> columns(depths.empty() ? 0 : 1 + *std::max_element(depths.begin(), depths.end()));
   for (std::size_t node = 0; node < depths.size(); ++node) columns[depths[node]].push_back(node);
   std::vector<double> place(depths.size());
-  for (Column& column : columns) {
+  for (GraphColumn& column : columns) {
     std::vector<double> mean(depths.size());
     for (const std::size_t node : column) {
       double sum = 0.0, count = 0.0;
@@ -40,10 +40,10 @@ std::vector<Column> columns_of(const NodeGraph& graph, const std::vector<std::si
   return columns;
 }
 
-GraphLayout in_columns(const NodeGraph& graph, const std::vector<Column>& columns) {
+GraphLayout in_columns(const NodeGraph& graph, const std::vector<GraphColumn>& columns) {
   const std::size_t last = columns.size() - 1;
   std::size_t longest = 0;
-  for (const Column& column : columns) longest = std::max(longest, column.size());
+  for (const GraphColumn& column : columns) longest = std::max(longest, column.size());
   const double apart = std::min(
       apart_max, (picture_width - 2 * side_margin) / static_cast<double>(std::max<std::size_t>(last, 1)));
   const double left = 0.5 * (picture_width - apart * static_cast<double>(last));
@@ -111,10 +111,10 @@ std::vector<std::size_t> depths_of(const NodeGraph& graph) {
 
 GraphLayout layout_of(const NodeGraph& graph) {
   const std::vector<std::size_t> depths = depths_of(graph);
-  const std::vector<Column> columns = columns_of(graph, depths);
+  const std::vector<GraphColumn> columns = columns_of(graph, depths);
   const bool fits = !columns.empty() && columns.size() <= columns_max &&
                     std::all_of(columns.begin(), columns.end(),
-                                [](const Column& column) { return column.size() <= nodes_in_a_column; });
+                                [](const GraphColumn& column) { return column.size() <= nodes_in_a_column; });
   return fits ? in_columns(graph, columns) : in_a_circle(graph, depths);
 }
 

@@ -22,7 +22,7 @@ constexpr std::string_view pose_parts =
     "MSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n"
     "================================================================================\n"
     "MSG: geometry_msgs/Quaternion\nfloat64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n";
-constexpr std::string_view quaternion =
+constexpr std::string_view quaternion_text =
     "MSG: geometry_msgs/Quaternion\nfloat64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n";
 constexpr std::string_view twist_parts =
     "MSG: geometry_msgs/Twist\ngeometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n"
@@ -105,7 +105,7 @@ RosSchema path_schema() {
 
 RosSchema attitude_schema() {
   return {"geometry_msgs/msg/QuaternionStamped",
-          join({"std_msgs/Header header\ngeometry_msgs/Quaternion quaternion\n", header, quaternion})};
+          join({"std_msgs/Header header\ngeometry_msgs/Quaternion quaternion\n", header, quaternion_text})};
 }
 
 void encode_pose(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose) {

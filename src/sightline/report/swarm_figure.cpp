@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/report/curves.hpp"
+
 namespace sightline {
 namespace {
 

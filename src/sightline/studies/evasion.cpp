@@ -18,7 +18,7 @@ namespace {
 using Mark = Drawing::Mark;
 using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
-using Column = std::vector<double>;
+using CurveColumn = std::vector<double>;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double row_time = 0.1;       // [s]
@@ -46,14 +46,14 @@ SensorMount mount_of(const Team& team, BodyId agent, BodyId target) {
 
 using Axis = double Vec3<double>::*;
 
-Column along(const std::vector<Vec3<double>>& p, Axis axis) {
-  Column result;
+CurveColumn along(const std::vector<Vec3<double>>& p, Axis axis) {
+  CurveColumn result;
   for (const Vec3<double>& point : p) result.push_back(point.*axis);
   return result;
 }
 
 /// An angle over time without lines from pi to -pi.
-Column with_gaps(Column angle) {
+CurveColumn with_gaps(CurveColumn angle) {
   for (std::size_t i = angle.size(); i-- > 1;) {
     if (std::fabs(angle[i] - angle[i - 1]) > std::numbers::pi) angle[i] = no_value;
   }
@@ -61,19 +61,19 @@ Column with_gaps(Column angle) {
 }
 
 /// Only from a time on.
-Column since(double from, const Column& time, Column values) {
+CurveColumn since(double from, const CurveColumn& time, CurveColumn values) {
   for (std::size_t k = 0; k < values.size(); ++k) values[k] = time[k] < from ? no_value : values[k];
   return values;
 }
 
 /// One curve for each run, and limits across.
 template <class Get>
-Panel panel_of(const EvasionRuns& flown, std::string y_label, const Column& limits, Get&& get) {
+Panel panel_of(const EvasionRuns& flown, std::string y_label, const CurveColumn& limits, Get&& get) {
   Panel panel{.x_label = "", .y_label = std::move(y_label)};
   double end = 0.0;
   for (std::size_t i = 0; i < flown.runs.size(); ++i) {
     const EvasionSeries& series = flown.runs[i].series();
-    const Column y = get(series);
+    const CurveColumn y = get(series);
     Curve curve{"", i % Drawing::colours, Mark::thin, {}, {}};
     const std::array columns = {std::span<const double>(y)};
     for (const std::size_t k : rows_to_draw(columns, rows_max)) {
@@ -160,7 +160,7 @@ EvasionTrace::EvasionTrace(const Scenario& scenario, const EvasionPlan& plan, Sa
            .first_view = infinite,
            .lost = 0.0} {
   const auto rows = static_cast<std::size_t>(scenario.simulation.duration / row_time) + 2;
-  for (Column* column :
+  for (CurveColumn* column :
        {&series_.time, &series_.heading, &series_.to_obstacle, &series_.to_target, &series_.angle})
     column->reserve(rows);
   series_.p.reserve(rows);
@@ -169,7 +169,7 @@ EvasionTrace::EvasionTrace(const Scenario& scenario, const EvasionPlan& plan, Sa
   const auto names = team_.model(agent_).inputs();
   series_.inputs.assign(names.begin(), names.end());
   series_.u.resize(names.size());
-  for (Column& input : series_.u) input.reserve(rows);
+  for (CurveColumn& input : series_.u) input.reserve(rows);
 }
 
 void EvasionTrace::publish() noexcept {
@@ -203,7 +203,7 @@ void EvasionTrace::publish() noexcept {
 std::vector<std::vector<std::string>> evasion_table(const EvasionPlan& plan,
                                                     std::span<const EvasionRuns> flown) {
   std::vector<std::vector<std::string>> table;
-  const auto add = [&](std::string_view name, std::string_view source, const Column& values) {
+  const auto add = [&](std::string_view name, std::string_view source, const CurveColumn& values) {
     std::vector<std::string> line = {std::string(name), std::string(source)};
     for (const double value : values) line.push_back(fmt::format("{:.3f}", value));
     table.push_back(std::move(line));
@@ -212,7 +212,7 @@ std::vector<std::vector<std::string>> evasion_table(const EvasionPlan& plan,
     if (quantity.published != nullptr && !(plan.published.*quantity.published).empty())
       add(quantity.name, "published", plan.published.*quantity.published);
     for (const EvasionRuns& scenario : flown) {
-      Column values;
+      CurveColumn values;
       for (const EvasionTrace& run : scenario.runs) values.push_back(run.row().*quantity.flown);
       add(quantity.name, scenario.name, values);
     }
