@@ -15,7 +15,8 @@ inline TeamFlight fly_scenario(const Scenario& scenario, bool with_kkt = false) 
   Controls controls(scenario);
   SimulatedClock clock;
   const Controllers controllers = controls.controllers();
-  KeepSamples sink(sized_sample(scenario.team, controllers));
+  const std::unique_ptr<World> world = make_world(scenario);
+  KeepSamples sink(sized_sample(*world, controllers));
   std::vector<double> u_before(static_cast<std::size_t>(scenario.team.nu()));
   if (with_kkt) {
     sink.after = [&](FlownPeriod& period) {
@@ -26,8 +27,7 @@ inline TeamFlight fly_scenario(const Scenario& scenario, bool with_kkt = false) 
     };
   }
   const LoopOutcome outcome =
-      ClosedLoop(scenario, *make_world(scenario), controllers, clock, sink, nullptr, controls.team_switcher())
-          .fly();
+      ClosedLoop(scenario, *world, controllers, clock, sink, nullptr, controls.team_switcher()).fly();
   return {std::move(sink.flown), outcome};
 }
 

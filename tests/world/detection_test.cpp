@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 namespace sightline {
@@ -19,6 +20,16 @@ TEST(Detection, TheCovarianceHasOnePlaceForEachPairOfErrors) {
   EXPECT_EQ(*places.rbegin(), 20U);
   EXPECT_EQ(Detection::place(0, 5), 5U) << "row by row";
   EXPECT_EQ(Detection::place(1, 1), 6U);
+}
+
+TEST(Detection, ItsCovarianceComesBackAsAMatrix) {
+  Mat<6, 6> all;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) all(i, j) = 10 * std::min(i, j) + std::max(i, j);
+  Detection seen;
+  seen.set_covariance(all);
+  EXPECT_EQ(seen.covariance_matrix(), all);
+  EXPECT_EQ(seen.covariance[Detection::place(2, 4)], 24);
 }
 
 TEST(Detection, IsOrientedOnceItHasAnAttitude) {

@@ -10,6 +10,7 @@
 #include "sightline/analysis/observation.hpp"
 #include "sightline/analysis/potential_page.hpp"
 #include "sightline/analysis/starts.hpp"
+#include "sightline/analysis/tag_size.hpp"
 #include "sightline/potential/finite.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
@@ -129,6 +130,8 @@ std::vector<std::string> warnings_of_touches(const Scenario& scenario) {
 Preflight preflight(const Scenario& scenario) {
   Preflight p;
   look_at_regions(scenario, p);
+  const TagSize tags = judge_tag_sizes(scenario);
+  append(p.refusals, tags.refusals);
   if (!p.refusals.empty()) return p;
   for (const JudgedCoupling& one : judge_couplings(scenario.team, {}, {}, scenario.x0)) {
     const std::string_view name = scenario.team.couplings()[one.coupling].term.potential.name();
@@ -145,6 +148,7 @@ Preflight preflight(const Scenario& scenario) {
   append(p.warnings, cycles);
   append(p.warnings, warnings_of_speeds(scenario));
   append(p.warnings, warnings_of_touches(scenario));
+  append(p.warnings, tags.warnings);
   return p;
 }
 

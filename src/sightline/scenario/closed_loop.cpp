@@ -3,12 +3,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <stdexcept>
+#include <utility>
 #include <variant>
 
+#include "sightline/base/refuse.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/read_camera.hpp"
 #include "sightline/scenario/read_safety.hpp"
+#include "sightline/world/camera_world.hpp"
+#include "sightline/world/synthetic_detections.hpp"
 
 namespace sightline {
 namespace {
@@ -121,7 +127,17 @@ std::unique_ptr<World> make_world(const Scenario& scenario) {
     throw std::invalid_argument(fmt::format("world.kind = {}, expected one of {}", scenario.world,
                                             fmt::join(parts.worlds.names(), ", ")));
   }
-  return (*make)(scenario);
+  std::unique_ptr<World> world = (*make)(scenario);
+  const CameraOptions options = camera_options(scenario);
+  if (options.cameras.empty() || options.tags.empty()) return world;
+  const auto renders = [](const RobotCamera& one) { return one.render; };
+  std::unique_ptr<DetectionSource> source = std::make_unique<SyntheticDetections>(scenario.team, options);
+  if (std::any_of(options.cameras.begin(), options.cameras.end(), renders)) {
+    const MakeRenderer renderer = parts.worlds.renderer(scenario.world);
+    if (!renderer) refuse("camera.render = true, expected false in the world \"{}\"", scenario.world);
+    source = renderer(scenario);
+  }
+  return std::make_unique<CameraWorld>(std::move(world), options, std::move(source));
 }
 
 ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,

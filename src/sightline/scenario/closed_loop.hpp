@@ -17,7 +17,7 @@ namespace sightline {
 /// that is to be compared, does not know how
 void check_solvers(const Scenario& scenario);
 
-/// The world that the scenario says.
+/// The world that the scenario says, seen by its cameras where bodies have tags.
 std::unique_ptr<World> make_world(const Scenario& scenario);
 
 /// The solvers that can plan in a team that changes (TeamPlanner), in words: "newton_riccati".

@@ -63,10 +63,11 @@ Parts::Parts() {
   worlds.add("rotors", rotors, MovedBy::vehicles);
 }
 
-WorldList& WorldList::add(std::string_view name, MakeWorld make, MovedBy robots, VehicleOfModel of_model) {
+WorldList& WorldList::add(std::string_view name, MakeWorld make, MovedBy robots, VehicleOfModel of_model,
+                          MakeRenderer renderer) {
   check_part_name("world", name, {}, names());
   if (!make) refuse("the world \"{}\" has no function, expected one that makes it of a scenario", name);
-  worlds_.push_back({std::string(name), std::move(make), robots, std::move(of_model)});
+  worlds_.push_back({std::string(name), std::move(make), robots, std::move(of_model), std::move(renderer)});
   return *this;
 }
 
@@ -99,6 +100,19 @@ const MakeWorld* WorldList::find(std::string_view name) const {
 VehicleOfModel WorldList::of_model(std::string_view name) const {
   const Entry* const found = entry(name);
   return found != nullptr ? found->of_model : VehicleOfModel();
+}
+
+MakeRenderer WorldList::renderer(std::string_view name) const {
+  const Entry* const found = entry(name);
+  return found != nullptr ? found->renderer : MakeRenderer();
+}
+
+std::vector<std::string_view> WorldList::with_renderers() const {
+  std::vector<std::string_view> all;
+  for (const Entry& world : worlds_) {
+    if (world.renderer) all.push_back(world.name);
+  }
+  return all;
 }
 
 const Parts& parts_of_sightline() {

@@ -123,7 +123,12 @@ void PartList<Made>::check_name(std::string_view name) const {
 
 struct Scenario;
 class World;
+class DetectionSource;
 class Bridge;
+
+/// Makes what renders the cameras' pictures of a world and searches them for tags.
+/// @throws std::invalid_argument where pictures cannot be rendered, or tags not be found, as asked for
+using MakeRenderer = std::function<std::unique_ptr<DetectionSource>(const Scenario&)>;
 
 /// Makes the world that a scenario flies in.
 /// @throws std::invalid_argument for a scenario that it cannot be the world of
@@ -141,9 +146,10 @@ using VehicleOfModel = std::function<Vehicle(const Vehicle& vehicle, const Model
 class WorldList {
  public:
   /// @param of_model  where the world reads model files: then `[world] model` and `[agent.NAME.vehicle] model, body` name them
+  /// @param renderer  where the world shows itself to cameras with `render = true`
   /// @throws std::invalid_argument for a name that is no word, or that another world has, and for no function
   WorldList& add(std::string_view name, MakeWorld make, MovedBy robots = MovedBy::models,
-                 VehicleOfModel of_model = {});
+                 VehicleOfModel of_model = {}, MakeRenderer renderer = {});
   /// In the order in which they were added; the first is what a scenario flies in that names none.
   std::vector<std::string_view> names() const;
   /// The function of that name, or none.
@@ -152,6 +158,9 @@ class WorldList {
   std::vector<std::string_view> with_vehicles() const;
   /// How that world reads a vehicle of a model file; empty where it reads none.
   VehicleOfModel of_model(std::string_view name) const;
+  /// What renders the pictures of that world; empty where nothing does.
+  MakeRenderer renderer(std::string_view name) const;
+  std::vector<std::string_view> with_renderers() const;
 
  private:
   struct Entry {
@@ -159,6 +168,7 @@ class WorldList {
     MakeWorld make;
     MovedBy robots;
     VehicleOfModel of_model;
+    MakeRenderer renderer;
   };
   const Entry* entry(std::string_view name) const;
 

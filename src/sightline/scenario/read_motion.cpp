@@ -95,7 +95,7 @@ Motion read_motion(const TomlTable& body, const FindAgent& agent) {
 }  // namespace
 
 UncooperativeStart read_uncooperative(const TomlTable& at, const FindAgent& agent) {
-  at.expect_only({"p", "v", "motion", "velocity", "speed_max", "d_hard", "present", "link"});
+  at.expect_only({"p", "v", "motion", "velocity", "speed_max", "d_hard", "present", "link", "tags", "hull"});
   UncooperativeStart read;
   UncooperativeBody& uncooperative = read.uncooperative;
   std::optional<Vec3<double>> start;

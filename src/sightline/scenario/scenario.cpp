@@ -13,6 +13,7 @@
 
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/layers.hpp"
+#include "sightline/scenario/read_camera.hpp"
 #include "sightline/scenario/read_campaign.hpp"
 #include "sightline/scenario/read_coupling.hpp"
 #include "sightline/scenario/read_disturbances.hpp"
@@ -31,10 +32,10 @@
 namespace sightline {
 namespace {
 
-constexpr std::array<std::string_view, 20> agent_keys = {
+constexpr std::array<std::string_view, 23> agent_keys = {
     "robot",         "parameters",       "start",        "Q",         "R",      "Q_f",     "u_ref",   "u_min",
     "u_max",         "limits",           "rate_max",     "reference", "sensor", "present", "vehicle", "link",
-    "command_delay", "disturbance_time", "feed_forward", "R_rate"};
+    "command_delay", "disturbance_time", "feed_forward", "R_rate",    "camera", "tags",    "hull"};
 
 /// Fills a Scenario from a document, section by section; sections that others refer to come first.
 class Reader {
@@ -72,7 +73,8 @@ class Reader {
     scenario_.script = read_events(root_, scenario_, observers_);
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
     // A log is flown again without the world.
-    if ((!scenario_.vehicles.empty() || scenario_.model) && root_.from_disk())
+    const bool has_cameras = !scenario_.vision.cameras.empty();
+    if ((!scenario_.vehicles.empty() || scenario_.model || has_cameras) && root_.from_disk())
       root_.table("world").checked([&] { return make_world(scenario_); });
   }
 
@@ -163,23 +165,17 @@ class Reader {
       if (is_present(at)) check_place(name, at, model.sight(start.data(), agent.u_ref.data()).p);
       scenario_.x0.insert(scenario_.x0.end(), start.begin(), start.end());
 
-      Observer observer{name, {}};
-      if (at.has("sensor")) {
-        SensorMount mount;
-        constexpr Range pitch = {-1.57, 1.57, "in (-pi/2, pi/2) rad"};
-        const TomlTable sensor = at.table("sensor");
-        sensor.read({{"pitch", &mount.pitch, pitch}, {"offset", &mount.offset}}, {"frame"});
-        if (sensor.has("frame") && sensor.word("frame", mount_frames) == mount_frames[1])
-          mount.frame = MountFrame::body;
-        observer.mount = mount;
-      }
-      observers_.push_back(observer);
+      observers_.push_back({name, read_mount(at)});
       std::optional<RobotVehicle> vehicle = read_vehicle(at, model, scenario_.world);
       if (vehicle && model.sight(start.data(), agent.u_ref.data()).p.z < 0)
         at.table("start").refuse("p", 2, "at least 0 m, the height of the ground");
       GoalsFrom goals = read_goals(at, agent);
       enter(name, at, [&] { return scenario_.team.add(std::move(agent)); });
-      if (vehicle) vehicle->robot = bodies_.at(name), scenario_.vehicles.push_back(std::move(*vehicle));
+      if (vehicle) {
+        vehicle->robot = bodies_.at(name);
+        scenario_.vehicles.push_back(std::move(*vehicle));
+      }
+      read_sight(at, bodies_.at(name), observers_.back().mount, scenario_);
       read_compensation(at, bodies_.at(name));
       read_link(at, name, bodies_.at(name), std::move(goals), scenario_.fleet);
       scenario_.presence.push_back(is_present(at) ? Presence::steered : Presence::absent);
@@ -283,6 +279,7 @@ class Reader {
       scenario_.x0.insert(scenario_.x0.end(), {p.x, p.y, p.z, v.x, v.y, v.z});
       enter(name, at, [&, &n = name] { return scenario_.team.add(Obstacle{n}); });
       ids.push_back(read.uncooperative.body = bodies_.at(name));
+      read_sight(at, read.uncooperative.body, {}, scenario_);
       scenario_.uncooperative.push_back(std::move(read.uncooperative));
       read_body_link(at, bodies_.at(name), scenario_.fleet);
       scenario_.presence.push_back(is_present(at) ? Presence::hold : Presence::absent);
@@ -468,6 +465,7 @@ std::string summary(const Scenario& scenario) {
          air.x, air.y, air.z);
   }
   if (scenario.fleet) line("{}", in_words(*scenario.fleet, team));
+  text += camera_words(scenario);
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     const auto& targets = scenario.targets;
     const bool target = std::find(targets.begin(), targets.end(), uncooperative.body) != targets.end();

@@ -24,6 +24,7 @@
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/world/camera.hpp"
 #include "sightline/world/fault.hpp"
 #include "sightline/world/plant.hpp"
 #include "sightline/world/sensor.hpp"
@@ -116,6 +117,7 @@ struct Scenario {
   std::optional<ModelFile> model{};  ///< of what else is in the world, where that reads such files
   std::vector<RobotCompensation> compensations{};  ///< of the robots that ask for one
   std::vector<RobotVehicle> vehicles{};            ///< of the robots that are one, in worlds that have them
+  CameraOptions vision{};  ///< cameras, tags and hulls that it says; camera_options() has all that there are
   Simulation simulation{};
   std::optional<Safety> safety{};
   LogOptions log{};

@@ -4,7 +4,9 @@
 #include <array>
 #include <cstddef>
 
+#include "sightline/base/index.hpp"
 #include "sightline/math/fixed.hpp"
+#include "sightline/math/matrix.hpp"
 #include "sightline/ocp/roster.hpp"
 #include "sightline/world/rigid_body.hpp"
 
@@ -30,6 +32,17 @@ struct Detection {
   static constexpr std::size_t place(std::size_t i, std::size_t j) noexcept {
     const std::size_t row = i < j ? i : j, column = i < j ? j : i;
     return row * (11 - row) / 2 + column;
+  }
+  /// The covariance with both triangles.
+  Mat<6, 6> covariance_matrix() const noexcept {
+    Mat<6, 6> all;
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) all(i, j) = covariance[place(at(i), at(j))];
+    return all;
+  }
+  void set_covariance(const Mat<6, 6>& all) noexcept {
+    for (int i = 0; i < 6; ++i)
+      for (int j = i; j < 6; ++j) covariance[place(at(i), at(j))] = all(i, j);
   }
 };
 

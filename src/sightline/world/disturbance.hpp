@@ -107,7 +107,11 @@ enum class Chance : std::uint64_t {
   gyro_noise,
   gyro_bias,
   accelerometer_noise,
-  accelerometer_bias
+  accelerometer_bias,
+  mounting,
+  latency,
+  sighting,
+  picture
 };
 
 /// Random numbers of one seed, purpose and body: SplitMix64, and Box-Muller on top.

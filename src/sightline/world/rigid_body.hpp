@@ -34,6 +34,38 @@ inline Rotation rotation(const Quaternion& q) {
           {2 * (xz + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}};
 }
 
+/// One after the other: R_GB, R_BC to R_GC.
+inline Rotation compose(const Rotation& R_GB, const Rotation& R_BC) {
+  return {R_GB.to_G(R_BC.x), R_GB.to_G(R_BC.y), R_GB.to_G(R_BC.z)};
+}
+/// B seen from A, of two whose axes are given in G.
+inline Rotation between(const Rotation& R_GA, const Rotation& R_GB) {
+  return {R_GA.to_B(R_GB.x), R_GA.to_B(R_GB.y), R_GA.to_B(R_GB.z)};
+}
+/// The turn by |w| [rad] about w.
+inline Rotation turn_by(const Vec3<double>& w) {
+  const double angle = norm(w);
+  const SinCos<double> half = sincos(0.5 * angle);
+  const double s = angle > 0 ? half.sin / angle : 0.5;
+  return rotation({half.cos, s * w.x, s * w.y, s * w.z});
+}
+/// The attitude of a rotation; of the two that are the same, the one with w >= 0.
+inline Quaternion quaternion(const Rotation& R) {
+  const double xx = R.x.x, yy = R.y.y, zz = R.z.z;
+  Quaternion q;
+  if (xx + yy + zz >= 0) {
+    q = {1 + xx + yy + zz, R.y.z - R.z.y, R.z.x - R.x.z, R.x.y - R.y.x};
+  } else if (xx >= yy && xx >= zz) {
+    q = {R.y.z - R.z.y, 1 + xx - yy - zz, R.x.y + R.y.x, R.x.z + R.z.x};
+  } else if (yy >= zz) {
+    q = {R.z.x - R.x.z, R.x.y + R.y.x, 1 + yy - xx - zz, R.y.z + R.z.y};
+  } else {
+    q = {R.x.y - R.y.x, R.x.z + R.z.x, R.y.z + R.z.y, 1 + zz - xx - yy};
+  }
+  const double scale = (q.w < 0 ? -1 : 1) / sqrt(square(q.w) + square(q.x) + square(q.y) + square(q.z));
+  return {scale * q.w, scale * q.x, scale * q.y, scale * q.z};
+}
+
 /// The direction of the body's x axis seen from above, (1, 0) where it points straight up or down.
 inline Vec2<double> heading(const Rotation& R) {
   const double level = norm(R.x.x, R.x.y);

@@ -1,0 +1,133 @@
+#include "sightline/scenario/read_camera.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "sightline/scenario/read_part.hpp"
+#include "sightline/world/synthetic_detections.hpp"
+
+namespace sightline {
+namespace {
+
+/// `render`, in a world that can.
+bool read_render(const TomlTable& at, const std::string& world) {
+  constexpr std::string_view key = "render";
+  if (!at.has(key) || !at.boolean(key)) return false;
+  const WorldList& worlds = at.parts().worlds;
+  if (worlds.renderer(world)) return true;
+  const auto able = worlds.with_renderers();
+  if (able.empty())
+    at.refuse(key, fmt::format("false in the world \"{}\": no world here renders pictures", world));
+  at.refuse(key, fmt::format("false in the world \"{}\", only world.kind = \"{}\" renders pictures", world,
+                             fmt::join(able, "\" or \"")));
+}
+
+template <class Seen>
+const Seen* of_body(const std::vector<Seen>& all, BodyId body) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Seen& one) { return one.body == body; });
+  return found != all.end() ? &*found : nullptr;
+}
+
+const RobotCamera* camera_of(const Scenario& scenario, BodyId observer) {
+  const auto& all = scenario.vision.cameras;
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const RobotCamera& one) { return one.observer == observer; });
+  return found != all.end() ? &*found : nullptr;
+}
+
+}  // namespace
+
+std::optional<SensorMount> read_mount(const TomlTable& agent) {
+  if (!agent.has("sensor")) return std::nullopt;
+  constexpr Range pitch = {-1.57, 1.57, "in (-pi/2, pi/2) rad"};
+  SensorMount mount;
+  const TomlTable sensor = agent.table("sensor");
+  sensor.read({{"pitch", &mount.pitch, pitch}, {"offset", &mount.offset}}, {"frame"});
+  if (sensor.has("frame") && sensor.word("frame", mount_frames) == mount_frames[1])
+    mount.frame = MountFrame::body;
+  return mount;
+}
+
+void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMount>& mount,
+                Scenario& scenario) {
+  CameraOptions& vision = scenario.vision;
+  if (at.has("camera")) {
+    const TomlTable camera = at.table("camera");
+    if (!mount) at.refuse("camera", fmt::format("a robot with a mounting for it, [{}.sensor]", at.path()));
+    constexpr std::array<std::string_view, 1> beside = {"render"};
+    RobotCamera read{
+        .observer = body, .mount = *mount, .camera = read_part<Camera>(TableSource(camera), beside)};
+    camera.checked([&] { read.camera.check(); });
+    read.render = read_render(camera, scenario.world);
+    vision.cameras.push_back(read);
+  }
+  if (at.has("tags")) vision.tags.push_back({body, read_part<Tags>(TableSource(at.table("tags")))});
+  if (at.has("hull")) vision.hulls.push_back({body, read_part<Hull>(TableSource(at.table("hull")))});
+}
+
+CameraOptions camera_options(const Scenario& scenario) {
+  CameraOptions options = scenario.vision;
+  options.seed = scenario.simulation.seed;
+  for (const RobotVehicle& one : scenario.vehicles) {
+    if (of_body(options.hulls, one.robot) == nullptr)
+      options.hulls.push_back({one.robot, {.radius = one.vehicle.radius, .height = one.vehicle.height}});
+  }
+  return options;
+}
+
+std::vector<TagReading> tag_readings(const Scenario& scenario) {
+  // Half of what is shown is found at n cos(incidence) = 11.5 px (SyntheticDetections::probability).
+  constexpr double half_found = 11.5;
+  std::vector<TagReading> all;
+  for (const Coupling& coupling : scenario.team.couplings()) {
+    const auto& [observer, target] = coupling.between;
+    const RobotCamera* const camera = camera_of(scenario, observer);
+    const BodyTags* const tags = of_body(scenario.vision.tags, target);
+    if (camera == nullptr || tags == nullptr) continue;
+    const double between_faces = tags->tags.faces >= 3 ? std::numbers::pi / tags->tags.faces : 0.0;
+    const auto add = [&](std::string_view key, const std::optional<double>& distance) {
+      if (!distance) return;
+      const auto same = [&](const TagReading& one) {
+        return one.observer == observer && one.target == target && one.distance == *distance;
+      };
+      if (std::any_of(all.begin(), all.end(), same)) return;
+      all.push_back({observer, target, std::string(key), *distance,
+                     camera->camera.pixels(tags->tags.size, *distance), half_found,
+                     half_found / cos(between_faces)});
+    };
+    add("d_min", coupling.term.potential.d_min());
+    add("d_max", coupling.term.potential.d_max());
+  }
+  return all;
+}
+
+std::string camera_words(const Scenario& scenario) {
+  const Team& team = scenario.team;
+  std::string text;
+  for (const RobotCamera& one : scenario.vision.cameras) {
+    const Camera& c = one.camera;
+    fmt::format_to(std::back_inserter(text),
+                   "camera      {}: {} x {} px, focal length {:.1f} px, {} Hz, latency {} to {} s, {}\n",
+                   team.name(one.observer), c.width, c.height, c.focal(), c.rate, c.latency[0], c.latency[1],
+                   one.render ? "rendered" : "detections drawn by their noise");
+  }
+  for (const BodyTags& one : scenario.vision.tags)
+    fmt::format_to(std::back_inserter(text), "tags        {}: {} faces of {}, {} m\n", team.name(one.body),
+                   one.tags.faces, tag_families[static_cast<std::size_t>(one.tags.family)], one.tags.size);
+  for (const BodyHull& one : scenario.vision.hulls)
+    fmt::format_to(
+        std::back_inserter(text), "hull        {}: {} of {} m\n", team.name(one.body),
+        one.hull.height > 0 ? fmt::format("cylinder of {} m, radius", one.hull.height) : "sphere, radius",
+        one.hull.radius);
+  for (const TagReading& one : tag_readings(scenario))
+    fmt::format_to(std::back_inserter(text), "pixels      {} sees a tag of {} with {:.1f} px at {} = {} m\n",
+                   team.name(one.observer), team.name(one.target), one.pixels, one.key, one.distance);
+  return text;
+}
+
+}  // namespace sightline

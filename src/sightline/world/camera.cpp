@@ -1,0 +1,78 @@
+#include "sightline/world/camera.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "sightline/base/refuse.hpp"
+
+namespace sightline {
+
+void Camera::check() const {
+  check_parameters(*this);
+  if (latency[0] > latency[1])
+    refuse("camera.latency = [{}, {}] s, expected the shortest first", latency[0], latency[1]);
+}
+
+double Camera::focal() const {
+  const SinCos<double> half = sincos(0.5 * field_of_view);
+  return 0.5 * height * half.cos / half.sin;
+}
+
+Vec3<double> Tags::normal(int face) const {
+  const SinCos<double> d = sincos(2 * std::numbers::pi * face / faces);
+  return {d.cos, d.sin, 0};
+}
+
+Vec3<double> Tags::centre(int face) const { return distance * normal(face) + Vec3<double>{0, 0, height}; }
+
+std::array<Vec3<double>, 4> Tags::corners(int face, double scale) const {
+  const double half = 0.5 * scale * size;
+  const Vec3<double> n = normal(face), c = centre(face), right = half * Vec3<double>{-n.y, n.x, 0},
+                     up = {0, 0, half};
+  return {c - right - up, c + right - up, c + right + up, c - right + up};
+}
+
+bool Hull::hides(const Vec3<double>& at, const Vec3<double>& a, const Vec3<double>& b) const {
+  const Vec3<double> from = a - at, way = b - a;
+  const bool is_sphere = !(height > 0);
+  const auto across = [&](const Vec3<double>& v, const Vec3<double>& w) {
+    return v.x * w.x + v.y * w.y + (is_sphere ? v.z * w.z : 0.0);
+  };
+  const auto within = [&](const Vec3<double>& p) {
+    return across(p, p) < square(radius) && (is_sphere || std::abs(p.z) < 0.5 * height);
+  };
+  if (within(from) || within(b - at)) return false;
+  // Where the way is within the round side: 0 <= low <= s <= high <= 1.
+  double low = 0.0, high = 1.0;
+  const double ww = across(way, way), fw = across(from, way), rest = across(from, from) - square(radius);
+  if (ww > 0) {
+    const double root = square(fw) - ww * rest;
+    if (!(root > 0)) return false;
+    low = std::max(low, (-fw - sqrt(root)) / ww);
+    high = std::min(high, (-fw + sqrt(root)) / ww);
+  } else if (rest >= 0) {
+    return false;
+  }
+  if (is_sphere || !(low < high)) return low < high;
+  const double half = 0.5 * height;
+  if (way.z == 0) return std::abs(from.z) < half;
+  const double one = (-half - from.z) / way.z, other = (half - from.z) / way.z;
+  return std::max(low, std::min(one, other)) < std::min(high, std::max(one, other));
+}
+
+RigidPose sensor_pose(const SensorMount& mount, const RigidPose& body) {
+  Rotation R = body.R;
+  if (mount.frame == MountFrame::level) {
+    const Vec2<double> d = heading(body.R);
+    R = {{d.x, d.y, 0}, {-d.y, d.x, 0}, {0, 0, 1}};
+  }
+  const SinCos<double> pitch = sincos(mount.pitch);
+  return {body.p + mount.offset * R.x,
+          compose(R, {{pitch.cos, 0, -pitch.sin}, {0, 1, 0}, {pitch.sin, 0, pitch.cos}})};
+}
+
+RigidPose seen_from(const RigidPose& a, const RigidPose& b) {
+  return {a.R.to_B(b.p - a.p), between(a.R, b.R)};
+}
+
+}  // namespace sightline

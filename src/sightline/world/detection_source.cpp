@@ -1,0 +1,39 @@
+#include "sightline/world/detection_source.hpp"
+
+#include <cmath>
+
+#include "sightline/base/index.hpp"
+#include "sightline/world/disturbance.hpp"
+
+namespace sightline {
+
+RigidPose camera_pose(const RobotCamera& camera, const Rotation& turned, const RigidPose& body) {
+  RigidPose S = sensor_pose(camera.mount, body);
+  S.R = compose(S.R, turned);
+  return S;
+}
+
+std::vector<Rotation> drawn_misalignments(const CameraOptions& options) {
+  std::vector<Rotation> all;
+  for (const RobotCamera& one : options.cameras) {
+    const Vec3<double> axis = RandomStream(options.seed, Chance::mounting, one.observer.index).normals();
+    const double size = norm(axis);
+    all.push_back(size > 0 ? turn_by((one.camera.misalignment / size) * axis) : Rotation{});
+  }
+  return all;
+}
+
+Vec2<double> smear_of(const CameraOptions& options, const Exposure& exposure, const Rotation& turned,
+                      BodyId body) {
+  const RobotCamera& one = options.cameras[exposure.camera];
+  if (!(exposure.since > 0)) return {};
+  const ExposedBody &eye = exposure.bodies[at(one.observer)], &seen = exposure.bodies[at(body)];
+  const Vec3<double> now = seen_from(camera_pose(one, turned, eye.now), seen.now).p,
+                     before = seen_from(camera_pose(one, turned, eye.before), seen.before).p;
+  if (!(now.x > 0.05 && before.x > 0.05)) return {};
+  const Vec2<double> a = one.camera.project(before), b = one.camera.project(now);
+  const double part = one.camera.exposure / exposure.since;
+  return {part * (b.x - a.x), part * (b.y - a.y)};
+}
+
+}  // namespace sightline

@@ -1,0 +1,130 @@
+#include "sightline/world/synthetic_detections.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sightline/base/index.hpp"
+
+namespace sightline {
+
+/// All chance of one body in one picture.
+struct SyntheticDetections::Draws {
+  std::array<double, Tags::faces_max> faces{};
+  Column<6> errors{};
+  std::array<double, 3> place{};
+  double mirror, outlier, kind, flip, angle, side;
+
+  explicit Draws(RandomStream& stream) noexcept {
+    for (double& u : faces) u = stream.uniform();
+    for (int i = 0; i < 6; ++i) errors(i, 0) = stream.normal();
+    for (double& u : place) u = stream.uniform();
+    for (double* const u : {&mirror, &outlier, &kind, &flip, &angle, &side}) *u = stream.uniform();
+  }
+};
+
+SyntheticDetections::SyntheticDetections(const Team& team, const CameraOptions& options)
+    : options_(options), turned_(drawn_misalignments(options)) {
+  for (const RobotCamera& camera : options_.cameras) {
+    for (const BodyTags& tags : options_.tags)
+      streams_.emplace_back(options_.seed, Chance::sighting,
+                            camera.observer.index * team.bodies() + tags.body.index);
+  }
+}
+
+double SyntheticDetections::probability(double n, double cosine, double smear) {
+  if (cosine < cos(incidence_max)) return 0.0;
+  const double n_0 = 11.5 + 8.5 * std::clamp(smear - 1, 0.0, 1.0);
+  return 0.99 / (1 + exp((n_0 - n * cosine) / 0.7));
+}
+
+double SyntheticDetections::mirror_share(double n, double cosine) {
+  constexpr double ahead = 0.35;  // [rad]
+  if (cosine < cos(ahead) || n > 22) return 0.0;
+  return n < 16 ? 0.49 : 0.21;
+}
+
+std::size_t SyntheticDetections::find(const Exposure& exposure, std::span<Detection> found) noexcept {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < options_.tags.size() && count < found.size(); ++i) {
+    if (detect(exposure, i, found[count])) ++count;
+  }
+  return count;
+}
+
+bool SyntheticDetections::hidden(const Exposure& exposure, BodyId observer, BodyId target,
+                                 const Vec3<double>& eye, const Vec3<double>& point) const noexcept {
+  return std::any_of(options_.hulls.begin(), options_.hulls.end(), [&](const BodyHull& one) {
+    const ExposedBody& body = exposure.bodies[at(one.body)];
+    return one.body != observer && one.body != target && body.there && one.hull.hides(body.now.p, eye, point);
+  });
+}
+
+bool SyntheticDetections::detect(const Exposure& exposure, std::size_t number, Detection& found) noexcept {
+  const RobotCamera& of = options_.cameras[exposure.camera];
+  const auto& [body, tags] = options_.tags[number];
+  const Camera& camera = of.camera;
+  const Draws draws(streams_[exposure.camera * options_.tags.size() + number]);
+  const ExposedBody &own = exposure.bodies[at(of.observer)], &target = exposure.bodies[at(body)];
+  if (body == of.observer || !own.there || !target.there) return false;
+
+  const Rotation& turned = turned_[exposure.camera];
+  const RigidPose S = camera_pose(of, turned, own.now), pose = seen_from(S, target.now);
+  const Vec2<double> way = smear_of(options_, exposure, turned, body);
+  const double smear = norm(way.x, way.y);
+
+  // Which of its tags are found, each for itself.
+  PoseInformation information(camera, tags, pose);
+  int seen = 0, face_seen = 0;
+  double n_seen = 0.0, cos_seen = 0.0;
+  const auto in_picture = [&](const Vec3<double>& p) {
+    if (!(p.x > 0.02)) return false;
+    const Vec2<double> q = camera.project(p);
+    return std::abs(q.x) < 0.5 * camera.width - 1 && std::abs(q.y) < 0.5 * camera.height - 1;
+  };
+  for (int face = 0; face < tags.faces; ++face) {
+    const Vec3<double> centre = pose.p + pose.R.to_G(tags.centre(face));
+    if (!(centre.x > 0.02)) continue;
+    const double cosine = cos_incidence(tags, face, pose);
+    const double n = camera.pixels(tags.size, centre.x);
+    if (draws.faces[size(face)] > probability(n, cosine, smear)) continue;
+    bool whole = !hidden(exposure, of.observer, body, S.p, S.p + S.R.to_G(centre));
+    for (const Vec3<double>& corner : tags.corners(face, Tags::border)) {
+      const Vec3<double> p = pose.p + pose.R.to_G(corner);
+      whole = whole && in_picture(p) && !hidden(exposure, of.observer, body, S.p, S.p + S.R.to_G(p));
+    }
+    if (!whole) continue;
+    information.add(face, corner_sigma(n, cosine, camera.noise, smear));
+    ++seen, face_seen = face, n_seen = n, cos_seen = cosine;
+  }
+  const std::optional<Mat<6, 6>> covariance = information.covariance();
+  if (seen == 0 || !covariance) return false;
+
+  // What is said of it.
+  const Column<6> e = Cholesky<6>(*covariance).L * draws.errors;
+  RigidPose said = pose;
+  if (seen == 1 && draws.mirror <= mirror_share(n_seen, cos_seen)) said = mirrored(tags, face_seen, pose);
+  said.p = said.p + vec3(e);
+  said.R = compose(turn_by(vec3(e, 3)), said.R);
+  if (draws.outlier <= camera.outliers) {
+    if (draws.kind <= 0.5) {
+      const double depth = 0.5 + 3 * draws.place[0], f = camera.focal();
+      said.p = {depth, depth * (draws.place[1] - 0.5) * camera.width / f,
+                depth * (draws.place[2] - 0.5) * camera.height / f};
+      said.R = compose(said.R, turn_by({0, 0, 2 * std::numbers::pi * draws.angle}));
+    } else {
+      said.p = (1.1 + 0.4 * draws.place[0]) * said.p;
+    }
+  } else if (draws.flip <= camera.flips) {
+    said.R = compose(said.R, turn_by({0, 0, (draws.side <= 0.5 ? 1 : -1) * (0.35 + draws.angle)}));
+  }
+  found.observer = of.observer;
+  found.target = body;
+  found.p = said.p;
+  found.q = quaternion(said.R);
+  found.set_covariance(*covariance);
+  found.tags = seen;
+  return true;
+}
+
+}  // namespace sightline

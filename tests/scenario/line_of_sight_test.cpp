@@ -1,0 +1,65 @@
+/// scenarios/line_of_sight.toml: a limit as text keeps the line of sight past a pillar that goes round the target.
+#include <gtest/gtest.h>
+
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/read_camera.hpp"
+
+namespace sightline {
+namespace {
+
+/// What a flight shows of the line of sight from 4 s on.
+class SightWatch final : public Sink<Sample> {
+ public:
+  SightWatch(const Scenario& scenario, Sample sample) : scenario_(scenario), sample_(std::move(sample)) {}
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override {
+    constexpr double begun = 4.0;
+    if (sample_.time < begun) return;
+    const auto place = [&](std::string_view name) {
+      const BodyId body = scenario_.team.find(name);
+      const auto x = static_cast<std::size_t>(scenario_.team.state_offset(body));
+      return Vec3<double>{sample_.x[x], sample_.x[x + 1], sample_.x[x + 2]};
+    };
+    const bool hidden = scenario_.vision.hulls[0].hull.hides(place("pillar"), place("uav0"), place("uav1"));
+    ++periods;
+    in_sight += hidden ? 0 : 1;
+    detections += static_cast<int>(sample_.detection_count);
+    for (std::size_t i = 0; i < sample_.detection_count; ++i) {
+      longest_gap = std::max(longest_gap, sample_.detections[i].stamp - last_);
+      last_ = sample_.detections[i].stamp;
+    }
+  }
+  void close() noexcept override {}
+
+  int periods = 0, in_sight = 0, detections = 0;
+  double longest_gap = 0.0;  // without a picture that shows the target [s]
+
+ private:
+  const Scenario& scenario_;
+  Sample sample_;
+  double last_ = 4.0;
+};
+
+SightWatch flown(const std::vector<std::string>& set) {
+  const Scenario scenario =
+      read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/line_of_sight.toml", parts_of_sightline(), set);
+  Controls controls(scenario);
+  SimulatedClock clock;
+  const Controllers controllers = controls.controllers();
+  const auto world = make_world(scenario);
+  SightWatch watch(scenario, sized_sample(*world, controllers));
+  EXPECT_TRUE(ClosedLoop(scenario, *world, controllers, clock, watch).fly().finite);
+  return watch;
+}
+
+TEST(LineOfSight, IsKeptByALimitAndWithoutItDetectionsStop) {
+  const SightWatch kept = flown({}), free = flown({"couple[4].weight=0.0"});
+  EXPECT_GT(kept.in_sight, 0.95 * kept.periods);
+  EXPECT_LT(kept.longest_gap, 0.3);
+  EXPECT_LT(free.in_sight, 0.92 * free.periods);
+  EXPECT_GT(free.longest_gap, 2.0);
+  EXPECT_GT(kept.detections, free.detections);
+}
+
+}  // namespace
+}  // namespace sightline

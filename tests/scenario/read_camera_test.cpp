@@ -1,0 +1,142 @@
+#include "sightline/scenario/read_camera.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/parts.hpp"
+#include "sightline/world/camera_world.hpp"
+#include "sightline/world/synthetic_detections.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scenario_text.hpp"
+
+namespace sightline {
+namespace {
+
+using test::scenario_of;
+using test::scenario_refusal;
+using testing::HasSubstr;
+
+const std::string two = R"toml([agent.a]
+robot = "multirotor"
+start = { p = [0.0, 0.0, 1.0], heading = 0.0 }
+
+[agent.a.sensor]
+pitch = 0.2
+offset = 0.1
+
+[agent.b]
+robot = "multirotor"
+start = { p = [1.5, 0.0, 0.8], heading = 0.5 }
+
+[obstacle.pillar]
+p = [4.0, 0.0, 1.0]
+
+[[couple]]
+potential = { too_near = { d_min = 1.0 } }
+between = ["a", "b"]
+felt_by = ["a"]
+
+[[couple]]
+potential = { too_far = { d_max = 2.0 } }
+between = ["a", "b"]
+felt_by = ["a"]
+)toml";
+
+TEST(ReadCamera, ACameraSeesTagsFromTheMountOfItsSensor) {
+  const Scenario scenario = scenario_of(two +
+                                        "[agent.a.camera]\nrate = 20.0\nlatency = [0.01, 0.02]\n"
+                                        "[agent.b.tags]\nsize = 0.1\nfaces = 6\n"
+                                        "[obstacle.pillar.hull]\nradius = 0.3\nheight = 2.0\n"
+                                        "[obstacle.pillar.tags]\n");
+  ASSERT_EQ(scenario.vision.cameras.size(), 1U);
+  const RobotCamera& camera = scenario.vision.cameras[0];
+  EXPECT_EQ(camera.observer, scenario.team.find("a"));
+  EXPECT_EQ(camera.mount.pitch, 0.2);
+  EXPECT_EQ(camera.camera.rate, 20.0);
+  EXPECT_EQ(camera.camera.latency[1], 0.02);
+  EXPECT_FALSE(camera.render);
+  ASSERT_EQ(scenario.vision.tags.size(), 2U);
+  EXPECT_EQ(scenario.vision.tags[0].body, scenario.team.find("b"));
+  EXPECT_EQ(scenario.vision.tags[0].tags.faces, 6);
+  EXPECT_EQ(scenario.vision.tags[1].body, scenario.team.find("pillar"));
+  ASSERT_EQ(scenario.vision.hulls.size(), 1U);
+  EXPECT_EQ(scenario.vision.hulls[0].hull.height, 2.0);
+  const auto world = make_world(scenario);
+  EXPECT_NE(dynamic_cast<const CameraWorld*>(world.get()), nullptr);
+  EXPECT_GT(world->detections_max(), 0U);
+}
+
+TEST(ReadCamera, WithoutACameraOrTagsTheWorldIsAsItWas) {
+  EXPECT_EQ(make_world(scenario_of(two))->detections_max(), 0U);
+  EXPECT_EQ(make_world(scenario_of(two + "[agent.b.tags]\n"))->detections_max(), 0U);
+}
+
+TEST(ReadCamera, ThePixelsOfATagAreToldAtTheDistancesThatAreKept) {
+  const std::string text = two + "[agent.a.camera]\n[agent.b.tags]\n";
+  const Scenario scenario = scenario_of(text);
+  const std::vector<TagReading> readings = tag_readings(scenario);
+  ASSERT_EQ(readings.size(), 2U);
+  EXPECT_EQ(readings[0].key, "d_min");
+  EXPECT_NEAR(readings[0].pixels, 41.6, 0.1);
+  EXPECT_NEAR(readings[1].pixels, 20.8, 0.1);
+  EXPECT_NEAR(readings[1].from_ahead, 11.5, 1e-12);
+  EXPECT_NEAR(readings[1].from_any_side, 16.26, 0.01)
+      << "of 4 faces the nearest is turned by up to 45 degrees";
+  const std::string said = summary(scenario);
+  EXPECT_THAT(said,
+              HasSubstr("camera      a: 320 x 240 px, focal length 207.8 px, 30 Hz, latency 0.03 to 0.08 s, "
+                        "detections drawn by their noise\n"));
+  EXPECT_THAT(said, HasSubstr("tags        b: 4 faces of tag36h11, 0.2 m\n"));
+  EXPECT_THAT(said, HasSubstr("pixels      a sees a tag of b with 20.8 px at d_max = 2 m\n"));
+  // Every second picture of a tag of so many pixels is found.
+  EXPECT_NEAR(SyntheticDetections::probability(readings[1].from_ahead, 1.0, 0.0), 0.495, 1e-12);
+}
+
+TEST(ReadCamera, AVehicleHidesWhatIsBehindItAsItsCylinder) {
+  const Scenario scenario = scenario_of("[world]\nkind = \"rotors\"\n" + two +
+                                        "[agent.a.camera]\n[agent.b.tags]\n[agent.b.hull]\nradius = 0.1\n");
+  const CameraOptions options = camera_options(scenario);
+  ASSERT_EQ(options.hulls.size(), 2U);
+  EXPECT_EQ(options.hulls[0].body, scenario.team.find("b"));
+  EXPECT_EQ(options.hulls[0].hull.radius, 0.1) << "what is said of one holds";
+  EXPECT_EQ(options.hulls[1].hull.radius, Vehicle::x500().radius);
+  EXPECT_EQ(options.hulls[1].hull.height, Vehicle::x500().height);
+}
+
+TEST(ReadCamera, RendersOnlyInAWorldThatCan) {
+  const std::string text = two + "[agent.b.tags]\n[agent.a.camera]\nrender = true\n";
+  EXPECT_THAT(scenario_refusal(text),
+              HasSubstr("agent.a.camera.render = true, expected false in the world \"model\""));
+  Parts parts;
+  const auto make = [&parts](const Scenario& scenario) { return (*parts.worlds.find("model"))(scenario); };
+  parts.worlds.add("shown", make, MovedBy::models, {}, [](const Scenario& scenario) {
+    return std::make_unique<SyntheticDetections>(scenario.team, camera_options(scenario));
+  });
+  const Scenario scenario = parse_scenario("[world]\nkind = \"shown\"\n" + text, "a.toml", parts);
+  EXPECT_TRUE(scenario.vision.cameras[0].render);
+  EXPECT_GT(make_world(scenario)->detections_max(), 0U);
+  EXPECT_EQ(
+      refusal_of<ScenarioError>([&] { parse_scenario(text, "a.toml", parts); }),
+      "a.toml:27: agent.a.camera.render = true, expected false in the world \"model\", only world.kind = "
+      "\"shown\" renders pictures");
+}
+
+TEST(ReadCamera, TheDocumentHasTheParametersAsTheCodeSaysThem) {
+  const std::string document = test::read_file(SIGHTLINE_SOURCE_DIR "/docs/localization.md");
+  const auto described = [&](const auto& part) {
+    for (const ParameterText& p : parameter_texts(part)) {
+      const std::string value = p.unit.empty() ? p.fallback : fmt::format("{} {}", p.fallback, p.unit);
+      EXPECT_THAT(document,
+                  HasSubstr(fmt::format("| `{}` | {} | {} | {} |\n", p.key,
+                                        p.must_be_given ? "must be given" : value, p.range, p.meaning)));
+    }
+  };
+  described(Camera{});
+  described(Tags{});
+  described(Hull{});
+}
+
+}  // namespace
+}  // namespace sightline
