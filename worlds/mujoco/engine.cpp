@@ -127,6 +127,10 @@ bool find_contacts(const mjModel& model, mjData& data) noexcept {
   return came_back([&] { mj_fwdPosition(&model, &data); });
 }
 
+bool tried(void (*calls)(void*), void* argument) noexcept {
+  return came_back([&] { calls(argument); });
+}
+
 const char* last_error() noexcept { return message.data(); }
 
 const char* warning(const mjData& data) noexcept {

@@ -27,6 +27,8 @@ DataPointer data_of(const mjModel& model);
 bool step_1(const mjModel& model, mjData& data) noexcept;
 bool step_2(const mjModel& model, mjData& data) noexcept;
 bool find_contacts(const mjModel& model, mjData& data) noexcept;
+/// Calls of MuJoCo by a function without C++ objects of its own. False where one met an error.
+bool tried(void (*calls)(void*), void* argument) noexcept;
 /// Of this thread.
 const char* last_error() noexcept;
 /// What the data warn of that no flight goes on with, as diverged states and contacts without room; null where there is nothing.

@@ -3,6 +3,7 @@
 #include "sightline/mujoco.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "worlds/mujoco/bodies.hpp"
+#include "worlds/mujoco/renderer.hpp"
 #include "worlds/mujoco/shape.hpp"
 
 namespace sightline {
@@ -62,7 +63,7 @@ void add_mujoco(Parts& parts) {
     return std::make_unique<MujocoWorld>(scenario.team, scenario.x0, scenario.vehicles,
                                          plant_options(scenario), sensor_options(scenario), scenario.model);
   };
-  parts.worlds.add("mujoco", make, MovedBy::vehicles, vehicle_of_mjcf);
+  parts.worlds.add("mujoco", make, MovedBy::vehicles, vehicle_of_mjcf, mujoco::make_renderer);
 }
 
 }  // namespace sightline

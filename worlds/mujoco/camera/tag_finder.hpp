@@ -1,0 +1,44 @@
+/// AprilTag: pictures of tags, and tags in pictures.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sightline/world/camera.hpp"
+#include "worlds/mujoco/camera/picture.hpp"
+
+namespace sightline::mujoco {
+
+/// A tag in a picture.
+struct TagInPicture {
+  int id = 0;
+  std::array<Vec2<double>, 4>
+      corners{};  ///< as of FoundTag: from the middle of the picture, to the right and down [px]
+};
+
+/// Of tag36h11. One thread; finding takes memory.
+class TagFinder {
+ public:
+  /// How many tags there are.
+  static constexpr int tags = 587;
+  /// Pixels of a side of image(): the black square is 8 of 10.
+  static constexpr int cells = 10;
+
+  TagFinder();
+  ~TagFinder();
+  TagFinder(const TagFinder&) = delete;
+  TagFinder& operator=(const TagFinder&) = delete;
+
+  /// A tag with its white border, `cells` x `cells` grey levels, the top row first.
+  std::vector<std::uint8_t> image(int id) const;
+  /// Those in the picture with at most one bit wrong, valid until the next call.
+  const std::vector<TagInPicture>& find(const Picture& picture) noexcept;
+
+ private:
+  struct Library;
+  std::unique_ptr<Library> library_;
+  std::vector<TagInPicture> found_;
+};
+
+}  // namespace sightline::mujoco
