@@ -103,15 +103,15 @@ FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const Excitat
       offer_message(fmt::format("sightline: {}\n", sentence));
     };
     tell_person(become_realtime(control_priority).sentence());
-    if (!world->take_off(Arming::real, interrupts, tell_person)) return;
+    if (!world->take_off(Arming::real, interrupts(), tell_person)) return;
     SteadyClock clock;
     try {
-      motion = fly_excitation(alone, robot, options, *world, clock, stop_flight);
+      motion = fly_excitation(alone, robot, options, *world, clock, stop_flight());
       why.clear();
     } catch (const std::exception& error) {
       why = error.what();
     }
-    world->land(interrupts, tell_person);
+    world->land(interrupts(), tell_person);
   }).join();
   for (const std::string& line : world->counts()) say(line);
   for (const std::string& fault : world->faults()) say(fault);

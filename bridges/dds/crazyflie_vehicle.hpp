@@ -48,7 +48,7 @@ class CrazyflieVehicle final : public StandIn {
   std::string counts() const override;
 
   CrazyflieCounts told() const;
-  Motion motion() const;  ///< in G
+  Motion motion() const override;
   std::uint16_t supervisor() const;
   /// What can be wrong with it.
   void set_voltage(double voltage);

@@ -121,6 +121,7 @@ void CrazyswarmLinkEnd::request(Request request, Nanoseconds now) noexcept {
       phase_ = Phase::setpoints;
       break;
     case Request::emergency: {
+      landing_ = Landing::none;
       const std_srvs_srv_dds__Empty_Request_ stop{};
       (void)emergency_.call(&stop);
       break;
@@ -155,6 +156,8 @@ void CrazyswarmLinkEnd::go_on_landing(Nanoseconds now) noexcept {
 
 void CrazyswarmLinkEnd::send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept {
   request(output.request, now);
+  if (landing_ == Landing::setpoints_end && !output.heartbeat)
+    landing_ = Landing::none;  // it is not ours any more
   go_on_landing(now);
   // A set-point after the request to land would end the landing.
   if (output.setpoint == Setpoint::none || phase_ != Phase::setpoints) return;

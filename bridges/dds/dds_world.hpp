@@ -104,11 +104,11 @@ class DdsWorld final : public LinkedWorld {
   Lookout lookout_;
   OperatorCalls calls_;
   std::unique_ptr<OperatorServices> services_;  // none where it only listens
-  std::atomic<bool> rival_{false};     // another program has our name
-  std::string refusal_;                // of the flight as a whole; empty: none
-  std::vector<std::string> refusals_;  // of robots that were ready
-  std::unique_ptr<TopicsOut> topics_;  // none where nobody is to see the flight
-  std::int64_t origin_ = 0;            // time 0 of the loop, of the monotonic clock [ns]
+  std::atomic<bool> rival_{false};              // another program has our name
+  std::string refusal_;                         // of the flight as a whole; empty: none
+  std::vector<std::string> refusals_;           // of robots that were ready
+  std::unique_ptr<TopicsOut> topics_;           // none where nobody is to see the flight
+  std::int64_t origin_ = 0;                     // time 0 of the loop, of the monotonic clock [ns]
   bool begun_ = false, seen_ = false;
   std::int64_t periods_ = 0, missed_ = 0;
   DelayHistogram wakes_;

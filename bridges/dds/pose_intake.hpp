@@ -40,6 +40,8 @@ class PoseIntake {
   /// A pose alone: the velocity is fitted to the last of them.
   void take_pose(const Vec3<double>& p, const Quaternion& q, Nanoseconds sampled,
                  Nanoseconds arrived) noexcept;
+  /// One that is not taken, for its time alone.
+  void note(Nanoseconds sampled, Nanoseconds arrived) noexcept { arrivals_.note(sampled, arrived); }
   /// One in a frame, with a time, or of a writer that cannot be meant.
   void take_other_frame() noexcept { ++other_frame_; }
   void take_other_time() noexcept { ++other_time_; }

@@ -159,10 +159,13 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
   const Nanoseconds sampled = of_microseconds(m.timestamp_sample);
   arrivals_.add(1e-9 * static_cast<double>(realtime_now() - sampled));
   // What is not finite is counted there.
-  if (!is_finite(local) || anchor_.follow(local, m.reset_counter, sampled)) {
-    odometry_.take(local, sampled, arrival.monotonic);
-    if (is_finite(local)) sampled_.put(m.timestamp_sample);
+  const bool finite = is_finite(local);
+  if (finite && !anchor_.follow(local, m.reset_counter, sampled)) {
+    odometry_.note(sampled, arrival.monotonic);
+    return;
   }
+  odometry_.take(local, sampled, arrival.monotonic);
+  if (finite) sampled_.put(m.timestamp_sample);
 }
 
 bool Px4LinkEnd::look(SeenMotion& seen) noexcept {
@@ -173,7 +176,7 @@ bool Px4LinkEnd::look(SeenMotion& seen) noexcept {
 LinkReason Px4LinkEnd::unfit() const noexcept {
   if (!last_battery_.good) return LinkReason::battery_low;
   if (last_position_.arrived > 0 && !last_position_.good) return LinkReason::estimator_invalid;
-  return anchor_.moved() > px4_.reset_max ? LinkReason::moved : LinkReason::as_asked;
+  return !seen_ && anchor_.moved() > px4_.reset_max ? LinkReason::moved : LinkReason::as_asked;
 }
 
 bool Px4LinkEnd::is_seen_well() noexcept {

@@ -23,7 +23,7 @@ struct Px4VehicleCounts {
   std::int64_t setpoints = 0, setpoints_outside = 0;  ///< outside: while it was in another mode than offboard
   std::int64_t bad_setpoints = 0;                     ///< not finite, or faster than 10 m/s
   std::int64_t heartbeats = 0, arm_requests = 0, offboard_requests = 0;
-  std::int64_t kills = 0;       ///< requests to disarm in the air
+  std::int64_t kills = 0;  ///< requests to disarm in the air
   double answer_median = 0.0,
          answer_p99 = 0.0;      ///< from the stamp of a pose to the set-point that answers it [s]
   double failsafe_after = 0.0;  ///< from the last heartbeat to its failsafe [s]; 0: there was none

@@ -41,7 +41,7 @@ class Ros2Flyer final : public StandIn {
   std::string counts() const override;
 
   Ros2FlyerCounts told() const;
-  Motion motion() const;  ///< in G
+  Motion motion() const override;
   Ros2State state() const;
   /// What can be wrong with it: it is landed by somebody, its services refuse or do not answer.
   void land_by_itself();

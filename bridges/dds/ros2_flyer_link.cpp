@@ -126,7 +126,7 @@ void Ros2FlyerLinkEnd::send(const LinkOutput& output, const Command& command, Na
       phase_ = Phase::landing;
       [[fallthrough]];
     case Request::emergency:  // it has nothing that stops motors
-      steer({}, 0.0);  // some drivers keep the last one
+      steer({}, 0.0);         // some drivers keep the last one
       land_.send();
       break;
   }

@@ -184,10 +184,10 @@ TopicsOut::Thread::Thread(const Scenario& scenario, dds_entity_t participant, Co
         throw std::invalid_argument(
             fmt::format("agent.{} = topics {}, as of {}, expected a name that differs in more than - and _",
                         name, begin, other->name));
-    if (link.poses == PoseSource::tf && link.pose_name == begin.substr(1))
+    if (link.poses.source == PoseSource::tf && link.poses.name == begin.substr(1))
       throw std::invalid_argument(fmt::format(
           "agent.{}.link.pose_name = \"{}\", the frame that this program itself sends, expected another one",
-          name, link.pose_name));
+          name, link.poses.name));
     robots_.push_back(
         std::make_unique<RobotTopics>(participant, name, begin, size(team_.state_offset(link.robot))));
   }

@@ -104,8 +104,9 @@ TEST(DdsWorld, EachWrongPairOfReleasesIsRefusedBeforeArming) {
       EXPECT_EQ(rig.told_of(i).arm_requests, 0);
       EXPECT_THAT(rig.told, Contains(HasSubstr(fmt::format("uav{}: ", i))))
           << flown[i] << " of " << releases[i];
-      EXPECT_THAT(rig.told, Contains(HasSubstr(fmt::format("uav{}: it looks like PX4 {}, by vehicle_status", i,
-                                                           releases[i]))));
+      EXPECT_THAT(
+          rig.told,
+          Contains(HasSubstr(fmt::format("uav{}: it looks like PX4 {}, by vehicle_status", i, releases[i]))));
     }
   }
 }

@@ -40,7 +40,7 @@ TEST(Flood, OfTenThousandMessagesASecondEachIsCountedAndTheFlightGoesOn) {
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   EXPECT_EQ(outcome.max_allocations, 0);
   expect_well_treated(rig);
-  const std::string counts = rig.world->counts()[0];
+  const std::string counts = rig.counted("uav0: ");
   const std::size_t end = counts.find(" of a second writer");
   ASSERT_NE(end, std::string::npos) << counts;
   const std::int64_t counted = std::stoll(counts.substr(counts.rfind(' ', end - 1)));

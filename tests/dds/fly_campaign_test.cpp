@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/dds/fly.hpp"
+#include "tests/support/campaign.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -70,10 +71,11 @@ TEST_F(FlyInterrupted, WhereNobodyAnswersItSaysWhoIsMissingAndArmsNothing) {
 }
 
 using FlyWhole = FlyTest;
+const std::string task = whole_campaign() ? "60.0" : "6.0";  // [s]
 
-TEST_F(FlyWhole, TwoCrazyfliesFlyForAMinute) { expect_flies("crazyflies", "60.0"); }
-TEST_F(FlyWhole, AMultirotorWatchesARoverOnRos2ForAMinute) { expect_flies("rover", "60.0"); }
-TEST_F(FlyWhole, AMixedFleetFliesForAMinute) { expect_flies("mixed", "60.0"); }
+TEST_F(FlyWhole, TwoCrazyfliesFly) { expect_flies("crazyflies", task); }
+TEST_F(FlyWhole, AMultirotorWatchesARoverOnRos2) { expect_flies("rover", task); }
+TEST_F(FlyWhole, AMixedFleetFlies) { expect_flies("mixed", task); }
 
 TEST_F(FlyInterrupted, CrazyfliesWhoseFlyerIsKilledLevelOutAndStopTheirMotors) {
   const fs::path fleet = fleet_of("crazyflies", "60.0");

@@ -110,6 +110,12 @@ class Rig {
   Px4Vehicle& vehicle(std::size_t i) { return dynamic_cast<Px4Vehicle&>(stand_ins.of(i)); }
   Faults& faults(std::size_t i) { return stand_ins.faults(i); }
   Px4VehicleCounts told_of(std::size_t i) { return vehicle(i).told(); }
+  /// The first line of the flyer's counts that has these words; empty: none.
+  std::string counted(std::string_view words) const {
+    for (const std::string& line : world->counts())
+      if (line.find(words) != std::string::npos) return line;
+    return {};
+  }
   LinkState state(int i) const { return world->state(BodyId{i}); }
 
   Scenario scenario;

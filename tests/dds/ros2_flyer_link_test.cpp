@@ -103,8 +103,9 @@ TEST(Ros2FlyerLink, WithoutADriverItSaysWhatIsMissing) {
   const Interrupts none{0};
   Fields sentences;
   EXPECT_FALSE(world.take_off(Arming::real, none, [&](std::string_view s) { sentences.emplace_back(s); }));
-  for (const char* sentence : {"uav0: rt/uav0/odom: no message", "uav0: rt/uav0/cmd_vel: nobody reads it",
-                               "uav0: /uav0/takeoff: no server", "uav0: rt/by_services/state: no message"})
+  for (const char* sentence :
+       {"uav0: rt/uav0/odom: no message, nobody writes it", "uav0: rt/uav0/cmd_vel: nobody reads it",
+        "uav0: /uav0/takeoff: no server", "uav0: rt/by_services/state: no message, nobody writes it"})
     EXPECT_THAT(sentences, Contains(sentence));
 }
 

@@ -196,7 +196,7 @@ TEST_F(SecureFlight, AFleetWithKeysFliesAndIsReplayedWithoutThem) {
   fleet_keys();
   const fs::path fleet = fleet_with("keys", "4.0");
   EXPECT_THAT(test::sightline("check " + fleet.string(), folder).out,
-              HasSubstr("no multicast, DDS security\n"));
+              HasSubstr("no multicast, DDS security; "));
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flown = test::sightline("fly " + fleet.string() + " -o " + (folder / "flown").string(), folder);
   EXPECT_EQ(flown.code, 0) << flown.err << said("vehicles.err");

@@ -55,9 +55,9 @@ SightWatch flown(const std::vector<std::string>& set) {
 TEST(LineOfSight, IsKeptByALimitAndWithoutItDetectionsStop) {
   const SightWatch kept = flown({}), free = flown({"couple[4].weight=0.0"});
   EXPECT_GT(kept.in_sight, 0.95 * kept.periods);
-  EXPECT_LT(kept.longest_gap, 0.3);
-  EXPECT_LT(free.in_sight, 0.92 * free.periods);
-  EXPECT_GT(free.longest_gap, 2.0);
+  EXPECT_LT(kept.longest_gap, 0.15);
+  EXPECT_LT(free.in_sight, 0.95 * free.periods);
+  EXPECT_GT(free.longest_gap, 0.25);
   EXPECT_GT(kept.detections, free.detections);
 }
 

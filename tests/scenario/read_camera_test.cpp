@@ -18,7 +18,7 @@ using test::scenario_of;
 using test::scenario_refusal;
 using testing::HasSubstr;
 
-const std::string two = R"toml([agent.a]
+const std::string facing_pair = R"toml([agent.a]
 robot = "multirotor"
 start = { p = [0.0, 0.0, 1.0], heading = 0.0 }
 
@@ -45,7 +45,7 @@ felt_by = ["a"]
 )toml";
 
 TEST(ReadCamera, ACameraSeesTagsFromTheMountOfItsSensor) {
-  const Scenario scenario = scenario_of(two +
+  const Scenario scenario = scenario_of(facing_pair +
                                         "[agent.a.camera]\nrate = 20.0\nlatency = [0.01, 0.02]\n"
                                         "[agent.b.tags]\nsize = 0.1\nfaces = 6\n"
                                         "[obstacle.pillar.hull]\nradius = 0.3\nheight = 2.0\n"
@@ -69,12 +69,12 @@ TEST(ReadCamera, ACameraSeesTagsFromTheMountOfItsSensor) {
 }
 
 TEST(ReadCamera, WithoutACameraOrTagsTheWorldIsAsItWas) {
-  EXPECT_EQ(make_world(scenario_of(two))->detections_max(), 0U);
-  EXPECT_EQ(make_world(scenario_of(two + "[agent.b.tags]\n"))->detections_max(), 0U);
+  EXPECT_EQ(make_world(scenario_of(facing_pair))->detections_max(), 0U);
+  EXPECT_EQ(make_world(scenario_of(facing_pair + "[agent.b.tags]\n"))->detections_max(), 0U);
 }
 
 TEST(ReadCamera, ThePixelsOfATagAreToldAtTheDistancesThatAreKept) {
-  const std::string text = two + "[agent.a.camera]\n[agent.b.tags]\n";
+  const std::string text = facing_pair + "[agent.a.camera]\n[agent.b.tags]\n";
   const Scenario scenario = scenario_of(text);
   const std::vector<TagReading> readings = tag_readings(scenario);
   ASSERT_EQ(readings.size(), 2U);
@@ -95,7 +95,7 @@ TEST(ReadCamera, ThePixelsOfATagAreToldAtTheDistancesThatAreKept) {
 }
 
 TEST(ReadCamera, AVehicleHidesWhatIsBehindItAsItsCylinder) {
-  const Scenario scenario = scenario_of("[world]\nkind = \"rotors\"\n" + two +
+  const Scenario scenario = scenario_of("[world]\nkind = \"rotors\"\n" + facing_pair +
                                         "[agent.a.camera]\n[agent.b.tags]\n[agent.b.hull]\nradius = 0.1\n");
   const CameraOptions options = camera_options(scenario);
   ASSERT_EQ(options.hulls.size(), 2U);
@@ -106,9 +106,11 @@ TEST(ReadCamera, AVehicleHidesWhatIsBehindItAsItsCylinder) {
 }
 
 TEST(ReadCamera, RendersOnlyInAWorldThatCan) {
-  const std::string text = two + "[agent.b.tags]\n[agent.a.camera]\nrender = true\n";
-  EXPECT_THAT(scenario_refusal(text),
-              HasSubstr("agent.a.camera.render = true, expected false in the world \"model\""));
+  const std::string text = facing_pair + "[agent.b.tags]\n[agent.a.camera]\nrender = true\n";
+  EXPECT_THAT(
+      scenario_refusal(text),
+      HasSubstr("agent.a.camera.render = true, expected false in the world \"model\": no world here renders "
+                "pictures"));
   Parts parts;
   const auto make = [&parts](const Scenario& scenario) { return (*parts.worlds.find("model"))(scenario); };
   parts.worlds.add("shown", make, MovedBy::models, {}, [](const Scenario& scenario) {

@@ -14,21 +14,21 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double step = 0.002;
-constexpr Imu perfect = {.gyro_noise = 0,
-                         .gyro_bias = 0,
-                         .gyro_walk = 0,
-                         .accelerometer_noise = 0,
-                         .accelerometer_bias = 0,
-                         .accelerometer_walk = 0};
+constexpr double imu_step = 0.002;
+constexpr Imu perfect_imu = {.gyro_noise = 0,
+                             .gyro_bias = 0,
+                             .gyro_walk = 0,
+                             .accelerometer_noise = 0,
+                             .accelerometer_bias = 0,
+                             .accelerometer_walk = 0};
 
 Rotation tilted() { return rotation(leaning({0.6, 0.8}, {0.2, -0.1})); }
 void fly(InertialErrors& errors, double duration, const Rotation& R = {}) {
-  for (int k = 0; k < std::lround(duration / step); ++k) errors.advance(R, step);
+  for (int k = 0; k < std::lround(duration / imu_step); ++k) errors.advance(R, imu_step);
 }
 
 TEST(Imu, WithoutErrorsTheFlightControllerKnowsTheTruthBitForBit) {
-  InertialErrors errors(perfect, 1, 0);
+  InertialErrors errors(perfect_imu, 1, 0);
   fly(errors, 1.0, tilted());
   const RigidBody body = {.p = {1, 2, 3}, .v = {0.1, -0.2, 0.3}, .q = {0.9, 0.1, -0.3, 0.3}, .w = {1, 2, -3}};
   const RigidBody seen = errors.seen(body);
@@ -37,7 +37,7 @@ TEST(Imu, WithoutErrorsTheFlightControllerKnowsTheTruthBitForBit) {
 }
 
 TEST(Imu, ABiasIsConstantWithinAFlightAndAnotherForEachSeedBodyAndSensor) {
-  Imu imu = perfect;
+  Imu imu = perfect_imu;
   imu.gyro_bias = imu.accelerometer_bias = 0.1;
   InertialErrors errors(imu, 1, 0);
   const Vec3<double> gyro = errors.gyro_bias(), accelerometer = errors.accelerometer_bias();
@@ -53,7 +53,7 @@ TEST(Imu, ABiasIsConstantWithinAFlightAndAnotherForEachSeedBodyAndSensor) {
 }
 
 TEST(Imu, BiasesOfManyFlightsHaveTheirStandardDeviationAndMeanZero) {
-  Imu imu = perfect;
+  Imu imu = perfect_imu;
   imu.gyro_bias = 0.02, imu.accelerometer_bias = 0.3;
   double gyro = 0, accelerometer = 0, mean = 0;
   constexpr int flights = 4000;
@@ -71,7 +71,7 @@ TEST(Imu, BiasesOfManyFlightsHaveTheirStandardDeviationAndMeanZero) {
 
 TEST(Imu, WhiteNoiseOfTheRatesHasTheDensityOverTheRootOfTheStep) {
   for (const double h : {0.001, 0.002, 0.01}) {
-    Imu imu = perfect;
+    Imu imu = perfect_imu;
     imu.gyro_noise = 1e-3;
     InertialErrors errors(imu, 5, 0);
     double variance = 0, correlated = 0;
@@ -93,7 +93,7 @@ TEST(Imu, WhiteNoiseOfTheRatesHasTheDensityOverTheRootOfTheStep) {
 TEST(Imu, ABiasWalksByItsDensityTimesTheRootOfTheTime) {
   for (const double h : {0.002, 0.01}) {
     for (const double lag : {0.1, 1.0, 4.0}) {
-      Imu imu = perfect;
+      Imu imu = perfect_imu;
       imu.gyro_walk = 0.01, imu.accelerometer_walk = 0.2;
       double gyro = 0, accelerometer = 0;
       constexpr int flights = 40, parts = 25;
@@ -114,7 +114,7 @@ TEST(Imu, ABiasWalksByItsDensityTimesTheRootOfTheTime) {
 }
 
 TEST(Imu, TheBiasOfTheAccelerometerTiltsTheEstimateByItsShareOfGAndLeavesNoLevelVelocity) {
-  Imu imu = perfect;
+  Imu imu = perfect_imu;
   imu.accelerometer_bias = 0.2;
   for (const Rotation& R : {Rotation{}, tilted()}) {
     InertialErrors errors(imu, 8, 0);
@@ -133,12 +133,12 @@ TEST(Imu, TheBiasOfTheAccelerometerTiltsTheEstimateByItsShareOfGAndLeavesNoLevel
 }
 
 TEST(Imu, TheBiasOfTheGyroscopeIsEstimatedWithinAMinute) {
-  Imu imu = perfect;
+  Imu imu = perfect_imu;
   imu.gyro_bias = 0.02;
   InertialErrors errors(imu, 3, 0);
   double most = 0.0;
   for (int k = 0; k < 30'000; ++k) {
-    errors.advance(tilted(), step);
+    errors.advance(tilted(), imu_step);
     most = std::max(most, norm(errors.attitude()));
   }
   const double bias = norm(errors.gyro_bias());
@@ -149,7 +149,7 @@ TEST(Imu, TheBiasOfTheGyroscopeIsEstimatedWithinAMinute) {
 }
 
 TEST(Imu, WhatIsSeenIsTurnedByTheAttitudeErrorAboutTheAxesOfG) {
-  Imu imu = perfect;
+  Imu imu = perfect_imu;
   imu.accelerometer_bias = 3.0;
   InertialErrors errors(imu, 4, 0);
   const Vec3<double> phi = errors.attitude();
@@ -167,7 +167,7 @@ TEST(Imu, WhatIsSeenIsTurnedByTheAttitudeErrorAboutTheAxesOfG) {
 
 TEST(Imu, OneErrorLeavesTheOthersAsTheyWere) {
   const auto flown = [](const std::function<void(Imu&)>& on) {
-    Imu imu = perfect;
+    Imu imu = perfect_imu;
     imu.gyro_bias = imu.accelerometer_walk = 0.01;
     on(imu);
     InertialErrors errors(imu, 6, 0);

@@ -41,7 +41,7 @@ TEST(Sighting, ItsYawIsTheHeadingOfTheTargetLessThatOfTheObserver) {
 
 TEST(Sighting, TheCovarianceOfTheYawIsThatOfSmallTurns) {
   Random random(2);
-  constexpr double h = 1e-6;
+  constexpr double by = 1e-6;
   for (int k = 0; k < 100; ++k) {
     const SensorMount mount{.pitch = uniform(random, -1, 1), .frame = MountFrame::body};
     const Vec2<double> lean = {uniform(random, -0.4, 0.4), uniform(random, -0.4, 0.4)};
@@ -60,9 +60,9 @@ TEST(Sighting, TheCovarianceOfTheYawIsThatOfSmallTurns) {
       return sighting_of(off, mount, lean).yaw;
     };
     Mat<1, 6> J;
-    J(0, 3) = wrap(yaw({h, 0, 0}) - yaw({-h, 0, 0})) / (2 * h);
-    J(0, 4) = wrap(yaw({0, h, 0}) - yaw({0, -h, 0})) / (2 * h);
-    J(0, 5) = wrap(yaw({0, 0, h}) - yaw({0, 0, -h})) / (2 * h);
+    J(0, 3) = wrap(yaw({by, 0, 0}) - yaw({-by, 0, 0})) / (2 * by);
+    J(0, 4) = wrap(yaw({0, by, 0}) - yaw({0, -by, 0})) / (2 * by);
+    J(0, 5) = wrap(yaw({0, 0, by}) - yaw({0, 0, -by})) / (2 * by);
     d.q = as_quaternion(R_ST);
     const Measurement z = sighting_of(d, mount, lean);
     EXPECT_NEAR(z.yaw_variance, (J * P * transposed(J))(0, 0), 1e-7);

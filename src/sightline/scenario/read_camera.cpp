@@ -85,7 +85,7 @@ std::vector<TagReading> tag_readings(const Scenario& scenario) {
   constexpr double half_found = 11.5;
   std::vector<TagReading> all;
   for (const Coupling& coupling : scenario.team.couplings()) {
-    const auto& [observer, target] = coupling.between;
+    const BodyId observer = coupling.between.first, target = coupling.between.second;
     const RobotCamera* const camera = camera_of(scenario, observer);
     const BodyTags* const tags = of_body(scenario.vision.tags, target);
     if (camera == nullptr || tags == nullptr) continue;

@@ -75,7 +75,7 @@ class Reader {
     // A log is flown again without the world.
     const bool has_cameras = !scenario_.vision.cameras.empty();
     if ((!scenario_.vehicles.empty() || scenario_.model || has_cameras) && root_.from_disk())
-      root_.table("world").checked([&] { return make_world(scenario_); });
+      root_.table_or_empty("world").checked([&] { return make_world(scenario_); });
   }
 
  private:

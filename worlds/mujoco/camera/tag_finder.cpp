@@ -36,7 +36,7 @@ TagFinder::~TagFinder() {
 }
 
 std::vector<std::uint8_t> TagFinder::image(int id) const {
-  image_u8_t* const drawn = apriltag_to_image(library_->family, static_cast<uint32_t>(id));
+  image_u8_t* const drawn = apriltag_to_image(library_->family, id);
   std::vector<std::uint8_t> all;
   for (int y = 0; y < drawn->height; ++y)
     all.insert(all.end(), drawn->buf + y * drawn->stride, drawn->buf + y * drawn->stride + drawn->width);
