@@ -18,9 +18,8 @@ class DelayHistogram {
     const double us = std::clamp(1e6 * seconds, 1.0, 0.999 * static_cast<double>(std::int64_t{1} << octaves));
     int exponent = 0;
     const double part = std::frexp(us, &exponent);  // in [0.5, 1)
-    const auto within = static_cast<int>((2 * part - 1) * steps);
-    counts_[static_cast<std::size_t>((exponent - 1) * steps + within)].fetch_add(1,
-                                                                                 std::memory_order_relaxed);
+    const int place = (exponent - 1) * steps + static_cast<int>((2 * part - 1) * steps);
+    counts_[static_cast<std::size_t>(place)].fetch_add(1, std::memory_order_relaxed);
   }
   void add(const DelayHistogram& other) noexcept {
     for (std::size_t i = 0; i < counts_.size(); ++i)
