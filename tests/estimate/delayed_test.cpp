@@ -9,27 +9,10 @@
 #include "sightline/estimate/attitude_filter.hpp"
 #include "sightline/estimate/heading_filter.hpp"
 #include "tests/support/counted_new.hpp"
+#include "tests/support/counting_new.hpp"
 #include "tests/support/filter_derivatives.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/synthetic_flight.hpp"
-
-namespace {
-thread_local std::int64_t allocated_in_estimate = 0;
-}
-
-std::int64_t sightline::allocations_here() noexcept { return allocated_in_estimate; }
-
-// Not inlined: GCC 12 would take malloc's memory for a mismatch with delete.
-[[gnu::noinline]] void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
-  ++allocated_in_estimate;
-  return std::malloc(bytes);
-}
-[[gnu::noinline]] void* operator new(std::size_t bytes) {
-  if (void* memory = operator new(bytes, std::nothrow)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace sightline {
 namespace {

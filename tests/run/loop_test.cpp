@@ -12,21 +12,7 @@
 
 #include "sightline/world/model_world.hpp"
 #include "tests/support/counted_new.hpp"
-
-static thread_local std::int64_t allocated = 0;
-std::int64_t sightline::allocations_here() noexcept { return allocated; }
-
-// Not inlined: GCC 12 would take malloc's memory for a mismatch with delete.
-[[gnu::noinline]] void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
-  ++allocated;
-  return std::malloc(bytes);
-}
-[[gnu::noinline]] void* operator new(std::size_t bytes) {
-  if (void* memory = operator new(bytes, std::nothrow)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include "tests/support/counting_new.hpp"
 
 namespace sightline {
 namespace {
@@ -265,7 +251,7 @@ TEST(Loop, NothingInItAllocates) {
   ASSERT_GT(
       [] {
         const Numbers some(3);
-        return allocated;
+        return allocations_here();
       }(),
       0)
       << "the counter counts";
@@ -289,9 +275,9 @@ TEST(Loop, NothingInItAllocates) {
              .allocations = allocations_here,
              .guard = &guard,
              .late_plans = {{.from = 2.0, .until = 3.0}}});
-  const std::int64_t before = allocated;
+  const std::int64_t before = allocations_here();
   const LoopOutcome outcome = loop.run();
-  EXPECT_EQ(allocated, before);
+  EXPECT_EQ(allocations_here(), before);
   EXPECT_EQ(outcome.max_allocations, 0);
   EXPECT_EQ(outcome.updates, 1000);
 }
