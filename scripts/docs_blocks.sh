@@ -51,35 +51,44 @@ CMAKE
   cmake -S "$work" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
     -DCMAKE_PREFIX_PATH="$work/installed" -Dexamples="$root/examples" >/dev/null
   for example in own_potential own_robot; do
-    cat >"$work/blocks/$example.sh" <<SH
-cmake --build '$work/build' --target ${example}_compiled ${example}_interpreted
-'$work/build/${example}_compiled' | tee '$work/flight'
-'$work/build/${example}_interpreted' | diff '$work/flight' -
+    cat >"$work/blocks/$example-example.sh" <<SH
+flock '$work/build' cmake --build '$work/build' --target ${example}_compiled ${example}_interpreted
+'$work/build/${example}_compiled' | tee '$work/$example.flight'
+'$work/build/${example}_interpreted' | diff '$work/$example.flight' -
 SH
   done
 fi
 
-export PATH=$root/build/release/bin:$PATH
-mkdir "$work/tree"
-for entry in "$root"/*; do [[ $entry == "$root/out" ]] || ln -s "$entry" "$work/tree/"; done
-cd "$work/tree"
-bad=0
-for block in "$work"/blocks/*; do
-  name=$(basename "$block")
-  code=0
-  case $name in
-    *.sh) timeout 300 bash -euo pipefail "$block" </dev/null >"$work/output" 2>&1 || code=$? ;;
-    *.cpp)
-      program=${name%.cpp}
-      { cmake --build "$work/build" --target "$program" && timeout 300 "$work/build/$program" </dev/null; } \
-        >"$work/output" 2>&1 || code=$?
-      ;;
-  esac
-  if ((code == 0)); then
-    echo "ok      $name"
-  else
-    echo "failed  $name (exit $code)" && tail -n 30 "$work/output"
-    bad=$((bad + 1))
-  fi
-done
-((bad == 0))
+# Blocks of one document follow each other in one tree; documents have nothing to do with each other.
+run_document() {
+  local document=$1 block name program code bad=0
+  local tree=$work/trees/$document output=$work/$document.output entry
+  mkdir -p "$tree"
+  for entry in "$root"/*; do [[ $entry == "$root/out" ]] || ln -s "$entry" "$tree/"; done
+  cd "$tree"
+  for block in "$work/blocks/$document"-*; do
+    name=$(basename "$block")
+    code=0
+    case $name in
+      *.sh) timeout 300 bash -euo pipefail "$block" </dev/null >"$output" 2>&1 || code=$? ;;
+      *.cpp)
+        program=${name%.cpp}
+        { flock "$work/build" cmake --build "$work/build" --target "$program" &&
+          timeout 300 "$work/build/$program" </dev/null; } >"$output" 2>&1 || code=$?
+        ;;
+    esac
+    if ((code == 0)); then
+      echo "ok      $name"
+    else
+      echo "failed  $name (exit $code)" && tail -n 30 "$output"
+      bad=1
+    fi
+  done
+  return $bad
+}
+
+export PATH=$root/build/release/bin:$PATH root work
+export -f run_document
+documents=("$work"/blocks/*)
+documents=("${documents[@]##*/}")
+printf '%s\n' "${documents[@]%-*}" | sort -u | xargs -P "$(nproc)" -I '{}' bash -euo pipefail -c 'run_document {}'

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <utility>
 
@@ -18,7 +17,6 @@
 namespace sightline {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double raw_tolerance = 1e-9;    // of a raw input beyond its limit
 constexpr double lost_after = 2.0;        // out of view at the end for so long is a failure [s]
 constexpr std::size_t events_max = 1000;  // in the summary; the log has all

@@ -5,20 +5,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/math/integrate.hpp"
 #include "sightline/safety/projection.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr int most_states = 32;
-constexpr double difference = 1e-4;  // [s] and of inputs
-constexpr double none = 1e-6;        // what is smaller is rounding
+constexpr double finite_step = 1e-4;  // [s] and of inputs
+constexpr double rounding = 1e-6;     // what is smaller is none
 
 using Inputs = std::array<double, most_inputs>;
 
@@ -36,8 +35,8 @@ Vec3<double> acceleration(const Model& model, const Motion& at) {
   Motion later = at;
   std::vector<double> rate(at.x.size());
   model.f(at.x.data(), at.u.data(), rate.data());
-  for (std::size_t i = 0; i < rate.size(); ++i) later.x[i] += difference * rate[i];
-  return (1.0 / difference) * (velocity(model, later) - velocity(model, at));
+  for (std::size_t i = 0; i < rate.size(); ++i) later.x[i] += finite_step * rate[i];
+  return (1.0 / finite_step) * (velocity(model, later) - velocity(model, at));
 }
 
 /// How fast the heading turns while the inputs are held [rad/s].
@@ -45,10 +44,10 @@ double turning(const Model& model, const Motion& at) {
   Motion later = at;
   std::vector<double> rate(at.x.size());
   model.f(at.x.data(), at.u.data(), rate.data());
-  for (std::size_t i = 0; i < rate.size(); ++i) later.x[i] += difference * rate[i];
+  for (std::size_t i = 0; i < rate.size(); ++i) later.x[i] += finite_step * rate[i];
   const Vec2<double> d = model.sight(at.x.data(), at.u.data()).d,
                      then = model.sight(later.x.data(), at.u.data()).d;
-  return (d.x * then.y - d.y * then.x) / difference;
+  return (d.x * then.y - d.y * then.x) / finite_step;
 }
 
 /// Columns of the horizontal acceleration, and of the vertical velocity and acceleration, over the inputs.
@@ -66,10 +65,10 @@ Columns columns(const Model& model, const Motion& at) {
     down.u[k] -= 0.5;
     const Vec3<double> a = acceleration(model, up) - acceleration(model, down);
     const double climb = velocity(model, up).z - velocity(model, down).z;
-    c.thrust[k] = {std::abs(a.x) > none ? a.x : 0.0, std::abs(a.y) > none ? a.y : 0.0};
-    c.climb[k] = std::abs(climb) > none ? climb : 0.0;
-    c.climbs = c.climbs || std::abs(climb) > none;
-    if (std::abs(climb) <= none && std::abs(a.z) > none) c.climb_later[k] = a.z, c.climbs_late = true;
+    c.thrust[k] = {std::abs(a.x) > rounding ? a.x : 0.0, std::abs(a.y) > rounding ? a.y : 0.0};
+    c.climb[k] = std::abs(climb) > rounding ? climb : 0.0;
+    c.climbs = c.climbs || std::abs(climb) > rounding;
+    if (std::abs(climb) <= rounding && std::abs(a.z) > rounding) c.climb_later[k] = a.z, c.climbs_late = true;
   }
   return c;
 }
@@ -86,8 +85,8 @@ Strength strength(const Columns& c, const Vec2<double>& other, std::span<const d
   double xx = 0, xy = 0, yy = 0;
   for (const Vec2<double>& g : c.thrust) xx += g.x * g.x, xy += g.x * g.y, yy += g.y * g.y;
   const double determinant = xx * yy - xy * xy;
-  if (!(determinant > none * (xx + yy) * (xx + yy))) return {};
-  Strength least = {std::numeric_limits<double>::infinity(), 1.0};
+  if (!(determinant > rounding * (xx + yy) * (xx + yy))) return {};
+  Strength least = {infinity, 1.0};
   for (std::size_t i = 0; i < u_min.size(); ++i) {
     const Vec2<double>& g = c.thrust[i];
     const Vec2<double> s = {(yy * g.x - xy * g.y) / determinant, (xx * g.y - xy * g.x) / determinant};
@@ -154,7 +153,7 @@ void add_thrusts(const std::vector<Place>& all, double part, std::span<const dou
     const bool fixed = std::all_of(all.begin(), all.end(), [&](const Place& place) {
       for (std::size_t k = 0; k < u_min.size(); ++k) {
         const Vec2<double> g = in_frame(all.front(), k, turns), h = in_frame(place, k, turns);
-        if (norm(g.x - h.x, g.y - h.y) > same * (norm(g.x, g.y) + none)) return false;
+        if (norm(g.x - h.x, g.y - h.y) > same * (norm(g.x, g.y) + rounding)) return false;
       }
       return true;
     });
@@ -213,7 +212,7 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
   const std::vector<Place> all = places(model, u_min, u_max);
   Authority authority;
   authority.climb_lag = climb_lag_of(model, all);
-  authority.climb = std::numeric_limits<double>::infinity();
+  authority.climb = infinity;
   double along = 0.0, speed = 0.0;
   for (const Place& place : all) {
     along -= dot(place.drift, place.v);
@@ -226,8 +225,8 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
     }
     authority.climb = std::min(authority.climb, climb);
   }
-  authority.drag = speed > none ? std::max(along / speed, 0.0) : 0.0;
-  Strength all_have = {std::numeric_limits<double>::infinity(), 1.0};
+  authority.drag = speed > rounding ? std::max(along / speed, 0.0) : 0.0;
+  Strength all_have = {infinity, 1.0};
   for (const Place& place : all) {
     const double c = authority.drag;
     const Vec2<double> other = {-c * place.v.x - place.drift.x, -c * place.v.y - place.drift.y};
@@ -241,7 +240,7 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
     if (dot(resting.thrust[k], resting.thrust[k]) > 0 || resting.climb[k] != 0 || resting.climb_later[k] != 0)
       authority.reach[k] = std::min(u_max[k], -u_min[k]);
   }
-  if (!(authority.acceleration > none)) {
+  if (!(authority.acceleration > rounding)) {
     throw std::invalid_argument(
         fmt::format("barrier: the commands of \"{}\" do not accelerate it in every horizontal direction at "
                     "once, expected a robot "
@@ -249,7 +248,7 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
                     model.name()));
   }
   // Where the heading goes on turning, no corner of the thrusts stays where it is; the disc does.
-  const auto turns_on = [](const Place& place) { return std::abs(place.turn) > none; };
+  const auto turns_on = [](const Place& place) { return std::abs(place.turn) > rounding; };
   if (std::any_of(all.begin(), all.end(), turns_on)) return authority;
   add_thrusts(all, all_have.part, u_min, u_max, authority);
   if (authority.thrust_count == 0) {

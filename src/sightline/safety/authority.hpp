@@ -15,6 +15,8 @@
 
 namespace sightline {
 
+inline constexpr int most_states = 32;  ///< of a robot with an Authority
+
 struct Authority {
   double drag = 0.0;                      ///< c [1/s], >= 0
   double acceleration = 0.0;              ///< b [m/s^2], > 0

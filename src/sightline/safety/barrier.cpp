@@ -8,16 +8,15 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/safety/barrier_several.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double far_away = 1e6;    // [m] what is farther cannot matter
 constexpr double kept = 1e-9;       // [m] a row missed by less is kept
 constexpr double corrected = 1e-5;  // [m] what the linearised step may miss the true one by
-constexpr std::size_t most_states = 32;
 
 void require(bool good, std::string_view name, double value, std::string_view expected) {
   if (!good) throw std::invalid_argument(fmt::format("barrier: {} = {}, expected {}", name, value, expected));

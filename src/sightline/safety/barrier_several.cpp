@@ -5,12 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include "sightline/base/no_value.hpp"
+
 namespace sightline {
-namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 /// The search of one plan for several uncooperative neighbours. Those whose own plan it is have its reserve already.
 struct Barrier::Joint {

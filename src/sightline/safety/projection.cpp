@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
+
+#include "sightline/base/no_value.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int most_variables = most_inputs + 1;  // and the slack
 constexpr int most_conditions = most_half_spaces + 2 * most_inputs;
 constexpr double dependent = 1e-9;  // a unit normal whose rest is shorter adds nothing to the set

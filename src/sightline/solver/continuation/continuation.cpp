@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/math/subnormals.hpp"
 
 namespace sightline {
@@ -51,8 +51,6 @@ Ocp with_steady_weights(Ocp ocp) {
   }
   return ocp;
 }
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The largest |v|; infinity where one is not finite.
 double largest(std::span<const double> values) noexcept {

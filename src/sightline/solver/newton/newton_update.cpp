@@ -4,18 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/no_value.hpp"
 #include "sightline/math/subnormals.hpp"
 
 namespace sightline {
 namespace {
 
 using L = NativeLane;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void check(bool holds, std::string_view option, double value, std::string_view expected) {
   if (holds && std::isfinite(value)) return;
