@@ -49,11 +49,13 @@ fi
 need cmake --preset release
 need cmake --build --preset release
 
-# Whole campaigns take all processors, one after the other.
 jobs=$(nproc)
+waiting=$((4 * jobs))
 count -LE '^(long|dds)$' -j "$jobs"
 # The tests of the bridge wait for the clock more than they compute.
-count -L '^dds$' --no-tests=ignore -j $((2 * jobs))
-[[ $SIGHTLINE_CAMPAIGN == short ]] || jobs=1
-count -L long --no-tests=ignore -j "$jobs"
+count -L '^dds$' --no-tests=ignore -j "$waiting"
+# Whole campaigns take all processors, one after the other.
+[[ $SIGHTLINE_CAMPAIGN == short ]] || jobs=1 waiting=1
+count -L long -R '^dds\.' --no-tests=ignore -j "$waiting"
+count -L long -E '^dds\.' --no-tests=ignore -j "$jobs"
 finish

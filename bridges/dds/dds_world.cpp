@@ -38,8 +38,7 @@ std::unique_ptr<LinkEnd> made_end(Port participant, const Link& link, std::strin
   return std::make_unique<CrazyswarmLinkEnd>(participant, link);
 }
 
-constexpr std::int64_t looks_each = 200'000'000;        // before a flight
-constexpr std::int64_t listened_least = 1'500'000'000;  // a battery speaks once a second
+constexpr std::int64_t looks_each = 200'000'000;  // before a flight
 
 /// Refuses what would not be what the scenario says.
 const Scenario& flown(const Scenario& scenario) {
@@ -341,11 +340,11 @@ std::vector<Finding> DdsWorld::examine() {
 
 void DdsWorld::clear_robots() {
   const std::vector<Finding> findings = examine();
-  const std::int64_t now = monotonic_now();
+  const std::int64_t now = monotonic_now(), listened = std::llround(1e9 * times_.listened);
   for (Robot& robot : robots_) {
     SeenMotion seen;
     if (robot.heard == 0 && robot.end->look(seen)) robot.heard = now;
-    robot.cleared = robot.heard > 0 && now - robot.heard > listened_least &&
+    robot.cleared = robot.heard > 0 && now - robot.heard > listened &&
                     std::none_of(findings.begin(), findings.end(), [&](const Finding& finding) {
                       const bool concerns = finding.robot.empty() || finding.robot == robot.name;
                       return concerns && finding.light == Light::red && keeps_grounded(finding.aspect);

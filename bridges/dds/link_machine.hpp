@@ -96,6 +96,7 @@ struct LinkOutput {
 /// Times of the table [s].
 struct LinkTimes {
   double ready = 10.0;      ///< waiting, until it is ready
+  double listened = 1.5;    ///< to a robot, until what is found of it counts: a battery speaks once a second
   double heard = 1.2;       ///< ready, at least: PX4 wants to hear more than 1 s
   double called = 3600.0;   ///< ready, until it is to take off
   double arming = 2.0;      ///< from the request to arm until it is

@@ -18,7 +18,6 @@ namespace {
 constexpr std::int64_t vehicle_second = 1'000'000'000;
 constexpr std::int64_t checks_take = vehicle_second;    // after its start
 constexpr std::int64_t offboard_loss = vehicle_second;  // COM_OF_LOSS_T
-constexpr double climb_most = 0.7, sink = 0.5;          // [m/s]
 constexpr double fastest = 10.0;                        // that a set-point may ask [m/s]
 enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, denied = 2, unsupported = 3 };
 
@@ -173,8 +172,8 @@ void Px4Vehicle::move() {
   double r = 0.0;
   const double height = body_.motion().p.z;
   if (nav_ == NavState::offboard) v = v_sp_, a = a_sp_, r = r_sp_;
-  if (nav_ == NavState::takeoff) v.z = std::clamp(1.2 * (setup_.altitude - height) + 0.05, 0.0, climb_most);
-  if (nav_ == NavState::land) v.z = height > 0.1 ? -sink : -sink / 2;
+  if (nav_ == NavState::takeoff) v.z = takeoff_speed(height, setup_.altitude);
+  if (nav_ == NavState::land) v.z = landing_speed(height);
   if (arming_ != px4_armed || (landed_ && nav_ != NavState::takeoff && v.z <= 0))
     body_.rest();
   else

@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::int64_t patience_of_flyer = 500'000'000;  // [ns]
 constexpr double fastest_flyer = 10.0;                   // that it may be asked [m/s]
-constexpr double flyer_climb = 0.7, flyer_sink = 0.5;    // [m/s]
 
 }  // namespace
 
@@ -110,11 +109,11 @@ void Ros2Flyer::step(std::int64_t number) {
       body_.rest();
       break;
     case Ros2State::taking_off:
-      follow({0, 0, std::clamp(1.2 * (setup_.altitude - m.p.z) + 0.05, 0.0, flyer_climb)}, 0.0);
+      follow({0, 0, takeoff_speed(m.p.z, setup_.altitude)}, 0.0);
       if (m.p.z > setup_.altitude - 0.05) state_ = Ros2State::flying, wanted_ = {};
       break;
     case Ros2State::landing:
-      follow({0, 0, m.p.z > 0.1 ? -flyer_sink : -flyer_sink / 2}, 0.0);
+      follow({0, 0, landing_speed(m.p.z)}, 0.0);
       if (body_.on_ground()) state_ = Ros2State::landed;
       break;
     case Ros2State::flying:

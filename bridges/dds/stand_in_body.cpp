@@ -10,7 +10,16 @@ namespace {
 
 constexpr double body_lag = 0.3, body_yaw_lag = 0.1, push_most = 6.0;  // [s], [s], [m/s^2]
 
+constexpr double climb_most = 1.5, sink = 0.7;  // [m/s]
+constexpr double near_ground = 0.1;             // [m]
+
 }  // namespace
+
+double takeoff_speed(double height, double altitude) noexcept {
+  return std::clamp(1.5 * (altitude - height) + 0.05, 0.0, climb_most);
+}
+
+double landing_speed(double height) noexcept { return height > near_ground ? -sink : -sink / 2; }
 
 StandInBody::StandInBody(const Vec3<double>& p, double heading, const std::optional<Vehicle>& rotors,
                          Commands commands)

@@ -9,6 +9,10 @@
 
 namespace sightline::dds {
 
+/// How fast an autopilot climbs to where its take-off ends, and sinks to the ground where it lands, as PX4 does by default [m/s].
+double takeoff_speed(double height, double altitude) noexcept;
+double landing_speed(double height) noexcept;
+
 /// In G, over the ground z = 0, by steps of StandIn::period.
 class StandInBody {
  public:

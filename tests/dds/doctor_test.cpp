@@ -362,27 +362,22 @@ TEST(Doctor, ARoverIsLookedAtByItsTopics) {
 // One mechanism for all that keeps on the ground: what the doctor finds red, a flight refuses before it arms.
 TEST(Doctor, WhatIsRedForAFlightIsRefusedByTheFlightInTheSameSentence) {
   {
-    Rig rig(row_of({"1.16", "1.16"}, 1.0), {.ready = 2.5});
+    Scenario fleet = row_of({"1.16", "1.16", "1.16"}, 1.0);
+    const Scenario vehicles = fleet;
+    fleet.fleet->links[2].origin.p = fleet.fleet->links[0].origin.p;
+    Rig rig(fleet, vehicles, {.ready = 2.5});
     rig.vehicle(1).aside().set_battery(0.1F);
     EXPECT_FALSE(rig.take_off());
     EXPECT_THAT(rig.told, testing::Contains("uav1: 10 %, 13.4 V, expected battery_min = 20 %"));
-    for (const std::size_t i : {0u, 1u}) EXPECT_EQ(rig.told_of(i).arm_requests, 0);
-  }
-  {
-    Scenario fleet = row_of({"1.16", "1.16"}, 1.0);
-    const Scenario vehicles = fleet;
-    fleet.fleet->links[1].origin.p = fleet.fleet->links[0].origin.p;
-    Rig rig(fleet, vehicles, {.ready = 2.5});
-    EXPECT_FALSE(rig.take_off());
     EXPECT_THAT(rig.told,
-                testing::Contains(HasSubstr("fleet: uav0 and uav1 are 0.00 m apart, d_hard = 0.6 m")));
-    for (const std::size_t i : {0u, 1u}) EXPECT_EQ(rig.told_of(i).arm_requests, 0);
+                testing::Contains(HasSubstr("fleet: uav0 and uav2 are 0.00 m apart, d_hard = 0.6 m")));
+    for (const std::size_t i : {0u, 1u, 2u}) EXPECT_EQ(rig.told_of(i).arm_requests, 0);
   }
   // A transmitter that is not heard is told, and flown without.
   Rig rig(row_of({"1.16"}, 1.0));
   rig.vehicle(0).aside().lose_transmitter(true);
-  EXPECT_TRUE(rig.take_off()) << fmt::format("{}", fmt::join(rig.told, "\n"));
-  rig.land();
+  EXPECT_FALSE(rig.take_off(Arming::dry_run));
+  EXPECT_THAT(rig.told, testing::Contains("all are ready, none is armed: a dry run"));
 }
 
 TEST(Doctor, ARoverWhoseClockIsAheadIsNotDriven) {

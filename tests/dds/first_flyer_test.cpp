@@ -75,7 +75,7 @@ TEST_F(TwoFlyers, TheSecondIsRefusedAndTheFirstFliesOn) {
   EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(10));
   EXPECT_EQ(second->code(), 2);
   EXPECT_THAT(said("second.err"), HasSubstr("already, expected one flyer for each robot"));
-  std::this_thread::sleep_for(std::chrono::seconds(1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
   EXPECT_FALSE(first->ended());
   EXPECT_THAT(said("first.err"), Not(HasSubstr("landing")));
   ::kill(first->pid(), SIGINT);
@@ -87,7 +87,7 @@ TEST_F(TwoFlyers, TheSecondIsRefusedAndTheFirstFliesOn) {
 
 // Both may be refused; no vehicle is asked to arm by two.
 TEST_F(TwoFlyers, WhoBeginAtTheSameTimeDoNotBothFly) {
-  const auto fleet = desk("2.0");
+  const auto fleet = desk("1.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto one = begin(to(fleet, "one"), "one"), two = begin(to(fleet, "two"), "two");
   EXPECT_TRUE(test::eventually([&] { return one->ended() && two->ended(); }, std::chrono::seconds(40)));

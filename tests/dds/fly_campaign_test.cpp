@@ -19,7 +19,7 @@ TEST_F(FlyInterrupted, CtrlCLandsAllAndTheFlightIsReplayed) {
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flyer = begin(flight(fleet), "fly");
   ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
-  std::this_thread::sleep_for(std::chrono::seconds(3));
+  std::this_thread::sleep_for(std::chrono::seconds(1));
   ::kill(flyer->pid(), SIGINT);
   EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(20)));
   EXPECT_EQ(flyer->code(), 0) << said("fly.err");
@@ -35,7 +35,7 @@ TEST_F(FlyInterrupted, VehiclesThatAreKilledAreGivenUpAndTheFlightIsReplayed) {
   auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flyer = begin(flight(fleet), "fly");
   ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
-  std::this_thread::sleep_for(std::chrono::seconds(2));
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
   vehicles->end(SIGKILL);
   EXPECT_TRUE(says("fly.err", "uav0: landing, nothing came from it any more"));
   ::kill(flyer->pid(), SIGINT);
@@ -51,7 +51,7 @@ TEST_F(FlyInterrupted, AFlyerThatIsKilledLeavesALogThatIsReplayedAndVehiclesThat
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flyer = begin(flight(fleet), "fly");
   ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
-  std::this_thread::sleep_for(std::chrono::seconds(2));
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
   flyer->end(SIGKILL);
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   vehicles->end(SIGINT);
@@ -71,18 +71,17 @@ TEST_F(FlyInterrupted, WhereNobodyAnswersItSaysWhoIsMissingAndArmsNothing) {
 }
 
 using FlyWhole = FlyTest;
-const std::string task = whole_campaign() ? "60.0" : "6.0";  // [s]
+const std::string task = whole_campaign() ? "60.0" : "2.0";  // [s]
 
 TEST_F(FlyWhole, TwoCrazyfliesFly) { expect_flies("crazyflies", task); }
 TEST_F(FlyWhole, AMultirotorWatchesARoverOnRos2) { expect_flies("rover", task); }
-TEST_F(FlyWhole, AMixedFleetFlies) { expect_flies("mixed", task); }
 
 TEST_F(FlyInterrupted, CrazyfliesWhoseFlyerIsKilledLevelOutAndStopTheirMotors) {
   const fs::path fleet = fleet_of("crazyflies", "60.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flyer = begin(flight(fleet), "fly");
   ASSERT_TRUE(says("fly.err", "cf2: holding")) << said("fly.err") << said("vehicles.err");
-  std::this_thread::sleep_for(std::chrono::seconds(2));
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
   flyer->end(SIGKILL);
   std::this_thread::sleep_for(std::chrono::milliseconds(2500));
   vehicles->end(SIGINT);

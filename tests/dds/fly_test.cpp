@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include "tests/support/campaign.hpp"
+
 namespace sightline::dds {
 namespace {
 
@@ -15,7 +17,7 @@ namespace fs = std::filesystem;
 using Fly = FlyTest;
 
 TEST_F(Fly, TheShippedFleetTakesOffFliesItsTaskLandsAndIsReplayed) {
-  const fs::path fleet = desk("10.0");
+  const fs::path fleet = desk("4.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flown = test::sightline("fly " + fleet.string() + " -o " + (folder / "flown").string(), folder);
   EXPECT_EQ(flown.code, 0) << flown.out << flown.err;
@@ -32,7 +34,7 @@ TEST_F(Fly, TheShippedFleetTakesOffFliesItsTaskLandsAndIsReplayed) {
   expect_replayed("flown");
 }
 
-TEST_F(Fly, AMixedFleetFliesOneTask) { expect_flies("mixed", "4.0"); }
+TEST_F(Fly, AMixedFleetFliesOneTask) { expect_flies("mixed", whole_campaign() ? "60.0" : "2.0"); }
 
 // As `sightline check` does.
 TEST_F(Fly, EachShippedFleetIsRead) {
@@ -48,7 +50,7 @@ TEST_F(Fly, VehiclesThatRestartInFlightAreNeitherArmedNorSteeredAgain) {
   auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flyer = begin(flight(fleet), "fly");
   ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
-  std::this_thread::sleep_for(std::chrono::seconds(2));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
   vehicles->end(SIGKILL);
   const auto again = begin({"vehicles", fleet.string()}, "again");
   EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(20)));

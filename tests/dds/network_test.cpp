@@ -53,7 +53,7 @@ class Network : public FlyTest {
   }
   /// The shipped fleet with these lines in the place of its network.
   std::string fleet(const std::string& name, const std::string& network) const {
-    std::string text = test::read_file(desk("3.0"));
+    std::string text = test::read_file(desk("1.0"));
     const std::size_t begin = text.find("\ninterfaces = "), end = text.find("\n[horizon]");
     text.replace(begin, end - begin, "\n" + network);
     const fs::path file = folder / (name + ".toml");

@@ -57,7 +57,7 @@ TEST_F(SecondVendor, ARobotOfFastDdsDrivesAndIsShownAndCalls) {
 }
 
 TEST_F(SecondVendor, OdometryAndSetpointsOfPx4AndACallGoEitherWay) {
-  std::thread vehicle = peer("px4", 6);
+  std::thread vehicle = peer("px4", 4);
   const auto domain = std::make_shared<Domain>(test::own_network());
   Link link;
   link.kind = Px4Link{.name_space = "/px4_0"};

@@ -26,6 +26,17 @@ TEST(StandInBody, TakesOffFollowsAVelocityTurnsAndStandsWhereItLanded) {
   }
 }
 
+TEST(StandInBody, ComesUpToItsAltitudeAndDownToTheGroundAsPx4DoesByDefault) {
+  EXPECT_EQ(takeoff_speed(0.0, 5.0), 1.5);
+  EXPECT_EQ(takeoff_speed(5.5, 5.0), 0.0);
+  EXPECT_EQ(landing_speed(1.0), -0.7);
+  StandInBody body({}, 0.0, std::nullopt);
+  for (int k = 0; k < 300; ++k) body.follow({0, 0, takeoff_speed(body.motion().p.z, 1.0)}, {}, 0.0);
+  EXPECT_NEAR(body.motion().p.z, 1.0, 0.1);
+  for (int k = 0; k < 200; ++k) body.follow({0, 0, landing_speed(body.motion().p.z)}, {}, 0.0);
+  EXPECT_TRUE(body.on_ground());
+}
+
 // p = g t^2 / 2, then still.
 TEST(StandInBody, WithMotorsOffItFalls) {
   for (const auto& rotors : bodies) {
