@@ -36,7 +36,7 @@ std::vector<BenchRow> run_estimate_bench(const BenchOptions& options) {
       for (const Measurement& z : arrived) {
         std::vector<double> start;
         timed(known ? sightings : start, [&] { fit = filter->take(z); });
-        believed += fit.verdict == Verdict::accepted ? 1 : 0;
+        believed += fit.verdict == FitVerdict::accepted ? 1 : 0;
       }
     }
     const std::string name(filter_kinds[static_cast<std::size_t>(kind)]);

@@ -96,17 +96,17 @@ TEST(Delayed, AMeasurementOfAnUnknownPastOrTheFutureIsNotTakenAndOneCountsOnce) 
   Measurement z = all.measured.back();
   ASSERT_LT(z.stamp, 1.5);
   const double before = filter->estimate().P(0, 0);
-  EXPECT_EQ(filter->take(z).verdict, Verdict::repeated);
+  EXPECT_EQ(filter->take(z).verdict, FitVerdict::repeated);
   z.source = 1;
-  EXPECT_EQ(filter->take(z).verdict, Verdict::accepted) << "of another source it is another one";
+  EXPECT_EQ(filter->take(z).verdict, FitVerdict::accepted) << "of another source it is another one";
   EXPECT_LT(filter->estimate().P(0, 0), before);
   z.stamp = 1.3;
-  EXPECT_EQ(filter->take(z).verdict, Verdict::too_old);
+  EXPECT_EQ(filter->take(z).verdict, FitVerdict::too_old);
   z.stamp = 2.2;
-  EXPECT_EQ(filter->take(z).verdict, Verdict::unusable);
+  EXPECT_EQ(filter->take(z).verdict, FitVerdict::unusable);
   z = all.measured.back();
   z.R(0, 0) = -1;
-  EXPECT_EQ(filter->take(z).verdict, Verdict::unusable);
+  EXPECT_EQ(filter->take(z).verdict, FitVerdict::unusable);
 }
 
 TEST(Delayed, OneAheadOfTheMotionIsTakenWithTheSampleItFallsInto) {
@@ -117,7 +117,7 @@ TEST(Delayed, OneAheadOfTheMotionIsTakenWithTheSampleItFallsInto) {
   next.t += next.dt;
   Measurement z = all.measured.back();
   z.stamp = next.t + 0.004;
-  EXPECT_EQ(early->take(z).verdict, Verdict::pending);
+  EXPECT_EQ(early->take(z).verdict, FitVerdict::pending);
   early->advance(next);
   in_order->advance(next);
   in_order->take(z);

@@ -167,8 +167,8 @@ TEST(JointFilter, ItAllocatesNothingOnceItIsMadeAndRefusesWhatItCannotUse) {
   EXPECT_TRUE(filter.estimate(2).known);
   Random random(1);
   const Measurement z = test::random_sighting(random);
-  EXPECT_EQ(filter.take(3, z).verdict, Verdict::unusable) << "a robot that is none";
-  EXPECT_EQ(filter.take(1, z, 1).verdict, Verdict::unusable) << "itself";
+  EXPECT_EQ(filter.take(3, z).verdict, FitVerdict::unusable) << "a robot that is none";
+  EXPECT_EQ(filter.take(1, z, 1).verdict, FitVerdict::unusable) << "itself";
   EXPECT_EQ(refusal_of([] { return JointFilter({}, {}); }),
             "a joint filter has no robot, expected at least one");
 }

@@ -252,7 +252,7 @@ TEST(PoseFilter, SameMeasurementsSameBits) {
 
 TEST(PoseFilter, EachVerdictHasAWordOfItsOwn) {
   std::set<std::string_view> words;
-  for (int i = 0; i < verdict_count; ++i) words.insert(to_string(static_cast<Verdict>(i)));
+  for (int i = 0; i < verdict_count; ++i) words.insert(to_string(static_cast<FitVerdict>(i)));
   EXPECT_EQ(words.size(), static_cast<std::size_t>(verdict_count));
 }
 

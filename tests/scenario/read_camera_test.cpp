@@ -65,12 +65,12 @@ TEST(ReadCamera, ACameraSeesTagsFromTheMountOfItsSensor) {
   EXPECT_EQ(scenario.vision.hulls[0].hull.height, 2.0);
   const auto world = make_world(scenario);
   EXPECT_NE(dynamic_cast<const CameraWorld*>(world.get()), nullptr);
-  EXPECT_GT(world->detections_max(), 0U);
+  EXPECT_GT(world->measured_max().detections, 0U);
 }
 
 TEST(ReadCamera, WithoutACameraOrTagsTheWorldIsAsItWas) {
-  EXPECT_EQ(make_world(scenario_of(facing_pair))->detections_max(), 0U);
-  EXPECT_EQ(make_world(scenario_of(facing_pair + "[agent.b.tags]\n"))->detections_max(), 0U);
+  EXPECT_EQ(make_world(scenario_of(facing_pair))->measured_max().detections, 0U);
+  EXPECT_EQ(make_world(scenario_of(facing_pair + "[agent.b.tags]\n"))->measured_max().detections, 0U);
 }
 
 TEST(ReadCamera, ThePixelsOfATagAreToldAtTheDistancesThatAreKept) {
@@ -118,7 +118,7 @@ TEST(ReadCamera, RendersOnlyInAWorldThatCan) {
   });
   const Scenario scenario = parse_scenario("[world]\nkind = \"shown\"\n" + text, "a.toml", parts);
   EXPECT_TRUE(scenario.vision.cameras[0].render);
-  EXPECT_GT(make_world(scenario)->detections_max(), 0U);
+  EXPECT_GT(make_world(scenario)->measured_max().detections, 0U);
   EXPECT_EQ(
       refusal_of<ScenarioError>([&] { parse_scenario(text, "a.toml", parts); }),
       "a.toml:27: agent.a.camera.render = true, expected false in the world \"model\", only world.kind = "

@@ -15,7 +15,7 @@ class SeeingWorld : public World {
 
   const Team& team() const noexcept override { return model_.team(); }
   std::span<const double> start() const noexcept override { return model_.start(); }
-  std::size_t detections_max() const noexcept override { return seen_.size(); }
+  MeasuredMost measured_max() const noexcept override { return {.detections = seen_.size()}; }
   void set_presence(std::span<const Presence> presence) noexcept override { model_.set_presence(presence); }
   Measured measure(double t) noexcept override {
     Measured measured = model_.measure(t);

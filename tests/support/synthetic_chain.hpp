@@ -173,7 +173,7 @@ inline std::vector<Consistency> fly_jointly(SyntheticOptions options, int robots
         if (const auto pose = anchor.at(seen.z.stamp); pose && seen.target == 0)
           seen.z.p_other = pose->p, seen.z.psi_other = pose->psi, seen.z.P_other = pose->P;
         const Fit fit = filter.take(seen.observer - 1, seen.z, seen.target - 1);
-        result[static_cast<std::size_t>(seen.observer)].restarts += fit.verdict == Verdict::restarted;
+        result[static_cast<std::size_t>(seen.observer)].restarts += fit.verdict == FitVerdict::restarted;
       }
       if (chain.now() < from) continue;
       for (int i = 1; i < robots; ++i) {

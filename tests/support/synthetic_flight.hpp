@@ -258,7 +258,8 @@ inline Consistency fly_filters(const FilterOptions& filter_options, SyntheticOpt
     const auto filter = make_pose_filter(filter_options, options.mount);
     while (flight.now() < duration) {
       filter->advance(flight.advance(arrived));
-      for (const Measurement& z : arrived) result.restarts += filter->take(z).verdict == Verdict::restarted;
+      for (const Measurement& z : arrived)
+        result.restarts += filter->take(z).verdict == FitVerdict::restarted;
       if (flight.now() < from) continue;
       const PoseEstimate estimate = filter->estimate();
       if (!estimate.known) ++result.unknown;

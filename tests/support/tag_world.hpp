@@ -32,7 +32,7 @@ class TagWorld final : public World {
 
   const Team& team() const noexcept override { return model_.team(); }
   std::span<const double> start() const noexcept override { return model_.start(); }
-  std::size_t detections_max() const noexcept override { return 16; }
+  MeasuredMost measured_max() const noexcept override { return {.detections = 16}; }
   void set_presence(std::span<const Presence> presence) noexcept override { model_.set_presence(presence); }
   Measured measure(double t) noexcept override {
     Measured now = model_.measure(t);

@@ -77,8 +77,8 @@ class Delayed final : public PoseFilter {
 
   Reckoned reckoned_at(const Slot& slot, double stamp) const noexcept;
   Meaning meaning(const Measurement& z, const Slot& slot, double psi, double psi_variance) const noexcept;
-  Verdict consider(const Measurement& z, std::size_t slot) noexcept;
-  Verdict judge(const Measurement& z, Verdict verdict) noexcept;
+  FitVerdict consider(const Measurement& z, std::size_t slot) noexcept;
+  FitVerdict judge(const Measurement& z, FitVerdict verdict) noexcept;
   void begin(const Measurement& z, std::size_t slot, double psi, double psi_variance) noexcept;
 
   Filter filter_;
@@ -116,16 +116,16 @@ void Delayed<Filter>::advance(const MotionSample& motion) noexcept {
 
 template <class Filter>
 Fit Delayed<Filter>::take(const Measurement& z) noexcept {
-  if (!z.is_usable()) return {Verdict::unusable};
+  if (!z.is_usable()) return {FitVerdict::unusable};
   if (z.stamp >= now_) {
-    if (z.stamp > now_ + ahead || pending_.is_full()) return {Verdict::unusable};
+    if (z.stamp > now_ + ahead || pending_.is_full()) return {FitVerdict::unusable};
     pending_.push_back(z);
-    return {Verdict::pending};
+    return {FitVerdict::pending};
   }
-  if (count_ == 0 || z.stamp < at(0).from || (known_ && z.stamp <= begun_)) return {Verdict::too_old};
+  if (count_ == 0 || z.stamp < at(0).from || (known_ && z.stamp <= begun_)) return {FitVerdict::too_old};
   if (!known_) return {consider(z, slot_of(z.stamp))};
-  if (measured_.has(z)) return {Verdict::repeated};
-  if (!remember(z)) return {Verdict::too_old};
+  if (measured_.has(z)) return {FitVerdict::repeated};
+  if (!remember(z)) return {FitVerdict::too_old};
   Fit fit = replay(slot_of(z.stamp), &z);
   fit.verdict = judge(z, fit.verdict);
   return fit;
@@ -200,18 +200,18 @@ bool Delayed<Filter>::apply(State& s, const Innovation<m, n>& of, Fit& fit) cons
 template <class Filter>
 Fit Delayed<Filter>::weigh(State& s, const Measurement& z, const MotionSample& motion) const noexcept {
   const Innovation<4, n> of = filter_.innovation(s, z, motion);
-  Fit fit{Verdict::rejected};
+  Fit fit{FitVerdict::rejected};
   const bool heading = z.measures_heading();
   for (int i = z.measures_position() ? 0 : 3; i < (heading ? 4 : 3); ++i)
     fit.y[static_cast<std::size_t>(i)] = of.y(i, 0);
   if (!z.measures_position()) {
-    if (apply(s, last_one(of), fit)) fit.verdict = Verdict::accepted;
+    if (apply(s, last_one(of), fit)) fit.verdict = FitVerdict::accepted;
     return fit;
   }
   if (heading && apply(s, of, fit)) {
-    fit.verdict = Verdict::accepted;
+    fit.verdict = FitVerdict::accepted;
   } else if (const Fit both = fit; apply(s, first<3>(of), fit)) {
-    fit.verdict = heading ? Verdict::accepted_position : Verdict::accepted;
+    fit.verdict = heading ? FitVerdict::accepted_position : FitVerdict::accepted;
   } else if (heading) {
     fit = both;
   }
@@ -231,7 +231,7 @@ Fit Delayed<Filter>::intersect(State& s, const Measurement& z, const MotionSampl
   };
   const State before = s;
   double least = variance(before);
-  Fit best{Verdict::rejected};
+  Fit best{FitVerdict::rejected};
   for (const double w : weights) {
     State trial = before;
     trial.P = (1 / w) * trial.P;
@@ -239,8 +239,8 @@ Fit Delayed<Filter>::intersect(State& s, const Measurement& z, const MotionSampl
     bounded.other_error = OtherError::fresh;
     bounded.P_other = (1 / (1 - w)) * z.P_other;
     const Fit fit = weigh(trial, bounded, motion);
-    if (best.verdict == Verdict::rejected || fit.verdict == Verdict::accepted) best = fit;
-    if (fit.verdict == Verdict::rejected || variance(trial) >= least) continue;
+    if (best.verdict == FitVerdict::rejected || fit.verdict == FitVerdict::accepted) best = fit;
+    if (fit.verdict == FitVerdict::rejected || variance(trial) >= least) continue;
     least = variance(trial);
     s = trial;
   }
@@ -296,32 +296,32 @@ Meaning Delayed<Filter>::meaning(const Measurement& z, const Slot& slot, double 
 
 /// A measurement while there is no estimate.
 template <class Filter>
-Verdict Delayed<Filter>::consider(const Measurement& z, std::size_t slot) noexcept {
+FitVerdict Delayed<Filter>::consider(const Measurement& z, std::size_t slot) noexcept {
   const Reckoned reckoned = reckoned_at(at(slot), z.stamp);
   if (z.of == Measures::heading) {
     if (z.stamp > compass_.stamp) compass_ = {z.yaw, z.yaw_variance, z.stamp, reckoned};
-    return Verdict::waiting;
+    return FitVerdict::waiting;
   }
   double psi = z.heading(), variance = z.heading_variance();
   if (!z.measures_heading()) {
-    if (std::abs(z.stamp - compass_.stamp) > Agreement::window) return Verdict::waiting;
+    if (std::abs(z.stamp - compass_.stamp) > Agreement::window) return FitVerdict::waiting;
     psi = compass_.psi + wrap(reckoned.psi - compass_.reckoned.psi);
     variance = compass_.variance;
   }
-  if (candidates_.add(meaning(z, at(slot), psi, variance)) < start_) return Verdict::waiting;
+  if (candidates_.add(meaning(z, at(slot), psi, variance)) < start_) return FitVerdict::waiting;
   begin(z, slot, psi, variance);
-  return Verdict::started;
+  return FitVerdict::started;
 }
 
 /// What a measurement that was tried says of the estimate itself.
 template <class Filter>
-Verdict Delayed<Filter>::judge(const Measurement& z, Verdict verdict) noexcept {
+FitVerdict Delayed<Filter>::judge(const Measurement& z, FitVerdict verdict) noexcept {
   const bool heading = z.measures_heading();
-  if (verdict != Verdict::rejected) {
+  if (verdict != FitVerdict::rejected) {
     last_accepted_ = std::max(last_accepted_, z.stamp);
     if (z.measures_position()) contradictions_.clear();
-    if (verdict == Verdict::accepted && heading) turned_.clear();
-    if (verdict == Verdict::accepted) return verdict;
+    if (verdict == FitVerdict::accepted && heading) turned_.clear();
+    if (verdict == FitVerdict::accepted) return verdict;
   }
   const std::size_t slot = slot_of(z.stamp);
   // Without a heading of its own, it is taken with the estimate's, which may be wrong.
@@ -329,7 +329,7 @@ Verdict Delayed<Filter>::judge(const Measurement& z, Verdict verdict) noexcept {
   const double psi = heading ? z.heading() : filter_.heading(state_);
   const double variance = heading ? z.heading_variance() : doubt;
   Meaning meant = meaning(z, at(slot), psi, variance);
-  if (verdict == Verdict::accepted_position || z.of == Measures::heading) {
+  if (verdict == FitVerdict::accepted_position || z.of == Measures::heading) {
     meant.sigma = std::numeric_limits<double>::infinity();  // the place is not in question
     if (turned_.add(meant) < restart_) return verdict;
   } else if (contradictions_.add(meant) < restart_) {
@@ -339,10 +339,10 @@ Verdict Delayed<Filter>::judge(const Measurement& z, Verdict verdict) noexcept {
     // Only a sighting says where it is with another heading.
     forget();
     compass_ = {z.yaw, z.yaw_variance, z.stamp, meant.reckoned};
-    return Verdict::rejected;
+    return FitVerdict::rejected;
   }
   begin(z, slot, psi, variance);
-  return Verdict::restarted;
+  return FitVerdict::restarted;
 }
 
 /// The estimate begins at the stamp of z, from z alone.

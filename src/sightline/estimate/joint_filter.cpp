@@ -56,15 +56,15 @@ void JointFilter::advance(std::span<const MotionSample> motion) noexcept {
 
 Fit JointFilter::take(int observer, const Measurement& z, int target) noexcept {
   if (observer < 0 || observer >= robots() || target >= robots() || target == observer || !z.is_usable())
-    return {Verdict::unusable};
-  if (z.stamp >= now_) return {Verdict::unusable};
-  if (count_ == 0 || z.stamp < at(0).from) return {Verdict::too_old};
+    return {FitVerdict::unusable};
+  if (z.stamp >= now_) return {FitVerdict::unusable};
+  if (count_ == 0 || z.stamp < at(0).from) return {FitVerdict::too_old};
   Heard heard{z.stamp, observer + robots() * z.source, observer, target < 0 ? anchor : target, z};
   heard.z.other_error = OtherError::fresh;
-  if (heard_.has(heard)) return {Verdict::repeated};
+  if (heard_.has(heard)) return {FitVerdict::repeated};
   Fit fit;
   if (robot(observer).known) {
-    if (!remember(heard)) return {Verdict::too_old};
+    if (!remember(heard)) return {FitVerdict::too_old};
     fit = replay(&heard, slot_of(z.stamp));
   }
   fit.verdict = judge(heard, fit.verdict);
@@ -138,7 +138,7 @@ Measurement JointFilter::completed(const Heard& heard) const noexcept {
 
 Fit JointFilter::weigh(const Heard& heard, const Slot& slot) noexcept {
   const auto i = static_cast<std::size_t>(heard.robot);
-  Fit fit{Verdict::rejected};
+  Fit fit{FitVerdict::rejected};
   const bool of_robot = heard.target != anchor && heard.z.of == Measures::sighting;
   if (!robots_[i].known || (of_robot && !robot(heard.target).known)) return fit;
   const Measurement z = completed(heard);
@@ -155,13 +155,13 @@ Fit JointFilter::weigh(const Heard& heard, const Slot& slot) noexcept {
   for (int a = z.measures_position() ? 0 : 3; a < (heading ? 4 : 3); ++a)
     fit.y[static_cast<std::size_t>(a)] = of.y(a, 0);
   if (!z.measures_position()) {
-    if (apply<1>(heard, last_one(of), {}, fit)) fit.verdict = Verdict::accepted;
+    if (apply<1>(heard, last_one(of), {}, fit)) fit.verdict = FitVerdict::accepted;
     return fit;
   }
   if (heading && apply<4>(heard, of, H_target, fit)) {
-    fit.verdict = Verdict::accepted;
+    fit.verdict = FitVerdict::accepted;
   } else if (const Fit both = fit; apply<3>(heard, first<3>(of), block<3, 4>(H_target, 0, 0), fit)) {
-    fit.verdict = heading ? Verdict::accepted_position : Verdict::accepted;
+    fit.verdict = heading ? FitVerdict::accepted_position : FitVerdict::accepted;
   } else if (heading) {
     fit = both;
   }
@@ -287,34 +287,34 @@ Meaning JointFilter::meaning(const Heard& heard, double psi, double psi_variance
 }
 
 /// What a measurement says of the robot's estimate itself, or of where it may begin.
-Verdict JointFilter::judge(const Heard& heard, Verdict verdict) noexcept {
+FitVerdict JointFilter::judge(const Heard& heard, FitVerdict verdict) noexcept {
   const auto i = static_cast<std::size_t>(heard.robot);
   Doubts& doubts = doubts_[i];
   const Measurement z = completed(heard);
   const bool begun = robots_[i].known;
-  if (begun && verdict != Verdict::rejected) {
+  if (begun && verdict != FitVerdict::rejected) {
     robots_[i].last_accepted = std::max(robots_[i].last_accepted, z.stamp);
     if (z.measures_position()) doubts.contradictions.clear();
-    if (verdict == Verdict::accepted && z.measures_heading()) doubts.turned.clear();
-    if (verdict == Verdict::accepted) return verdict;
+    if (verdict == FitVerdict::accepted && z.measures_heading()) doubts.turned.clear();
+    if (verdict == FitVerdict::accepted) return verdict;
   }
   const bool can_begin =
       z.of == Measures::sighting && z.has_yaw && (heard.target == anchor || robot(heard.target).known);
-  if (!can_begin) return begun ? verdict : Verdict::waiting;
+  if (!can_begin) return begun ? verdict : FitVerdict::waiting;
   Meaning meant = meaning(heard, z.heading(), z.heading_variance());
   if (!begun) {
-    if (doubts.candidates.add(meant) < options_.start_sightings) return Verdict::waiting;
+    if (doubts.candidates.add(meant) < options_.start_sightings) return FitVerdict::waiting;
     begin(heard);
-    return Verdict::started;
+    return FitVerdict::started;
   }
-  if (verdict == Verdict::accepted_position) {
+  if (verdict == FitVerdict::accepted_position) {
     meant.sigma = std::numeric_limits<double>::infinity();  // the place is not in question
     if (doubts.turned.add(meant) < options_.restart_sightings) return verdict;
   } else if (doubts.contradictions.add(meant) < options_.restart_sightings) {
     return verdict;
   }
   begin(heard);
-  return Verdict::restarted;
+  return FitVerdict::restarted;
 }
 
 /// A robot begins at the stamp of its sighting, from that alone; the others go on.

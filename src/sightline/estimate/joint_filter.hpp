@@ -83,7 +83,7 @@ class JointFilter {
   Fit run(const Slot& slot, double until, const Heard* watched) noexcept;
   Fit replay(const Heard* watched, std::size_t from) noexcept;
   Meaning meaning(const Heard& heard, double psi, double psi_variance) noexcept;
-  Verdict judge(const Heard& heard, Verdict verdict) noexcept;
+  FitVerdict judge(const Heard& heard, FitVerdict verdict) noexcept;
   void begin(const Heard& heard) noexcept;
 
   FilterOptions options_;

@@ -6,7 +6,7 @@
 
 namespace sightline {
 
-std::string_view to_string(Verdict verdict) {
+std::string_view to_string(FitVerdict verdict) {
   constexpr std::array<std::string_view, verdict_count> names = {
       "accepted", "accepted_position", "rejected", "started",  "restarted",
       "waiting",  "pending",           "too_old",  "repeated", "unusable"};

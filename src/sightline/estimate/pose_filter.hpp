@@ -28,7 +28,7 @@ struct PoseEstimate {
 };
 
 /// What became of a measurement.
-enum class Verdict : std::uint8_t {
+enum class FitVerdict : std::uint8_t {
   accepted,
   accepted_position,  ///< its position alone; its yaw contradicts
   rejected,           ///< beyond the gate
@@ -41,11 +41,11 @@ enum class Verdict : std::uint8_t {
   unusable,           ///< a number is not finite, or a variance not positive
 };
 inline constexpr int verdict_count = 10;
-std::string_view to_string(Verdict verdict);
+std::string_view to_string(FitVerdict verdict);
 
 /// How a measurement fitted.
 struct Fit {
-  Verdict verdict = Verdict::waiting;
+  FitVerdict verdict = FitVerdict::waiting;
   int dimension = 0;          ///< of the innovation that was judged; 0: none was
   double squared = 0.0;       ///< y^T S^-1 y: chi^2 of that many degrees of freedom
   std::array<double, 4> y{};  ///< innovation, position [m] (in V or B), then heading [rad]

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sightline/base/same_time.hpp"
+#include "sightline/estimate/measurement.hpp"
 #include "sightline/math/fixed.hpp"
 
 namespace sightline {
@@ -19,10 +20,6 @@ constexpr std::array axes = {&Vec3<double>::x, &Vec3<double>::y, &Vec3<double>::
 // The length of r, horizontally or vertically.
 double length(const Vec3<double>& r, bool horizontally) {
   return horizontally ? norm(r.x, r.y) : std::abs(r.z);
-}
-
-bool is_finite(const Vec3<double>& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
 }  // namespace

@@ -226,7 +226,7 @@ class RecordedFlight::Reader {
     seen.q = {q[0], q[1], q[2], q[3]};
     std::copy(covariance.begin(), covariance.end(), seen.covariance.begin());
     period().detections.push_back(seen);
-    flight_.detections_max_ = std::max(flight_.detections_max_, period().detections.size());
+    flight_.most_.detections = std::max(flight_.most_.detections, period().detections.size());
   }
 
   void read_goal(const std::shared_ptr<GoalTrack>& track) {

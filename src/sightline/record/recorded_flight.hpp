@@ -92,7 +92,7 @@ class RecordedFlight final : public World, public Clock {
 
   const Team& team() const noexcept override { return team_; }
   std::span<const double> start() const noexcept override { return start_; }
-  std::size_t detections_max() const noexcept override { return detections_max_; }
+  MeasuredMost measured_max() const noexcept override { return most_; }
   void set_presence(std::span<const Presence>) noexcept override {}
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
@@ -120,7 +120,7 @@ class RecordedFlight final : public World, public Clock {
   std::size_t next_goal_ = 0;
   std::size_t next_ = 0;  // period to be measured
   bool measured_ = false;
-  std::size_t detections_max_ = 0;
+  MeasuredMost most_{};
   bool truncated_ = false;
   std::optional<double> lost_after_{};
 };

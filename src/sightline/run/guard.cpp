@@ -103,7 +103,8 @@ Guard::Guard(const Team& team, const GuardOptions& options)
 }
 
 std::span<const double> Guard::believe(double t, std::span<const double> measured,
-                                       std::span<const double> stamps) noexcept {
+                                       std::span<const double> stamps,
+                                       std::span<const double> /*sigma*/) noexcept {
   events_.clear();
   if (!supervisor_) {
     std::copy(measured.begin(), measured.end(), believed_.begin());

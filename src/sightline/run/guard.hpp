@@ -53,8 +53,9 @@ class Guard {
   Guard(const Team& team, const GuardOptions& options);
 
   /// The believed states of all bodies at t [s] (nx), from measurements with a time for each body.
-  std::span<const double> believe(double t, std::span<const double> measured,
-                                  std::span<const double> stamps) noexcept;
+  /// @param sigma  of each body, the standard deviation of its estimated position [m]; 0: it is measured; empty: all are
+  std::span<const double> believe(double t, std::span<const double> measured, std::span<const double> stamps,
+                                  std::span<const double> sigma = {}) noexcept;
   /// Whether each body was believed once; before, nobody is asked for a plan.
   bool knows_all() const noexcept { return !supervisor_ || supervisor_->knows_all(); }
   // Both make of the controllers' inputs u (nu) what is commanded from t on, one after the other, after believe(). x (nx)

@@ -16,8 +16,6 @@
 namespace sightline {
 namespace {
 
-using Time = std::chrono::steady_clock;
-
 /// The horizon that gives the predicted paths their stages.
 const Horizon& longest_horizon(const Controllers& controllers) {
   const auto fewer = [](const Solver& a, const Solver& b) {
@@ -49,7 +47,12 @@ std::vector<Presence> everybody(const Team& team) {
 
 Sample sized_sample(const World& world, const Controllers& controllers) {
   Sample sample = sized_sample(world.team(), controllers);
-  sample.detections.resize(world.detections_max());
+  const MeasuredMost most = world.measured_max();
+  sample.detections.resize(most.detections);
+  sample.motions.resize(most.motions);
+  sample.broadcasts.resize(most.broadcasts);
+  sample.fits.resize(most.motions > 0 ? most.detections : 0);
+  sample.estimates.resize(most.motions > 0 ? size(world.team().bodies()) : 0);
   return sample;
 }
 
@@ -111,7 +114,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
     }
     options_.team_switcher->set_start(world.start());
     follow_team();
-    follow_guard(0.0, world.start());
+    follow_guard(0.0, world.start(), world.start());
   }
   check_steered();
   const Sample* item = sink.claim();
@@ -120,7 +123,9 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
   if (item == nullptr || !has_room || item->attitudes.size() != spare_.attitudes.size() ||
       item->x.size() != spare_.x.size() || item->path.size() != spare_.path.size() ||
       item->solvers.size() != spare_.solvers.size() || item->barriers.size() != spare_.barriers.size() ||
-      item->levels.size() != spare_.levels.size() || item->detections.size() != spare_.detections.size()) {
+      item->levels.size() != spare_.levels.size() || item->detections.size() != spare_.detections.size() ||
+      item->motions.size() != spare_.motions.size() || item->broadcasts.size() != spare_.broadcasts.size() ||
+      item->fits.size() != spare_.fits.size() || item->estimates.size() != spare_.estimates.size()) {
     refuse(
         "the sink's samples are not of this loop's size, expected room in it for copies of sized_sample()");
   }
@@ -186,7 +191,7 @@ LoopOutcome Loop::run() noexcept {
       outcome_.missed += k - next;
       tell({t, EventKind::missed_period, 0, static_cast<double>(k - next)});
       const double from = static_cast<double>(next) * options_.period;
-      outcome_.finite = world_.apply(from, believed_, applied_, options_.period, k - next) && outcome_.finite;
+      outcome_.finite = apply(from, k - next) && outcome_.finite;
       next = k;
     }
     outcome_.stopped = options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
@@ -203,9 +208,10 @@ LoopOutcome Loop::run() noexcept {
     const bool changes = options_.team_switcher != nullptr && options_.team_switcher->pending();
     const bool changed = options_.team_switcher != nullptr && change_team(k, t);
     sample.team_answered = changes && !options_.team_switcher->pending();
-    const Measured seen = world_.measure(t);
+    const Measured seen = localize(t, world_.measure(t), sample);
     const std::span<const double> x = seen.truth.empty() ? seen.measured : seen.truth;
-    if (changed) follow_guard(t, x);
+    if (changed) follow_guard(t, x, options_.localizer != nullptr ? seen.measured : x);
+    sample.truth_known = !seen.truth.empty();
     std::copy(x.begin(), x.end(), sample.x.begin());
     std::copy(seen.attitudes.begin(), seen.attitudes.end(), sample.attitudes.begin());
     std::copy(presence_.begin(), presence_.end(), sample.presence.begin());
@@ -226,24 +232,20 @@ LoopOutcome Loop::run() noexcept {
     } else {
       ++outcome_.dropped;
     }
-    outcome_.finite = world_.apply(t, believed_, applied_, options_.period, 1);
+    outcome_.finite = apply(t, 1);
   }
   sink_.close();
   return outcome_;
 }
 
 void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
-  const auto count = [&] { return options_.allocations != nullptr ? options_.allocations() : 0; };
-  const std::int64_t before_all = count();
-  const Time::time_point begin = Time::now();
   sample.time = t;
-  std::copy(seen.measured.begin(), seen.measured.end(), sample.measured.begin());
-  std::copy(seen.stamps.begin(), seen.stamps.end(), sample.stamps.begin());
-  sample.detection_count = std::min(seen.detections.size(), sample.detections.size());
-  std::copy_n(seen.detections.begin(), sample.detection_count, sample.detections.begin());
   if (outcome_.updates == 0) std::fill(planned_at_.begin(), planned_at_.end(), t);
   std::span<const double> believed = seen.measured;
-  if (options_.guard != nullptr) believed = options_.guard->believe(t, seen.measured, seen.stamps);
+  const bool localizes = options_.localizer != nullptr;
+  if (options_.guard != nullptr)
+    believed = options_.guard->believe(t, seen.measured, seen.stamps,
+                                       localizes ? options_.localizer->sigma() : std::span<const double>{});
   believed_ = believed;
   const std::span<const double> met = compensate(t, seen);
   if (sample.has_path) {
@@ -255,11 +257,11 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   const std::span<Controller> asked = controllers();
   for (std::size_t c = 0; c < asked.size(); ++c) {
     Controller& controller = asked[c];
-    const std::int64_t before = count();
+    const std::int64_t before = allocations();
     const Solution solution = ask(controller, t, met);
     command(static_cast<int>(c), controller, solution, t, sample);
-    sample.solvers[c] = {solution.status,        solution.residual, solution.iterations,
-                         1e6 * solution.elapsed, count() - before,  solution.neighbours.pairs,
+    sample.solvers[c] = {solution.status,        solution.residual,      solution.iterations,
+                         1e6 * solution.elapsed, allocations() - before, solution.neighbours.pairs,
                          controller.answered};
     if (outcome_.updates > 0 && solution.status != controller.status) {
       tell({t, EventKind::solver_status, static_cast<int>(c), static_cast<double>(solution.status)});
@@ -279,7 +281,8 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
     keep_rates();
   give(t);
   std::copy(applied_.begin(), applied_.end(), sample.u.begin());
-  sample.update_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
+  sample.update_us =
+      std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - began_).count();
   if (options_.team_switcher != nullptr) {
     std::transform(seen.stamps.begin(), seen.stamps.end(), ages_.begin(),
                    [t](double stamp) { return t - stamp; });
@@ -288,30 +291,7 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
     for (const Event& event : options_.team_switcher->events()) tell(event);
     options_.team_switcher->clear_events();
   }
-  outcome_.max_allocations = std::max(outcome_.max_allocations, count() - before_all);
-}
-
-/// The states that the commands of t meet, from those believed at t.
-std::span<const double> Loop::compensate(double t, const Measured& seen) noexcept {
-  if (options_.compensation == nullptr) return believed_;
-  for (int i = 0; i < world_.team().bodies(); ++i) {
-    const BodyId body{i};
-    const bool trusted = options_.guard == nullptr || options_.guard->trusts(body);
-    if (trusted && presence_[size(i)] != Presence::absent)
-      options_.compensation->look(body, seen.measured, seen.stamps[size(i)]);
-  }
-  return options_.compensation->ahead(t, believed_);
-}
-
-/// What is added to the inputs of all robots.
-std::span<const double> Loop::added() const noexcept {
-  return options_.compensation != nullptr ? options_.compensation->added() : std::span<const double>(none_);
-}
-
-/// What that makes bodies lean.
-std::span<const Vec2<double>> Loop::added_lean() const noexcept {
-  if (options_.compensation == nullptr) return {};
-  return options_.compensation->lean();
+  outcome_.max_allocations = std::max(outcome_.max_allocations, allocations() - allocated_);
 }
 
 /// Lets no input with what is added change faster than it may.
@@ -366,7 +346,8 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
   Solver& solver = *controller.solver;
   Solution solution{.u = controller.plan, .raw_u = controller.plan, .x = {}};
   controller.answered = false;
-  if (options_.guard != nullptr && !options_.guard->knows_all()) {
+  if ((options_.guard != nullptr && !options_.guard->knows_all()) ||
+      (options_.localizer != nullptr && !options_.localizer->knows_all())) {
     solution.status = Status::invalid_state;
   } else if (!controller.at_work) {
     controller.gather(world_.team(), believed, u_);

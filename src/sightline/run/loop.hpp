@@ -1,7 +1,8 @@
-/// The control loop: measure, believe, solve, check, guard, apply; once per period.
+/// The control loop: measure, localize, believe, solve, check, guard, apply; once per period.
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -11,6 +12,7 @@
 #include "sightline/run/compensation.hpp"
 #include "sightline/run/controller.hpp"
 #include "sightline/run/guard.hpp"
+#include "sightline/run/localizer.hpp"
 #include "sightline/run/ring.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/run/team_switcher.hpp"
@@ -34,6 +36,8 @@ struct LoopOptions {
   /// Supervises, and keeps hard distances; of the world's team, for this loop alone. None: measurements are
   /// believed and commands applied as they are.
   Guard* guard = nullptr;
+  /// Says where robots are that are not told; of the world's team, for this loop alone. None: states are as measured.
+  Localizer* localizer = nullptr;
   /// Of late commands and disturbances; of the world's team, for this loop alone. None: commands are reckoned to act at once.
   Compensation* compensation = nullptr;
   std::vector<LatePlan> late_plans{};  ///< injected
@@ -58,7 +62,7 @@ struct LoopOutcome {
 
 /// A sample with all its vectors sized for a loop: the prototype of its sink's items.
 Sample sized_sample(const World& world, const Controllers& controllers);
-/// In a world of that team without detections.
+/// In a world of that team that measures states alone.
 Sample sized_sample(const Team& team, const Controllers& controllers);
 
 /// Runs controllers in a world.
@@ -66,7 +70,7 @@ Sample sized_sample(const Team& team, const Controllers& controllers);
 /// Period k, at t = k period: what the world measures goes to each controller in turn; of a robot whose
 /// command is not finite or not within its limits the last good one is applied instead, and an event tells
 /// it; the sample goes into the sink, and the command to the world. Where a steady clock missed periods, the
-/// command before stayed in force. A guard comes after the measurement and before the command; an update that is late
+/// command before stayed in force. A localizer comes after the measurement, which the sample has as it was. A guard comes after the measurement and before the command; an update that is late
 /// lets the plan before go on. Nothing in here allocates, locks, throws or prints.
 class Loop {
  public:
@@ -83,12 +87,17 @@ class Loop {
  private:
   void check_steered() const;
 
+  std::int64_t allocations() const noexcept {
+    return options_.allocations != nullptr ? options_.allocations() : 0;
+  }
+  Measured localize(double t, const Measured& told, Sample& sample) noexcept;
+  bool apply(double t, std::int64_t periods) noexcept;
   void update(double t, const Measured& seen, Sample& sample) noexcept;
   Solution ask(Controller& controller, double t, std::span<const double> believed) noexcept;
   void guard(double t, std::span<const double> x, Sample& sample) noexcept;
   bool change_team(std::int64_t k, double t) noexcept;
   void follow_team() noexcept;
-  void follow_guard(double t, std::span<const double> x) noexcept;
+  void follow_guard(double t, std::span<const double> x, std::span<const double> known) noexcept;
   void welcome(BodyId body, double t, std::span<const double> x) noexcept;
   std::span<const double> compensate(double t, const Measured& seen) noexcept;
   std::span<const double> added() const noexcept;
@@ -119,11 +128,13 @@ class Loop {
   std::vector<double> applied_;  // the same, compensated
   std::vector<double> none_;     // that is added without compensation
   std::vector<double> u_min_, u_max_;
-  std::vector<double> planned_at_, plan_ages_;  // of each body: time and age of its last good plan [s]
-  std::vector<double> ages_;                    // of what was measured of each body [s]
-  std::vector<double> plan_;                    // inputs of one stage of a plan
-  std::vector<Event> events_;                   // not yet in a sample
-  Sample spare_;                                // written where the sink is full
+  std::vector<double> planned_at_, plan_ages_;     // of each body: time and age of its last good plan [s]
+  std::vector<double> ages_;                       // of what was measured of each body [s]
+  std::vector<double> plan_;                       // inputs of one stage of a plan
+  std::vector<Event> events_;                      // not yet in a sample
+  Sample spare_;                                   // written where the sink is full
+  std::chrono::steady_clock::time_point began_{};  // the last measurement
+  std::int64_t allocated_ = 0;                     // before it
   LoopOutcome outcome_;
 };
 

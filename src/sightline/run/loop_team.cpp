@@ -26,10 +26,12 @@ void Loop::follow_team() noexcept {
   const Membership& now = options_.team_switcher->present().membership;
   std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
   world_.set_presence(presence_);
+  if (options_.localizer != nullptr) options_.localizer->set_presence(presence_);
 }
 
-/// What comes with a team once it is measured (x): times of plans, the guard, and who is too near.
-void Loop::follow_guard(double t, std::span<const double> x) noexcept {
+/// What comes with a team once it is measured: times of plans, the guard, which knows of those that come what is known, and
+/// who is too near, by the truth x.
+void Loop::follow_guard(double t, std::span<const double> x, std::span<const double> known) noexcept {
   const Team& team = world_.team();
   for (int i = 0; i < team.bodies(); ++i) {
     const bool was_there = presence_before_[size(i)] != Presence::absent;
@@ -40,7 +42,8 @@ void Loop::follow_guard(double t, std::span<const double> x) noexcept {
     if (options_.compensation != nullptr) options_.compensation->forget(BodyId{i});
     welcome(BodyId{i}, t, x);
   }
-  if (options_.guard != nullptr) options_.guard->follow(options_.team_switcher->present().membership, t, x);
+  if (options_.guard != nullptr)
+    options_.guard->follow(options_.team_switcher->present().membership, t, known);
 }
 
 /// Tells where a body comes to be there nearer to another than it may.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sightline/ocp/roster.hpp"
+#include "sightline/run/localizer.hpp"
 #include "sightline/safety/ladder.hpp"
 #include "sightline/solver/solver.hpp"
 #include "sightline/world/world.hpp"
@@ -78,11 +79,19 @@ struct BarrierRecord {
 struct Sample {
   double time = 0.0;      ///< [s], of the measurement
   std::vector<double> x;  ///< true states of all bodies (nx); as measured where nobody knows them
+  bool truth_known = true;
   std::vector<Quaternion> attitudes{};  ///< true ones of all bodies; no_attitude: it follows from x and u
-  std::vector<double> measured;         ///< what the controllers saw (nx)
+  std::vector<double> measured;         ///< what the controllers saw, but of robots that are localized (nx)
   std::vector<double> stamps{};         ///< of each body, when it was as measured [s]
   std::vector<Detection> detections{};  ///< the first detection_count of them
   std::size_t detection_count = 0;
+  std::vector<RobotMotion> motions{};  ///< the first motion_count of them
+  std::size_t motion_count = 0;
+  std::vector<BodyBroadcast> broadcasts{};  ///< the first broadcast_count of them
+  std::size_t broadcast_count = 0;
+  std::vector<PoseEstimate> estimates{};  ///< of each body, those that are localized; empty: none is
+  std::vector<DetectionFit> fits{};       ///< of detections, the first fit_count of them
+  std::size_t fit_count = 0;
   std::vector<double> u;                  ///< applied inputs (nu)
   std::vector<double> raw_u;              ///< the solvers' inputs before their clamp (nu)
   std::vector<SolverRecord> solvers;      ///< one for each controller

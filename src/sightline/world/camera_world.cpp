@@ -14,7 +14,8 @@ CameraWorld::CameraWorld(std::unique_ptr<World> world, CameraOptions options,
                          std::unique_ptr<DetectionSource> source)
     : world_(std::move(world)), options_(std::move(options)), source_(std::move(source)) {
   const Team& all = world_->team();
-  if (world_->detections_max() > 0) refuse("the world gives detections of its own, expected one without");
+  if (world_->measured_max().detections > 0)
+    refuse("the world gives detections of its own, expected one without");
   const auto check_body = [&](BodyId body) {
     if (body.index < 0 || body.index >= all.bodies())
       refuse("a camera, tags or a hull of body {}, expected one of the team's {}", body.index, all.bodies());

@@ -26,7 +26,11 @@ class CameraWorld final : public World {
 
   const Team& team() const noexcept override { return world_->team(); }
   std::span<const double> start() const noexcept override { return world_->start(); }
-  std::size_t detections_max() const noexcept override { return waiting_.size(); }
+  MeasuredMost measured_max() const noexcept override {
+    MeasuredMost most = world_->measured_max();
+    most.detections = waiting_.size();
+    return most;
+  }
   void set_presence(std::span<const Presence> presence) noexcept override;
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,

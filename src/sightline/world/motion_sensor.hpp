@@ -24,6 +24,9 @@ class MotionSensor {
   MotionSample measure(double t, double dt, const Vec3<double>& p_before, const Mat<3, 3>& R_before,
                        const Vec3<double>& p, const Mat<3, 3>& R) noexcept;
 
+  /// The robot begins elsewhere: the next sample is a first one.
+  void forget() noexcept { moved_ = false; }
+
  private:
   FilterOptions errors_;
   RandomStream chance_;

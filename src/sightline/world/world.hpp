@@ -6,11 +6,25 @@
 #include <span>
 #include <string>
 
+#include "sightline/estimate/broadcast_track.hpp"
+#include "sightline/estimate/measurement.hpp"
 #include "sightline/ocp/roster.hpp"
 #include "sightline/world/detection.hpp"
 #include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
+
+/// How a robot moved, as its autopilot tells it.
+struct RobotMotion {
+  BodyId robot{};
+  MotionSample motion{};
+};
+
+/// A pose that a body tells of itself by radio.
+struct BodyBroadcast {
+  BodyId body{};
+  BroadcastPose pose{};
+};
 
 /// What is known at the beginning of a period. It holds until the next measure(), the truth until the next apply().
 struct Measured {
@@ -21,6 +35,13 @@ struct Measured {
       detections{};  ///< that arrived since the last measure(), in the order of arrival
   std::span<const Quaternion>
       attitudes{};  ///< true ones of all bodies, no_attitude of one without; empty: nobody knows
+  std::span<const RobotMotion> motions{};       ///< told since the last measure(), of each robot in order
+  std::span<const BodyBroadcast> broadcasts{};  ///< that arrived since the last measure()
+};
+
+/// Most of each kind in one period.
+struct MeasuredMost {
+  std::size_t detections = 0, motions = 0, broadcasts = 0;
 };
 
 /// What a Loop flies. After construction nothing here allocates, locks, throws or prints; one thread.
@@ -35,8 +56,7 @@ class World {
   virtual const Team& team() const noexcept = 0;
   /// States in which the bodies begin, and in which one that joins in flight does (nx).
   virtual std::span<const double> start() const noexcept = 0;
-  /// Most detections of one period.
-  virtual std::size_t detections_max() const noexcept { return 0; }
+  virtual MeasuredMost measured_max() const noexcept { return {}; }
   /// Who is there from now on, one for each body; before the first call, all are.
   virtual void set_presence(std::span<const Presence> presence) noexcept = 0;
   /// What is known at t [s], which rises.

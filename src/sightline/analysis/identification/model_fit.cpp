@@ -72,11 +72,11 @@ SeenMotion first_seen(const FlownMotion& motion, std::size_t k, std::size_t samp
   return {};
 }
 
-class Fit {
+class FitProblem {
  public:
   /// @param only  the key of the one number that is fitted; empty: all
-  Fit(const FlownMotion& motion, const Stretch& stretch, const ModelStructure& structure,
-      const ModelNumbers& first = {}, std::string_view only = {})
+  FitProblem(const FlownMotion& motion, const Stretch& stretch, const ModelStructure& structure,
+             const ModelNumbers& first = {}, std::string_view only = {})
       : motion_(motion),
         structure_(structure),
         first_(first),
@@ -122,7 +122,7 @@ class Fit {
   /// From several delays, where there is one: the cost has more than one minimum over it.
   void find() {
     const std::vector<SeenMotion> starts = starts_;
-    Fit best = *this;
+    FitProblem best = *this;
     double least = std::numeric_limits<double>::infinity();
     for (const double delay : {0.03, 0.15, 0.35}) {
       starts_ = starts;
@@ -160,7 +160,7 @@ class Fit {
     std::vector<double> start_slope, slope;  // by channel; by number, without the start
   };
 
-  void take(const Fit& other) { numbers_ = other.numbers_, starts_ = other.starts_; }
+  void take(const FitProblem& other) { numbers_ = other.numbers_, starts_ = other.starts_; }
 
   double cost_of(const ModelNumbers& numbers, const std::vector<SeenMotion>& starts) {
     const MotionPrediction prediction(motion_, structure_, numbers);
@@ -304,7 +304,7 @@ bool FoundNumber::known() const {
 }
 
 FittedModel fit_model(const FlownMotion& motion, const Stretch& stretch, const ModelStructure& structure) {
-  Fit fit(motion, stretch, structure);
+  FitProblem fit(motion, stretch, structure);
   fit.find();
   return fit.result();
 }
@@ -312,7 +312,7 @@ FittedModel fit_model(const FlownMotion& motion, const Stretch& stretch, const M
 FittedModel fit_lumped(const FlownMotion& motion, const Stretch& stretch, const FittedModel& with_lags) {
   ModelStructure structure = with_lags.structure;
   structure.lags = false, structure.delay = true;
-  Fit fit(motion, stretch, structure, with_lags.numbers, "delay");
+  FitProblem fit(motion, stretch, structure, with_lags.numbers, "delay");
   fit.find();
   FittedModel model = fit.result();
   for (FoundNumber& one : model.found) {

@@ -1,0 +1,244 @@
+#include "sightline/run/localizer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "sightline/base/index.hpp"
+#include "sightline/base/refuse.hpp"
+#include "sightline/model/state_roles.hpp"
+#include "sightline/world/sighting.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double never_localized = -std::numeric_limits<double>::infinity();
+constexpr double unknown_sigma = std::numeric_limits<double>::infinity();
+constexpr double draw_time = 0.08;  // in which velocities follow those of the filter [s]
+constexpr std::size_t fits_most = 64;
+
+const LocalizerOptions& checked_localizer(const LocalizerOptions& options) {
+  options.check();
+  return options;
+}
+
+LocalizationGraph graph_of(const Team& team, const LocalizerOptions& options) {
+  std::vector<Localized> robots;
+  for (int i = 0; i < team.bodies(); ++i) robots.push_back({std::string(team.name(BodyId{i})), true, {}});
+  for (const LocalizedRobot& robot : options.robots) {
+    if (robot.robot.index < 0 || robot.robot.index >= team.bodies())
+      refuse("a robot that is localized has the number {}, expected one of {} bodies", robot.robot.index,
+             team.bodies());
+    Localized& of = robots[at(robot.robot)];
+    if (!of.is_anchor) refuse("\"{}\" is localized twice, expected once", of.name);
+    of.is_anchor = false;
+    for (const BodyId other : robot.watches) of.watches.push_back(other.index);
+  }
+  return LocalizationGraph(std::move(robots), options.cycles);
+}
+
+/// The filter that a robot needs among those it watches.
+FilterOptions filter_of(const LocalizedRobot& robot, const LocalizationGraph& graph) {
+  FilterOptions filter = robot.filter;
+  for (const BodyId other : robot.watches) {
+    if (graph.tier(other.index) == 0) continue;
+    if (filter.filter == FilterKind::attitude)
+      refuse(
+          "\"{}\" watches \"{}\", which is localized itself, with the filter \"attitude\", expected "
+          "\"heading\"",
+          graph.robot(robot.robot.index).name, graph.robot(other.index).name);
+    filter.filter = FilterKind::chain;
+  }
+  return filter;
+}
+
+/// Of what a body broadcasts, for those that watch it.
+BroadcastOptions broadcast_of(BodyId body, const LocalizerOptions& options, const LocalizationGraph& graph) {
+  BroadcastOptions broadcast = options.broadcast;
+  broadcast.sighting_rate = 1e-3;  // an error that lasts is no other one with each message
+  if (graph.tier(body.index) > 0) return broadcast;
+  for (const LocalizedRobot& robot : options.robots)
+    if (graph.uses(robot.robot.index, body.index))
+      broadcast.sighting_rate = std::max(broadcast.sighting_rate, robot.camera_rate);
+  return broadcast;
+}
+
+}  // namespace
+
+void LocalizerOptions::check() const {
+  const auto above_zero_only = [](double v, const char* key, const char* unit) {
+    if (!(v > 0 && std::isfinite(v))) refuse("estimate.{} = {}, expected > 0 {}", key, v, unit);
+  };
+  broadcast.check();
+  above_zero_only(sigma_hold, "sigma_hold", "m");
+  for (const LocalizedRobot& robot : robots) above_zero_only(robot.camera_rate, "camera_rate", "Hz");
+}
+
+Localizer::Localizer(const Team& team, std::span<const double> start, const LocalizerOptions& options)
+    : team_(team),
+      options_(checked_localizer(options)),
+      graph_(graph_of(team, options)),
+      robot_of_(size(team.bodies()), -1),
+      presence_(robot_of_.size(), Presence::steered),
+      start_(start.begin(), start.end()),
+      states_(start_),
+      stamps_(robot_of_.size(), never_localized),
+      sigma_(robot_of_.size()),
+      estimates_(robot_of_.size()) {
+  if (start_.size() != size(team.nx())) refuse("a start of {} states, expected {}", start_.size(), team.nx());
+  for (int i = 0; i < team.bodies(); ++i) tracks_.emplace_back(broadcast_of(BodyId{i}, options_, graph_));
+  for (const int body : graph_.order()) {
+    const auto found = std::find_if(options_.robots.begin(), options_.robots.end(),
+                                    [&](const LocalizedRobot& one) { return one.robot.index == body; });
+    if (found == options_.robots.end()) continue;
+    robot_of_[at(body)] = static_cast<int>(robots_.size());
+    robots_.push_back(made(*found));
+    sigma_[at(body)] = unknown_sigma;
+  }
+  knows_all_ = robots_.empty();
+  fits_.reserve(fits_most * robots_.size());
+}
+
+Localizer::Robot Localizer::made(const LocalizedRobot& what) const {
+  const Model& model = team_.model(what.robot);
+  const StateRoles roles = roles_of(model);
+  if (!roles.has_position() || !roles.has_heading())
+    refuse("\"{}\" cannot be localized by view: its model \"{}\" has no {} among its states",
+           team_.name(what.robot), model.name(), roles.has_position() ? "heading" : "position");
+  Robot robot{.what = what,
+              .body = at(what.robot),
+              .x = size(team_.state_offset(what.robot)),
+              .u = size(team_.input_offset(what.robot)),
+              .nx = size(model.nx()),
+              .filter = make_pose_filter(filter_of(what, graph_), what.mount),
+              .good = never_localized};
+  robot.predicted.resize(robot.nx);
+  // What each velocity among the states is in G, heading 0.
+  std::vector<double> x(robot.nx), u(size(model.nu()));
+  model.at_rest({{}, {1.0, 0.0}}, x.data());
+  const Vec3<double> still = model.sight(x.data(), u.data()).v;
+  for (const int v : roles.velocities) {
+    std::vector<double> moving = x;
+    moving[size(v)] += 1.0;
+    robot.velocities.push_back(size(v));
+    robot.velocity_axes.push_back(model.sight(moving.data(), u.data()).v - still);
+  }
+  return robot;
+}
+
+void Localizer::set_presence(std::span<const Presence> presence) noexcept {
+  for (std::size_t i = 0; i < std::min(presence.size(), presence_.size()); ++i) {
+    const Presence was = std::exchange(presence_[i], presence[i]);
+    if ((was == Presence::absent) == (presence[i] == Presence::absent)) continue;
+    tracks_[i].forget();  // one that comes again is elsewhere
+    if (robot_of_[i] >= 0) forget(robots_[size(robot_of_[i])]);
+  }
+}
+
+/// Nothing is known of a robot any more.
+void Localizer::forget(Robot& robot) noexcept {
+  robot.filter->forget();
+  robot.told_count = 0;
+  robot.good = stamps_[robot.body] = never_localized;
+  sigma_[robot.body] = unknown_sigma;
+  estimates_[robot.body] = {};
+  std::copy_n(&start_[robot.x], robot.nx, &states_[robot.x]);
+}
+
+Measured Localizer::estimate(double t, const Measured& told) noexcept {
+  for (int i = 0; i < team_.bodies(); ++i) {
+    if (robot_of_[at(i)] >= 0) continue;
+    const std::size_t x = size(team_.state_offset(BodyId{i}));
+    std::copy_n(&told.measured[x], size(team_.model(BodyId{i}).nx()), &states_[x]);
+    stamps_[at(i)] = told.stamps[at(i)];
+  }
+  for (const RobotMotion& motion : told.motions) move(motion);
+  for (const BodyBroadcast& message : told.broadcasts)
+    if (robot_of_[at(message.body)] < 0) tracks_[at(message.body)].take(message.pose);
+  fits_.clear();
+  bool knows_all = true;
+  for (Robot& robot : robots_) {
+    for (const Detection& detection : told.detections)
+      if (detection.observer == robot.what.robot) look(robot, detection);
+    believe(robot, t);
+    knows_all = knows_all && (presence_[robot.body] == Presence::absent || robot.good > never_localized);
+  }
+  knows_all_ = knows_all_ || knows_all;
+  Measured now = told;
+  now.measured = states_;
+  now.stamps = stamps_;
+  return now;
+}
+
+/// Tells a robot's filter how it moved.
+void Localizer::move(const RobotMotion& motion) noexcept {
+  const int place = robot_of_[at(motion.robot)];
+  if (place < 0) return;
+  Robot& robot = robots_[size(place)];
+  robot.told[robot.told_count++ % robot.told.size()] = motion.motion;
+  robot.filter->advance(motion.motion);
+}
+
+/// A detection has arrived.
+void Localizer::look(Robot& robot, const Detection& detection) noexcept {
+  const int target = detection.target.index;
+  if (!graph_.uses(robot.what.robot.index, target) || robot.told_count == 0) return;
+  const auto pose = tracks_[at(target)].at(detection.stamp);
+  if (!pose) return;
+  // Of the samples that are remembered, the one of the exposure.
+  const std::size_t oldest = robot.told_count - std::min(robot.told_count, robot.told.size());
+  std::size_t sample = robot.told_count - 1;
+  while (sample > oldest && robot.told[sample % robot.told.size()].t > detection.stamp) --sample;
+  const Vec2<double> roll_pitch = tilt_at(robot.told[sample % robot.told.size()], detection.stamp);
+  Measurement z = sighting_of(detection, robot.what.mount, roll_pitch);
+  z.p_other = pose->p, z.psi_other = pose->psi, z.P_other = pose->P;
+  z.other_error = graph_.error_of(robot.what.robot.index, target);
+  const Fit fit = robot.filter->take(z);
+  if (fits_.size() < fits_.capacity())
+    fits_.push_back({detection.observer, detection.target, detection.stamp, fit});
+}
+
+/// What a robot takes its state to be at t.
+void Localizer::believe(Robot& robot, double t) noexcept {
+  if (presence_[robot.body] == Presence::absent) return;
+  const bool knew = estimates_[robot.body].known;
+  const PoseEstimate& estimate = estimates_[robot.body] = robot.filter->estimate();
+  if (!estimate.known) {
+    if (knew) robot.good = stamps_[robot.body] = never_localized;
+    sigma_[robot.body] = unknown_sigma;
+    return;
+  }
+  const SinCos<double> h = sincos(estimate.psi);
+  const auto x = std::span(states_).subspan(robot.x, robot.nx);
+  team_.model(robot.what.robot).at_rest({estimate.p, {h.cos, h.sin}}, x.data());
+  const Vec3<double> v_V = turn_z(-estimate.psi) * estimate.v;
+  const double draw = knew ? std::clamp(1 - exp(-(t - robot.good) / draw_time), 0.0, 1.0) : 1.0;
+  for (std::size_t k = 0; k < robot.velocities.size(); ++k) {
+    const double told = dot(robot.velocity_axes[k], v_V),
+                 model = knew ? robot.predicted[robot.velocities[k]] : told;
+    x[robot.velocities[k]] = model + draw * (told - model);
+  }
+  sigma_[robot.body] = estimate.position_sigma();
+  if (sigma_[robot.body] <= options_.sigma_hold) {
+    robot.good = t;
+    tracks_[robot.body].take({.stamp = t,
+                              .p = estimate.p,
+                              .v = estimate.v,
+                              .psi = estimate.psi,
+                              .yaw_rate = estimate.yaw_rate,
+                              .P = estimate.P});
+  }
+  stamps_[robot.body] = robot.good;
+}
+
+void Localizer::apply(std::span<const double> u, double period, std::int64_t periods) noexcept {
+  for (Robot& robot : robots_) {
+    std::copy_n(&states_[robot.x], robot.nx, robot.predicted.begin());
+    for (std::int64_t k = 0; k < periods; ++k)
+      team_.model(robot.what.robot).step(robot.predicted.data(), &u[robot.u], period);
+  }
+}
+
+}  // namespace sightline

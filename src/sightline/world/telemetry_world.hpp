@@ -1,0 +1,119 @@
+/// A world whose robots tell how they move, and whose bodies tell where they are.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sightline/base/parameter.hpp"
+#include "sightline/world/motion_sensor.hpp"
+#include "sightline/world/world.hpp"
+
+namespace sightline {
+
+/// How bodies that know their poses tell them.
+struct Radio {
+  static constexpr std::string_view name = "radio";
+
+  double rate = 100.0;
+  std::array<double, 2> latency = {0.0, 0.0};
+  double dropout = 0.0;
+  double position_sigma = 0.01;
+  double heading_sigma = 0.01;
+  double velocity_sigma = 0.03;
+
+  static constexpr auto parameters() {
+    using R = Radio;
+    return std::tuple{
+        parameter("rate", &R::rate, "Hz", {0.1, 1000, "0.1 to 1000"},
+                  "messages; each is sent at the first period that it is due at"),
+        parameter("latency", &R::latency, "s", {0, 1, "0 to 1"},
+                  "from sending to arrival: drawn evenly between the two"),
+        parameter("dropout", &R::dropout, "", {0, 1, "0 to 1"}, "part of the messages that is lost"),
+        parameter("position_sigma", &R::position_sigma, "m", above_zero, "of the position, each axis"),
+        parameter("heading_sigma", &R::heading_sigma, "rad", above_zero, "of the heading"),
+        parameter("velocity_sigma", &R::velocity_sigma, "m/s", from_zero, "of the velocity, each axis")};
+  }
+
+  bool operator==(const Radio&) const = default;
+  /// @throws std::invalid_argument naming a number out of its range
+  void check() const;
+};
+
+/// A robot that tells its motion.
+struct MovingRobot {
+  BodyId robot{};
+  FilterOptions errors{};  ///< what its autopilot's sensors are like
+};
+
+struct TelemetryOptions {
+  std::uint64_t seed = 1;
+  std::vector<MovingRobot> robots{};
+  std::vector<BodyId> broadcasters{};  ///< bodies that tell their poses
+  Radio radio{};
+};
+
+/// Any world that knows the truth, with telemetry. In each measure() a robot's autopilot tells how it moved since the last
+/// one (MotionSensor). A body that broadcasts tells what was measured of it, with the errors of the radio on top, at the
+/// first period that a message is due at; the message arrives at the first one after its latency.
+///
+/// A body that is absent tells nothing, and what it told before it went does not arrive any more.
+class TelemetryWorld final : public World {
+ public:
+  /// @throws std::invalid_argument for options out of range, and for a world with telemetry of its own
+  TelemetryWorld(std::unique_ptr<World> world, TelemetryOptions options);
+
+  const Team& team() const noexcept override { return world_->team(); }
+  std::span<const double> start() const noexcept override { return world_->start(); }
+  MeasuredMost measured_max() const noexcept override;
+  void set_presence(std::span<const Presence> presence) noexcept override;
+  Measured measure(double t) noexcept override;
+  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+             std::int64_t periods) noexcept override;
+  std::string ended() const override { return world_->ended(); }
+
+  /// The world that is told of.
+  World& seen() noexcept { return *world_; }
+
+ private:
+  struct Robot {
+    BodyId body{};
+    MotionSensor sensor;
+    bool there = true, moves = false;  // moves: p and R are those of the last measure()
+    Vec3<double> p{};
+    Mat<3, 3> R = identity<3>();
+  };
+  struct Sender {
+    BodyId body{};
+    bool there = true;
+    std::int64_t next = 0;         // number of the next message, due at next / rate
+    std::optional<double> last{};  // stamp of the last message
+    RandomStream chance;
+  };
+  struct Message {
+    double arrival = 0.0;
+    BodyBroadcast what{};
+  };
+
+  void move(Robot& robot, double t, const Measured& now) noexcept;
+  void send(Sender& sender, double t, const Measured& now) noexcept;
+  void deliver(double t) noexcept;
+  Sight<double> sight_of(BodyId body, std::span<const double> x) const noexcept;
+
+  std::unique_ptr<World> world_;
+  Radio radio_;
+  std::vector<Robot> robots_;
+  std::vector<Sender> senders_;
+  std::vector<double> applied_;
+  std::vector<RobotMotion> motions_;
+  std::vector<Message> waiting_;
+  std::size_t waiting_count_ = 0;
+  std::vector<BodyBroadcast> arrived_;
+  double last_ = 0.0;  // measure() [s]
+};
+
+}  // namespace sightline

@@ -1,0 +1,361 @@
+#include "sightline/run/localizer.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sightline/potential/bearing.hpp"
+#include "sightline/potential/slope.hpp"
+#include "sightline/potential/tracking.hpp"
+#include "sightline/run/loop.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/world/telemetry_world.hpp"
+#include "tests/support/newton_riccati_of.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/synthetic_flight.hpp"
+#include "tests/support/tag_world.hpp"
+
+namespace sightline {
+namespace {
+
+using test::TagWorld;
+
+constexpr double flight_period = 0.01;
+
+/// A body on a slow slow_figure.
+std::array<double, 7> slow_figure(double t) {
+  return {0.8 * std::cos(0.4 * t), 0.8 * std::sin(0.3 * t), 1.2 + 0.2 * std::sin(0.3 * t), 1, 0, 0, 0};
+}
+
+/// Robots in a row behind one that flies the slow_figure, each keeps the one before it in view.
+Team followers(int robots) {
+  Team team;
+  std::vector<AgentId> all;
+  for (int i = 0; i < robots; ++i) {
+    const std::string name = "uav" + std::to_string(i);
+    if (i == 0) {
+      all.push_back(team.add(
+          Multirotor{}, {.Q = {1.5, 1.5, 1.6, 1, 1}, .R = {1, 1, 1, 1}, .x_ref = slow_figure, .name = name}));
+      continue;
+    }
+    all.push_back(team.add(Multirotor{}, {.R = {.1, .1, .1, .1}, .name = name}));
+    const Between pair{all.back(), all[all.size() - 2]};
+    const auto feels = felt_by(all.back());
+    team.couple(4.0 * Bearing{.alpha = 0.5, .width = 0.1, .tilt = 0.2}, pair, feels);
+    team.couple(4.0 * TooNear{.d_min = 1.0, .kappa = 10}, pair, feels);
+    team.couple(8.0 * TooFar{.d_max = 2.0, .kappa = 10}, pair, feels);
+    team.couple(0.1 * RelativeVelocity{.v_0 = 1.0}, pair, feels);
+  }
+  return team;
+}
+std::vector<double> in_a_row(int robots) {
+  std::vector<double> x;
+  for (int i = 0; i < robots; ++i)
+    for (const double v : {0.8 + 1.5 * i, 0.0, 1.2 + 0.5 * i, i == 0 ? 1.0 : -1.0, 0.0, 0.0, 0.0})
+      x.push_back(v);
+  return x;
+}
+
+struct LocalizedFlight {
+  std::vector<test::Consistency> robots;  // those that are localized
+  double longest_out_of_view = 0.0;       // of any of them
+  double known_from = -1.0;               // all of them
+  double blind_sigma = 0.0;               // greatest [m]
+  std::vector<double> end;                // true states
+};
+
+/// A world that tells no more than robots would be told, and what localizes uav1 and those behind it by it.
+struct Localization {
+  std::unique_ptr<TelemetryWorld> world;
+  LocalizerOptions options{};
+  std::unique_ptr<Localizer> localizer{};
+
+  const PoseEstimate& estimate(int body) const { return localizer->estimates()[at(body)]; }
+  Measured measure(double t) { return localizer->estimate(t, world->measure(t)); }
+  bool apply(double t, std::span<const double> x, std::span<const double> u) {
+    localizer->apply(u, flight_period, 1);
+    return world->apply(t, x, u, flight_period, 1);
+  }
+};
+
+LocalizedFlight fly_localized(Localization& of, double duration, double from = 5.0) {
+  const Team& team = of.world->team();
+  NewtonRiccati solver(Ocp(team, {.T = 1.0, .N = 20, .dt = flight_period}));
+  LocalizedFlight flown;
+  flown.robots.resize(of.options.robots.size());
+  std::vector<double> rest(static_cast<std::size_t>(team.nu())), u = rest, out(flown.robots.size());
+  for (int k = 0; k < std::lround(duration / flight_period); ++k) {
+    const double t = k * flight_period;
+    const Measured now = of.measure(t);
+    for (std::size_t i = 0; i < flown.robots.size(); ++i) {
+      const PoseEstimate& estimate = of.estimate(static_cast<int>(i) + 1);
+      const BodyId body{static_cast<int>(i) + 1};
+      const auto sight = [&](BodyId seen) {
+        return team.model(seen).sight(&now.truth[static_cast<std::size_t>(team.state_offset(seen))],
+                                      rest.data());
+      };
+      const Sight<double> own = sight(body), other = sight(BodyId{body.index - 1});
+      out[i] = view_angle(SensorMount{}, static_cast<const Pose<double>&>(own), other.p) > 0.5
+                   ? out[i] + flight_period
+                   : 0.0;
+      if (t < from) continue;
+      flown.longest_out_of_view = std::max(flown.longest_out_of_view, out[i]);
+      if (!estimate.known) ++flown.robots[i].unknown;
+      if (estimate.known) {
+        flown.robots[i].add(estimate, {.p = own.p, .psi = std::atan2(own.d.y, own.d.x)});
+        flown.blind_sigma = std::max(flown.blind_sigma, estimate.position_sigma());
+      }
+    }
+    if (of.localizer->knows_all() && flown.known_from < 0) flown.known_from = t;
+    // Until all are known they hold.
+    if (of.localizer->knows_all()) {
+      const Solution solution = solver.solve(t, now.measured);
+      std::copy(solution.u.begin(), solution.u.end(), u.begin());
+    }
+    flown.end.assign(now.truth.begin(), now.truth.end());
+    EXPECT_TRUE(of.apply(t, now.measured, u));
+  }
+  return flown;
+}
+
+/// uav1 and those behind it have no positions.
+Localization localized(int robots, FilterKind kind, std::uint64_t seed,
+                       TagWorld::Hidden hidden = {1e9, 1e9}) {
+  std::vector<TagWorld::Camera> cameras;
+  Localization of;
+  TelemetryOptions telemetry{.seed = seed, .broadcasters = {BodyId{0}}};
+  for (int i = 1; i < robots; ++i) {
+    cameras.push_back({BodyId{i}, BodyId{i - 1}, SensorMount{}});
+    of.options.robots.push_back({.robot = BodyId{i},
+                                 .watches = {BodyId{i - 1}},
+                                 .filter = {.filter = kind, .other_error_time = 0.5}});
+    telemetry.robots.push_back({BodyId{i}});
+  }
+  PlantOptions plant{.seed = seed};
+  plant.disturbances.gust_sigma = 0.3;
+  of.world = std::make_unique<TelemetryWorld>(
+      std::make_unique<TagWorld>(followers(robots), in_a_row(robots), cameras, plant, hidden), telemetry);
+  of.localizer = std::make_unique<Localizer>(of.world->team(), of.world->start(), of.options);
+  return of;
+}
+
+TEST(Localizer, ARobotThatSeesNothingButItsNeighbourFliesByWhatItSees) {
+  for (const FilterKind kind : {FilterKind::heading, FilterKind::attitude}) {
+    test::Consistency all;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      auto flight = localized(2, kind, seed);
+      const LocalizedFlight flown = fly_localized(flight, 20.0);
+      EXPECT_LT(flown.longest_out_of_view, 0.5) << seed;
+      EXPECT_LT(flown.known_from, 0.5) << seed;
+      EXPECT_EQ(flown.robots[0].unknown, 0) << seed;
+      all.squares += flown.robots[0].squares, all.nees += flown.robots[0].nees;
+      all.samples += flown.robots[0].samples;
+    }
+    EXPECT_LT(all.rmse(), kind == FilterKind::heading ? 0.025 : 0.012);
+    EXPECT_GT(all.anees(), 2.5);
+    EXPECT_LT(all.anees(), 5.5);
+  }
+}
+
+TEST(Localizer, HiddenForTwoSecondsItFliesOnAndFindsTheTargetAgain) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    auto flight = localized(2, FilterKind::heading, seed, {.from = 8.0, .until = 10.0});
+    const LocalizedFlight flown = fly_localized(flight, 16.0);
+    EXPECT_LT(flown.longest_out_of_view, 0.5) << seed;
+    EXPECT_GT(flown.blind_sigma, 0.05) << "it says that it does not know";
+    EXPECT_LT(flight.estimate(1).position_sigma(), 0.04);
+  }
+}
+
+TEST(Localizer, AChainOfRobotsHangsOnOneThatKnowsItsPose) {
+  test::Consistency last;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    auto flight = localized(4, FilterKind::heading, seed);
+    const LocalizedFlight flown = fly_localized(flight, 20.0);
+    EXPECT_LT(flown.longest_out_of_view, 0.5) << seed;
+    last.squares += flown.robots[2].squares, last.nees += flown.robots[2].nees;
+    last.samples += flown.robots[2].samples;
+  }
+  EXPECT_LT(last.rmse(), 0.03);
+  EXPECT_LT(last.anees(), 6.0);
+}
+
+TEST(Localizer, BeforeItHasSeenAnythingARobotIsNowhere) {
+  auto flight = localized(2, FilterKind::heading, 3);
+  const Measured first = flight.measure(0.0);
+  EXPECT_EQ(first.stamps[1], -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(first.stamps[0], 0.0);
+  EXPECT_FALSE(flight.estimate(1).known);
+}
+
+TEST(Localizer, AnEstimateThatIsNotGoodEnoughGrowsOld) {
+  auto flight = localized(2, FilterKind::heading, 4, {.from = 4.0, .until = 60.0});
+  const std::vector<double> u(8);
+  double stamp = 0.0, t = 0.0;
+  for (; t < 30.0; t += flight_period) {
+    const Measured now = flight.measure(t);
+    stamp = now.stamps[1];
+    (void)flight.apply(t, now.measured, u);
+  }
+  EXPECT_GT(flight.estimate(1).position_sigma(), 0.5);
+  EXPECT_LT(stamp, t - 5.0);
+  EXPECT_GT(stamp, 4.5);
+}
+
+TEST(Localizer, SameSeedSameBits) {
+  const auto end = [](std::uint64_t seed) {
+    auto flight = localized(3, FilterKind::heading, seed);
+    return fly_localized(flight, 6.0).end;
+  };
+  const std::vector<double> first = end(5);
+  EXPECT_EQ(first, end(5));
+  EXPECT_NE(first, end(6));
+}
+
+TEST(Localizer, OneThatComesAgainBeginsAnew) {
+  auto flight = localized(2, FilterKind::heading, 6);
+  std::vector<double> u(8);
+  const auto until = [&](double from, double end) {
+    for (double t = from; t < end; t += flight_period) {
+      const Measured now = flight.measure(t);
+      (void)flight.apply(t, now.measured, u);
+    }
+  };
+  until(0.0, 1.0);
+  EXPECT_TRUE(flight.estimate(1).known);
+  const auto now = [&](Presence of_uav1) {
+    const std::vector presence{Presence::steered, of_uav1};
+    flight.world->set_presence(presence);
+    flight.localizer->set_presence(presence);
+  };
+  now(Presence::absent);
+  EXPECT_FALSE(flight.estimate(1).known);
+  now(Presence::steered);
+  EXPECT_EQ(flight.measure(1.0).stamps[1], -std::numeric_limits<double>::infinity());
+  until(1.0, 2.0);
+  EXPECT_TRUE(flight.estimate(1).known);
+}
+
+class AllSamples final : public Sink<Sample> {
+ public:
+  explicit AllSamples(Sample prototype) : sample_(std::move(prototype)) {}
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override { all.push_back(sample_); }
+  void close() noexcept override {}
+  std::vector<Sample> all;
+
+ private:
+  Sample sample_;
+};
+
+/// Spoils what is measured of the state of uav1.
+class SpoiledWorld final : public World {
+ public:
+  SpoiledWorld(World& world, double by) : world_(world), by_(by) {}
+  const Team& team() const noexcept override { return world_.team(); }
+  std::span<const double> start() const noexcept override { return world_.start(); }
+  MeasuredMost measured_max() const noexcept override { return world_.measured_max(); }
+  void set_presence(std::span<const Presence> presence) noexcept override { world_.set_presence(presence); }
+  Measured measure(double t) noexcept override {
+    Measured now = world_.measure(t);
+    spoiled_.assign(now.measured.begin(), now.measured.end());
+    stamps_.assign(now.stamps.begin(), now.stamps.end());
+    for (std::size_t i = 7; i < 14; ++i) spoiled_[i] = by_ * spoiled_[i] + by_;
+    stamps_[1] = by_;
+    now.measured = spoiled_;
+    now.stamps = stamps_;
+    return now;
+  }
+  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+             std::int64_t periods) noexcept override {
+    return world_.apply(t, believed, u, period, periods);
+  }
+
+ private:
+  World& world_;
+  double by_;
+  std::vector<double> spoiled_, stamps_;
+};
+
+/// Commands of a guarded loop in a world where the state of uav1 is measured with that error, and estimates of uav1.
+std::vector<double> commands_with(double spoiled_by) {
+  auto flight = localized(2, FilterKind::heading, 7);
+  SpoiledWorld world(*flight.world, spoiled_by);
+  NewtonRiccati solver(Ocp(world.team(), {.T = 1.0, .N = 20, .dt = flight_period}));
+  Guard guard(world.team(), {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
+  AllSamples samples(sized_sample(world, {solver}));
+  SimulatedClock clock;
+  (void)Loop(world, {solver}, clock, samples,
+             {.duration = 4.0, .guard = &guard, .localizer = flight.localizer.get()})
+      .run();
+  std::vector<double> all;
+  for (const Sample& sample : samples.all) {
+    all.insert(all.end(), sample.u.begin(), sample.u.end());
+    const PoseEstimate& estimate = sample.estimates[1];
+    all.insert(all.end(), {estimate.p.x, estimate.p.y, estimate.p.z, estimate.psi, estimate.P(0, 0)});
+  }
+  EXPECT_TRUE(samples.all.back().estimates[1].known);
+  EXPECT_FALSE(samples.all.back().estimates[0].known) << "it is measured";
+  return all;
+}
+
+TEST(Localizer, WhatIsMeasuredOfALocalizedRobotChangesNothing) {
+  const std::vector<double> commands = commands_with(0.0);
+  EXPECT_EQ(commands, commands_with(1e3));
+  EXPECT_EQ(commands, commands_with(std::numeric_limits<double>::quiet_NaN()));
+}
+
+TEST(Localizer, TheDeviationOfABodyIsZeroWhereItIsMeasuredAndInfiniteWhereNothingIsKnown) {
+  auto flight = localized(2, FilterKind::heading, 3);
+  (void)flight.measure(0.0);
+  EXPECT_EQ(flight.localizer->sigma()[0], 0.0);
+  EXPECT_EQ(flight.localizer->sigma()[1], std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(flight.localizer->knows_all());
+  (void)fly_localized(flight, 2.0);
+  EXPECT_GT(flight.localizer->sigma()[1], 1e-3);
+  EXPECT_LT(flight.localizer->sigma()[1], 0.1);
+  EXPECT_EQ(flight.localizer->sigma()[1], flight.estimate(1).position_sigma());
+}
+
+TEST(Localizer, EachDetectionHasItsVerdict) {
+  auto flight = localized(2, FilterKind::heading, 3);
+  int accepted = 0, started = 0;
+  for (int k = 0; k < 200; ++k) {
+    const Measured now = flight.measure(k * flight_period);
+    EXPECT_LE(flight.localizer->fits().size(), now.detections.size());
+    for (const DetectionFit& one : flight.localizer->fits()) {
+      EXPECT_EQ(one.observer, BodyId{1});
+      EXPECT_EQ(one.target, BodyId{0});
+      accepted += one.fit.verdict == FitVerdict::accepted ? 1 : 0;
+      started += one.fit.verdict == FitVerdict::started ? 1 : 0;
+    }
+    (void)flight.apply(k * flight_period, now.measured, std::vector<double>(8));
+  }
+  EXPECT_EQ(started, 1);
+  EXPECT_GT(accepted, 40);
+}
+
+TEST(Localizer, WhatCannotBeLocalizedIsRefused) {
+  const auto refused = [](const LocalizerOptions& options) {
+    return refusal_of([&] { Localizer(followers(3), in_a_row(3), options); });
+  };
+  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .watches = {BodyId{2}}},
+                                {.robot = BodyId{2}, .watches = {BodyId{1}, BodyId{0}}}}}),
+            "robots are localized in a circle, \"uav1\" by \"uav2\", \"uav2\" by \"uav1\", expected none: "
+            "information would be counted "
+            "twice");
+  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}}}}),
+            "\"uav1\" is localized by nobody who is localized, expected a path from it to a robot whose pose "
+            "is known");
+  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .watches = {BodyId{0}}},
+                                {.robot = BodyId{2},
+                                 .watches = {BodyId{1}},
+                                 .filter = {.filter = FilterKind::attitude}}}}),
+            "\"uav2\" watches \"uav1\", which is localized itself, with the filter \"attitude\", expected "
+            "\"heading\"");
+  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .watches = {BodyId{0}}}}, .sigma_hold = 0.0}),
+            "estimate.sigma_hold = 0, expected > 0 m");
+  EXPECT_EQ(refused({.robots = {{.robot = BodyId{7}, .watches = {BodyId{0}}}}}),
+            "a robot that is localized has the number 7, expected one of 3 bodies");
+}
+
+}  // namespace
+}  // namespace sightline
