@@ -39,7 +39,7 @@ std::vector<Detection> fly(CameraWorld& world, int periods, std::vector<double>*
   const std::vector<double> u(8, 0.0);
   for (int k = 0; k < periods; ++k) {
     const Measured now = world.measure(0.01 * k);
-    EXPECT_LE(now.detections.size(), world.detections_max());
+    EXPECT_LE(now.detections.size(), world.measured_max().detections);
     for (const Detection& one : now.detections) {
       all.push_back(one);
       if (arrivals != nullptr) arrivals->push_back(0.01 * k);
@@ -87,6 +87,21 @@ TEST(CameraWorld, GivesTheStatesOfTheWorldAsTheyAre) {
   }
   EXPECT_EQ(seen.ended(), "");
   EXPECT_EQ(&seen.team(), &seen.seen().team());
+}
+
+TEST(CameraWorld, ACameraOnTheBodyLeansAsTheInputsInForceSay) {
+  CameraOptions options = options_of({.rate = 100.0, .latency = {0.0, 0.0}});
+  options.cameras[0].mount.frame = MountFrame::body;
+  CameraWorld world = world_of(options);
+  std::vector<double> u(8, 0.0);
+  u[0] = 0.5;  // ahead: the nose goes down, and what is ahead is above the axis
+  (void)world.measure(0.0);
+  EXPECT_TRUE(world.apply(0.0, facing, u, 0.01, 1));
+  const Measured now = world.measure(0.01);
+  ASSERT_EQ(now.detections.size(), 1U);
+  const Vec2<double> lean = two_robots().model(BodyId{0}).sight(now.truth.data(), u.data()).lean;
+  EXPECT_GT(lean.x, 0.05);
+  EXPECT_NEAR(now.detections[0].p.z / now.detections[0].p.x, lean.x, 0.01);
 }
 
 TEST(CameraWorld, OfABodyThatLeftNothingArrives) {

@@ -124,7 +124,7 @@ TEST(TelemetryWorld, WhatCannotBeIsRefused) {
     return refusal_of([&] { TelemetryWorld(pair_at_rest(), options); });
   };
   EXPECT_EQ(refused({.robots = {{BodyId{2}, {}}}}), "telemetry of body 2, expected one of the team's 2");
-  EXPECT_EQ(refused({.radio = {.rate = 0.0}}), "rate = 0, expected 0.1 to 1000 Hz");
+  EXPECT_EQ(refused({.radio = {.rate = 0.0}}), "radio.rate = 0, expected 0.1 to 1000 Hz");
   EXPECT_EQ(refused({.radio = {.latency = {0.2, 0.1}}}), "latency = [0.2, 0.1], expected the shortest first");
   EXPECT_EQ(refusal_of([] {
               TelemetryWorld(std::make_unique<TelemetryWorld>(pair_at_rest(),

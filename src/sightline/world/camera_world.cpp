@@ -32,7 +32,7 @@ CameraWorld::CameraWorld(std::unique_ptr<World> world, CameraOptions options,
   for (const BodyTags& one : options_.tags) one.tags.check(), check_body(one.body);
   for (const BodyHull& one : options_.hulls) check_parameters(one.hull), check_body(one.body);
   bodies_.resize(size(all.bodies()));
-  rest_.resize(size(all.nu()));
+  applied_.resize(size(all.nu()));
   found_.resize(options_.tags.size());
   waiting_.resize(room);
   arrived_.resize(room);
@@ -67,6 +67,12 @@ Measured CameraWorld::measure(double t) noexcept {
   return now;
 }
 
+bool CameraWorld::apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+                        std::int64_t periods) noexcept {
+  std::copy(u.begin(), u.end(), applied_.begin());
+  return world_->apply(t, believed, u, period, periods);
+}
+
 /// What arrives by t, taken from what waits.
 std::span<const Detection> CameraWorld::arrived(double t) noexcept {
   std::size_t count = 0, kept = 0;
@@ -88,7 +94,7 @@ void CameraWorld::place_bodies(const Measured& now) noexcept {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const BodyId body{static_cast<int>(i)};
     const Sight<double> sight = all.model(body).sight(&now.truth[size(all.state_offset(body))],
-                                                      rest_.data() + all.input_offset(body));
+                                                      applied_.data() + all.input_offset(body));
     const bool told = i < now.attitudes.size() && now.attitudes[i] != no_attitude;
     bodies_[i].before = bodies_[i].now;
     bodies_[i].now = {sight.p, rotation(told ? now.attitudes[i] : leaning(sight.d, sight.lean))};

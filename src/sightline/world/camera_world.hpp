@@ -34,9 +34,7 @@ class CameraWorld final : public World {
   void set_presence(std::span<const Presence> presence) noexcept override;
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
-             std::int64_t periods) noexcept override {
-    return world_->apply(t, believed, u, period, periods);
-  }
+             std::int64_t periods) noexcept override;
   std::string ended() const override { return world_->ended(); }
 
   /// The world that is seen.
@@ -57,7 +55,7 @@ class CameraWorld final : public World {
   std::unique_ptr<DetectionSource> source_;
   std::vector<Shutter> shutters_;
   std::vector<ExposedBody> bodies_;
-  std::vector<double> rest_;                  // inputs, for poses
+  std::vector<double> applied_;               // inputs, by which robots lean
   std::optional<double> last_{};              // measure() [s]
   std::vector<Detection> found_;              // in one picture
   std::vector<Detection> waiting_, arrived_;  // the first waiting_count_ wait
