@@ -61,6 +61,11 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
     folder.emplace(command.output.empty() ? std::filesystem::path("out") / scenario.name : command.output,
                    scenario);
     world = parts.bridge->connect(scenario);
+    const auto& localized = scenario.localization.robots;
+    if (!localized.empty() && world->measured_max().motions == 0)
+      throw std::invalid_argument(
+          fmt::format("{}: agent.{}.localized_by = view, expected \"global\": its link tells no motion",
+                      command.fleet.file.native(), scenario.team.name(localized.front().robot)));
   } catch (const std::exception& error) {
     tell("{}\n", error.what());
     return 2;

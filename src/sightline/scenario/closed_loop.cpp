@@ -12,6 +12,7 @@
 #include "sightline/model/point_mass.hpp"
 #include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/read_camera.hpp"
+#include "sightline/scenario/read_estimate.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/world/camera_world.hpp"
 #include "sightline/world/synthetic_detections.hpp"
@@ -29,6 +30,11 @@ std::optional<Compensation> compensation_of(const Scenario& scenario) {
   if (scenario.compensations.empty()) return std::nullopt;
   return std::optional<Compensation>(std::in_place, scenario.team, scenario.compensations,
                                      scenario.horizon.dt);
+}
+
+std::optional<Localizer> localizer_of(const Scenario& scenario) {
+  if (scenario.localization.robots.empty()) return std::nullopt;
+  return std::optional<Localizer>(std::in_place, scenario.team, scenario.x0, scenario.localization);
 }
 
 /// What a robot keeps from each body: what the scenario asks for, else not to be at one place with it.
@@ -127,9 +133,13 @@ std::unique_ptr<World> make_world(const Scenario& scenario) {
     throw std::invalid_argument(fmt::format("world.kind = {}, expected one of {}", scenario.world,
                                             fmt::join(parts.worlds.names(), ", ")));
   }
+  const auto telling = [&](std::unique_ptr<World> world) -> std::unique_ptr<World> {
+    if (scenario.localization.robots.empty()) return world;
+    return std::make_unique<TelemetryWorld>(std::move(world), telemetry_options(scenario));
+  };
   std::unique_ptr<World> world = (*make)(scenario);
   const CameraOptions options = camera_options(scenario);
-  if (options.cameras.empty() || options.tags.empty()) return world;
+  if (options.cameras.empty() || options.tags.empty()) return telling(std::move(world));
   const auto renders = [](const RobotCamera& one) { return one.render; };
   std::unique_ptr<DetectionSource> source = std::make_unique<SyntheticDetections>(scenario.team, options);
   if (std::any_of(options.cameras.begin(), options.cameras.end(), renders)) {
@@ -137,13 +147,14 @@ std::unique_ptr<World> make_world(const Scenario& scenario) {
     if (!renderer) refuse("camera.render = true, expected false in the world \"{}\"", scenario.world);
     source = renderer(scenario);
   }
-  return std::make_unique<CameraWorld>(std::move(world), options, std::move(source));
+  return telling(std::make_unique<CameraWorld>(std::move(world), options, std::move(source)));
 }
 
 ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
                        Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
                        TeamSwitcher* team_switcher, const std::atomic<bool>* stop)
     : guard_(guard_of(scenario)),
+      localizer_(localizer_of(scenario)),
       compensation_(compensation_of(scenario)),
       loop_(world, controllers, clock, sink,
             {.duration = scenario.simulation.duration,
@@ -152,6 +163,7 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers
              .allocations = allocations,
              .stop = stop,
              .guard = guard_ ? &*guard_ : nullptr,
+             .localizer = localizer_ ? &*localizer_ : nullptr,
              .compensation = compensation_ ? &*compensation_ : nullptr,
              .late_plans = scenario.simulation.late_plans,
              .team_switcher = team_switcher,

@@ -17,7 +17,7 @@ namespace sightline {
 /// that is to be compared, does not know how
 void check_solvers(const Scenario& scenario);
 
-/// The world that the scenario says, seen by its cameras where bodies have tags.
+/// The world that the scenario says, seen by its cameras where bodies have tags, with telemetry where robots are localized by view.
 std::unique_ptr<World> make_world(const Scenario& scenario);
 
 /// The solvers that can plan in a team that changes (TeamPlanner), in words: "newton_riccati".
@@ -68,6 +68,7 @@ class ClosedLoop {
 
  private:
   std::optional<Guard> guard_;
+  std::optional<Localizer> localizer_;
   std::optional<Compensation> compensation_;
   Loop loop_;
 };

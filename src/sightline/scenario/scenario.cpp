@@ -17,6 +17,7 @@
 #include "sightline/scenario/read_campaign.hpp"
 #include "sightline/scenario/read_coupling.hpp"
 #include "sightline/scenario/read_disturbances.hpp"
+#include "sightline/scenario/read_estimate.hpp"
 #include "sightline/scenario/read_event.hpp"
 #include "sightline/scenario/read_link.hpp"
 #include "sightline/scenario/read_motion.hpp"
@@ -32,10 +33,12 @@
 namespace sightline {
 namespace {
 
-constexpr std::array<std::string_view, 23> agent_keys = {
-    "robot",         "parameters",       "start",        "Q",         "R",      "Q_f",     "u_ref",   "u_min",
-    "u_max",         "limits",           "rate_max",     "reference", "sensor", "present", "vehicle", "link",
-    "command_delay", "disturbance_time", "feed_forward", "R_rate",    "camera", "tags",    "hull"};
+constexpr std::array<std::string_view, 26> agent_keys = {
+    "robot",        "parameters", "start",   "Q",      "R",        "command_delay",
+    "u_ref",        "u_min",      "u_max",   "limits", "rate_max", "reference",
+    "sensor",       "present",    "vehicle", "link",   "Q_f",      "disturbance_time",
+    "feed_forward", "R_rate",     "camera",  "tags",   "hull",     "localized_by",
+    "watches",      "estimate"};
 
 /// Fills a Scenario from a document, section by section; sections that others refer to come first.
 class Reader {
@@ -44,12 +47,13 @@ class Reader {
 
   void read() {
     root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart",
-                       "constrain", "event", "world", "simulation", "safety", "log", "fleet", "campaign"});
+                       "constrain", "event", "world", "simulation", "safety", "log", "fleet", "campaign",
+                       "estimate"});
     read_horizon();
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
     read_world();
     read_simulation();
-    read_log();
+    root_.table_or_empty("log").read({{"paths", &scenario_.log.paths, {1e-4, largest_number, ">= 1e-4 s"}}});
     if (auto network = read_fleet(root_)) scenario_.fleet = FleetPlan{.network = std::move(*network)};
     read_agents();
     read_bodies("target", scenario_.targets);
@@ -71,6 +75,7 @@ class Reader {
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
     if (scenario_.fleet) read_link_faults(root_.table("fleet"), scenario_.team, *scenario_.fleet);
     scenario_.script = read_events(root_, scenario_, observers_);
+    read_estimates(root_, scenario_);
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
     // A log is flown again without the world.
     const bool has_cameras = !scenario_.vision.cameras.empty();
@@ -130,10 +135,6 @@ class Reader {
         at.refuse("compare", i, fmt::format("one of {}, each once", fmt::join(known, ", ")));
       }
     }
-  }
-
-  void read_log() {
-    root_.table_or_empty("log").read({{"paths", &scenario_.log.paths, {1e-4, largest_number, ">= 1e-4 s"}}});
   }
 
   void read_agents() {
@@ -465,7 +466,7 @@ std::string summary(const Scenario& scenario) {
          air.x, air.y, air.z);
   }
   if (scenario.fleet) line("{}", in_words(*scenario.fleet, team));
-  text += camera_words(scenario);
+  text += camera_words(scenario) + localization_words(scenario);
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     const auto& targets = scenario.targets;
     const bool target = std::find(targets.begin(), targets.end(), uncooperative.body) != targets.end();

@@ -18,6 +18,7 @@
 #include "sightline/ocp/team.hpp"
 #include "sightline/run/compensation.hpp"
 #include "sightline/run/guard.hpp"
+#include "sightline/run/localizer.hpp"
 #include "sightline/scenario/campaign_plan.hpp"
 #include "sightline/scenario/link.hpp"
 #include "sightline/scenario/scenario_text.hpp"
@@ -28,6 +29,7 @@
 #include "sightline/world/fault.hpp"
 #include "sightline/world/plant.hpp"
 #include "sightline/world/sensor.hpp"
+#include "sightline/world/telemetry_world.hpp"
 #include "sightline/world/vehicle.hpp"
 
 namespace sightline {
@@ -118,6 +120,8 @@ struct Scenario {
   std::vector<RobotCompensation> compensations{};  ///< of the robots that ask for one
   std::vector<RobotVehicle> vehicles{};            ///< of the robots that are one, in worlds that have them
   CameraOptions vision{};  ///< cameras, tags and hulls that it says; camera_options() has all that there are
+  LocalizerOptions localization{};  ///< of the robots that are localized by view
+  Radio radio{};                    ///< by which others tell them their poses, in simulation
   Simulation simulation{};
   std::optional<Safety> safety{};
   LogOptions log{};

@@ -1,0 +1,164 @@
+#include "sightline/scenario/read_estimate.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <variant>
+
+#include "sightline/potential/protection.hpp"
+#include "sightline/scenario/read_coupling.hpp"
+#include "sightline/scenario/read_part.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr std::array<std::string_view, 2> localized_by = {"global", "view"};
+constexpr std::array<std::string_view, 2> cycle_words = {"refused", "intersection"};
+
+const RobotCamera* camera_of_observer(const Scenario& scenario, BodyId observer) {
+  for (const RobotCamera& one : scenario.vision.cameras)
+    if (one.observer == observer) return &one;
+  return nullptr;
+}
+
+bool has_tags(const Scenario& scenario, BodyId body) {
+  const auto& all = scenario.vision.tags;
+  return std::any_of(all.begin(), all.end(), [&](const BodyTags& one) { return one.body == body; });
+}
+
+/// The bodies with tags that a robot's sensor is to see at some time of a run.
+std::vector<BodyId> watched_by(BodyId robot, const Scenario& scenario) {
+  std::vector<BodyId> all;
+  const auto add = [&](BodyId body) {
+    if (has_tags(scenario, body) && std::find(all.begin(), all.end(), body) == all.end()) all.push_back(body);
+  };
+  const auto add_coupling = [&](const Coupling& c) {
+    if (c.between.first == robot && watches(c.term.potential)) add(c.between.second);
+  };
+  for (const Coupling& c : scenario.team.couplings()) add_coupling(c);
+  for (const TeamEvent& event : scenario.script.events) {
+    for (const Action& action : event.actions) {
+      if (const auto* added = std::get_if<AddCoupling>(&action)) add_coupling(added->coupling);
+      if (const auto* observes = std::get_if<Observe>(&action))
+        if (observes->observer == robot) add(observes->target);
+    }
+  }
+  return all;
+}
+
+std::vector<BodyId> read_watches(const TomlTable& agent, BodyId robot, const Scenario& scenario) {
+  constexpr std::string_view key = "watches";
+  const std::vector<BodyId> read = bodies_named(agent, key, TomlTable::any_length, scenario.team);
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    if (read[i] == robot) agent.refuse(key, i, "another body than itself");
+    if (std::find(read.begin(), read.begin() + static_cast<std::ptrdiff_t>(i), read[i]) !=
+        read.begin() + static_cast<std::ptrdiff_t>(i))
+      agent.refuse(key, i, "each body once");
+    if (!has_tags(scenario, read[i]))
+      agent.refuse(key, i, fmt::format("a body with tags, {} has none", scenario.team.name(read[i])));
+  }
+  return read;
+}
+
+/// A robot that is localized by what its camera sees.
+LocalizedRobot read_localized(const TomlTable& agent, BodyId robot, const FilterOptions& filter,
+                              const Scenario& scenario) {
+  constexpr std::string_view key = "localized_by";
+  const RobotCamera* const camera = camera_of_observer(scenario, robot);
+  if (camera == nullptr)
+    agent.refuse(key, fmt::format("\"global\", or a robot with a camera, [{}.camera]", agent.path()));
+  LocalizedRobot read{
+      .robot = robot,
+      .mount = camera->mount,
+      .watches = agent.has("watches") ? read_watches(agent, robot, scenario) : watched_by(robot, scenario),
+      .filter = filter,
+      .camera_rate = camera->camera.rate};
+  if (read.watches.empty())
+    agent.refuse(key,
+                 "\"global\", or a coupling by which it watches a body with tags, or such bodies under "
+                 "watches");
+  return read;
+}
+
+}  // namespace
+
+void read_estimates(const TomlTable& root, Scenario& scenario) {
+  LocalizerOptions& options = scenario.localization;
+  const TomlTable all = root.table_or_empty("estimate");
+  const FilterOptions team_filter = read_part<FilterOptions>(
+      TableSource(all), std::array<std::string_view, 3>{"sigma_hold", "cycles", "broadcast"});
+  if (all.has("sigma_hold")) options.sigma_hold = all.number("sigma_hold", positive("> 0 m"));
+  if (all.has("cycles") && all.word("cycles", cycle_words) == cycle_words[1])
+    options.cycles = Cycles::intersected;
+  // What is told by radio, and how it is carried on between two messages.
+  const TomlTable broadcast = all.table_or_empty("broadcast");
+  const TableSource from(broadcast);
+  std::vector<std::string_view> keys = parameter_keys<BroadcastOptions>();
+  std::erase(keys, "sighting_rate");
+  scenario.radio = read_part<Radio>(from, keys);
+  broadcast.checked([&] { scenario.radio.check(); });
+  read_parameters(from, options.broadcast);
+
+  std::optional<TomlTable> first;
+  for (const auto& [name, agent] : root.named_tables("agent")) {
+    const BodyId robot = scenario.team.find(name);
+    FilterOptions filter = team_filter;
+    if (agent.has("estimate")) {
+      const TomlTable own = agent.table("estimate");
+      own.expect_only(parameter_keys<FilterOptions>());
+      read_parameters(TableSource(own), filter);
+    }
+    if (!agent.has("localized_by") || agent.word("localized_by", localized_by) == localized_by[0]) continue;
+    options.robots.push_back(read_localized(agent, robot, filter, scenario));
+    if (!first) first = agent;
+  }
+  if (first) first->checked([&] { return Localizer(scenario.team, scenario.x0, options); });
+}
+
+TelemetryOptions telemetry_options(const Scenario& scenario) {
+  TelemetryOptions options{.seed = scenario.simulation.seed, .radio = scenario.radio};
+  const auto& robots = scenario.localization.robots;
+  for (const LocalizedRobot& robot : robots) {
+    options.robots.push_back({robot.robot, robot.filter});
+    for (const BodyId body : robot.watches) {
+      const bool localized = std::any_of(robots.begin(), robots.end(),
+                                         [&](const LocalizedRobot& other) { return other.robot == body; });
+      const auto& told = options.broadcasters;
+      if (!localized && std::find(told.begin(), told.end(), body) == told.end())
+        options.broadcasters.push_back(body);
+    }
+  }
+  return options;
+}
+
+std::string localization_words(const Scenario& scenario) {
+  const LocalizerOptions& options = scenario.localization;
+  if (options.robots.empty()) return {};
+  const Localizer localizer(scenario.team, scenario.x0, options);
+  std::string text;
+  for (const LocalizedRobot& robot : options.robots) {
+    std::vector<std::string_view> names;
+    bool chain = false;
+    for (const BodyId body : robot.watches) {
+      names.push_back(scenario.team.name(body));
+      chain = chain || localizer.graph().tier(body.index) > 0;
+    }
+    const FilterKind kind = chain ? FilterKind::chain : robot.filter.filter;
+    fmt::format_to(std::back_inserter(text),
+                   "localized   {}: no position enters, by view of {}, filter \"{}\", hop {}\n",
+                   scenario.team.name(robot.robot), fmt::join(names, ", "),
+                   filter_kinds[static_cast<std::size_t>(kind)], localizer.graph().tier(robot.robot.index));
+  }
+  const Radio& radio = scenario.radio;
+  for (const BodyId body : telemetry_options(scenario).broadcasters)
+    fmt::format_to(std::back_inserter(text),
+                   "broadcast   {}: its pose at {} Hz, {} m and {} rad, latency {} to {} s\n",
+                   scenario.team.name(body), radio.rate, radio.position_sigma, radio.heading_sigma,
+                   radio.latency[0], radio.latency[1]);
+  return text;
+}
+
+}  // namespace sightline

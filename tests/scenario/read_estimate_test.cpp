@@ -1,0 +1,173 @@
+#include "sightline/scenario/read_estimate.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sightline/scenario/closed_loop.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scenario_text.hpp"
+
+namespace sightline {
+namespace {
+
+using test::scenario_of;
+using test::scenario_refusal;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Robots in a row, each observes the one before it and has a camera and tags.
+std::string row(int robots, const std::string& of_each = "") {
+  std::string text;
+  for (int i = 0; i < robots; ++i)
+    text += fmt::format(R"toml(
+[agent.uav{0}]
+robot = "multirotor"
+start = {{ p = [{1}.0, 0.0, 1.0], heading = 3.14 }}
+{2}
+[agent.uav{0}.sensor]
+pitch = 0.2
+[agent.uav{0}.camera]
+rate = {3}.0
+[agent.uav{0}.tags]
+)toml",
+                        i, 2 * i, i > 0 ? of_each : "", 20 + i);
+  for (int i = 1; i < robots; ++i)
+    text += fmt::format(R"toml(
+[[couple]]
+potential = {{ bearing = {{ alpha = 0.5 }} }}
+between = ["uav{}", "uav{}"]
+felt_by = ["uav{}"]
+)toml",
+                        i, i - 1, i);
+  return text;
+}
+const std::string by_view = "localized_by = \"view\"\n";
+
+TEST(ReadEstimate, ARobotIsLocalizedByThoseThatItsCouplingsWatch) {
+  const Scenario scenario = scenario_of(row(3, by_view) +
+                                        "[[couple]]\npotential = { too_near = { d_min = 1.0 } }\n"
+                                        "between = [\"uav2\", \"uav0\"]\nfelt_by = [\"uav2\"]\n");
+  ASSERT_EQ(scenario.localization.robots.size(), 2U);
+  const LocalizedRobot& last = scenario.localization.robots[1];
+  EXPECT_EQ(last.robot, BodyId{2});
+  EXPECT_THAT(last.watches, ElementsAre(BodyId{1})) << "a distance is no sensor";
+  EXPECT_EQ(last.mount.pitch, 0.2);
+  EXPECT_EQ(last.camera_rate, 22.0);
+  const TelemetryOptions telemetry = telemetry_options(scenario);
+  EXPECT_EQ(telemetry.robots.size(), 2U);
+  EXPECT_THAT(telemetry.broadcasters, ElementsAre(BodyId{0})) << "localized robots tell their estimates";
+  const MeasuredMost most = make_world(scenario)->measured_max();
+  EXPECT_EQ(most.motions, 2U);
+  EXPECT_GT(most.broadcasts, 0U);
+}
+
+TEST(ReadEstimate, WatchesNamesOthersAndLandmarksCount) {
+  const std::string landmark = "[obstacle.mast]\np = [5.0, 1.0, 1.0]\n[obstacle.mast.tags]\nsize = 0.3\n";
+  const Scenario scenario = scenario_of(row(2, by_view + "watches = [\"mast\", \"uav0\"]\n") + landmark);
+  EXPECT_THAT(scenario.localization.robots[0].watches,
+              ElementsAre(scenario.team.find("mast"), scenario.team.find("uav0")));
+}
+
+TEST(ReadEstimate, WithoutItNothingIsTold) {
+  EXPECT_EQ(make_world(scenario_of(row(2)))->measured_max().motions, 0U);
+  const std::string global =
+      "localized_by = \"global\"\nwatches = [\"uav0\"]\n[agent.uav1.estimate]\ntilt_bias = 0.02\n";
+  EXPECT_TRUE(scenario_of(row(2, global)).localization.robots.empty()) << "what it says counts by view alone";
+}
+
+TEST(ReadEstimate, TheTeamsOptionsAreTheDefaultsOfEachRobot) {
+  const Scenario scenario = scenario_of(
+      "[estimate]\nfilter = \"attitude\"\ntilt_bias = 0.03\nsigma_hold = 0.7\n[estimate.broadcast]\nrate = "
+      "10.0\n"
+      "latency = [0.01, 0.02]\nvelocity_sigma = 0.05\nacceleration = 2.0\n" +
+      row(2, by_view + "[agent.uav1.estimate]\ntilt_bias = 0.01\ncamera_turn = 0.02\n"));
+  const FilterOptions& filter = scenario.localization.robots[0].filter;
+  EXPECT_EQ(filter.filter, FilterKind::attitude);
+  EXPECT_EQ(filter.tilt_bias, 0.01);
+  EXPECT_EQ(filter.camera_turn, 0.02);
+  EXPECT_EQ(scenario.localization.sigma_hold, 0.7);
+  EXPECT_EQ(scenario.radio.rate, 10.0);
+  EXPECT_EQ(scenario.radio.latency[1], 0.02);
+  EXPECT_EQ(scenario.radio.velocity_sigma, 0.05);
+  EXPECT_EQ(scenario.localization.broadcast.velocity_sigma, 0.05) << "it is told as it is supposed";
+  EXPECT_EQ(scenario.localization.broadcast.acceleration, 2.0);
+}
+
+TEST(ReadEstimate, CheckSaysWhoIsLocalizedByWhom) {
+  const std::string said = summary(scenario_of(row(3, by_view)));
+  EXPECT_THAT(said,
+              HasSubstr("localized   uav1: no position enters, by view of uav0, filter \"heading\", hop 1\n"
+                        "localized   uav2: no position enters, by view of uav1, filter \"chain\", hop 2\n"
+                        "broadcast   uav0: its pose at 100 Hz, 0.01 m and 0.01 rad, latency 0 to 0 s\n"));
+}
+
+TEST(ReadEstimate, WhatCannotBeLocalizedIsRefused) {
+  const auto refused = [](const std::string& text, const std::string& sentence) {
+    EXPECT_THAT(scenario_refusal(text), HasSubstr(sentence));
+  };
+  refused(row(2, "localized_by = \"sight\"\n"),
+          "agent.uav1.localized_by = \"sight\", expected one of \"global\", \"view\"");
+  std::string blind = row(2, by_view);
+  blind.erase(blind.find("[agent.uav1.camera]"), 32);
+  refused(blind,
+          "agent.uav1.localized_by = \"view\", expected \"global\", or a robot with a camera, "
+          "[agent.uav1.camera]");
+  std::string bare = row(2, by_view);
+  bare.erase(bare.find("[agent.uav0.tags]"), 17);
+  refused(bare,
+          "agent.uav1.localized_by = \"view\", expected \"global\", or a coupling by which it watches a body "
+          "with "
+          "tags, or such bodies under watches");
+  refused(row(2, by_view + "watches = []\n"),
+          "agent.uav1.watches = [], expected an array of one or more names");
+  refused(row(2, by_view + "watches = [\"uav1\"]\n"),
+          "agent.uav1.watches[0] = \"uav1\", expected another body than itself");
+  refused(row(2, by_view + "watches = [\"uav0\", \"uav0\"]\n"),
+          "agent.uav1.watches[1] = \"uav0\", expected each body once");
+  refused(row(2, by_view + "watches = [\"mast\"]\n") + "[obstacle.mast]\np = [5.0, 1.0, 1.0]\n",
+          "agent.uav1.watches[0] = \"mast\", expected a body with tags, mast has none");
+  refused(row(2, by_view + "watches = [\"uav9\"]\n"),
+          "agent.uav1.watches[0] = \"uav9\", expected a known name, the nearest is \"uav0\"");
+  refused("[estimate]\nfilter = \"attitude\"\n" + row(3, by_view),
+          "\"uav2\" watches \"uav1\", which is localized itself, with the filter \"attitude\", expected "
+          "\"heading\"");
+  refused("[estimate]\nsigma_hold = 0.0\n" + row(2), "estimate.sigma_hold = 0, expected > 0 m");
+  refused("[estimate.broadcast]\nlatency = [0.2, 0.1]\n" + row(2),
+          "latency = [0.2, 0.1], expected the shortest first");
+  refused("[estimate.broadcast]\nsighting_rate = 3.0\n" + row(2), "estimate.broadcast.sighting_rate");
+}
+
+TEST(ReadEstimate, CirclesAreRefusedThoseThatAnEventWouldMakeToo) {
+  const std::string circle = "\"uav1\" by \"uav2\", \"uav2\" by \"uav1\"";
+  const std::string back =
+      "{ potential = { bearing = { alpha = 0.5 } }, between = [\"uav1\", \"uav2\"], "
+      "felt_by = [\"uav1\"] }";
+  EXPECT_THAT(scenario_refusal(row(3, by_view) + "[[event]]\nat = 5.0\nadd = { couple = " + back + " }\n"),
+              HasSubstr(circle));
+  EXPECT_THAT(scenario_refusal(row(3, by_view) +
+                               "[[event]]\nat = 5.0\nobserve = { observer = \"uav1\", target = \"uav2\" }\n"),
+              HasSubstr(circle));
+  const Scenario fused = scenario_of("[estimate]\ncycles = \"intersection\"\n" + row(3, by_view) +
+                                     "[[event]]\nat = 5.0\nadd = { couple = " + back + " }\n");
+  EXPECT_EQ(fused.localization.cycles, Cycles::intersected);
+  EXPECT_THAT(fused.localization.robots[0].watches, ElementsAre(BodyId{0}, BodyId{2}));
+}
+
+TEST(ReadEstimate, TheDocumentHasTheParametersAsTheCodeSaysThem) {
+  const std::string document = test::read_file(SIGHTLINE_SOURCE_DIR "/docs/localization.md");
+  const auto described = [&](const auto& part) {
+    for (const ParameterText& p : parameter_texts(part)) {
+      const std::string value = p.unit.empty() ? p.fallback : fmt::format("{} {}", p.fallback, p.unit);
+      if (p.key == "sighting_rate") continue;  // of the cameras
+      EXPECT_THAT(document,
+                  HasSubstr(fmt::format("| `{}` | {} | {} | {} |\n", p.key,
+                                        p.must_be_given ? "must be given" : value, p.range, p.meaning)));
+    }
+  };
+  described(FilterOptions{});
+  described(Radio{});
+}
+
+}  // namespace
+}  // namespace sightline
