@@ -67,6 +67,11 @@ std::string sentence(const FirstDifference& first) {
                      first.input, first.robot, first.replayed, first.recorded);
 }
 
+std::string sentence(const FirstEstimate& first) {
+  return fmt::format("update {} at {:.6g} s: {} of the estimate of {} = {}, recorded {}", first.update,
+                     first.time, first.what, first.robot, first.replayed, first.recorded);
+}
+
 Json as_json(const CommandComparison& compared, const Scenario& scenario, const RecordedFlight& flight) {
   Json json = {{"scenario", scenario.name},
                {"solver", scenario.solver.name},
@@ -79,6 +84,14 @@ Json as_json(const CommandComparison& compared, const Scenario& scenario, const 
   json["first"] = !first ? Json() : Json{{"update", first->update},     {"time", first->time},
                                          {"robot", first->robot},       {"input", first->input},
                                          {"recorded", first->recorded}, {"replayed", first->replayed}};
+  if (compared.estimates() > 0) {
+    const auto estimate = compared.first_estimate();
+    json["estimates"] = {{"compared", compared.estimates()}, {"differing", compared.differing_estimates()}};
+    json["estimates"]["first"] =
+        !estimate ? Json() : Json{{"update", estimate->update},     {"time", estimate->time},
+                                  {"robot", estimate->robot},       {"what", estimate->what},
+                                  {"recorded", estimate->recorded}, {"replayed", estimate->replayed}};
+  }
   json["robots"] = Json::array();
   for (const RobotDifference& robot : compared.robots()) {
     json["robots"].push_back({{"name", robot.name},
@@ -93,6 +106,9 @@ Json as_json(const CommandComparison& compared, const Scenario& scenario, const 
 void print_text(const CommandComparison& compared, const Scenario& scenario) {
   print("{}: {} updates, {} commands, {} differ\n", scenario.name, compared.updates(), compared.commands(),
         compared.differing());
+  if (compared.estimates() > 0)
+    print("{} estimates of poses, {} differ\n", compared.estimates(), compared.differing_estimates());
+  if (const auto estimate = compared.first_estimate()) print("{}\n", sentence(*estimate));
   const auto first = compared.first();
   if (!first) return;
   print("{}\n", sentence(*first));
@@ -145,7 +161,7 @@ int replay(const ReplayCommand& command, const Parts& parts) {
       print_text(compared, scenario);
     }
     if (changed) return 0;
-    return compared.differing() == 0 && !flight.lost_after() ? 0 : 1;
+    return compared.differing() == 0 && compared.differing_estimates() == 0 && !flight.lost_after() ? 0 : 1;
   } catch (const std::exception& error) {
     tell("{}\n", error.what());
     return 2;

@@ -170,7 +170,7 @@ TEST(RecordedFlight, DetectionsComeBackAsTheyWere) {
   mcap.message(input_b, 0, 0, std::as_bytes(std::span(u)));
   mcap.close();
   RecordedFlight flight(place("detections.mcap"), team, scenario.x0, 0.01);
-  EXPECT_EQ(flight.detections_max(), 2U);
+  EXPECT_EQ(flight.measured_max().detections, 2U);
   const Measured seen = flight.measure(0.0);
   ASSERT_EQ(seen.detections.size(), 2U);
   EXPECT_EQ(seen.detections[0].p.z, 3.0);

@@ -108,6 +108,13 @@ RosSchema attitude_schema() {
           join({"std_msgs/Header header\ngeometry_msgs/Quaternion quaternion\n", header, quaternion_text})};
 }
 
+RosSchema estimate_schema() {
+  return {"geometry_msgs/msg/PoseWithCovarianceStamped",
+          join({"std_msgs/Header header\ngeometry_msgs/PoseWithCovariance pose\n", header,
+                "MSG: geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose pose\nfloat64[36] covariance\n",
+                pose_parts})};
+}
+
 void encode_pose(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose) {
   CdrEncoder to(bytes);
   put_header(to, pose.time, frame);
@@ -136,6 +143,22 @@ void encode_attitude(std::vector<std::byte>& bytes, std::string_view frame, cons
   CdrEncoder to(bytes);
   put_header(to, attitude.time, frame);
   for (const double part : attitude.q) to.put(part);
+}
+
+void encode_estimate(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose,
+                     const PoseCovariance& covariance) {
+  CdrEncoder to(bytes);
+  put_header(to, pose.time, frame);
+  put_pose(to, pose);
+  for (const double part : covariance) to.put(part);
+}
+
+std::optional<std::pair<StampedPose, PoseCovariance>> decode_estimate(std::span<const std::byte> bytes) {
+  CdrDecoder from(bytes);
+  std::pair<StampedPose, PoseCovariance> read{read_pose(from), {}};
+  for (double& part : read.second) part = from.number<double>();
+  if (!from.finished()) return std::nullopt;
+  return read;
 }
 
 std::optional<StampedAttitude> decode_attitude(std::span<const std::byte> bytes) {

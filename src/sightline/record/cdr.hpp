@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace sightline {
@@ -124,6 +125,9 @@ struct StampedAttitude {
   std::array<double, 4> q{0, 0, 0, 1};  ///< (x, y, z, w) of a quaternion of length 1
 };
 
+/// Covariance of position and turn about x, y, z, row by row [m^2], [m rad], [rad^2].
+using PoseCovariance = std::array<double, 36>;
+
 /// What G is called in logs and on topics.
 inline constexpr std::string_view frame_of_G = "map";
 
@@ -137,6 +141,7 @@ RosSchema pose_schema();      ///< geometry_msgs/msg/PoseStamped
 RosSchema twist_schema();     ///< geometry_msgs/msg/TwistStamped
 RosSchema path_schema();      ///< nav_msgs/msg/Path
 RosSchema attitude_schema();  ///< geometry_msgs/msg/QuaternionStamped
+RosSchema estimate_schema();  ///< geometry_msgs/msg/PoseWithCovarianceStamped
 
 /// Encode one message of the schemas above; `frame` names the frame the numbers are in, "map".
 void encode_pose(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose);
@@ -145,11 +150,14 @@ void encode_path(std::vector<std::byte>& bytes, std::string_view frame, std::uin
                  std::span<const StampedPose> poses);
 
 void encode_attitude(std::vector<std::byte>& bytes, std::string_view frame, const StampedAttitude& attitude);
+void encode_estimate(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose,
+                     const PoseCovariance& covariance);
 
 /// Decode one message of the schemas above; nothing if the bytes are no such message.
 std::optional<StampedPose> decode_pose(std::span<const std::byte> bytes);
 std::optional<StampedTwist> decode_twist(std::span<const std::byte> bytes);
 std::optional<StampedAttitude> decode_attitude(std::span<const std::byte> bytes);
+std::optional<std::pair<StampedPose, PoseCovariance>> decode_estimate(std::span<const std::byte> bytes);
 std::optional<std::vector<StampedPose>> decode_path(std::span<const std::byte> bytes);
 
 }  // namespace sightline

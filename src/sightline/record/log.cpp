@@ -17,6 +17,7 @@
 #include "sightline/base/same_time.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/record/cdr.hpp"
+#include "sightline/record/localization_log.hpp"
 #include "sightline/record/log_text.hpp"
 #include "sightline/record/recorded_flight.hpp"
 #include "sightline/record/team_json.hpp"
@@ -69,15 +70,11 @@ class Log::Files {
   bool begun() const { return begun_; }
 
  private:
-  struct Channel {
-    ChannelId id{};
-    std::uint32_t sequence = 0;
-  };
   struct BodyChannels {
     BodyId body;
     StateRoles roles;
-    Channel state, pose, twist;
-    std::optional<Channel> measured{}, input{}, path{}, reference{}, barrier{}, attitude{};
+    McapChannel state, pose, twist;
+    std::optional<McapChannel> measured{}, input{}, path{}, reference{}, barrier{}, attitude{};
     std::size_t robot = 0;  // its place among the robots
   };
 
@@ -85,17 +82,17 @@ class Log::Files {
   void add(const Sample& sample);
   void tell(double time) noexcept;
   void open_body(BodyId body, bool is_measured, bool has_barrier);
-  Channel open(SchemaId schema, const std::string& topic, std::string_view encoding) {
+  McapChannel open(SchemaId schema, const std::string& topic, std::string_view encoding) {
     return {mcap_.channel(schema, topic, encoding, {})};
   }
-  void send_bytes(Channel& channel, double time) {
+  void send_bytes(McapChannel& channel, double time) {
     mcap_.message(channel.id, channel.sequence++, nanoseconds(time), bytes_);
   }
   void begin_text(double time) {
     text_ = "{\"time\":";
     put(text_, time);
   }
-  void send_text(Channel& channel, double time) {
+  void send_text(McapChannel& channel, double time) {
     text_ += '}';
     mcap_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(text_)));
   }
@@ -103,7 +100,7 @@ class Log::Files {
   void add_body(BodyChannels& channels, const Sample& sample);
   void open_attitudes(const Scenario& scenario);
   void add_attitude(BodyChannels& channels, const Sample& sample);
-  void add_pose(Channel& channel, const Model& model, const double* x, double time);
+  void add_pose(McapChannel& channel, const Model& model, const double* x, double time);
   void add_agent(BodyChannels& channels, const Sample& sample);
   void add_path(BodyChannels& channels, const Sample& sample);
   void add_reference(BodyChannels& channels, double time);
@@ -118,6 +115,7 @@ class Log::Files {
   std::filesystem::path folder_;
   McapWriter mcap_;
   std::optional<MeasurementLog> measurements_;
+  std::optional<LocalizationLog> localization_;
   TextFile timing_;
 
   struct Schemas {
@@ -126,8 +124,8 @@ class Log::Files {
   } schemas_{};
   std::vector<BodyChannels> bodies_;
   std::size_t robots_ = 0;
-  std::vector<Channel> solvers_;
-  Channel events_;
+  std::vector<McapChannel> solvers_;
+  McapChannel events_;
   std::int64_t chunk_ = -1;  // number of the open chunk in simulated time
   double last_ = 0.0;        // time of the last sample [s]
   bool begun_ = false;
@@ -210,6 +208,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
   rows_ += ",allocations,iterations,missed\n";
   events_ = open(schemas_.event, "/events", "json");
   measurements_.emplace(team_, mcap_, goals_of(scenario.fleet));
+  localization_.emplace(scenario, mcap_);
   begin();
 }
 
@@ -284,6 +283,7 @@ void Log::Files::add(const Sample& sample) {
     if (channels.reference && chunk != chunk_) add_reference(channels, sample.time);
   }
   measurements_->add(sample);
+  localization_->add(sample);
   add_records(sample);
   add_timing(sample);
   if (chunk == chunk_) return;
@@ -333,7 +333,7 @@ void Log::Files::add_attitude(BodyChannels& channels, const Sample& sample) {
   send_bytes(*channels.attitude, sample.time);
 }
 
-void Log::Files::add_pose(Channel& channel, const Model& model, const double* x, double time) {
+void Log::Files::add_pose(McapChannel& channel, const Model& model, const double* x, double time) {
   const Pose<double> pose = model.sight(x, no_input_.data());
   if (!all_finite({x, size(model.nx())}) || (pose.d.x == 0 && pose.d.y == 0)) return;
   encode_pose(bytes_, frame, {nanoseconds(time), {pose.p.x, pose.p.y, pose.p.z}, {pose.d.x, pose.d.y}});

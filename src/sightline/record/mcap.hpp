@@ -51,6 +51,11 @@ enum class SchemaId : std::uint16_t {};
 
 /// Name of a channel inside one log.
 enum class ChannelId : std::uint16_t {};
+/// A channel, and how many messages it has had.
+struct McapChannel {
+  ChannelId id{};
+  std::uint32_t sequence = 0;
+};
 
 /// Words by name, as MCAP attaches them to channels and metadata; sorted, so that equal words give equal
 /// bytes.

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
+#include "sightline/record/localization_log.hpp"
 #include "sightline/record/log_text.hpp"
 
 namespace sightline {
@@ -44,7 +45,7 @@ void MeasurementLog::begin(double time) {
   put(text_, time);
 }
 
-void MeasurementLog::send(Channel& channel, double time) {
+void MeasurementLog::send(McapChannel& channel, double time) {
   text_ += '}';
   mcap_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(text_)));
 }
@@ -134,11 +135,22 @@ class RecordedFlight::Reader {
         ++measurements_;
       };
       takes_[topic_of(team, body, "detection")] = [this, body](const McapMessage&) { detect(body); };
+      takes_[topic_of(team, body, "broadcast")] = [this, body](const McapMessage&) {
+        period().broadcasts.push_back({body, broadcast_of(text_)});
+        raise(flight_.most_.broadcasts, period().broadcasts.size());
+      };
       if (!team.is_agent(body)) continue;
       takes_[topic_of(team, body, "input")] = [this, body](const McapMessage&) {
         const std::span<const double> u = text_.numbers("u");
         copy(u, flight_.team_.model(body).nu(), flight_.team_.input_offset(body), period().u);
         ++inputs_;
+      };
+      takes_[topic_of(team, body, "motion")] = [this, body](const McapMessage&) {
+        period().motions.push_back({body, motion_of(text_)});
+        raise(flight_.most_.motions, period().motions.size());
+      };
+      takes_[topic_of(team, body, "localization")] = [this, body](const McapMessage&) {
+        period().estimates.push_back({body, estimate_of(text_)});
       };
     }
     for (const RobotGoals& robot : flight.goals_)
@@ -203,6 +215,7 @@ class RecordedFlight::Reader {
     next.u.resize(size(team.nu()));
   }
 
+  static void raise(std::size_t& most, std::size_t count) { most = std::max(most, count); }
   static void copy(std::span<const double> from, int count, int offset, std::vector<double>& to) {
     if (from.size() != size(count))
       throw std::runtime_error(fmt::format("{} numbers in a message, expected {}", from.size(), count));
@@ -226,7 +239,7 @@ class RecordedFlight::Reader {
     seen.q = {q[0], q[1], q[2], q[3]};
     std::copy(covariance.begin(), covariance.end(), seen.covariance.begin());
     period().detections.push_back(seen);
-    flight_.most_.detections = std::max(flight_.most_.detections, period().detections.size());
+    raise(flight_.most_.detections, period().detections.size());
   }
 
   void read_goal(const std::shared_ptr<GoalTrack>& track) {
@@ -287,7 +300,12 @@ Measured RecordedFlight::measure(double) noexcept {
   measured_ = true;
   for (; next_goal_ < sent_.size() && sent_[next_goal_].time <= now.time; ++next_goal_)
     (void)sent_[next_goal_].track->add(sent_[next_goal_].time, sent_[next_goal_].waypoints);
-  return {now.measured, now.stamps, now.truth, now.detections};
+  return {.measured = now.measured,
+          .stamps = now.stamps,
+          .truth = now.truth,
+          .detections = now.detections,
+          .motions = now.motions,
+          .broadcasts = now.broadcasts};
 }
 
 /// False after the last period.

@@ -9,7 +9,7 @@
 ///     /AGENT/goal         {time, after, p, heading}: where a person sent it, the waypoints one after another
 ///     /team               {time}: a team that was asked for took over in this period, or was refused
 ///
-/// beside /BODY/state (the truth), /AGENT/input (the command) and /events (missed periods). No time of the wall clock.
+/// beside those of localization (localization_log.hpp), /BODY/state (the truth), /AGENT/input (the command) and /events (missed periods). No time of the wall clock.
 #pragma once
 
 #include <filesystem>
@@ -35,19 +35,15 @@ class MeasurementLog {
   void add(const Sample& sample);
 
  private:
-  struct Channel {
-    ChannelId id{};
-    std::uint32_t sequence = 0;
-  };
   void begin(double time);
-  void send(Channel& channel, double time);
+  void send(McapChannel& channel, double time);
   SchemaId detection();
 
   Team team_;
   McapWriter& mcap_;
   struct Goals {
     std::shared_ptr<const GoalTrack> track;
-    Channel channel{};
+    McapChannel channel{};
     std::size_t written = 0;
   };
   void add_goals(double time);
@@ -55,10 +51,10 @@ class MeasurementLog {
   std::vector<Goals> goals_;
   std::vector<Waypoint> waypoints_;
   std::vector<double> numbers_;
-  std::vector<Channel> bodies_;                     // of each body
-  std::vector<std::optional<Channel>> detections_;  // of each body that detected one
+  std::vector<McapChannel> bodies_;                     // of each body
+  std::vector<std::optional<McapChannel>> detections_;  // of each body that detected one
   std::optional<SchemaId> detection_{};
-  Channel changes_;
+  McapChannel changes_;
   std::string text_;
 };
 
@@ -67,6 +63,14 @@ struct RecordedPeriod {
   double time = 0.0;                                       ///< [s]
   std::vector<double> measured{}, stamps{}, truth{}, u{};  ///< nx, bodies, nx, nu
   std::vector<Detection> detections{};
+  std::vector<RobotMotion> motions{};
+  std::vector<BodyBroadcast> broadcasts{};
+  /// Of a robot that was localized.
+  struct Localized {
+    BodyId robot{};
+    PoseEstimate estimate{};
+  };
+  std::vector<Localized> estimates{};
   std::vector<Status> status{};  ///< of each controller
   bool team_answered = false;
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -14,6 +15,28 @@
 #include "sightline/record/mcap.hpp"
 
 namespace sightline {
+
+namespace {
+
+constexpr std::array<std::string_view, 21> estimate_words = {
+    "known",      "stamp",      "p.x",        "p.y",        "p.z",        "v.x",        "v.y",
+    "v.z",        "heading",    "yaw_rate",   "accepted",   "covariance", "covariance", "covariance",
+    "covariance", "covariance", "covariance", "covariance", "covariance", "covariance", "covariance"};
+
+/// All that a log keeps of an estimate.
+std::array<double, estimate_words.size()> numbers_of_estimate(const PoseEstimate& e) noexcept {
+  std::array<double, estimate_words.size()> all{};
+  if (!e.known) return all;
+  std::size_t place = 0;
+  for (const double v :
+       {1.0, e.stamp, e.p.x, e.p.y, e.p.z, e.v.x, e.v.y, e.v.z, e.psi, e.yaw_rate, e.last_accepted})
+    all[place++] = v;
+  for (int i = 0; i < 4; ++i)
+    for (int j = i; j < 4; ++j) all[place++] = e.P(i, j);
+  return all;
+}
+
+}  // namespace
 
 FlownAs flown_as(const std::filesystem::path& log) {
   const McapReader mcap(log);
@@ -56,6 +79,26 @@ CommandComparison::CommandComparison(const RecordedFlight& flight, Sample protot
   }
 }
 
+void CommandComparison::compare_estimates(const RecordedPeriod& recorded) noexcept {
+  for (std::size_t i = 0; i < sample_.estimates.size(); ++i) {
+    const PoseEstimate& replayed = sample_.estimates[i];
+    const BodyId body{static_cast<int>(i)};
+    const auto found = std::find_if(recorded.estimates.begin(), recorded.estimates.end(),
+                                    [&](const RecordedPeriod::Localized& one) { return one.robot == body; });
+    const bool known = found != recorded.estimates.end();
+    if (!known && !replayed.known) continue;
+    ++estimates_;
+    const auto then = numbers_of_estimate(known ? found->estimate : PoseEstimate{}),
+               now = numbers_of_estimate(replayed);
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      if (std::bit_cast<std::uint64_t>(now[k]) == std::bit_cast<std::uint64_t>(then[k])) continue;
+      ++differing_estimates_;
+      if (!first_estimate_) first_estimate_ = {updates_, body, k, then[k], now[k]};
+      break;
+    }
+  }
+}
+
 void CommandComparison::publish() noexcept {
   const RecordedPeriod& recorded = flight_.periods()[std::min(updates_, flight_.periods().size() - 1)];
   for (std::size_t r = 0; r < robots_.size(); ++r) {
@@ -72,6 +115,7 @@ void CommandComparison::publish() noexcept {
     }
     robot.differing += differs ? 1 : 0;
   }
+  compare_estimates(recorded);
   const std::size_t solvers = std::min(recorded.status.size(), sample_.solvers.size());
   for (std::size_t c = 0; c < solvers; ++c) {
     if (recorded.status[c] == sample_.solvers[c].status) continue;
@@ -102,6 +146,17 @@ std::optional<FirstDifference> CommandComparison::first() const {
                          .input = std::string(team.model(robot.body).inputs()[first_->input]),
                          .recorded = period.u[robot.u + first_->input],
                          .replayed = first_->replayed};
+}
+
+std::optional<FirstEstimate> CommandComparison::first_estimate() const {
+  if (!first_estimate_) return std::nullopt;
+  const RecordedPeriod& period = flight_.periods()[first_estimate_->update];
+  return FirstEstimate{.update = flight_.number(period.time),
+                       .time = period.time,
+                       .robot = std::string(flight_.team().name(first_estimate_->robot)),
+                       .what = std::string(estimate_words[first_estimate_->what]),
+                       .recorded = first_estimate_->recorded,
+                       .replayed = first_estimate_->replayed};
 }
 
 std::vector<RobotDifference> CommandComparison::robots() const {

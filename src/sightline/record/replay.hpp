@@ -35,6 +35,14 @@ struct FirstDifference {
   double recorded = 0.0, replayed = 0.0;
 };
 
+/// Where an estimate of a robot's pose first differs from the recorded one.
+struct FirstEstimate {
+  std::int64_t update = 0;  ///< number of the period since the flight began
+  double time = 0.0;        ///< [s]
+  std::string robot, what;  ///< "p.x", "covariance"; "known" where one of them says nothing
+  double recorded = 0.0, replayed = 0.0;
+};
+
 /// How far the commands of one robot are from the recorded ones.
 struct RobotDifference {
   std::string name;
@@ -43,7 +51,8 @@ struct RobotDifference {
   double largest_at = 0.0;          ///< [s]
 };
 
-/// Compares each command of a loop that flies in a recorded flight, bit for bit; allocates nothing.
+/// Compares each command of a loop that flies in a recorded flight, and each estimate of its localizer, bit for bit;
+/// allocates nothing.
 class CommandComparison final : public Sink<Sample> {
  public:
   /// @param prototype  sized_sample() of the loop
@@ -59,6 +68,10 @@ class CommandComparison final : public Sink<Sample> {
   /// Updates of which a solver's status differs.
   std::int64_t other_status() const noexcept { return other_status_; }
   std::optional<FirstDifference> first() const;
+  /// Estimates of robots that are localized, and those of which a bit differs.
+  std::int64_t estimates() const noexcept { return estimates_; }
+  std::int64_t differing_estimates() const noexcept { return differing_estimates_; }
+  std::optional<FirstEstimate> first_estimate() const;
   /// One for each robot, in the order of the team.
   std::vector<RobotDifference> robots() const;
 
@@ -70,9 +83,19 @@ class CommandComparison final : public Sink<Sample> {
     double largest = 0.0, largest_at = 0.0, squares = 0.0;
   };
 
+  void compare_estimates(const RecordedPeriod& recorded) noexcept;
+
   const RecordedFlight& flight_;
   Sample sample_;
   std::vector<Robot> robots_;
+  std::int64_t estimates_ = 0, differing_estimates_ = 0;
+  struct EstimatePlace {
+    std::size_t update;
+    BodyId robot;
+    std::size_t what;
+    double recorded, replayed;
+  };
+  std::optional<EstimatePlace> first_estimate_{};
   std::size_t updates_ = 0;
   std::int64_t other_status_ = 0;
   struct Place {

@@ -1,0 +1,225 @@
+#include "sightline/record/localization_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <span>
+#include <stdexcept>
+
+#include "sightline/record/cdr.hpp"
+#include "sightline/scenario/read_estimate.hpp"
+
+namespace sightline {
+namespace {
+
+std::array<double, 3> numbers_of_vector(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
+
+std::array<double, 10> upper_triangle(const Mat<4, 4>& P) {
+  std::array<double, 10> all{};
+  std::size_t place = 0;
+  for (int i = 0; i < 4; ++i)
+    for (int j = i; j < 4; ++j) all[place++] = P(i, j);
+  return all;
+}
+
+Vec3<double> vector_of(const LogText& text, std::string_view key) {
+  const std::span<const double> v = text.numbers(key);
+  if (v.size() != 3) throw std::runtime_error(fmt::format("{} numbers in {}, expected 3", v.size(), key));
+  return {v[0], v[1], v[2]};
+}
+
+Mat<4, 4> covariance_of(const LogText& text) {
+  const std::span<const double> all = text.numbers("covariance");
+  if (all.size() != 10)
+    throw std::runtime_error(fmt::format("{} numbers in covariance, expected 10", all.size()));
+  Mat<4, 4> P;
+  std::size_t place = 0;
+  for (int i = 0; i < 4; ++i)
+    for (int j = i; j < 4; ++j) P(i, j) = P(j, i) = all[place++];
+  return P;
+}
+
+}  // namespace
+
+LocalizationLog::LocalizationLog(const Scenario& scenario, McapWriter& mcap)
+    : team_(scenario.team), mcap_(mcap) {
+  const TelemetryOptions telemetry = telemetry_options(scenario);
+  if (telemetry.robots.empty()) return;
+  const SchemaId motion = mcap.schema("sightline.Motion", "jsonschema",
+                                      json_schema({{"t", "number"},
+                                                   {"dt", "number"},
+                                                   {"v", "numbers"},
+                                                   {"yaw_rate", "number"},
+                                                   {"roll", "number"},
+                                                   {"pitch", "number"},
+                                                   {"gyro", "numbers"},
+                                                   {"force", "numbers"}}));
+  const SchemaId broadcast = mcap.schema("sightline.Broadcast", "jsonschema",
+                                         json_schema({{"stamp", "number"},
+                                                      {"p", "numbers"},
+                                                      {"v", "numbers"},
+                                                      {"heading", "number"},
+                                                      {"yaw_rate", "number"},
+                                                      {"covariance", "numbers"}}));
+  const SchemaId localization = mcap.schema("sightline.Localization", "jsonschema",
+                                            json_schema({{"stamp", "number"},
+                                                         {"accepted", "number"},
+                                                         {"p", "numbers"},
+                                                         {"v", "numbers"},
+                                                         {"heading", "number"},
+                                                         {"yaw_rate", "number"},
+                                                         {"covariance", "numbers"}}));
+  const SchemaId innovation = mcap.schema("sightline.Innovation", "jsonschema",
+                                          json_schema({{"target", "string"},
+                                                       {"stamp", "number"},
+                                                       {"verdict", "string"},
+                                                       {"dimension", "integer"},
+                                                       {"squared", "number"},
+                                                       {"y", "numbers"}}));
+  const RosSchema ros = estimate_schema();
+  const SchemaId estimate = mcap.schema(ros.name, "ros2msg", ros.text);
+  const auto open = [&](SchemaId schema, BodyId body, std::string_view what,
+                        std::string_view encoding) -> McapChannel {
+    return {mcap.channel(schema, fmt::format("/{}/{}", team_.name(body), what), encoding, {})};
+  };
+  for (const MovingRobot& one : telemetry.robots)
+    robots_.push_back({one.robot, open(motion, one.robot, "motion", "json"),
+                       open(estimate, one.robot, "estimate", "cdr"),
+                       open(localization, one.robot, "localization", "json"),
+                       open(innovation, one.robot, "innovation", "json")});
+  for (const BodyId body : telemetry.broadcasters)
+    senders_.push_back({body, open(broadcast, body, "broadcast", "json")});
+}
+
+void LocalizationLog::begin(double time) {
+  text_ = "{\"time\":";
+  put(text_, time);
+}
+
+void LocalizationLog::put_number(std::string_view key, double value) {
+  fmt::format_to(std::back_inserter(text_), ",\"{}\":", key);
+  put(text_, value);
+}
+
+void LocalizationLog::send(McapChannel& channel, double time) {
+  text_ += '}';
+  mcap_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(text_)));
+}
+
+LocalizationLog::Robot* LocalizationLog::robot(BodyId body) {
+  const auto found =
+      std::find_if(robots_.begin(), robots_.end(), [&](const Robot& one) { return one.body == body; });
+  return found != robots_.end() ? &*found : nullptr;
+}
+
+void LocalizationLog::add(const Sample& sample) {
+  for (std::size_t i = 0; i < sample.motion_count; ++i) add_motion(sample.motions[i], sample.time);
+  for (std::size_t i = 0; i < sample.broadcast_count; ++i) add_broadcast(sample.broadcasts[i], sample.time);
+  for (std::size_t i = 0; i < sample.fit_count; ++i) add_fit(sample.fits[i], sample.time);
+  for (Robot& one : robots_)
+    if (at(one.body) < sample.estimates.size())
+      add_estimate(one, sample.estimates[at(one.body)], sample.time);
+}
+
+void LocalizationLog::add_motion(const RobotMotion& told, double time) {
+  Robot* const of = robot(told.robot);
+  if (of == nullptr) return;
+  const MotionSample& u = told.motion;
+  begin(time);
+  put_number("t", u.t);
+  put_number("dt", u.dt);
+  put(text_, "v", numbers_of_vector(u.v_V));
+  put_number("yaw_rate", u.yaw_rate);
+  put_number("roll", u.roll);
+  put_number("pitch", u.pitch);
+  put(text_, "gyro", numbers_of_vector(u.gyro));
+  put(text_, "force", numbers_of_vector(u.force));
+  send(of->motion, time);
+}
+
+void LocalizationLog::add_broadcast(const BodyBroadcast& told, double time) {
+  const auto sender = std::find_if(senders_.begin(), senders_.end(),
+                                   [&](const Sender& one) { return one.body == told.body; });
+  if (sender == senders_.end()) return;
+  begin(time);
+  put_number("stamp", told.pose.stamp);
+  put(text_, "p", numbers_of_vector(told.pose.p));
+  put(text_, "v", numbers_of_vector(told.pose.v));
+  put_number("heading", told.pose.psi);
+  put_number("yaw_rate", told.pose.yaw_rate);
+  put(text_, "covariance", upper_triangle(told.pose.P));
+  send(sender->broadcast, time);
+}
+
+void LocalizationLog::add_estimate(Robot& of, const PoseEstimate& estimate, double time) {
+  if (!estimate.known) return;
+  begin(time);
+  put_number("stamp", estimate.stamp);
+  put_number("accepted", estimate.last_accepted);
+  put(text_, "p", numbers_of_vector(estimate.p));
+  put(text_, "v", numbers_of_vector(estimate.v));
+  put_number("heading", estimate.psi);
+  put_number("yaw_rate", estimate.yaw_rate);
+  put(text_, "covariance", upper_triangle(estimate.P));
+  send(of.localization, time);
+  PoseCovariance covariance{};
+  constexpr std::array<std::size_t, 4> row = {0, 1, 2, 5};  // x, y, z, turn about z
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 4; ++j)
+      covariance[6 * row[i] + row[j]] = estimate.P(static_cast<int>(i), static_cast<int>(j));
+  const StampedPose pose{.time = nanoseconds(std::max(0.0, estimate.stamp)),
+                         .p = numbers_of_vector(estimate.p),
+                         .d = {std::cos(estimate.psi), std::sin(estimate.psi)}};
+  encode_estimate(bytes_, frame_of_G, pose, covariance);
+  mcap_.message(of.estimate.id, of.estimate.sequence++, nanoseconds(time), bytes_);
+}
+
+void LocalizationLog::add_fit(const DetectionFit& fit, double time) {
+  Robot* const of = robot(fit.observer);
+  if (of == nullptr) return;
+  begin(time);
+  fmt::format_to(std::back_inserter(text_), ",\"target\":\"{}\"", team_.name(fit.target));
+  put_number("stamp", fit.stamp);
+  fmt::format_to(std::back_inserter(text_), ",\"verdict\":\"{}\",\"dimension\":{}",
+                 to_string(fit.fit.verdict), fit.fit.dimension);
+  put_number("squared", fit.fit.squared);
+  put(text_, "y", fit.fit.y);
+  send(of->innovation, time);
+}
+
+MotionSample motion_of(const LogText& text) {
+  MotionSample u{.t = text.number("t"), .dt = text.number("dt")};
+  u.v_V = vector_of(text, "v");
+  u.yaw_rate = text.number("yaw_rate");
+  u.roll = text.number("roll");
+  u.pitch = text.number("pitch");
+  u.gyro = vector_of(text, "gyro");
+  u.force = vector_of(text, "force");
+  return u;
+}
+
+BroadcastPose broadcast_of(const LogText& text) {
+  BroadcastPose pose{.stamp = text.number("stamp")};
+  pose.p = vector_of(text, "p");
+  pose.v = vector_of(text, "v");
+  pose.psi = text.number("heading");
+  pose.yaw_rate = text.number("yaw_rate");
+  pose.P = covariance_of(text);
+  return pose;
+}
+
+PoseEstimate estimate_of(const LogText& text) {
+  PoseEstimate estimate{.known = true, .stamp = text.number("stamp")};
+  estimate.p = vector_of(text, "p");
+  estimate.v = vector_of(text, "v");
+  estimate.psi = text.number("heading");
+  estimate.yaw_rate = text.number("yaw_rate");
+  estimate.P = covariance_of(text);
+  estimate.last_accepted = text.number("accepted");
+  return estimate;
+}
+
+}  // namespace sightline
