@@ -144,14 +144,15 @@ TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
   std::vector<std::string> names;
   Database::Statement columns(database, "SELECT name FROM pragma_table_info('runs')");
   while (columns.step()) names.push_back(columns.text(0));
-  EXPECT_THAT(names, testing::ElementsAre(
-                         "index", "seed", "outcome", "reason", "min_distance", "time_to_first_view",
-                         "fraction_in_view", "could_brake", "violations", "energy", "chatter", "drift",
-                         "longest_without_plan", "barrier_conflict", "status_converged", "status_stepped",
-                         "status_iteration_limit", "status_deadline", "status_not_finite",
-                         "status_invalid_state", "uav0.range", "uav0.bearing", "uav0.height", "uav0.heading",
-                         "uav0.v_f", "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
-                         "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy"));
+  EXPECT_THAT(names,
+              testing::ElementsAre("index", "seed", "outcome", "reason", "min_distance", "time_to_first_view",
+                                   "fraction_in_view", "could_brake", "violations", "energy", "chatter",
+                                   "drift", "longest_without_plan", "barrier_conflict", "longest_out_of_view",
+                                   "status_converged", "status_stepped", "status_iteration_limit",
+                                   "status_deadline", "status_not_finite", "status_invalid_state",
+                                   "uav0.range", "uav0.bearing", "uav0.height", "uav0.heading", "uav0.v_f",
+                                   "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
+                                   "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy"));
   Database::Statement about(database,
                             "SELECT group_concat(value, '|') FROM campaign WHERE key IN "
                             "('scenario', 'seed', 'version', 'duration')");
@@ -176,6 +177,7 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
     EXPECT_FALSE(rows.number(3)) << "it did not fail";
     EXPECT_EQ(rows.number(4), r.min_distance);
     EXPECT_EQ(rows.number(13), r.barrier_conflict) << "the barrier is on";
+    EXPECT_EQ(rows.number(14), r.longest_out_of_view);
     EXPECT_EQ(rows.number(5).value_or(-1), std::isnan(r.time_to_first_view) ? -1 : r.time_to_first_view);
     EXPECT_EQ(rows.number(6), r.fraction_in_view);
     EXPECT_EQ(rows.integer(7), r.could_brake ? 1 : 0);
@@ -184,17 +186,42 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
     EXPECT_EQ(rows.number(10), r.chatter);
     EXPECT_FALSE(rows.number(11)) << "a second is too short to judge";
     std::int64_t updates = 0;
-    for (int s = 0; s < status_count; ++s) updates += rows.integer(14 + s);
+    for (int s = 0; s < status_count; ++s) updates += rows.integer(15 + s);
     EXPECT_EQ(updates, 100);
     for (std::size_t v = 0; v < run.values.size(); ++v)
-      EXPECT_EQ(rows.number(14 + status_count + static_cast<int>(v)), run.values[v]);
-    const int last = 14 + status_count + static_cast<int>(run.values.size());
+      EXPECT_EQ(rows.number(15 + status_count + static_cast<int>(v)), run.values[v]);
+    const int last = 15 + status_count + static_cast<int>(run.values.size());
     ASSERT_EQ(r.energies.size(), 2U);
     EXPECT_EQ(rows.number(last), r.energies[0]);
     EXPECT_EQ(rows.number(last + 1), r.energies[1]);
     EXPECT_NEAR(r.energies[0] + r.energies[1], r.energy, 1e-12);
   }
   EXPECT_FALSE(rows.step());
+}
+
+TEST(RunTable, OfARobotThatIsLocalizedByViewARowHasErrorAndConsistency) {
+  const fs::path file = test::fresh_folder() / "a.sqlite";
+  const Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml",
+                                          parts_of_sightline(), {"campaign.duration=8.0"});
+  const Variants variants(scenario, *scenario.campaign);
+  Pilot pilot(variants, *scenario.campaign);
+  const RunDraw run = draw_run(*scenario.campaign, 9, 0);
+  const RunResult result = pilot.fly(run);
+  ASSERT_EQ(result.localizations.size(), 1U);
+  {
+    RunTable table(file, scenario, *scenario.campaign, 9);
+    table.add(run, result);
+  }
+  Database database(file, Database::Open::as_it_is);
+  Database::Statement row(database,
+                          "SELECT \"uav0.rmse\", \"uav0.anees\", \"uav0.longest_without_sight\" FROM runs");
+  ASSERT_TRUE(row.step());
+  EXPECT_EQ(row.number(0), result.localizations[0].rmse);
+  EXPECT_EQ(row.number(1), result.localizations[0].anees);
+  EXPECT_EQ(row.number(2), result.localizations[0].longest_without_sight);
+  EXPECT_LT(*row.number(0), 0.1);
+  EXPECT_GT(*row.number(1), 0.1);
+  EXPECT_LT(result.longest_out_of_view, 0.1);
 }
 
 TEST(RunTable, AFolderThatIsNotThereIsNamed) {

@@ -28,6 +28,7 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
       period_(scenario.horizon.dt),
       hold_after_(hold_after(scenario)),
       safety_(scenario),
+      localization_(scenario),
       sample_(std::move(sample)),
       chatter_(static_cast<std::size_t>(scenario.team.nu())),
       drift_(scenario.team, scenario.simulation.settle),
@@ -119,6 +120,7 @@ void Judge::publish() noexcept {
   if (!good) blame(finite ? Fault::input : Fault::not_finite);
   const bool apart = distances_hold();
   safety_.add(sample_.time, sights_, sample_.presence, sample_.barriers, sample_.levels);
+  localization_.add(sample_);
   too_close_ = too_close_ || !apart;
   if (!good || !apart) ++result_.violations;
 
@@ -126,7 +128,8 @@ void Judge::publish() noexcept {
   for (View& view : views_) {
     const Sight<double>&observer = sights_[at(view.pair.observer)], &target = sights_[at(view.pair.target)];
     view.seen = view.pair.potential.violation(observer, target, sample_.time) <= 0;
-    if (view.seen) view.first = std::min(view.first, sample_.time);
+    if (view.seen) view.first = std::min(view.first, sample_.time), view.last = sample_.time;
+    result_.longest_out_of_view = std::max(result_.longest_out_of_view, sample_.time - view.last);
     all_seen = all_seen && view.seen;
   }
   if (all_seen) ++seen_;
@@ -182,6 +185,7 @@ RunResult Judge::result(const LoopOutcome& outcome, std::string ended) const {
   for (const PlanGaps& gaps : gaps_)
     result.longest_without_plan = std::max(result.longest_without_plan, gaps.any().longest);
   result.barrier_conflict = safety_.conflict_share();
+  result.localizations = localization_.robots();
   result.reason = reason(std::move(ended), outcome.finite && updates_ == periods);
   result.outcome = !result.reason.empty() ? Outcome::failed
                    : too_close_           ? Outcome::too_close

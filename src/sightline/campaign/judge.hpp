@@ -10,6 +10,7 @@
 
 #include "sightline/record/chatter.hpp"
 #include "sightline/record/drift.hpp"
+#include "sightline/record/localization_summary.hpp"
 #include "sightline/record/safety_summary.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/run/loop.hpp"
@@ -49,6 +50,8 @@ struct RunResult {
   /// Largest share of the time in which the barrier found no command that keeps a robot's distances and walls; not a number
   /// without a barrier.
   double barrier_conflict = 0.0;
+  double longest_out_of_view = 0.0;  ///< that an observer did not see its target, once it had [s]
+  std::vector<RobotLocalization> localizations{};  ///< of the robots that are localized by view
   std::string reason{};  ///< of a failed run: the sentence of what went wrong first; else empty
 };
 
@@ -71,6 +74,7 @@ class Judge final : public Sink<Sample> {
     Observation pair;
     bool seen = false;  // in the last sample
     double first = std::numeric_limits<double>::infinity();
+    double last = first;  // that it was seen [s]
   };
 
   struct Pair {
@@ -93,6 +97,7 @@ class Judge final : public Sink<Sample> {
   CampaignPlan plan_;
   double period_, hold_after_;  // [s]
   SafetySummary safety_;
+  LocalizationSummary localization_;
   Sample sample_;
   std::vector<View> views_;
   std::vector<BodyId> robots_;

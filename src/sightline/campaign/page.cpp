@@ -82,12 +82,13 @@ class Runs {
   }
 
   /// The columns of robots' energies.
-  std::vector<std::string> energies() {
+  std::vector<std::string> energies() { return ending_in(energy_ending); }
+  std::vector<std::string> ending_in(std::string_view ending) {
     std::vector<std::string> names;
     Database::Statement ask(*database_,
                             fmt::format("SELECT name FROM pragma_table_info('runs') WHERE name LIKE '_%{}' "
                                         "ORDER BY cid",
-                                        energy_ending));
+                                        ending));
     while (ask.step()) names.push_back(ask.text(0));
     return names;
   }
@@ -148,6 +149,20 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
                                          quantile(quoted, 0.5, "s"), quantile(quoted, 0.05, "s"),
                                          quantile(quoted, 0.95, "s"))});
   }
+  for (const std::string& column : runs.ending_in(localization_endings[0])) {
+    const std::string robot = column.substr(0, column.size() - localization_endings[0].size());
+    const std::string rmse = sql_name(column), anees = sql_name(robot + std::string(localization_endings[1])),
+                      unseen = sql_name(robot + std::string(localization_endings[2]));
+    lines.push_back(
+        {robot + " localized by view",
+         fmt::format(
+             "error (RMS) median {}, 95 % within {}, most {}, of all runs {}; ANEES {} (4 is right), of one "
+             "run at most {}; at most {} without a sighting; never in {} runs",
+             quantile(rmse, 0.5, "m"), quantile(rmse, 0.95, "m"), quantile(rmse, 1.0, "m"),
+             quantile(fmt::format("(SELECT sqrt(avg({0} * {0})) FROM runs)", rmse), 0.0, "m"),
+             quantile(fmt::format("(SELECT avg({}) FROM runs)", anees), 0.0, ""), quantile(anees, 1.0, ""),
+             quantile(unseen, 1.0, "s"), runs.count(fmt::format("{} IS NULL", rmse)))});
+  }
   const auto restless = [&](const char* column, std::string_view unit, std::string_view what) {
     const std::int64_t these = runs.count(fmt::format("{} > 0", column));
     lines.push_back({column, these == 0 ? "none"
@@ -156,6 +171,7 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
   };
   restless("chatter", "of the time", "an input jumps to and fro each period");
   restless("drift", "m/s", "a robot leaves where it was asked to be until the end");
+  restless("longest_out_of_view", "s", "an observer loses its target for a time");
   restless("longest_without_plan", "s", "a solver gives no plan for a time");
   if (runs.count("barrier_conflict IS NOT NULL") > 0)
     restless("barrier_conflict", "of the time", "no command keeps all that the barrier is to keep");

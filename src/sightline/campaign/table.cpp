@@ -26,7 +26,8 @@ std::vector<std::string> fixed_columns() {
                                     "chatter",
                                     "drift",
                                     "longest_without_plan",
-                                    "barrier_conflict"};
+                                    "barrier_conflict",
+                                    "longest_out_of_view"};
   for (int i = 0; i < status_count; ++i)
     names.push_back(fmt::format("status_{}", to_string(static_cast<Status>(i))));
   return names;
@@ -51,7 +52,8 @@ std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
                                         "REAL NOT NULL",
                                         "REAL",
                                         "REAL NOT NULL",
-                                        "REAL"};
+                                        "REAL",
+                                        "REAL NOT NULL"};
   std::vector<std::string> columns;
   for (const std::string& name : fixed_columns()) {
     const bool typed = columns.size() < std::size(types);
@@ -62,6 +64,10 @@ std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
     columns.push_back(fmt::format("{} REAL NOT NULL", sql_name(name)));
   for (const Agent& agent : scenario.team.agents())
     columns.push_back(fmt::format("{} REAL NOT NULL", sql_name(agent.name + std::string(energy_ending))));
+  for (const LocalizedRobot& one : scenario.localization.robots)
+    for (const std::string_view ending : localization_endings)
+      columns.push_back(
+          fmt::format("{} REAL", sql_name(std::string(scenario.team.name(one.robot)) + std::string(ending))));
   return fmt::format("CREATE TABLE runs({})", fmt::join(columns, ", "));
 }
 
@@ -81,12 +87,14 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
     real(value);
   whole(result.could_brake ? 1 : 0);
   whole(result.violations);
-  for (const double value :
-       {result.energy, result.chatter, result.drift, result.longest_without_plan, result.barrier_conflict})
+  for (const double value : {result.energy, result.chatter, result.drift, result.longest_without_plan,
+                             result.barrier_conflict, result.longest_out_of_view})
     real(value);
   for (const std::int64_t count : result.statuses) whole(count);
   for (const double value : run.values) real(value);
   for (const double value : result.energies) real(value);
+  for (const RobotLocalization& one : result.localizations)
+    for (const double value : {one.rmse, one.anees, one.longest_without_sight}) real(value);
   return row;
 }
 

@@ -1,6 +1,7 @@
 /// campaign.sqlite: the runs of a campaign, a row each.
 #pragma once
 
+#include <array>
 #include <condition_variable>
 #include <exception>
 #include <filesystem>
@@ -74,6 +75,10 @@ class RunTable {
 
 /// What the column of a robot's energy is called, after its name.
 inline constexpr std::string_view energy_ending = ".energy";
+
+/// And of its error, its consistency and its longest time without sight, where it is localized by view.
+inline constexpr std::array<std::string_view, 3> localization_endings = {".rmse", ".anees",
+                                                                         ".longest_without_sight"};
 
 /// The columns of `runs` that do not depend on what is drawn.
 std::vector<std::string> fixed_columns();

@@ -57,6 +57,7 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
       present_(scenario),
       safety_(scenario),
       plans_(scenario, controllers),
+      localization_(scenario),
       period_(scenario.horizon.dt),
       leans_(leaning_bodies(scenario)),
       chatter_(static_cast<std::size_t>(scenario.team.nu())),
@@ -187,6 +188,7 @@ void Summary::add(const Sample& sample) {
   add_limits(sample.time);
   add_solvers(sample);
   plans_.add(sample);
+  localization_.add(sample);
   add_drift(sample);
   safety_.add(sample.time, sights_, presence_, sample.barriers, sample.levels);
 }

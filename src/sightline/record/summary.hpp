@@ -14,6 +14,7 @@
 #include "sightline/potential/potential.hpp"
 #include "sightline/record/chatter.hpp"
 #include "sightline/record/drift.hpp"
+#include "sightline/record/localization_summary.hpp"
 #include "sightline/record/plan_summary.hpp"
 #include "sightline/record/planned_view.hpp"
 #include "sightline/record/present_team.hpp"
@@ -129,6 +130,8 @@ class Summary {
   const Agent* agent(BodyId robot) const { return present_.agent(robot); }
   /// The time without a plan.
   const PlanSummary& plans() const { return plans_; }
+  /// Of robots that are localized by view.
+  const LocalizationSummary& localization() const { return localization_; }
   /// The hard distances, and what the barrier did.
   const SafetySummary& safety() const { return safety_; }
   /// Whether some observer did not see its target during all of the last 2 s.
@@ -195,6 +198,7 @@ class Summary {
   std::vector<Presence> presence_;
   SafetySummary safety_;
   PlanSummary plans_;
+  LocalizationSummary localization_;
   double period_;            // [s]
   std::vector<bool> leans_;  // of all bodies
   std::vector<View> views_;

@@ -104,6 +104,8 @@ std::string Summary::json() const {
     }
   }
   for (const auto& event : v.events) json["events"].push_back({{"time", event.time}, {"name", event.name}});
+  if (const std::string localization = localization_.json(); !localization.empty())
+    json["localization"] = Json::parse(localization);
   if (const std::string safety = safety_.json(); !safety.empty()) json["safety"] = Json::parse(safety);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -157,6 +157,21 @@ std::vector<SummaryLine> lines_of(const Json& s) {
         return std::pair(number(agent.at("rms_position_error"), 0.0), number(agent.at("energy"), 0.0));
       },
       tell_agent, and_more("robots"));
+  const auto tell_localization = [&](const Json& of) {
+    add(name(of.at("agent")) + " localized by view",
+        of.at("known_from").is_null()
+            ? "never"
+            : fmt::format(
+                  "from {}, error {} and {} (RMS), ANEES {} (4 is right), {} of {} detections refused, begun "
+                  "anew {} times, at most {} without one",
+                  words(of.at("known_from"), "s"), words(of.at("rmse"), "m"),
+                  words(of.at("heading_rmse"), "rad"), words(of.at("anees"), ""),
+                  words(of.at("rejected"), ""), words(of.at("detections"), ""), words(of.at("restarts"), ""),
+                  words(of.at("longest_without_sight"), "s")));
+  };
+  tell_worst(
+      s.value("localization", Json::array()), [](const Json& of) { return number(of.at("rmse"), 1e9); },
+      tell_localization, and_more("robots that are localized by view"));
   const auto tell_limit = [&](const Json& limit) {
     const std::string when = in_force(limit, "");
     add("limit " + name(limit.at("name")),

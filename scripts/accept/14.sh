@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# The figures of robots that are localized by view, section by section:  scripts/accept/14.sh [--short] [SECTION ...]
+# What is finished stays in out/accept/14/ and is not done again; delete it to begin anew. A killed run goes on where it was. Needs the
+# release preset.
+# --short is for CI: fewer and shorter flights, whose figures are judged by wider limits.
+# RUNS=50 flies so many a campaign in place of 200.
+set -uo pipefail
+cd "$(dirname "$0")/../.." || exit 1
+build=build/release
+. scripts/accept/sections.sh
+sightline=$build/bin/sightline
+scenario=scenarios/localize.toml
+if whole; then runs=${RUNS:-200} duration=60; else runs=${RUNS:-6} duration=15; fi
+
+of() { sqlite3 "$1/campaign.sqlite" "SELECT $2 FROM runs"; }  # $1: folder; $2: SQL
+holds() { awk "BEGIN { exit !($1) }"; }
+
+# Flies scenarios/localize.toml.  $1: name; $2: greatest error (RMS) [m]; $3 and $4: least and greatest ANEES; then keys, KEY=VALUE.
+# In the short form errors settle for a quarter of a flight: half as much again.
+fly() {
+  local name=$1 most=$2 low=$3 high=$4 folder=$out/$1 rmse anees out_of_view never lost
+  shift 4
+  local -a set=(--set "campaign.duration=$duration")
+  whole || { most=$(awk "BEGIN { print 1.5 * $most }") low=2 high=8; }
+  for key in "$@"; do set+=(--set "$key"); done
+  "$sightline" campaign "$scenario" --runs "$runs" -o "$folder" "${set[@]}" >"$folder.log" 2>&1
+  [[ -f $folder/campaign.sqlite ]] || { cat "$folder.log"; return 1; }
+  rmse=$(of "$folder" 'sqrt(avg("uav0.rmse" * "uav0.rmse"))') anees=$(of "$folder" 'avg("uav0.anees")')
+  out_of_view=$(of "$folder" 'max(longest_out_of_view)') never=$(of "$folder" 'sum("uav0.rmse" IS NULL)')
+  lost=$(of "$folder" "sum(outcome <> 'recovered')")
+  printf '%s, %s flights of %s s: error %.1f mm (of one flight at most %.1f mm), ANEES %.2f, %s not recovered, never localized %s, out of view at most %.2f s\n' \
+    "$name" "$(of "$folder" 'count(*)')" "$duration" "$(awk "BEGIN { print 1000 * $rmse }")" \
+    "$(of "$folder" '1000 * max("uav0.rmse")')" "$anees" "$lost" "$never" "$out_of_view"
+  holds "$rmse <= $most" && holds "$anees >= $low && $anees <= $high" && holds "$out_of_view <= 0.5" && ((lost == 0 && never == 0)) && return
+  echo "expected an error of at most $most m, an ANEES of $low to $high, each recovered, at most 0.5 s out of view"
+  return 1
+}
+
+# By heading and by full attitude; camera or broadcast at 10 Hz; outliers and turned sightings; a camera that sits 2 degrees off.
+campaign() {
+  local bad=0 share
+  fly heading 0.025 3.4 4.6 || bad=1
+  fly attitude 0.012 3.4 4.6 'estimate.filter="attitude"' || bad=1
+  fly camera_10_Hz 0.030 3.4 4.6 agent.uav0.camera.rate=10.0 || bad=1
+  fly broadcast_10_Hz 0.030 0 6 estimate.broadcast.rate=10.0 || bad=1
+  for share in 0.1 0.2; do
+    fly "outliers_$share" 0.0275 3.06 5.06 "agent.uav0.camera.outliers=$share" "agent.uav0.camera.flips=$share" || bad=1
+    whole || break
+  done
+  fly misaligned 0.020 0 5 'estimate.filter="attitude"' estimate.camera_turn=0.03 agent.uav0.camera.misalignment=0.0349 || bad=1
+  return $bad
+}
+
+# Flies the scenario while a level disc passes between camera and tags.  $1: for how long about [s]; $2: how many of the flights are to
+# be recovered.
+hide() {
+  local seconds=$1 expected=$2 folder=$out/hidden_$1 recovered
+  cat >"$folder.toml" <<TOML
+based_on = "$PWD/$scenario"
+
+[obstacle.curtain]
+d_hard = 0.01
+speed_max = 1.2
+motion = { circle = { centre = [0.0, 54.0, 1.5], radius = 50.0, rate = 0.024, phase = -2.0508 } }
+
+[obstacle.curtain.hull]
+radius = $(awk "BEGIN { print sqrt(16 + (0.6 * $seconds) ^ 2) }")
+height = 0.02
+TOML
+  "$sightline" campaign "$folder.toml" --runs "$blind" -o "$folder" >"$folder.log" 2>&1
+  [[ -f $folder/campaign.sqlite ]] || { cat "$folder.log"; return 1; }
+  recovered=$(of "$folder" "sum(outcome = 'recovered')")
+  printf 'hidden for %s s, %s flights: %s recovered, out of view at most %.2f s, without a sighting at most %.2f s, error %.0f mm, ANEES %.2f\n' \
+    "$seconds" "$blind" "$recovered" "$(of "$folder" 'max(longest_out_of_view)')" \
+    "$(of "$folder" 'max("uav0.longest_without_sight")')" \
+    "$(of "$folder" '1000 * sqrt(avg("uav0.rmse" * "uav0.rmse"))')" "$(of "$folder" 'avg("uav0.anees")')"
+  ((recovered >= expected)) && return
+  echo "expected $expected recovered"
+  return 1
+}
+
+hidden() {
+  local bad=0 blind=50
+  whole || blind=5 duration=60
+  hide 2 "$blind" || bad=1
+  if whole; then
+    hide 5 "$blind" || bad=1
+    hide 10 $((blind - 2)) || bad=1
+  fi
+  return $bad
+}
+
+# A flight by each filter, and in a chain; then the estimator again, bit for bit.
+replay() {
+  local filter said
+  for filter in heading attitude; do
+    "$sightline" run "$scenario" -o "$out/flown_$filter" --set "estimate.filter=\"$filter\"" --set "simulation.duration=$duration" \
+      --set agent.uav0.camera.outliers=0.1 --set 'estimate.broadcast.latency=[0.01, 0.05]' >/dev/null || return 1
+    said=$("$sightline" replay "$out/flown_$filter") || { echo "$said"; return 1; }
+    echo "$filter: $(tr '\n' ' ' <<<"$said")"
+    grep -q 'estimates of poses, 0 differ' <<<"$said" || return 1
+  done
+}
+
+all=(campaign hidden replay)
+run_sections "$@"
