@@ -23,8 +23,8 @@ using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
 using View = Drawing::Grid::View;
 
-constexpr int width = 900, left = 102, axes_width = 780;  // [px]
-constexpr std::string_view picture_head = "<?xml ";       // of each that gnuplot draws
+constexpr int width = 900, axes_left = 102, axes_width = 780;  // [px]
+constexpr std::string_view picture_head = "<?xml ";            // of each that gnuplot draws
 
 }  // namespace
 
@@ -64,7 +64,7 @@ std::string literal(std::string_view text) {
   return result + "'";
 }
 
-bool any_finite(const std::vector<double>& values) {
+bool has_a_number(const std::vector<double>& values) {
   return std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
@@ -79,8 +79,8 @@ void prune(std::vector<Drawing>& drawings) {
           if (!shown) curve.y[i] = no_value;
         }
       }
-      std::erase_if(panel.curves, [](const Curve& curve) { return !any_finite(curve.y); });
-      if (!any_finite(panel.grid.z)) panel.grid = {};
+      std::erase_if(panel.curves, [](const Curve& curve) { return !has_a_number(curve.y); });
+      if (!has_a_number(panel.grid.z)) panel.grid = {};
     }
     const bool shared = !drawing.panels.empty() && drawing.panels.front().x_label.empty();
     const std::string x_label = shared ? drawing.panels.back().x_label : "";
@@ -131,15 +131,15 @@ struct Legend {
   }
 };
 
-struct Range {
+struct AxisRange {
   double low = std::numeric_limits<double>::infinity(), high = -low;
 
   double length() const { return high - low; }
   double middle() const { return low + 0.5 * length(); }
 };
 
-Range range_of(const Panel& panel, std::vector<double> Curve::*axis) {
-  Range range;
+AxisRange range_of(const Panel& panel, std::vector<double> Curve::*axis) {
+  AxisRange range;
   const std::vector<double>& grid = axis == &Curve::x ? panel.grid.x : panel.grid.y;
   if (!grid.empty()) {
     const auto [low, high] = std::minmax_element(grid.begin(), grid.end());
@@ -155,14 +155,14 @@ Range range_of(const Panel& panel, std::vector<double> Curve::*axis) {
   return range;
 }
 
-Range height_of(const Drawing::Grid& grid) {
+AxisRange height_of(const Drawing::Grid& grid) {
   if (grid.z.empty()) return {0.0, 0.0};
   const auto [low, high] = std::minmax_element(grid.z.begin(), grid.z.end());
   return {*low, *high};
 }
 
 struct Space {
-  Range x, y, z;
+  AxisRange x, y, z;
 };
 
 // The box of a cloud: no side is so short beside another that its tics find no room.
@@ -171,7 +171,7 @@ Space space_of(const Panel& panel) {
   if (!panel.curves.empty()) space.z = {std::min(space.z.low, 0.0), std::max(space.z.high, 0.0)};
   const double least =
       std::max({1e-3, 0.5 * space.x.length(), 0.5 * space.y.length(), 0.5 * space.z.length()});
-  for (Range* side : {&space.x, &space.y, &space.z}) {
+  for (AxisRange* side : {&space.x, &space.y, &space.z}) {
     const double middle = side->middle(), half = 0.5 * std::max(side->length(), least);
     *side = {middle - half, middle + half};
   }
@@ -180,7 +180,7 @@ Space space_of(const Panel& panel) {
 
 // The data with some air; of a logarithmic y at most the upper six decades.
 std::string ranges(const Panel& panel, int axes) {
-  const Range x = range_of(panel, &Curve::x), y = range_of(panel, &Curve::y);
+  const AxisRange x = range_of(panel, &Curve::x), y = range_of(panel, &Curve::y);
   const auto text = [](double x_low, double x_high, double y_low, double y_high) {
     return fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
   };
@@ -267,7 +267,7 @@ std::string write_grid(std::ostream& script, const Drawing::Grid& grid, const Sp
     case View::cloud:
       break;
   }
-  const Range z = height_of(grid);
+  const AxisRange z = height_of(grid);
   // As large as there is room for: the height of the box is to the scale of its sides.
   const double scale = 1.25 * std::min(1.0, std::max(space.x.length(), space.y.length()) / space.z.length());
   // The colours in the middle read on light and on dark.
@@ -318,7 +318,7 @@ void write_drawing(std::ostream& script, const Drawing& drawing) {
     for (std::size_t i = first; i < end; ++i) {
       const Panel& panel = drawing.panels[i];
       const int column = static_cast<int>(i - first);
-      const int from = columns == 1 ? left : column * share + 72;
+      const int from = columns == 1 ? axes_left : column * share + 72;
       const bool map = !panel.grid.z.empty() && panel.grid.view == View::map;
       const int axes = (columns == 1 ? axes_width : share - 90) - (map ? colour_box : 0);
       const int title = panel.title.empty() ? 0 : row;
