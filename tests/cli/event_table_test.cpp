@@ -165,6 +165,7 @@ struct Actions {
              "reference = { agent = \"uav0\", reference = { circle = { centre = [0.1, 0.0, 1.1], radius = "
              "0.1, rate = 0.2 } } }"}};
   }
+  std::vector<Row> operator()(std::type_identity<HandOver>) const { return {}; }  // of the shape `best`
   std::vector<Row> operator()(std::type_identity<Observe>) const {
     return {{"observe", at, "observe = { observer = \"uav1\", target = \"uav2\" }"},
             {"observe_target", at, "observe = { observer = \"uav1\", target = \"lamp\" }"},
@@ -209,6 +210,7 @@ struct Triggers {
              change + "\n[[simulation.fault]]\nkind = \"dropout\"\nbody = \"lamp\"\nfrom = 0.2"}};
   }
   std::vector<Row> operator()(std::type_identity<NearerThan>) const { return {}; }  // of the shape `nearest`
+  std::vector<Row> operator()(std::type_identity<TurnedTo>) const { return {}; }    // of the shape `best`
 };
 
 template <class Kinds, class... Alternative>

@@ -183,5 +183,59 @@ TEST(Relay, IsRefusedWithoutANameOrWithARobotTwice) {
               testing::HasSubstr("stands twice in the relay"));
 }
 
+/// Robots a and b that look at the ball or at each other.
+struct Choosing : Pursuit {
+  ViewChoice choice{.name = "who",
+                    .observers = {a, b},
+                    .targets = {ball, a, b},
+                    .variances = std::vector<ViewVariance>(6, {.step = 10.0, .values = {1e-4, 1e-2}}),
+                    .first = {0, 1}};
+  const TermsOf terms = [](Between) { return std::vector<Weighted>{0.4 * SensorCone{}, 0.4 * Cohesion{}}; };
+};
+
+TEST(Best, EachObserverHasTheTermsOfItsTargetAlone) {
+  Choosing p;
+  best(p.team, p.script, p.terms, p.choice, 1.0);
+  ASSERT_EQ(p.team.couplings().size(), 4U);
+  EXPECT_EQ(p.team.couplings()[0].between.second, p.ball);
+  EXPECT_EQ(p.team.couplings()[2].between.second, p.a);
+  // Of each observer: to two others and to nobody.
+  ASSERT_EQ(p.script.events.size(), 6U);
+  EXPECT_EQ(in_words(p.script.events[0], p.team),
+            "who: a turns to ball, when the choice for a falls on this, as often as that comes about: a "
+            "observes ball, "
+            "over 1 s");
+  EXPECT_TRUE(faults_of(p.script, Roster(p.team)).empty());
+  Roster roster(p.team);
+  for (const std::size_t event : {1U, 2U, 0U, 3U}) {
+    for (const Action& action : p.script.events[event].actions) ASSERT_EQ(roster.apply(action, 1.0, 0.0), "");
+    const std::size_t of_a = event == 2 ? 0 : 2;
+    const Team team = roster.team(1.0);
+    EXPECT_EQ(std::count_if(team.couplings().begin(), team.couplings().end(),
+                            [&](const Coupling& c) { return team.name(c.between.first) == "a"; }),
+              static_cast<std::ptrdiff_t>(of_a));
+  }
+}
+
+TEST(Best, AnObserverOfTwoChoicesAndAnEventThatTurnsItAreRefused) {
+  Choosing p;
+  best(p.team, p.script, p.terms, p.choice, 1.0);
+  ViewChoice other = p.choice;
+  EXPECT_EQ(refusal_of([&] { best(p.team, p.script, p.terms, other, 1.0); }),
+            "two choices of observers are called who, expected two names");
+  other.name = "whom";
+  EXPECT_EQ(refusal_of([&] { best(p.team, p.script, p.terms, other, 1.0); }),
+            "\"a\" observes in who already, expected a robot that turns by one choice alone");
+  other.name.clear();
+  EXPECT_THAT(refusal_of([&] { best(p.team, p.script, p.terms, other, 1.0); }),
+              testing::HasSubstr("no name"));
+  p.script.events.push_back({.name = "turn", .trigger = AtTime{1.0}, .actions = {Observe{p.a, p.b}}});
+  const auto faults = faults_of(p.script, Roster(p.team));
+  ASSERT_FALSE(faults.empty());
+  EXPECT_EQ(
+      faults[0].sentence,
+      "observe.observer = \"a\", which turns by the shape \"who\", expected a robot that no shape turns");
+}
+
 }  // namespace
 }  // namespace sightline

@@ -179,5 +179,68 @@ TEST(ReadShape, the_nearest_observes_by_events_of_its_own) {
             "a.toml:34: shape[0].nearest.observers[1] = \"r0\", expected a robot other than the target");
 }
 
+/// Robots on a line with cameras and tags, and a rock with tags.
+std::string seeing_line() {
+  std::string text;
+  for (int i = 0; i < 4; ++i) {
+    text += fmt::format(
+        "[agent.r{0}]\nrobot = \"multirotor\"\nstart = {{ p = [{1}, 0.0, 1.0], heading = 0.0 }}\n"
+        "sensor = {{ pitch = 0.0, offset = 0.1 }}\ntags = {{}}\n{2}\n",
+        i, -1.6 * i, i < 3 ? "camera = {}" : "");
+  }
+  return text + "[obstacle.rock]\np = [2.0, 0.0, 1.0]\ntags = {}\n[obstacle.bare]\np = [9.0, 0.0, 1.0]\n";
+}
+
+std::string best_shape(std::string_view keys) {
+  return fmt::format("[[shape]]\nname = \"who\"\nbest = {{ {} }}\npotential = {{ {} }}\n", keys,
+                     sensor_cone_table);
+}
+
+TEST(ReadShape, the_best_observes_by_paths_to_what_knows_its_place) {
+  const Scenario s = scenario_of(
+      seeing_line() + best_shape("target = [\"rock\", \"r0\", \"r1\", \"r2\"], observers = [\"r0\", \"r1\", "
+                                 "\"r2\"], observers_max = 1, margin = 0.02, dwell = 0.7, ramp = 0.4"));
+  ASSERT_EQ(s.team.couplings().size(), 3U);
+  const auto target = [&](std::size_t i) { return s.team.name(s.team.couplings()[i].between.second); };
+  EXPECT_EQ(target(0), "rock");
+  EXPECT_EQ(target(1), "r0");
+  EXPECT_EQ(target(2), "r1");
+  ASSERT_EQ(s.script.choices.size(), 1U);
+  EXPECT_EQ(s.script.choices[0].at_most, 1);
+  EXPECT_EQ(s.script.choices[0].margin, 0.02);
+  EXPECT_EQ(s.script.choices[0].dwell, 0.7);
+  EXPECT_EQ(s.script.events.size(), 12U);
+  EXPECT_EQ(s.script.events[0].ramp, 0.4);
+  EXPECT_TRUE(changes_in_flight(s));
+}
+
+TEST(ReadShape, one_target_has_one_observer_at_a_time) {
+  const Scenario s =
+      scenario_of(seeing_line() + best_shape("target = \"rock\", observers = [\"r2\", \"r1\", \"r0\"]"));
+  ASSERT_EQ(s.team.couplings().size(), 1U);
+  EXPECT_EQ(s.team.name(s.team.couplings()[0].between.first), "r0");
+}
+
+TEST(ReadShape, a_best_observer_that_cannot_be_is_refused) {
+  const auto refused = [](std::string_view keys) {
+    const std::string said = test::scenario_refusal(seeing_line() + best_shape(keys));
+    return said.substr(std::min(said.size(), said.find("shape[0]")));
+  };
+  EXPECT_EQ(refused("target = \"rock\", observers = [\"r0\", \"r3\"]"),
+            "shape[0].best.observers[1] = \"r3\", expected a robot with a camera, [agent.r3.camera]");
+  EXPECT_EQ(refused("target = [\"rock\", \"bare\"], observers = [\"r0\"]"),
+            "shape[0].best.target[1] = \"bare\", expected a body with tags, [obstacle.bare.tags]");
+  EXPECT_EQ(refused("target = \"r0\", observers = [\"r0\", \"r1\"]"),
+            "shape[0].best.observers[0] = \"r0\", expected a robot other than the target");
+  EXPECT_EQ(refused("target = [\"r0\", \"r1\"], observers = [\"r0\", \"r1\"]"),
+            "shape[0].best.target = [\"r0\", \"r1\"], expected a body that is no observer among them, since "
+            "one has to "
+            "know its place without looking");
+  EXPECT_EQ(refused("target = \"rock\", observers = [\"rock\"]"),
+            "shape[0].best.observers[0] = \"rock\", expected a robot other than the target");
+  EXPECT_EQ(refused("target = \"rock\", observers = [\"r0\"], observers_max = 0"),
+            "shape[0].best.observers_max = 0, expected 1 to 1024");
+}
+
 }  // namespace
 }  // namespace sightline

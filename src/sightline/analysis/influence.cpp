@@ -110,6 +110,8 @@ std::vector<Coupling> said_couplings(const Scenario& scenario) {
   for (const TeamEvent& event : scenario.script.events) {
     for (const Action& action : event.actions) {
       if (const auto* add = std::get_if<AddCoupling>(&action)) all.push_back(add->coupling);
+      if (const auto* turn = std::get_if<HandOver>(&action))
+        all.insert(all.end(), turn->couplings.begin(), turn->couplings.end());
     }
   }
   return all;

@@ -151,6 +151,12 @@ bool is_armed(const TeamEvent& event, const std::vector<std::string>& stages) {
   return event.stage.empty() || std::find(stages.begin(), stages.end(), event.stage) != stages.end();
 }
 
+/// Whether a choice asks for it, which closes no circle (view_choice.hpp).
+bool is_chosen(const TeamEvent& event) {
+  const auto* condition = std::get_if<Condition>(&event.trigger);
+  return condition != nullptr && std::holds_alternative<TurnedTo>(condition->measure);
+}
+
 /// Whether another event of a time of its own must come first.
 bool waits(const Script& script, const Possible& at, std::size_t event) {
   const auto* time = std::get_if<AtTime>(&script.events[event].trigger);
@@ -234,7 +240,7 @@ std::vector<ObservationCycle> observation_cycles(const Scenario& scenario) {
     collect(scenario, at, cycles);
     for (std::size_t i = 0; i < scenario.script.events.size() && met.size() < teams_max; ++i) {
       const TeamEvent& event = scenario.script.events[i];
-      if (!is_armed(event, at.stages) || (at.happened.contains(i) && !event.repeat) ||
+      if (!is_armed(event, at.stages) || (at.happened.contains(i) && !event.repeat) || is_chosen(event) ||
           waits(scenario.script, at, i))
         continue;
       Possible next = after(scenario.script, at, i);

@@ -19,9 +19,10 @@ std::string subject_of(const Action& action, const Team& all) {
 class Examination {
  public:
   Examination(const Script& script, const Roster& roster)
-      : events_(script.events), begins_(script.begins), roster_(roster) {
+      : events_(script.events), begins_(script.begins), choices_(script.choices), roster_(roster) {
     for (std::size_t i = 0; i < events_.size(); ++i) check_numbers(i);
     check_stages();
+    check_choices();
     check_cycles();
     check_times();
   }
@@ -59,6 +60,24 @@ class Examination {
       }
       if (!event.enter.empty() && event.enter == event.stage) {
         fault(i, "enter = \"{}\", expected another stage than its own", event.enter);
+      }
+    }
+  }
+
+  /// Whom an observer of a choice observes, no other event says.
+  void check_choices() {
+    for (std::size_t i = 0; i < events_.size(); ++i) {
+      for (const Action& action : events_[i].actions) {
+        const auto* const observe = std::get_if<Observe>(&action);
+        if (observe == nullptr) continue;
+        for (const ViewChoice& choice : choices_) {
+          const auto& all = choice.observers;
+          if (std::find(all.begin(), all.end(), observe->observer) == all.end()) continue;
+          fault(i,
+                "observe.observer = \"{}\", which turns by the shape \"{}\", expected a robot that no shape "
+                "turns",
+                roster_.all().name(observe->observer), choice.name);
+        }
       }
     }
   }
@@ -158,6 +177,7 @@ class Examination {
 
   const std::vector<TeamEvent>& events_;
   const std::vector<std::string>& begins_;
+  const std::vector<ViewChoice>& choices_;
   const Roster& roster_;
   std::vector<ScriptFault> faults_;
 };

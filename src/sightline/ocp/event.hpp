@@ -17,6 +17,7 @@
 #include "sightline/ocp/event/after_time.hpp"
 #include "sightline/ocp/event/at_time.hpp"
 #include "sightline/ocp/event/condition.hpp"
+#include "sightline/ocp/event/hand_over.hpp"
 #include "sightline/ocp/event/observe.hpp"
 #include "sightline/ocp/event/remove_body.hpp"
 #include "sightline/ocp/event/remove_term.hpp"
@@ -41,7 +42,7 @@ using Trigger = std::variant<AtTime, AfterTime, Condition, Signal>;
 
 /// What: likewise.
 ///
-///   key            what a scenario calls it; several may share one, told apart by
+///   key            what a scenario calls it, if it does; several may share one, told apart by
 ///   kinds          of which one stands in its table, with the keys `beside`
 ///   named          made of a body alone, if it can be: remove = "uav2"
 ///   expected       in place of what is no table, if more than "a table"
@@ -52,7 +53,7 @@ using Trigger = std::variant<AtTime, AfterTime, Condition, Signal>;
 ///   needs          bodies that must be there, if any
 ///   usual_ramp     over which its weights change where the event says nothing, if not at once [s]
 using Action = std::variant<RemoveBody, RemoveTerm, AddBody, AddCoupling, AddConstraint, RetuneAgent,
-                            RetuneTerm, Observe, SetReference>;
+                            RetuneTerm, Observe, SetReference, HandOver>;
 
 inline constexpr std::string_view first_stage = "start";
 
@@ -79,6 +80,7 @@ std::string_view region_of(std::string_view stage);
 struct Script {
   std::vector<TeamEvent> events{};
   std::vector<std::string> begins = {std::string(first_stage)};  ///< the first stage of each region
+  std::vector<ViewChoice> choices{};                             ///< whose events follow them (shape.hpp)
   bool empty() const { return events.empty(); }
 };
 
@@ -90,7 +92,7 @@ struct ScriptFault {
 
 class Roster;
 
-/// What can be known without a flight: numbers out of range, a stage that nothing enters, stages that could follow
+/// What can be known without a flight: an observer of a choice that an event turns; numbers out of range, a stage that nothing enters, stages that could follow
 /// each other in no time, two events at one time that contradict each other, what is not there removed or what
 /// is there added.
 std::vector<ScriptFault> faults_of(const Script& script, const Roster& roster);

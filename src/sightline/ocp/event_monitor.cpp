@@ -16,6 +16,7 @@ EventMonitor::EventMonitor(const Script& script, const Team& all)
     state.stage = stage_of(event.stage);
     state.enter = stage_of(event.enter);
   }
+  for (const ViewChoice& choice : script_.choices) choosers_.emplace_back(choice);
   happening_.reserve(states_.size());
 }
 
@@ -40,12 +41,14 @@ std::string_view EventMonitor::stage(std::string_view region) const noexcept {
 
 std::span<const std::size_t> EventMonitor::look(const Known& known) noexcept {
   happening_.clear();
+  ConditionState none;
+  for (ViewChooser& chooser : choosers_) chooser.look({all_, known, 0.0, false, none});
   for (std::size_t i = 0; i < states_.size(); ++i) {
     State& state = states_[i];
     const bool signalled = signals_[i].exchange(false, std::memory_order_acquire);
     if (state.over || (state.stage != 0 && state.stage != region_of_stage(state.stage).stage)) continue;
     const double began = state.stage == 0 ? 0.0 : region_of_stage(state.stage).began;
-    const Moment moment{all_, known, began, signalled, state.condition};
+    const Moment moment{all_, known, began, signalled, state.condition, choosers_};
     const auto happens = [&](const auto& trigger) { return trigger.happens(moment); };
     if (std::visit(happens, script_.events[i].trigger)) happening_.push_back(i);
   }

@@ -50,6 +50,7 @@ class EventMonitor {
   std::vector<std::string> stages_;  // the first is no stage
   std::vector<State> states_;
   std::deque<std::atomic<bool>> signals_;  // of each event
+  std::vector<ViewChooser> choosers_;
   std::vector<std::size_t> happening_;
   std::vector<std::size_t> stage_regions_;  // of each stage
   std::vector<Region> regions_;

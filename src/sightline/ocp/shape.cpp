@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
+
+#include "sightline/base/refuse.hpp"
 
 namespace sightline {
 namespace {
@@ -98,6 +101,58 @@ void relay(Team& team, Script& script, const TermsOf& terms_of, const std::vecto
       script.events.push_back(std::move(event));
     }
   }
+}
+
+void best(Team& team, Script& script, const TermsOf& terms_of, ViewChoice choice, double ramp) {
+  if (choice.name.empty()) refuse("a choice of observers has no name, expected one for its couplings");
+  choice.check(team);
+  for (const ViewChoice& other : script.choices) {
+    if (other.name == choice.name)
+      refuse("two choices of observers are called {}, expected two names", other.name);
+    for (const AgentId observer : choice.observers) {
+      if (std::find(other.observers.begin(), other.observers.end(), observer) == other.observers.end())
+        continue;
+      refuse("\"{}\" observes in {} already, expected a robot that turns by one choice alone",
+             team.name(observer), other.name);
+    }
+  }
+  for (std::size_t i = 0; i < choice.observers.size(); ++i) {
+    const AgentId observer = choice.observers[i];
+    HandOver change{.observer = observer};
+    const auto name_of = [&](std::size_t term) {
+      return fmt::format("{}:{} {}", choice.name, team.name(observer), term);
+    };
+    const auto add_event = [&](int target, const std::string& towards) {
+      script.events.push_back(
+          {.name = fmt::format("{}: {} turns to {}", choice.name, team.name(observer), towards),
+           .trigger = Condition{.measure = TurnedTo{script.choices.size(), i, target, observer},
+                                .threshold = 0.5,
+                                .hysteresis = 0.25},
+           .actions = {change},
+           .repeat = true,
+           .ramp = ramp});
+    };
+    for (std::size_t j = 0; j < choice.targets.size(); ++j) {
+      const BodyId target = choice.targets[j];
+      if (target == observer) continue;
+      change.couplings.clear();
+      for (const Weighted& term : terms_of({observer, target})) {
+        change.couplings.push_back({.term = term,
+                                    .between = {observer, target},
+                                    .felt_by = {observer},
+                                    .name = name_of(change.couplings.size())});
+      }
+      change.names.clear();
+      for (const Coupling& coupling : change.couplings) change.names.push_back(coupling.name);
+      if (choice.first[i] == static_cast<int>(j)) {
+        for (const Coupling& coupling : change.couplings) team.couple(coupling);
+      }
+      add_event(static_cast<int>(j), std::string(team.name(target)));
+    }
+    change.couplings.clear();
+    add_event(ViewChoice::nobody, "nobody");
+  }
+  script.choices.push_back(std::move(choice));
 }
 
 void couple(Team& team, const std::vector<Weighted>& terms, std::span<const Between> pairs, FeltBy felt_by) {

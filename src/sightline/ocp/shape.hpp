@@ -16,6 +16,7 @@
 
 #include "sightline/ocp/event.hpp"
 #include "sightline/ocp/team.hpp"
+#include "sightline/ocp/view_choice.hpp"
 
 namespace sightline {
 
@@ -54,5 +55,12 @@ struct RelayOptions {
 /// @throws std::invalid_argument where a name is empty or taken, or as couple()
 void relay(Team& team, Script& script, const TermsOf& terms_of, const std::vector<AgentId>& observers,
            BodyId target, const RelayOptions& options);
+
+/// Each observer of the choice looks at one of its targets, and feels the terms with it. At first those of choice.first;
+/// then events "<name>: <observer> turns to <target>" follow the choice, with couplings "<name>:<observer> <number>".
+/// @param ramp  of the weights [s], >= 0
+/// @throws std::invalid_argument for a choice that check() refuses, an observer that another choice has already, a
+/// name that is empty or taken, or as couple()
+void best(Team& team, Script& script, const TermsOf& terms_of, ViewChoice choice, double ramp);
 
 }  // namespace sightline

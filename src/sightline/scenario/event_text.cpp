@@ -11,12 +11,19 @@
 namespace sightline {
 namespace {
 
+/// Whether a scenario calls this action so.
+template <class A>
+bool is_called(std::string_view key) {
+  if constexpr (requires { A::key; }) return A::key == key;
+  return false;
+}
+
 Action read_action(const TomlValue& value, std::string_view key, const EventScope& scope) {
   std::optional<Action> action;
   std::string_view expected = "a table";
   std::vector<std::string_view> kinds, beside;
   for_each_kind<Action>([&]<class A>(Kind<A>) {
-    if (A::key != key) return;
+    if (!is_called<A>(key)) return;
     if constexpr (requires { A::expected; }) expected = A::expected;
     if constexpr (requires { A::kinds; }) kinds.insert(kinds.end(), A::kinds.begin(), A::kinds.end());
     if constexpr (requires { A::beside; }) beside.insert(beside.end(), A::beside.begin(), A::beside.end());
@@ -29,11 +36,11 @@ Action read_action(const TomlValue& value, std::string_view key, const EventScop
   const EventText text(value.table(), scope);
   const std::string_view kind = kinds.empty() ? std::string_view() : text.choice(kinds, beside);
   for_each_kind<Action>([&]<class A>(Kind<A>) {
-    if (A::key != key) return;
+    if (!is_called<A>(key)) return;
     if constexpr (requires { A::kinds; }) {
       if (!contains(A::kinds, kind)) return;
     }
-    action = A::read(text, kind);
+    if constexpr (requires { A::key; }) action = A::read(text, kind);
   });
   return std::move(*action);
 }
@@ -166,7 +173,7 @@ Trigger read_trigger(const TomlTable& event, const EventScope& scope,
 
 bool is_action(std::string_view key) {
   bool known = false;
-  for_each_kind<Action>([&]<class A>(Kind<A>) { known = known || A::key == key; });
+  for_each_kind<Action>([&]<class A>(Kind<A>) { known = known || is_called<A>(key); });
   return known;
 }
 

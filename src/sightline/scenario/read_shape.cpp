@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "sightline/ocp/shape.hpp"
+#include "sightline/world/view_flight.hpp"
 
 namespace sightline {
 namespace {
@@ -77,10 +78,21 @@ FeltBy read_felt_by(const TomlTable& at, const std::vector<Between>& pairs, cons
   return FeltBy::observer;
 }
 
+/// A name that no other shape has for its stages or its choice.
+std::string read_shape_name(const TomlTable& shape, std::string_view missing, const Script& script) {
+  const std::string name = shape.has("name") ? read_label(shape, "name") : std::string(missing);
+  const bool taken = std::any_of(script.begins.begin(), script.begins.end(),
+                                 [&](const std::string& stage) { return region_of(stage) == name; }) ||
+                     std::any_of(script.choices.begin(), script.choices.end(),
+                                 [&](const ViewChoice& choice) { return choice.name == name; });
+  if (taken) shape.refuse("name", "a name of its own, another shape has this one");
+  return name;
+}
+
 /// `nearest = { target, observers, margin, dwell, ramp }`, and `name`: whoever is nearest observes.
 void read_relay(const TomlTable& shape, const TermsOf& terms_of, Team& team, Script& script) {
   const TomlTable at = shape.table("nearest", "a table with target and observers");
-  RelayOptions options{.name = shape.has("name") ? read_label(shape, "name") : "nearest"};
+  RelayOptions options{.name = read_shape_name(shape, "nearest", script)};
   at.read({{"margin", &options.margin, not_negative(">= 0 m")},
            {"dwell", &options.dwell, positive("> 0 s")},
            {"ramp", &options.ramp, time_range}},
@@ -94,23 +106,118 @@ void read_relay(const TomlTable& shape, const TermsOf& terms_of, Team& team, Scr
     }
     observers.push_back(AgentId{body});
   }
-  if (std::any_of(script.begins.begin(), script.begins.end(),
-                  [&](const std::string& stage) { return region_of(stage) == options.name; })) {
-    shape.refuse("name", "a name of its own, another shape has this one");
-  }
   shape.checked([&] { relay(team, script, terms_of, observers, target, options); });
+}
+
+/// What each observer makes of the view of each target, by its camera and the target's tags; equal ones are flown once.
+std::vector<ViewVariance> variances_of(const ViewChoice& choice, const CameraOptions& vision) {
+  struct Flown {
+    const RobotCamera* camera;
+    const Tags* tags;
+    ViewVariance variance;
+  };
+  std::vector<Flown> flown;
+  std::vector<ViewVariance> all;
+  for (const AgentId observer : choice.observers) {
+    const auto camera = std::find_if(vision.cameras.begin(), vision.cameras.end(),
+                                     [&](const RobotCamera& one) { return one.observer == observer; });
+    for (const BodyId target : choice.targets) {
+      const auto tags = std::find_if(vision.tags.begin(), vision.tags.end(),
+                                     [&](const BodyTags& one) { return one.body == target; });
+      const auto same = std::find_if(flown.begin(), flown.end(), [&](const Flown& one) {
+        const SensorMount &a = one.camera->mount, &b = camera->mount;
+        return one.camera->camera == camera->camera && *one.tags == tags->tags && a.pitch == b.pitch &&
+               a.offset == b.offset && a.frame == b.frame;
+      });
+      if (same != flown.end()) {
+        all.push_back(same->variance);
+        continue;
+      }
+      all.push_back(view_variance(
+          {.camera = camera->camera, .mount = camera->mount, .tags = tags->tags, .duration = 10.0}));
+      flown.push_back({&*camera, &tags->tags, all.back()});
+    }
+  }
+  return all;
+}
+
+/// `best = { target, observers, observers_max, margin, dwell, ramp }`, and `name`: each observer looks at the target by which it
+/// knows its place best.
+void read_best(const TomlTable& shape, const TermsOf& terms_of, Scenario& scenario) {
+  constexpr std::string_view target_key = "target", observers_key = "observers", max_key = "observers_max";
+  const Team& team = scenario.team;
+  const TomlTable at = shape.table("best", "a table with target and observers");
+  ViewChoice choice{.name = read_shape_name(shape, "best", scenario.script)};
+  double ramp = RelayOptions{}.ramp;
+  at.read({{"margin", &choice.margin, not_negative(">= 0 m")},
+           {"dwell", &choice.dwell, positive("> 0 s")},
+           {"ramp", &ramp, time_range}},
+          {target_key, observers_key, max_key});
+  const TomlValue target = at.value(target_key, "the name of a body, or an array of names");
+  const bool is_one = target.is_text();
+  if (is_one) {
+    choice.targets = {
+        team.find(read_name(at, target_key, team, Among::bodies, "a robot, target or obstacle"))};
+  } else {
+    choice.targets = read_members(at, target_key, 1, team);
+  }
+  for (const BodyId body : read_members(at, observers_key, 1, team)) {
+    const auto refuse_observer = [&](std::string_view expected) {
+      at.refuse(observers_key, choice.observers.size(), expected);
+    };
+    const auto& cameras = scenario.vision.cameras;
+    if (!team.is_agent(body) || (is_one && body == choice.targets[0]))
+      refuse_observer(is_one ? "a robot other than the target" : "a robot");
+    if (std::none_of(cameras.begin(), cameras.end(),
+                     [&](const RobotCamera& one) { return one.observer == body; }))
+      refuse_observer(fmt::format("a robot with a camera, [agent.{}.camera]", team.name(body)));
+    choice.observers.push_back(AgentId{body});
+  }
+  for (std::size_t j = 0; j < choice.targets.size(); ++j) {
+    const auto& tags = scenario.vision.tags;
+    if (std::any_of(tags.begin(), tags.end(),
+                    [&](const BodyTags& one) { return one.body == choice.targets[j]; }))
+      continue;
+    const auto& targets = scenario.targets;
+    const bool is_target = std::find(targets.begin(), targets.end(), choice.targets[j]) != targets.end();
+    const std::string expected =
+        fmt::format("a body with tags, [{}.{}.tags]",
+                    team.is_agent(choice.targets[j]) ? "agent" : (is_target ? "target" : "obstacle"),
+                    team.name(choice.targets[j]));
+    if (is_one) at.refuse(target_key, expected);
+    at.refuse(target_key, j, expected);
+  }
+  const auto is_observer = [&](BodyId body) {
+    return std::find(choice.observers.begin(), choice.observers.end(), body) != choice.observers.end();
+  };
+  if (std::all_of(choice.targets.begin(), choice.targets.end(), is_observer))
+    at.refuse(target_key,
+              "a body that is no observer among them, since one has to know its place without looking");
+  if (is_one) choice.at_most = 1;
+  if (at.has(max_key)) choice.at_most = static_cast<int>(at.integer(max_key, 1, agents_max));
+  if (choice.observers.size() * choice.targets.size() > shape_couplings_max)
+    at.refuse(observers_key, fmt::format("at most {} pairs of observer and target", shape_couplings_max));
+
+  choice.variances = variances_of(choice, scenario.vision);
+  const std::vector<double> u = resting_inputs(team);
+  choice.first = ViewChooser::first(
+      choice, team, {.t = 0.0, .x = scenario.x0, .u = u, .ages = {}, .presence = scenario.presence});
+  shape.checked([&] { best(scenario.team, scenario.script, terms_of, std::move(choice), ramp); });
 }
 
 }  // namespace
 
-void read_shape(const TomlTable& at, const Observers& observers, Team& team, Script& script) {
-  constexpr std::string_view nearest_word = "nearest";
-  const bool is_relay = at.has(nearest_word);
+void read_shape(const TomlTable& at, const Observers& observers, Scenario& scenario) {
+  constexpr std::string_view nearest_word = "nearest", best_word = "best";
+  Team& team = scenario.team;
+  const bool is_best = at.has(best_word), is_relay = at.has(nearest_word);
+  if (is_best && is_relay) at.refuse(best_word, "no such key beside nearest");
   std::vector<Between> pairs;
   FeltBy felt_by = FeltBy::observer;
   std::string_view name = nearest_word;
-  if (is_relay) {
-    at.expect_only({"name", nearest_word, "potential", "weight", "potentials"});
+  if (is_best || is_relay) {
+    name = is_best ? best_word : nearest_word;
+    at.expect_only({"name", name, "potential", "weight", "potentials"});
   } else {
     name = at.choice(names(shapes), {"potential", "weight", "potentials", "felt_by"});
     pairs = find(shapes, name)(at, team);
@@ -138,7 +245,8 @@ void read_shape(const TomlTable& at, const Observers& observers, Team& team, Scr
     for (const TomlTable& entry : list) terms.push_back(read_weighted(entry, observer));
     return terms;
   };
-  if (is_relay) return read_relay(at, terms_of, team, script);
+  if (is_relay) return read_relay(at, terms_of, team, scenario.script);
+  if (is_best) return read_best(at, terms_of, scenario);
   at.checked([&] { couple(team, terms_of, pairs, felt_by); });
 }
 

@@ -2,13 +2,14 @@
 #pragma once
 
 #include "sightline/scenario/read_coupling.hpp"
+#include "sightline/scenario/scenario.hpp"
 
 namespace sightline {
 
 /// Most couplings that one shape expands to.
 inline constexpr std::size_t shape_couplings_max = 100'000;
 
-/// Expands one [[shape]] to couplings of the team; where the nearest observes, to events too.
-void read_shape(const TomlTable& at, const Observers& observers, Team& team, Script& script);
+/// Expands one [[shape]] to couplings of the team; where the nearest or the best observes, to events too.
+void read_shape(const TomlTable& at, const Observers& observers, Scenario& scenario);
 
 }  // namespace sightline

@@ -63,7 +63,7 @@ class Reader {
       scenario_.coupling_places.resize(scenario_.team.couplings().size(), at.where());
     }
     for (const TomlTable& at : root_.tables("shape")) {
-      read_shape(at, observers_, scenario_.team, scenario_.script);
+      read_shape(at, observers_, scenario_);
       scenario_.coupling_places.resize(scenario_.team.couplings().size(), at.where());
     }
     for (const TomlTable& at : root_.tables("keep_apart")) read_keep_apart(at, scenario_.team);

@@ -30,6 +30,7 @@ struct Camera {
   double misalignment = 0.0;
 
   static constexpr Bounds share = {0.0, 1.0, "0 to 1"};
+  bool operator==(const Camera&) const = default;
 
   static constexpr auto parameters() {
     using C = Camera;
@@ -82,6 +83,7 @@ struct Tags {
   TagFamily family = TagFamily::tag36h11;
 
   static constexpr int faces_max = 8;
+  bool operator==(const Tags&) const = default;
   static constexpr double border =
       1.25;  ///< side of a tag with the white that it needs around it, over its size
 

@@ -92,6 +92,9 @@ inline std::string Condition::words(const Team& all) const {
   std::string text;
   if (limit != nullptr && threshold == 0) {
     text = fmt::format("when {}", limit->limit_words(all, is_above));
+  } else if (const auto* turned = std::get_if<TurnedTo>(&measure)) {
+    text = fmt::format("when {} falls on this", turned->words(all));
+    return text;
   } else {
     text = fmt::format("when {} is {} {}", std::visit([&](const auto& of) { return of.words(all); }, measure),
                        is_above ? "above" : "below", threshold);

@@ -20,6 +20,7 @@
 
 #include "sightline/base/range.hpp"
 #include "sightline/ocp/event/moment.hpp"
+#include "sightline/ocp/view_choice.hpp"
 
 namespace sightline {
 
@@ -162,6 +163,23 @@ struct NearerThan {
   }
 };
 
-using Measure = std::variant<DistanceOf, ViewAngleOf, AgeOf, ExcessOf, NearerThan>;
+/// 1 in the period in which a choice turns an observer to a target, or to nobody, else 0. No scenario calls it.
+struct TurnedTo {
+  std::size_t choice = 0;    ///< of the script
+  std::size_t observer = 0;  ///< its place in the choice
+  int target = ViewChoice::nobody;
+  BodyId body{};  ///< the observer
+
+  double value(const Moment& now) const noexcept {
+    if (choice >= now.choosers.size()) return no_measure;
+    const ViewChooser& chooser = now.choosers[choice];
+    return chooser.changed(observer) && chooser.target(observer) == target ? 1.0 : 0.0;
+  }
+  static MeasureScale scale(std::string_view /*key*/) { return {}; }
+  std::vector<BodyId> bodies() const { return {body}; }
+  std::string words(const Team& all) const { return fmt::format("the choice for {}", all.name(body)); }
+};
+
+using Measure = std::variant<DistanceOf, ViewAngleOf, AgeOf, ExcessOf, NearerThan, TurnedTo>;
 
 }  // namespace sightline

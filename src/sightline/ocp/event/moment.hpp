@@ -24,6 +24,8 @@ struct ConditionState {
   double since = 0.0;  ///< when it came to hold [s]
 };
 
+class ViewChooser;
+
 /// What is known when an event is asked whether it happens.
 struct Moment {
   const Team& all;
@@ -31,6 +33,7 @@ struct Moment {
   double began;    ///< its stage [s]
   bool signalled;  ///< a signal of it came since the moment before
   ConditionState& condition;
+  std::span<const ViewChooser> choosers{};  ///< of the script's choices
 
   bool is_there(BodyId body) const noexcept {
     return known.presence.empty() || known.presence[at(body)] != Presence::absent;
