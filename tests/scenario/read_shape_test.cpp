@@ -239,7 +239,7 @@ TEST(ReadShape, a_best_observer_that_cannot_be_is_refused) {
   EXPECT_EQ(refused("target = \"rock\", observers = [\"rock\"]"),
             "shape[0].best.observers[0] = \"rock\", expected a robot other than the target");
   EXPECT_EQ(refused("target = \"rock\", observers = [\"r0\"], observers_max = 0"),
-            "shape[0].best.observers_max = 0, expected 1 to 1024");
+            "shape[0].best.observers_max = 0, expected an integer, 1 to 1024");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "sightline/analysis/potential_page.hpp"
 #include "sightline/analysis/starts.hpp"
 #include "sightline/analysis/tag_size.hpp"
+#include "sightline/analysis/view_band.hpp"
 #include "sightline/potential/finite.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
@@ -149,6 +150,7 @@ Preflight preflight(const Scenario& scenario) {
   append(p.warnings, warnings_of_speeds(scenario));
   append(p.warnings, warnings_of_touches(scenario));
   append(p.warnings, tags.warnings);
+  append(p.warnings, unobservable_robots(scenario));
   return p;
 }
 

@@ -1,0 +1,160 @@
+#include "sightline/analysis/view_band.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "sightline/analysis/influence.hpp"
+#include "sightline/base/index.hpp"
+#include "sightline/estimate/observability.hpp"
+#include "sightline/math/rotation.hpp"
+#include "sightline/world/motion.hpp"
+
+namespace sightline {
+namespace {
+
+/// Greatest speed of a body as it is meant to move [m/s].
+double meant_speed(const Scenario& scenario, BodyId body) {
+  for (const UncooperativeBody& one : scenario.uncooperative) {
+    if (one.body == body) return one.motion ? top_speed(*one.motion) : 0.0;
+  }
+  const Agent& agent = scenario.team.agent(body);
+  if (agent.x_ref.is_constant()) return 0.0;
+  constexpr double step = 0.05;  // [s]
+  std::vector<double> x(agent.Q.size()), u(agent.R.size());
+  const auto place = [&](double t) {
+    agent.x_ref(t, agent.model, x);
+    return agent.model.sight(x.data(), u.data()).p;
+  };
+  double most = 0.0;
+  for (double t = 0.0; t + step <= scenario.simulation.duration; t += step) {
+    const double speed = norm(place(t + step) - place(t)) / step;
+    if (std::isfinite(speed)) most = std::max(most, speed);
+  }
+  return most;
+}
+
+std::vector<ViewAtDistance> rows_of(const ViewFlight& flight, int flights) {
+  std::vector<ViewAtDistance> rows;
+  for (int k = 1; k <= 400; ++k) {
+    ViewAtDistance row{.distance = band_step * k, .figures = mean_figures(flight, row.distance, flights)};
+    const bool none = row.figures.found < 0.02;
+    if (none && !rows.empty()) break;
+    if (!none) rows.push_back(row);
+    // Below 4 px nothing is read.
+    if (rows.empty() && flight.camera.pixels(flight.tags.size, row.distance) < 4.0) break;
+  }
+  return rows;
+}
+
+std::optional<DistanceBand> served(const ViewFlight& flight, const std::vector<ViewAtDistance>& rows,
+                                   int flights) {
+  const auto holds = [&](const ViewAtDistance& row) {
+    return row.figures.losses <= band_losses && row.figures.known > 0.99;
+  };
+  double least = std::numeric_limits<double>::infinity();
+  for (const ViewAtDistance& row : rows)
+    if (holds(row)) least = std::min(least, row.figures.sigma);
+  std::optional<DistanceBand> band;
+  for (const ViewAtDistance& row : rows) {
+    const bool serves = holds(row) && row.figures.sigma <= band_error * least;
+    if (!serves && band) break;
+    if (!serves) continue;
+    if (!band) {
+      const ViewFigures nearer = mean_figures(flight, row.distance - band_sway, flights);
+      if (nearer.losses > band_losses || nearer.found < 0.9) continue;
+      band = DistanceBand{row.distance, row.distance};
+    }
+    band->high = row.distance;
+  }
+  return band;
+}
+
+}  // namespace
+
+std::vector<ViewBand> view_bands(const Scenario& scenario, int flights) {
+  std::vector<ViewBand> all;
+  std::vector<ViewFlight> flown;
+  std::set<std::pair<int, int>> pairs;
+  const auto take = [&](const Coupling& coupling) {
+    const auto& [observer, target] = coupling.between;
+    const auto& cameras = scenario.vision.cameras;
+    const auto camera =
+        std::find_if(cameras.begin(), cameras.end(),
+                     [&, of = observer](const RobotCamera& one) { return one.observer == of; });
+    const auto& tagged = scenario.vision.tags;
+    const auto tags = std::find_if(tagged.begin(), tagged.end(),
+                                   [&, of = target](const BodyTags& one) { return one.body == of; });
+    if (coupling.term.potential.mount() == nullptr || camera == cameras.end() || tags == tagged.end()) return;
+    if (!pairs.emplace(observer.index, target.index).second) return;
+    ViewBand band{.observer = observer, .target = target, .speed = meant_speed(scenario, target)};
+    const ViewFlight flight{
+        .camera = camera->camera, .mount = camera->mount, .tags = tags->tags, .target_speed = band.speed};
+    for (std::size_t i = 0; i < flown.size() && !band.same_as; ++i) {
+      const ViewFlight& other = flown[i];
+      if (!(other.camera == flight.camera && other.tags == flight.tags &&
+            other.target_speed == flight.target_speed && other.mount.pitch == flight.mount.pitch &&
+            other.mount.offset == flight.mount.offset && other.mount.frame == flight.mount.frame))
+        continue;
+      band.same_as = i, band.rows = all[i].rows, band.serves = all[i].serves;
+    }
+    if (!band.same_as) {
+      band.rows = rows_of(flight, flights);
+      band.serves = served(flight, band.rows, flights);
+    }
+    flown.push_back(flight);
+    all.push_back(std::move(band));
+  };
+  for (const Coupling& coupling : said_couplings(scenario)) take(coupling);
+  return all;
+}
+
+std::string to_string(const ViewBand& band, const Team& team) {
+  std::string text = fmt::format("{} sees the tags of {}, which moves at up to {:.2g} m/s",
+                                 team.name(band.observer), team.name(band.target), band.speed);
+  if (band.rows.empty()) return text + ": at no distance\n";
+  text += "\n  distance  found  error of its place  view lost for 0.5 s\n";
+  for (const auto& [distance, figures] : band.rows) {
+    const std::string error =
+        std::isfinite(figures.sigma) ? fmt::format("{:.0f} mm", 1e3 * figures.sigma) : "unknown";
+    text += fmt::format("  {:5.2f} m  {:4.0f} %  {:>18}  {:8.1f} a minute\n", distance, 100 * figures.found,
+                        error, figures.losses);
+  }
+  if (!band.serves) return text + "  no distance serves: tags are too small or too large in its pictures\n";
+  return text +
+         fmt::format("  it is served best from {:.2f} to {:.2f} m\n", band.serves->low, band.serves->high);
+}
+
+std::vector<std::string> unobservable_robots(const Scenario& scenario) {
+  const Team& team = scenario.team;
+  std::vector<SensingRobot> robots;
+  std::vector<PlacedRobot> places;
+  const std::vector<double> none(size(team.nu()) + 1, 0.0);
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    robots.push_back({.name = std::string(team.name(body)), .position = true, .heading = true});
+    const Sight<double> at =
+        team.model(body).sight(scenario.x0.data() + team.state_offset(body), none.data());
+    places.push_back({at.p.x, at.p.y, at.p.z, atan2(at.d.y, at.d.x)});
+  }
+  std::vector<Sees> sightings;
+  for (const ViewChoice& choice : scenario.script.choices) {
+    for (std::size_t i = 0; i < choice.observers.size(); ++i) {
+      const BodyId observer = choice.observers[i];
+      if (scenario.presence[at(observer)] == Presence::absent) continue;
+      SensingRobot& robot = robots[at(observer)];
+      robot.position = robot.heading = false;
+      if (choice.first[i] >= 0)
+        sightings.push_back(
+            {.observer = observer.index, .target = choice.targets[size(choice.first[i])].index});
+    }
+  }
+  std::vector<std::string> sentences;
+  for (const Unobservable& what : unobservable_states(robots, places, sightings))
+    sentences.push_back(to_string(what, robots));
+  return sentences;
+}
+
+}  // namespace sightline
