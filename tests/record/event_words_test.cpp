@@ -22,6 +22,8 @@ TEST(EventWords, WhatHappensToABodyNamesIt) {
   EXPECT_EQ(words(EventKind::grounded, 12), "uav12: grounded");
   EXPECT_EQ(words(EventKind::measurement_not_finite, 1), "uav1: measurement refused, not_finite");
   EXPECT_EQ(words(EventKind::barrier_conflict, 2), "uav2: barrier conflict");
+  EXPECT_EQ(words(EventKind::search, 1), "uav1: searches for what it watches");
+  EXPECT_EQ(words(EventKind::found, 1), "uav1: has found it");
   EXPECT_EQ(words(EventKind::input_refused, 3), "input_refused uav3");
 }
 

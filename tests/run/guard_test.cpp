@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "sightline/world/plant.hpp"
 
@@ -30,7 +31,8 @@ struct GuardedFlight {
       measured.assign(plant.x().begin(), plant.x().end());
       stamps.assign(3, t);
     }
-    believed = guard.believe(t, measured, stamps);
+    believed = guard.believe(t, measured, stamps, sigmas);
+    if (!views.empty()) guard.look(t, views);
     u = asked;
     guard.fall_back(t, believed, Numbers(3, 0.0), Numbers(u.size()), u);
     guard.keep_distances(t, believed, Numbers(u.size()), u);
@@ -47,7 +49,8 @@ struct GuardedFlight {
   Guard guard;
   Membership membership = Roster(team).membership();
   Plant plant{team, start_of_both};
-  Numbers measured = start_of_both, stamps = Numbers(3, 0.0), asked, u;
+  Numbers measured = start_of_both, stamps = Numbers(3, 0.0), sigmas{}, asked, u;
+  std::span<const View> views{};
   std::span<const double> believed;
   std::vector<Event> events;
   double t = 0.0, nearest = 1e9, lowest = 1e9;
@@ -178,6 +181,60 @@ TEST(Guard, WhatTheSupervisorSaysBecomesEventsOfTheBody) {
   EXPECT_EQ(flight.events[4].value, 1.0);
   EXPECT_EQ(flight.events[5].kind, EventKind::valid) << "of the other, which is seen again";
   EXPECT_EQ(flight.events[5].value, 0.0);
+}
+
+TEST(Guard, TheBarrierKeepsThreeDeviationsOfBothEstimatesMore) {
+  const auto nearest = [](double of_a, double of_b) {
+    GuardedFlight flight({.barrier = BarrierMode::on, .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}}});
+    flight.sigmas = {of_a, of_b, 0.0};
+    for (int k = 0; k < 800; ++k) flight.step();
+    return flight.nearest;
+  };
+  const double measured = nearest(0.0, 0.0);
+  EXPECT_NEAR(nearest(0.1, 0.0) - measured, 0.3, 0.02);
+  EXPECT_NEAR(nearest(0.0, 0.1) - measured, 0.3, 0.02);
+  EXPECT_NEAR(nearest(0.1, 0.2) - measured, 3 * std::hypot(0.1, 0.2), 0.03);
+  EXPECT_NEAR(nearest(0.9, 0.0) - nearest(Guard::sigma_most, 0.0), 0.0, 1e-9) << "it might be anywhere";
+}
+
+TEST(Guard, ARobotWithoutAPositionKeepsNobodyAwayAndIsAskedForNoPlan) {
+  for (const bool supervised : {false, true}) {
+    GuardOptions options{.barrier = BarrierMode::on};
+    if (supervised) options.supervisor = SupervisorOptions{};
+    GuardedFlight flight(options, Numbers(8));
+    flight.sigmas = {std::numeric_limits<double>::infinity(), 0.0, 0.0};
+    for (int k = 0; k < 300; ++k) {
+      flight.step();
+      ASSERT_FALSE(flight.guard.knows_all());
+      ASSERT_FALSE(flight.guard.barriers()[0].active || flight.guard.barriers()[1].active);
+    }
+    EXPECT_NE(flight.guard.levels()[1], FallbackLevel::land);
+    flight.sigmas[0] = 0.05;
+    flight.step();
+    EXPECT_TRUE(flight.guard.knows_all());
+  }
+}
+
+TEST(Guard, TheSearchBeginsAndEndsAsEventsAndTheBarrierComesAfterIt) {
+  GuardedFlight flight({.barrier = BarrierMode::on,
+                        .bodies = {{.d_hard = 3.9}, {.d_hard = 3.9}, {.d_hard = 0.1}},
+                        .search = {.predict = 0.5, .back_off = 0.0},
+                        .searchers = {BodyId{0}}},
+                       Numbers(8));
+  View view{
+      .robot = BodyId{0}, .target = BodyId{1}, .localized = true, .bearing_sigma = 0.5, .accepted = 0.0};
+  flight.views = {&view, 1};
+  for (int k = 0; k < 300; ++k) flight.step();
+  ASSERT_EQ(flight.events.size(), 1U);
+  EXPECT_EQ(flight.events[0].kind, EventKind::search);
+  EXPECT_NEAR(flight.events[0].time, 0.5, 0.02);
+  EXPECT_EQ(flight.events[0].value, 0.0);
+  EXPECT_GT(std::abs(flight.plant.x()[4]), 0.1) << "it sweeps";
+  EXPECT_GE(flight.nearest, 3.9);
+  view.accepted = view.sighted = flight.t;
+  flight.step();
+  ASSERT_EQ(flight.events.size(), 2U);
+  EXPECT_EQ(flight.events[1].kind, EventKind::found);
 }
 
 TEST(Guard, WhereARobotWasNeverSeenTheBarrierStandsBack) {

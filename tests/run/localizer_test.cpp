@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/slope.hpp"
 #include "sightline/potential/tracking.hpp"
@@ -186,18 +188,42 @@ TEST(Localizer, BeforeItHasSeenAnythingARobotIsNowhere) {
   EXPECT_FALSE(flight.estimate(1).known);
 }
 
-TEST(Localizer, AnEstimateThatIsNotGoodEnoughGrowsOld) {
-  auto flight = localized(2, FilterKind::heading, 4, {.from = 4.0, .until = 60.0});
+TEST(Localizer, ItTellsHowWellAPositionIsKnownAndWhatWasSeen) {
+  auto flight = localized(2, FilterKind::heading, 4, {.from = 1.0, .until = 60.0});
   const std::vector<double> u(8);
-  double stamp = 0.0, t = 0.0;
-  for (; t < 30.0; t += flight_period) {
-    const Measured now = flight.measure(t);
+  double stamp = 0.0;
+  int k = 0;
+  for (; k < 3000; ++k) {
+    const Measured now = flight.measure(k * flight_period);
     stamp = now.stamps[1];
-    (void)flight.apply(t, now.measured, u);
+    ASSERT_EQ(flight.localizer->sigma()[0], 0.0) << "it is measured";
+    ASSERT_EQ(std::isinf(flight.localizer->sigma()[1]), !flight.localizer->views()[0].localized);
+    (void)flight.apply(k * flight_period, now.measured, u);
   }
+  EXPECT_EQ(flight.localizer->sigma()[1], flight.estimate(1).position_sigma());
   EXPECT_GT(flight.estimate(1).position_sigma(), 0.5);
-  EXPECT_LT(stamp, t - 5.0);
-  EXPECT_GT(stamp, 4.5);
+  EXPECT_NEAR(stamp, (k - 1) * flight_period, 1e-9) << "its age is that of its motion";
+  const View& view = flight.localizer->views()[0];
+  EXPECT_TRUE(view.localized);
+  EXPECT_EQ(view.robot, BodyId{1});
+  EXPECT_EQ(view.target, BodyId{0});
+  EXPECT_EQ(view.position_sigma, flight.estimate(1).position_sigma());
+  EXPECT_NEAR(view.accepted, 1.0, 0.1);
+  EXPECT_NEAR(view.sighted, 1.0, 0.1);
+  EXPECT_GT(view.bearing_sigma, 0.2);
+}
+
+TEST(Localizer, ToldWhereItIsItGoesOnFromThere) {
+  auto flight = localized(2, FilterKind::heading, 4, {.from = 0.0, .until = 60.0});
+  (void)flight.measure(0.0);
+  (void)flight.apply(0.0, flight.world->start(), std::vector<double>(8));
+  (void)flight.measure(flight_period);
+  flight.localizer->start(BodyId{1}, {1, 2, 3}, 0.5, identity<4>(1e-4));
+  (void)flight.apply(flight_period, flight.world->start(), std::vector<double>(8));
+  (void)flight.measure(2 * flight_period);
+  EXPECT_TRUE(flight.estimate(1).known);
+  EXPECT_NEAR(norm(flight.estimate(1).p - Vec3<double>{1, 2, 3}), 0.0, 0.02);
+  flight.localizer->start(BodyId{0}, {1, 2, 3}, 0.5, identity<4>(1e-4));  // it knows that
 }
 
 TEST(Localizer, SameSeedSameBits) {
@@ -351,8 +377,8 @@ TEST(Localizer, WhatCannotBeLocalizedIsRefused) {
                                  .filter = {.filter = FilterKind::attitude}}}}),
             "\"uav2\" watches \"uav1\", which is localized itself, with the filter \"attitude\", expected "
             "\"heading\"");
-  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .watches = {BodyId{0}}}}, .sigma_hold = 0.0}),
-            "estimate.sigma_hold = 0, expected > 0 m");
+  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .watches = {BodyId{0}}, .camera_rate = 0.0}}}),
+            "estimate.camera_rate = 0, expected > 0 Hz");
   EXPECT_EQ(refused({.robots = {{.robot = BodyId{7}, .watches = {BodyId{0}}}}}),
             "a robot that is localized has the number 7, expected one of 3 bodies");
 }

@@ -17,6 +17,20 @@ using enum FallbackLevel;
 constexpr LadderTimes ladder_times{};
 constexpr FallbackLevel all_levels[] = {valid, predicted, slowed, hold, land, grounded};
 
+TEST(Ladder, ADeviationAllowsThePlanOrHoldingOrLandingAlone) {
+  const LadderSigmas sigmas{.hold = 0.5, .land = 1.5};
+  EXPECT_EQ(level_at(sigmas, 0.0), valid);
+  EXPECT_EQ(level_at(sigmas, 0.5), valid);
+  EXPECT_EQ(level_at(sigmas, 0.51), hold);
+  EXPECT_EQ(level_at(sigmas, 1.51), land);
+  EXPECT_EQ(level_at(sigmas, std::nan("")), land);
+  EXPECT_EQ(level_at(sigmas, std::numeric_limits<double>::infinity()), hold)
+      << "there is none: its age decides";
+  EXPECT_EQ(next_level(slowed, ladder_times, {.own = 0.4}, false, hold), hold);
+  EXPECT_EQ(next_level(valid, ladder_times, {.own = 3.0}, false, hold), land);
+  EXPECT_EQ(next_level(land, ladder_times, {}, false, valid), land);
+}
+
 // An age that asks for a level.
 double age_for(FallbackLevel level) {
   switch (level) {

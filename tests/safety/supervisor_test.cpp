@@ -52,7 +52,7 @@ struct World {
   }
   // One period in which exactly `measured` is there.
   void look(double plan_age = 0.0) {
-    const auto states = supervisor.believe(t, measured, stamps);
+    const auto states = supervisor.believe(t, measured, stamps, sigmas);
     believed.assign(states.begin(), states.end());
     u = asked;
     supervisor.command(t, believed, Numbers(3, plan_age), added, u);
@@ -78,6 +78,7 @@ struct World {
   Supervisor supervisor;
   Numbers x = start_of_two(), measured = x, stamps = Numbers(3, -infinity);
   Numbers asked = {0.3, -0.2, 0.1, 0.4, -0.5, 0.6, 0.2, -0.7}, u = Numbers(8), added = Numbers(8), believed;
+  Numbers sigmas = Numbers(3);
   std::vector<Notice> notices;
   double t = 0.0;
 };
@@ -247,6 +248,104 @@ TEST(Supervisor, BeforeARobotWasEverSeenItIsToldToStandStillAndNeverToLand) {
   EXPECT_TRUE(world.supervisor.knows_all());
 }
 
+// One whose position is estimated, with this deviation, at each period.
+struct Estimated : World {
+  void estimate(double sigma, int periods = 1, double jump = 0.0) {
+    for (int k = 0; k < periods; ++k) {
+      std::copy(x.begin(), x.end(), measured.begin());
+      measured[0] += jump;
+      std::fill(stamps.begin(), stamps.end(), t);
+      sigmas[0] = sigma;
+      if (std::isinf(sigma)) stamps[0] = -infinity;
+      look(plan_age);
+    }
+  }
+  double plan_age = 0.0;
+};
+
+TEST(Supervisor, TheDeviationOfAnEstimateDecidesBesideItsAge) {
+  Estimated world;
+  world.estimate(0.9, 20);
+  EXPECT_EQ(world.a(), valid);
+  world.estimate(1.1);
+  EXPECT_EQ(world.a(), hold);
+  world.estimate(0.9);
+  EXPECT_EQ(world.a(), valid);
+  world.stamps[0] = 0.0;  // nobody tells its motion any more
+  for (int k = 0; k < 30; ++k) world.look();
+  EXPECT_EQ(world.a(), slowed);
+  world.estimate(2.1);
+  EXPECT_EQ(world.a(), land);
+  world.estimate(0.1);
+  EXPECT_EQ(world.a(), land) << "it goes on landing";
+}
+
+TEST(Supervisor, AnEstimateMayJumpButMustBeANumber) {
+  Estimated world;
+  world.estimate(0.5, 20);
+  world.estimate(0.1, 1, 0.9);
+  EXPECT_TRUE(world.notices.empty());
+  EXPECT_TRUE(world.supervisor.trusts(BodyId{0}));
+  world.estimate(0.1, 1, std::nan(""));
+  EXPECT_FALSE(world.supervisor.trusts(BodyId{0}));
+  ASSERT_FALSE(world.notices.empty());
+  EXPECT_EQ(std::get<MeasurementFault>(world.notices[0].what), MeasurementFault::not_finite);
+}
+
+TEST(Supervisor, WhileARobotFindsOutWhereItIsAllHoldAndNobodyLands) {
+  Estimated world;
+  for (int k = 0; k < 1000; ++k) {
+    world.plan_age = 0.01 * k;  // nobody is asked
+    world.estimate(infinity);
+    ASSERT_TRUE(world.supervisor.awaits_position());
+    ASSERT_FALSE(world.supervisor.knows_all());
+    ASSERT_EQ(world.a(), hold);
+    ASSERT_LE(world.b(), hold);
+  }
+  EXPECT_EQ(world.b(), hold);
+  world.plan_age = 0.0;
+  world.estimate(0.1);
+  EXPECT_FALSE(world.supervisor.awaits_position());
+  EXPECT_EQ(world.a(), valid);
+  EXPECT_EQ(world.b(), valid);
+  // What knew where it was and no longer does grows old.
+  world.estimate(infinity, 100);
+  EXPECT_EQ(world.a(), hold);
+  EXPECT_FALSE(world.supervisor.awaits_position());
+  world.estimate(infinity, 150);
+  EXPECT_EQ(world.a(), land);
+}
+
+TEST(Supervisor, OneThatComesWithoutAPositionHoldsUntilItHasOneAndTheOthersFly) {
+  Estimated world;
+  Membership now = Roster(world.team).membership();
+  world.estimate(0.1, 10);
+  now.presence[0] = Presence::absent;
+  world.supervisor.follow(now, world.t, world.x);
+  world.estimate(infinity, 10);
+  now.presence[0] = Presence::steered;
+  world.supervisor.follow(now, world.t, world.x);
+  world.estimate(infinity, 400);
+  EXPECT_EQ(world.a(), hold);
+  EXPECT_EQ(world.b(), valid);
+  world.estimate(0.1);
+  EXPECT_EQ(world.a(), valid);
+}
+
+TEST(Supervisor, OneWithoutAPositionIsBrakedByTheVelocityThatItIsTold) {
+  Estimated world;
+  world.estimate(infinity);
+  EXPECT_LT(world.u[0], -0.1) << "it drifts ahead";
+}
+
+TEST(Supervisor, APartnerWhoseEstimateIsBadMakesARobotHold) {
+  Estimated world;
+  world.sigmas[1] = 3.0;
+  world.estimate(0.1);
+  EXPECT_EQ(world.a(), hold);
+  EXPECT_EQ(world.b(), land);
+}
+
 TEST(Supervisor, WhateverIsAskedAndMeasuredTheCommandIsFiniteAndWithinItsLimits) {
   RandomStream chance(11, Chance::gust, 0);
   const double bad[] = {NAN, infinity, -infinity, 1e300, -1e300, 5e-324, -0.0, 2.0, 1e9};
@@ -280,6 +379,8 @@ TEST(Supervisor, RefusesOptionsOutOfTheirRangeByName) {
   EXPECT_EQ(refusal({.times = {.hold_after = 0.1}}), "supervisor.hold_after = 0.1, expected >= slow_after");
   EXPECT_THAT(refusal({.times = {.land_after = 0.1}}), testing::StartsWith("supervisor.land_after = 0.1"));
   EXPECT_EQ(refusal({.slow_factor = 1.5}), "supervisor.slow_factor = 1.5, expected 0 to 1");
+  EXPECT_EQ(refusal({.sigmas = {.hold = 0.0}}), "supervisor.sigma_hold = 0, expected > 0 m");
+  EXPECT_EQ(refusal({.sigmas = {.hold = 2.0}}), "supervisor.sigma_land = 2, expected > sigma_hold");
   EXPECT_EQ(refusal({.limits = {.accept_after = 0}}), "supervisor.accept_after = 0, expected >= 1");
   EXPECT_EQ(refusal({}), "accepted");
 }

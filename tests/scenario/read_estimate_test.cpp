@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/read_safety.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scenario_text.hpp"
 
@@ -62,6 +63,17 @@ TEST(ReadEstimate, ARobotIsLocalizedByThoseThatItsCouplingsWatch) {
   EXPECT_GT(most.broadcasts, 0U);
 }
 
+TEST(ReadEstimate, WhoIsLocalizedByViewSearchesWhetherTheScenarioSaysSafetyOrNot) {
+  const auto guard = guard_options(scenario_of(row(3, by_view)));
+  ASSERT_TRUE(guard);
+  EXPECT_EQ(guard->barrier, BarrierMode::off);
+  EXPECT_FALSE(guard->supervisor);
+  EXPECT_THAT(guard->searchers, ElementsAre(BodyId{1}, BodyId{2}));
+  const auto with = guard_options(scenario_of("[safety.search]\nrate = 0.5\n" + row(2, by_view)));
+  EXPECT_EQ(with->search.rate, 0.5);
+  EXPECT_FALSE(guard_options(scenario_of(row(2))));
+}
+
 TEST(ReadEstimate, WatchesNamesOthersAndLandmarksCount) {
   const std::string landmark = "[obstacle.mast]\np = [5.0, 1.0, 1.0]\n[obstacle.mast.tags]\nsize = 0.3\n";
   const Scenario scenario = scenario_of(row(2, by_view + "watches = [\"mast\", \"uav0\"]\n") + landmark);
@@ -78,7 +90,7 @@ TEST(ReadEstimate, WithoutItNothingIsTold) {
 
 TEST(ReadEstimate, TheTeamsOptionsAreTheDefaultsOfEachRobot) {
   const Scenario scenario = scenario_of(
-      "[estimate]\nfilter = \"attitude\"\ntilt_bias = 0.03\nsigma_hold = 0.7\n[estimate.broadcast]\nrate = "
+      "[estimate]\nfilter = \"attitude\"\ntilt_bias = 0.03\n[estimate.broadcast]\nrate = "
       "10.0\n"
       "latency = [0.01, 0.02]\nvelocity_sigma = 0.05\nacceleration = 2.0\n" +
       row(2, by_view + "[agent.uav1.estimate]\ntilt_bias = 0.01\ncamera_turn = 0.02\n"));
@@ -86,7 +98,6 @@ TEST(ReadEstimate, TheTeamsOptionsAreTheDefaultsOfEachRobot) {
   EXPECT_EQ(filter.filter, FilterKind::attitude);
   EXPECT_EQ(filter.tilt_bias, 0.01);
   EXPECT_EQ(filter.camera_turn, 0.02);
-  EXPECT_EQ(scenario.localization.sigma_hold, 0.7);
   EXPECT_EQ(scenario.radio.rate, 10.0);
   EXPECT_EQ(scenario.radio.latency[1], 0.02);
   EXPECT_EQ(scenario.radio.velocity_sigma, 0.05);
@@ -132,7 +143,7 @@ TEST(ReadEstimate, WhatCannotBeLocalizedIsRefused) {
   refused("[estimate]\nfilter = \"attitude\"\n" + row(3, by_view),
           "\"uav2\" watches \"uav1\", which is localized itself, with the filter \"attitude\", expected "
           "\"heading\"");
-  refused("[estimate]\nsigma_hold = 0.0\n" + row(2), "estimate.sigma_hold = 0, expected > 0 m");
+  refused("[estimate]\nsigma_hold = 0.7\n" + row(2), "estimate.sigma_hold = 0.7, expected a known key");
   refused("[estimate.broadcast]\nlatency = [0.2, 0.1]\n" + row(2),
           "latency = [0.2, 0.1], expected the shortest first");
   refused("[estimate.broadcast]\nsighting_rate = 3.0\n" + row(2), "estimate.broadcast.sighting_rate");

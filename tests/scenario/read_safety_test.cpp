@@ -49,6 +49,8 @@ fresh = 0.03
 slow_after = 0.21
 hold_after = 0.51
 land_after = 2.1
+sigma_hold = 0.8
+sigma_land = 1.8
 slow_factor = 0.4
 land_speed = 0.2
 ground = 0.1
@@ -57,6 +59,12 @@ v_max = 6.0
 turn_max = 3.0
 frozen_after = 0.4
 accept_after = 5
+[safety.search]
+predict = 4.0
+back_off = 0.5
+sweep_from = 0.4
+rate = 1.2
+turn_after = 7.0
 )");
   const auto guard = guard_options(scenario);
   ASSERT_TRUE(guard);
@@ -71,6 +79,9 @@ accept_after = 5
   EXPECT_EQ(o.times.slow_after, 0.21);
   EXPECT_EQ(o.times.hold_after, 0.51);
   EXPECT_EQ(o.times.land_after, 2.1);
+  EXPECT_EQ(o.sigmas.hold, 0.8);
+  EXPECT_EQ(o.sigmas.land, 1.8);
+  EXPECT_EQ(guard->search, (SearchOptions{4.0, 0.5, 0.4, 1.2, 7.0}));
   EXPECT_EQ(o.slow_factor, 0.4);
   EXPECT_EQ(o.land_speed, 0.2);
   EXPECT_EQ(o.ground, 0.1);

@@ -1,5 +1,7 @@
 #include "sightline/estimate/pose_filter.hpp"
 
+#include <algorithm>
+
 #include "sightline/estimate/attitude_filter.hpp"
 #include "sightline/estimate/delayed.hpp"
 #include "sightline/estimate/heading_filter.hpp"
@@ -11,6 +13,16 @@ std::string_view to_string(FitVerdict verdict) {
       "accepted", "accepted_position", "rejected", "started",  "restarted",
       "waiting",  "pending",           "too_old",  "repeated", "unusable"};
   return names[static_cast<std::size_t>(verdict)];
+}
+
+double PoseEstimate::bearing_sigma(const KnownPose& other) const noexcept {
+  constexpr double least = 0.2;  // beside it [m]: nearer, the direction may be any
+  const double x = other.p.x - p.x, y = other.p.y - p.y, level = std::max(x * x + y * y, least * least);
+  const auto variance = [&](const Mat<4, 4>& of) {
+    return (y * y * of(0, 0) - 2 * x * y * of(0, 1) + x * x * of(1, 1)) / (level * level);
+  };
+  const double with_heading = P(3, 3) + 2 * (x * P(1, 3) - y * P(0, 3)) / level;
+  return sqrt(std::max(0.0, variance(P) + variance(other.P) + with_heading));
 }
 
 std::unique_ptr<PoseFilter> make_pose_filter(const FilterOptions& options, const SensorMount& mount) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string_view>
 
+#include "sightline/estimate/broadcast_track.hpp"
 #include "sightline/estimate/filter_options.hpp"
 #include "sightline/estimate/measurement.hpp"
 #include "sightline/model/frames.hpp"
@@ -25,6 +26,8 @@ struct PoseEstimate {
   /// Root of the sum of the variances of p [m].
   double position_sigma() const noexcept { return sqrt(P(0, 0) + P(1, 1) + P(2, 2)); }
   double heading_sigma() const noexcept { return sqrt(P(3, 3)); }  ///< [rad]
+  /// Standard deviation of the direction of another body in V, whose error is independent of this one [rad].
+  double bearing_sigma(const KnownPose& other) const noexcept;
 };
 
 /// What became of a measurement.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace sightline {
@@ -70,13 +71,16 @@ Guard::Guard(const Team& team, const GuardOptions& options)
     : team_(team),
       options_(completed(team, options)),
       supervisor_(supervisor_of(team, options)),
+      search_(team_, options_.searchers, options_.search),
+      searches_(options_.searchers.size()),
       believed_(static_cast<std::size_t>(team.nx())),
       ages_(options_.bodies.size()),
       before_(static_cast<std::size_t>(team.nu())),
+      sigmas_(options_.bodies.size()),
       presence_(options_.bodies.size(), Presence::steered),
       levels_(options_.bodies.size(), FallbackLevel::valid),
       oldest_(options.supervisor.value_or(SupervisorOptions{}).times.hold_after) {
-  events_.reserve(3 * options_.bodies.size());
+  events_.reserve(4 * options_.bodies.size());
   if (options_.barrier == BarrierMode::off) return;
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
@@ -104,14 +108,23 @@ Guard::Guard(const Team& team, const GuardOptions& options)
 
 std::span<const double> Guard::believe(double t, std::span<const double> measured,
                                        std::span<const double> stamps,
-                                       std::span<const double> /*sigma*/) noexcept {
+                                       std::span<const double> sigma) noexcept {
   events_.clear();
+  if (sigma.empty())
+    std::fill(sigmas_.begin(), sigmas_.end(), 0.0);
+  else
+    std::copy(sigma.begin(), sigma.end(), sigmas_.begin());
   if (!supervisor_) {
     std::copy(measured.begin(), measured.end(), believed_.begin());
-    for (std::size_t i = 0; i < ages_.size(); ++i) ages_[i] = std::max(0.0, t - stamps[i]);
+    awaits_position_ = false;
+    for (std::size_t i = 0; i < ages_.size(); ++i) {
+      const bool known = !std::isinf(sigmas_[i]);
+      ages_[i] = known ? std::max(0.0, t - stamps[i]) : std::numeric_limits<double>::infinity();
+      awaits_position_ |= !known && presence_[i] != Presence::absent;
+    }
     return believed_;
   }
-  const std::span<const double> believed = supervisor_->believe(t, measured, stamps);
+  const std::span<const double> believed = supervisor_->believe(t, measured, stamps, sigma);
   std::copy(believed.begin(), believed.end(), believed_.begin());
   for (std::size_t i = 0; i < ages_.size(); ++i) {
     ages_[i] = std::max(0.0, supervisor_->age(BodyId{static_cast<int>(i)}));
@@ -123,19 +136,33 @@ void Guard::follow(const Membership& now, double t, std::span<const double> x) n
   std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
   for (std::size_t i = 0; i < robots_.size(); ++i) robots_[i].limits = &now.limits[i];
   if (supervisor_) supervisor_->follow(now, t, x);
+  search_.follow(now);
+}
+
+void Guard::look(double t, std::span<const View> views) noexcept {
+  search_.look(t, views, believed_);
+  for (int i = 0; i < search_.robots(); ++i) {
+    const SearchPhase phase = search_.phase(i);
+    const bool ends = phase == SearchPhase::none;
+    if (phase == SearchPhase::stand || ends != searches_[at(i)]) continue;
+    searches_[at(i)] = !ends;
+    tell({t, ends ? EventKind::found : EventKind::search, 0, static_cast<double>(search_.robot(i).index)});
+  }
 }
 
 void Guard::fall_back(double t, std::span<const double> x, std::span<const double> plan_ages,
                       std::span<const double> added, std::span<double> u) noexcept {
-  if (!supervisor_) return;
-  supervisor_->command(t, x, plan_ages, added, u);
-  for (const Notice& notice : supervisor_->notices()) {
-    tell({t, kind_of(notice), 0, static_cast<double>(notice.body.index)});
+  if (supervisor_) {
+    supervisor_->command(t, x, plan_ages, added, u);
+    for (const Notice& notice : supervisor_->notices()) {
+      tell({t, kind_of(notice), 0, static_cast<double>(notice.body.index)});
+    }
+    for (int i = 0; i < team_.bodies(); ++i) {
+      const BodyId body{i};
+      if (team_.is_agent(body)) levels_[at(body)] = supervisor_->level(body);
+    }
   }
-  for (int i = 0; i < team_.bodies(); ++i) {
-    const BodyId body{i};
-    if (team_.is_agent(body)) levels_[at(body)] = supervisor_->level(body);
-  }
+  search_.command(t, x, levels_, added, u);
 }
 
 void Guard::keep_distances(double t, std::span<const double> x, std::span<const double> added,
@@ -153,6 +180,11 @@ void Guard::record(double t, std::span<const double> u) noexcept {
   if (supervisor_) supervisor_->record(t, u);
 }
 
+/// Of a body's position, each axis [m].
+double Guard::sigma_of(BodyId body) const noexcept {
+  return sigmas_[at(body)] > 0 ? std::min(sigmas_[at(body)], sigma_most) : options_.position_sigma;
+}
+
 /// Another body as a robot sees it; u are the inputs of the period before. A robot of the team is where the commands in
 /// flight will have brought it; any other body is where it was seen, so much longer ago.
 Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double> x,
@@ -168,7 +200,7 @@ Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double
       .d_hard = safety.d_hard,
       .speed_max = safety.speed_max,
       .age = std::min(ages_[at(other)], oldest_) + (team_.is_agent(other) ? 0.0 : delay_of(robot)),
-      .sigma = std::sqrt(2.0) * options_.position_sigma,
+      .sigma = norm(sigma_of(robot), sigma_of(other)),
       .tie = robot.index < other.index ? 1.0 : -1.0};
   if (!team_.is_agent(other)) return neighbour;
   if (supervisor_ && supervisor_->level(other) == FallbackLevel::grounded) {

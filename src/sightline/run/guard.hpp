@@ -1,11 +1,12 @@
-/// Checks between the measurement and the controllers, and between them and the robots: the supervisor and the
-/// barrier of one team. Both use one state estimate.
+/// Checks between the measurement and the controllers, and between them and the robots: the supervisor, the search and
+/// the barrier of one team. They use one state estimate.
 ///
-///   measurement -> supervisor -> state estimate -> solver -> supervisor -> barrier -> applied
+///   measurement -> supervisor -> state estimate -> solver -> supervisor -> search -> barrier -> applied
 ///
 /// A robot that lands is not kept above the floor, and one that is grounded stays where it is. For a body
 /// that was not measured for longer than hold_after the barrier uses the bounds at hold_after: beyond, it could
-/// be anywhere, and a robot that fled from everywhere would never land.
+/// be anywhere, and a robot that fled from everywhere would never land. For the same reason it reckons with a position
+/// that is estimated as if it were known within sigma_most at least.
 #pragma once
 
 #include <optional>
@@ -14,6 +15,7 @@
 
 #include "sightline/run/sample.hpp"
 #include "sightline/safety/barrier.hpp"
+#include "sightline/safety/search.hpp"
 #include "sightline/safety/supervisor.hpp"
 
 namespace sightline {
@@ -43,25 +45,33 @@ struct GuardOptions {
   double position_sigma = 0.0;       ///< of a measurement, each axis [m], >= 0
   std::vector<BodySafety> bodies{};  ///< of the team, in its order; those that are missing have the defaults
   double period = 0.01;              ///< of the commands [s]
+  SearchOptions search{};            ///< of robots that are localized by view
+  std::vector<BodyId> searchers{};   ///< these robots
   std::vector<double> command_delays{};  ///< of each body, from a command to its effect [s]; empty: none
   std::vector<LimitsToCome> limits_to_come{};  ///< the barrier reckons with the tightest there will be
 };
 
 class Guard {
  public:
+  /// Standard deviation of an estimated position that the barrier reckons with at most [m].
+  static constexpr double sigma_most = 0.5;
+
   /// @throws std::invalid_argument for options out of their range, and for a robot that the barrier cannot keep
   Guard(const Team& team, const GuardOptions& options);
 
   /// The believed states of all bodies at t [s] (nx), from measurements with a time for each body.
-  /// @param sigma  of each body, the standard deviation of its estimated position [m]; 0: it is measured; empty: all are
+  /// @param sigma  of each body, standard deviation of a position that is estimated [m]; 0: it is measured; infinity: it is
+  ///               not known. Empty: all are measured
   std::span<const double> believe(double t, std::span<const double> measured, std::span<const double> stamps,
                                   std::span<const double> sigma = {}) noexcept;
   /// Whether each body was believed once; before, nobody is asked for a plan.
-  bool knows_all() const noexcept { return !supervisor_ || supervisor_->knows_all(); }
+  bool knows_all() const noexcept { return supervisor_ ? supervisor_->knows_all() : !awaits_position_; }
+  /// Tells what the searchers' views are at t, in any order, after believe().
+  void look(double t, std::span<const View> views) noexcept;
   // Both make of the controllers' inputs u (nu) what is commanded from t on, one after the other, after believe(). x (nx)
   // are the states that the commands meet: as believed, or carried on over what is in flight.
 
-  /// Where nothing better is known of a robot, the supervisor's command.
+  /// Where nothing better is known of a robot, the supervisor's command; of a searcher that has lost its view, the search's.
   /// @param plan_ages  of each body [s]; those of no robot do not count
   /// @param added      to the inputs afterwards (nu), such as what holds robots against wind: limits hold for the sum
   void fall_back(double t, std::span<const double> x, std::span<const double> plan_ages,
@@ -86,6 +96,7 @@ class Guard {
   std::span<const BarrierRecord> barriers() const noexcept { return records_; }
   /// One for each body; all valid without a supervisor, and of those that are no robots.
   std::span<const FallbackLevel> levels() const noexcept { return levels_; }
+  const Search& search() const noexcept { return search_; }
   /// None without a supervisor.
   const std::optional<Supervisor>& supervisor() const noexcept { return supervisor_; }
 
@@ -101,6 +112,7 @@ class Guard {
   };
   bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
 
+  double sigma_of(BodyId body) const noexcept;
   double delay_of(BodyId body) const noexcept {
     return options_.command_delays.empty() ? 0.0 : options_.command_delays[at(body)];
   }
@@ -115,8 +127,12 @@ class Guard {
   Team team_;
   GuardOptions options_;
   std::optional<Supervisor> supervisor_;
-  std::vector<Robot> robots_;  // none without a barrier
+  Search search_;
+  std::vector<char> searches_;  // whether each searcher does, as told last
+  std::vector<Robot> robots_;   // none without a barrier
   std::vector<double> believed_, ages_, before_;
+  std::vector<double> sigmas_;    // of each body, as told last [m]
+  bool awaits_position_ = false;  // a robot that is there never knew where it is
   std::vector<Presence> presence_;
   std::vector<FallbackLevel> levels_;
   double oldest_;  // age that the barrier reckons with [s]

@@ -72,7 +72,6 @@ void LocalizerOptions::check() const {
     if (!(v > 0 && std::isfinite(v))) refuse("estimate.{} = {}, expected > 0 {}", key, v, unit);
   };
   broadcast.check();
-  above_zero_only(sigma_hold, "sigma_hold", "m");
   for (const LocalizedRobot& robot : robots) above_zero_only(robot.camera_rate, "camera_rate", "Hz");
 }
 
@@ -95,6 +94,7 @@ Localizer::Localizer(const Team& team, std::span<const double> start, const Loca
     if (found == options_.robots.end()) continue;
     robot_of_[at(body)] = static_cast<int>(robots_.size());
     robots_.push_back(made(*found));
+    views_.push_back({.robot = found->robot, .target = found->watches.front()});
     sigma_[at(body)] = unknown_sigma;
   }
   knows_all_ = robots_.empty();
@@ -112,8 +112,7 @@ Localizer::Robot Localizer::made(const LocalizedRobot& what) const {
               .x = size(team_.state_offset(what.robot)),
               .u = size(team_.input_offset(what.robot)),
               .nx = size(model.nx()),
-              .filter = make_pose_filter(filter_of(what, graph_), what.mount),
-              .good = never_localized};
+              .filter = make_pose_filter(filter_of(what, graph_), what.mount)};
   robot.predicted.resize(robot.nx);
   // What each velocity among the states is in G, heading 0.
   std::vector<double> x(robot.nx), u(size(model.nu()));
@@ -133,7 +132,9 @@ void Localizer::set_presence(std::span<const Presence> presence) noexcept {
     const Presence was = std::exchange(presence_[i], presence[i]);
     if ((was == Presence::absent) == (presence[i] == Presence::absent)) continue;
     tracks_[i].forget();  // one that comes again is elsewhere
-    if (robot_of_[i] >= 0) forget(robots_[size(robot_of_[i])]);
+    if (robot_of_[i] < 0) continue;
+    forget(robots_[size(robot_of_[i])]);
+    views_[size(robot_of_[i])].sighted = View::never;
   }
 }
 
@@ -141,7 +142,7 @@ void Localizer::set_presence(std::span<const Presence> presence) noexcept {
 void Localizer::forget(Robot& robot) noexcept {
   robot.filter->forget();
   robot.told_count = 0;
-  robot.good = stamps_[robot.body] = never_localized;
+  stamps_[robot.body] = never_localized;
   sigma_[robot.body] = unknown_sigma;
   estimates_[robot.body] = {};
   std::copy_n(&start_[robot.x], robot.nx, &states_[robot.x]);
@@ -159,11 +160,12 @@ Measured Localizer::estimate(double t, const Measured& told) noexcept {
     if (robot_of_[at(message.body)] < 0) tracks_[at(message.body)].take(message.pose);
   fits_.clear();
   bool knows_all = true;
-  for (Robot& robot : robots_) {
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    Robot& robot = robots_[i];
     for (const Detection& detection : told.detections)
-      if (detection.observer == robot.what.robot) look(robot, detection);
-    believe(robot, t);
-    knows_all = knows_all && (presence_[robot.body] == Presence::absent || robot.good > never_localized);
+      if (detection.observer == robot.what.robot) look(robot, views_[i], detection);
+    believe(robot, views_[i], t);
+    knows_all = knows_all && (presence_[robot.body] == Presence::absent || estimates_[robot.body].known);
   }
   knows_all_ = knows_all_ || knows_all;
   Measured now = told;
@@ -182,7 +184,7 @@ void Localizer::move(const RobotMotion& motion) noexcept {
 }
 
 /// A detection has arrived.
-void Localizer::look(Robot& robot, const Detection& detection) noexcept {
+void Localizer::look(Robot& robot, View& view, const Detection& detection) noexcept {
   const int target = detection.target.index;
   if (!graph_.uses(robot.what.robot.index, target) || robot.told_count == 0) return;
   const auto pose = tracks_[at(target)].at(detection.stamp);
@@ -198,39 +200,50 @@ void Localizer::look(Robot& robot, const Detection& detection) noexcept {
   const Fit fit = robot.filter->take(z);
   if (fits_.size() < fits_.capacity())
     fits_.push_back({detection.observer, detection.target, detection.stamp, fit});
+  if (detection.stamp > view.sighted) view.sighted = detection.stamp, view.target = detection.target;
 }
 
 /// What a robot takes its state to be at t.
-void Localizer::believe(Robot& robot, double t) noexcept {
+void Localizer::believe(Robot& robot, View& view, double t) noexcept {
   if (presence_[robot.body] == Presence::absent) return;
   const bool knew = estimates_[robot.body].known;
+  const double before = estimates_[robot.body].stamp;
   const PoseEstimate& estimate = estimates_[robot.body] = robot.filter->estimate();
+  const auto x = std::span(states_).subspan(robot.x, robot.nx);
+  view.localized = estimate.known;
+  view.accepted = estimate.known ? estimate.last_accepted : View::never;
   if (!estimate.known) {
-    if (knew) robot.good = stamps_[robot.body] = never_localized;
+    stamps_[robot.body] = never_localized;
     sigma_[robot.body] = unknown_sigma;
+    // In V its velocity is known anywhere.
+    for (std::size_t k = 0; robot.told_count > 0 && k < robot.velocities.size(); ++k)
+      x[robot.velocities[k]] =
+          dot(robot.velocity_axes[k], robot.told[(robot.told_count - 1) % robot.told.size()].v_V);
     return;
   }
   const SinCos<double> h = sincos(estimate.psi);
-  const auto x = std::span(states_).subspan(robot.x, robot.nx);
   team_.model(robot.what.robot).at_rest({estimate.p, {h.cos, h.sin}}, x.data());
   const Vec3<double> v_V = turn_z(-estimate.psi) * estimate.v;
-  const double draw = knew ? std::clamp(1 - exp(-(t - robot.good) / draw_time), 0.0, 1.0) : 1.0;
+  const double draw = knew ? std::clamp(1 - exp(-(estimate.stamp - before) / draw_time), 0.0, 1.0) : 1.0;
   for (std::size_t k = 0; k < robot.velocities.size(); ++k) {
     const double told = dot(robot.velocity_axes[k], v_V),
                  model = knew ? robot.predicted[robot.velocities[k]] : told;
     x[robot.velocities[k]] = model + draw * (told - model);
   }
-  sigma_[robot.body] = estimate.position_sigma();
-  if (sigma_[robot.body] <= options_.sigma_hold) {
-    robot.good = t;
-    tracks_[robot.body].take({.stamp = t,
-                              .p = estimate.p,
-                              .v = estimate.v,
-                              .psi = estimate.psi,
-                              .yaw_rate = estimate.yaw_rate,
-                              .P = estimate.P});
-  }
-  stamps_[robot.body] = robot.good;
+  stamps_[robot.body] = estimate.stamp;
+  view.position_sigma = sigma_[robot.body] = estimate.position_sigma();
+  if (const auto target = tracks_[at(view.target)].at(t))
+    view.bearing_sigma = estimate.bearing_sigma(*target);
+  tracks_[robot.body].take({.stamp = estimate.stamp,
+                            .p = estimate.p,
+                            .v = estimate.v,
+                            .psi = estimate.psi,
+                            .yaw_rate = estimate.yaw_rate,
+                            .P = estimate.P});
+}
+
+void Localizer::start(BodyId robot, const Vec3<double>& p, double psi, const Mat<4, 4>& P) noexcept {
+  if (const int place = robot_of_[at(robot)]; place >= 0) robots_[size(place)].filter->start(p, psi, P);
 }
 
 void Localizer::apply(std::span<const double> u, double period, std::int64_t periods) noexcept {

@@ -10,6 +10,7 @@
 #include "sightline/estimate/broadcast_track.hpp"
 #include "sightline/estimate/localization_graph.hpp"
 #include "sightline/estimate/pose_filter.hpp"
+#include "sightline/safety/search.hpp"
 #include "sightline/world/world.hpp"
 
 namespace sightline {
@@ -26,7 +27,6 @@ struct LocalizedRobot {
 struct LocalizerOptions {
   std::vector<LocalizedRobot> robots{};
   BroadcastOptions broadcast{};  ///< `sighting_rate` is the highest rate of the cameras that watch the body
-  double sigma_hold = 0.5;  ///< an estimate is of now while its position's deviation is within this [m], > 0
   Cycles cycles = Cycles::refused;
 
   /// @throws std::invalid_argument naming a number out of its range
@@ -48,9 +48,9 @@ struct DetectionFit {
 /// localized tells its estimate to those that watch it. The velocities among a robot's states are the model's, under the
 /// inputs that were applied, drawn towards those of the filter.
 ///
-/// The stamp of a robot is that of its last estimate within sigma_hold, minus infinity before the first; until then its
-/// state is that of the start. All of it follows from what it is told, bit for bit. Nothing allocates, throws, locks or
-/// prints once it is made.
+/// The stamp of a robot is that of its estimate, the end of its last motion, so it grows old where nobody tells its
+/// motion; minus infinity before the first. Until then it is at its start, with the velocity that it is told. All of
+/// it follows from what it is told, bit for bit. Nothing allocates, throws, locks or prints once it is made.
 class Localizer {
  public:
   /// @param start  states of all bodies (nx)
@@ -72,6 +72,11 @@ class Localizer {
   std::span<const double> sigma() const noexcept { return sigma_; }
   /// Of each body; `known` is false of one that is not localized.
   std::span<const PoseEstimate> estimates() const noexcept { return estimates_; }
+  /// What each robot that is localized sees, for a Search; lower tiers first.
+  std::span<const View> views() const noexcept { return views_; }
+  /// Tells a robot where it is, as if it were known otherwise.
+  /// @param P  covariance of (p, psi), positive definite
+  void start(BodyId robot, const Vec3<double>& p, double psi, const Mat<4, 4>& P) noexcept;
   /// Of the detections that the last estimate() took.
   std::span<const DetectionFit> fits() const noexcept { return fits_; }
   const LocalizationGraph& graph() const noexcept { return graph_; }
@@ -85,15 +90,14 @@ class Localizer {
     std::unique_ptr<PoseFilter> filter{};
     std::array<MotionSample, PoseFilter::memory> told{};
     std::size_t told_count = 0;
-    double good = 0.0;  // stamp of the last estimate within sigma_hold
     std::vector<double> predicted{};
   };
 
   Robot made(const LocalizedRobot& what) const;
   void forget(Robot& robot) noexcept;
   void move(const RobotMotion& motion) noexcept;
-  void look(Robot& robot, const Detection& detection) noexcept;
-  void believe(Robot& robot, double t) noexcept;
+  void look(Robot& robot, View& view, const Detection& detection) noexcept;
+  void believe(Robot& robot, View& view, double t) noexcept;
 
   Team team_;
   LocalizerOptions options_;
@@ -105,6 +109,7 @@ class Localizer {
   std::vector<double> start_, states_, stamps_, sigma_;
   std::vector<PoseEstimate> estimates_;
   std::vector<DetectionFit> fits_;
+  std::vector<View> views_;  // of the robots, in their order
   bool knows_all_ = false;
 };
 

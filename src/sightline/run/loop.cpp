@@ -246,6 +246,7 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   if (options_.guard != nullptr)
     believed = options_.guard->believe(t, seen.measured, seen.stamps,
                                        localizes ? options_.localizer->sigma() : std::span<const double>{});
+  if (options_.guard != nullptr && localizes) options_.guard->look(t, options_.localizer->views());
   believed_ = believed;
   const std::span<const double> met = compensate(t, seen);
   if (sample.has_path) {

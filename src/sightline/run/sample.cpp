@@ -26,7 +26,9 @@ std::string_view to_string(EventKind kind) {
                                                                "event_ignored",
                                                                "team_late",
                                                                "pairs_left_out",
-                                                               "added_too_near"};
+                                                               "added_too_near",
+                                                               "search",
+                                                               "found"};
   return names[static_cast<std::size_t>(kind)];
 }
 

@@ -45,8 +45,10 @@ enum class EventKind : std::uint8_t {
   team_late,       ///< the next team was not ready in time; value: periods
   pairs_left_out,  ///< more pairs of a swarm came near than there is room for; value: how many more
   added_too_near,  ///< a body came to be there nearer to another than it may; value: the body
+  search,          ///< a robot that is localized by view searches for what it watches; value: the body
+  found,           ///< it has it in view again; value: the body
 };
-inline constexpr int event_kinds = 24;
+inline constexpr int event_kinds = 26;
 std::string_view to_string(EventKind kind);
 
 struct Event {

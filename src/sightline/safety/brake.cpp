@@ -25,9 +25,9 @@ std::array<double, Brake::rows> Brake::outcome(std::span<const double> x,
 }
 
 void Brake::operator()(std::span<const double> x, const Vec3<double>& velocity, std::span<const double> u_min,
-                       std::span<const double> u_max, std::span<double> u) noexcept {
+                       std::span<const double> u_max, std::span<double> u, double turn_rate) noexcept {
   const std::size_t nu = u_ref_.size();
-  const std::array<double, rows> wanted = {velocity.x, velocity.y, velocity.z, 0.0},
+  const std::array<double, rows> wanted = {velocity.x, velocity.y, velocity.z, turn_rate},
                                  at_rest = outcome(x, u_ref_);
   std::array<std::array<double, rows>, inputs_max> J;  // columns
   for (std::size_t j = 0; j < nu; ++j) {

@@ -25,9 +25,10 @@ class Brake {
   /// @param tau    [s], > 0
   Brake(const Model& model, std::span<const double> u_ref, double tau);
 
-  /// Writes the input (nu) that makes the velocity of the state x (nx) this one [m/s], without turning.
+  /// Writes the input (nu) that makes the velocity of the state x (nx) this one [m/s].
+  /// @param turn_rate  to the left [rad/s]
   void operator()(std::span<const double> x, const Vec3<double>& velocity, std::span<const double> u_min,
-                  std::span<const double> u_max, std::span<double> u) noexcept;
+                  std::span<const double> u_max, std::span<double> u, double turn_rate = 0.0) noexcept;
 
   static constexpr std::size_t inputs_max = 16;
 

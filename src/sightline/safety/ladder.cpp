@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "sightline/base/same_time.hpp"
@@ -22,12 +23,17 @@ FallbackLevel level_at(const LadderTimes& times, double age) noexcept {
   return FallbackLevel::land;
 }
 
-FallbackLevel next_level(FallbackLevel now, const LadderTimes& times, const Ages& ages,
-                         bool on_ground) noexcept {
+FallbackLevel level_at(const LadderSigmas& sigmas, double sigma) noexcept {
+  if (sigma <= sigmas.hold) return FallbackLevel::valid;
+  return sigma <= sigmas.land || std::isinf(sigma) ? FallbackLevel::hold : FallbackLevel::land;
+}
+
+FallbackLevel next_level(FallbackLevel now, const LadderTimes& times, const Ages& ages, bool on_ground,
+                         FallbackLevel by_sigma) noexcept {
   if (now == FallbackLevel::grounded) return now;
   if (now == FallbackLevel::land) return on_ground ? FallbackLevel::grounded : now;
   return std::max({level_at(times, ages.own), std::min(level_at(times, ages.partners), FallbackLevel::hold),
-                   level_at(times, ages.plan)});
+                   level_at(times, ages.plan), by_sigma});
 }
 
 }  // namespace sightline

@@ -39,6 +39,8 @@ void SupervisorOptions::check() const {
   expect(times.hold_after >= times.slow_after, "hold_after", times.hold_after, ">= slow_after");
   expect(times.land_after >= times.hold_after && times.land_after <= 60, "land_after", times.land_after,
          ">= hold_after, at most 60 s");
+  expect(sigmas.hold > 0, "sigma_hold", sigmas.hold, "> 0 m");
+  expect(sigmas.land > sigmas.hold, "sigma_land", sigmas.land, "> sigma_hold");
   expect(limits.world > 0, "world", limits.world, "> 0 m");
   expect(limits.v_max > 0, "v_max", limits.v_max, "> 0 m/s");
   expect(limits.turn_max > 0, "turn_max", limits.turn_max, "> 0 rad/s");
@@ -59,7 +61,9 @@ Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
       history_(entries(options), resting_inputs(team)),
       robot_of_(static_cast<std::size_t>(team.bodies())),
       presence_(robot_of_.size(), Presence::steered),
-      believed_(static_cast<std::size_t>(team.nx())) {
+      believed_(static_cast<std::size_t>(team.nx())),
+      sigmas_(robot_of_.size()),
+      positioned_(robot_of_.size()) {
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
     const Model& model = team_.model(body);
@@ -115,6 +119,7 @@ void Supervisor::follow(const Membership& now, double t, std::span<const double>
     const bool comes = presence_[i] == Presence::absent && now.presence[i] != Presence::absent;
     presence_[i] = now.presence[i];
     if (comes) {
+      positioned_[i] = false;
       tracks_[i].begin(x.subspan(at, nx), t);
       if (team_.is_agent(BodyId{static_cast<int>(i)})) robots_[robot_of_[i]].level = FallbackLevel::valid;
     }
@@ -133,10 +138,18 @@ bool Supervisor::knows_all() const noexcept {
   return true;
 }
 
+bool Supervisor::awaits_position() const noexcept {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (presence_[i] != Presence::absent && std::isinf(sigmas_[i]) && !tracks_[i].known()) return true;
+  }
+  return false;
+}
+
 std::span<const double> Supervisor::believe(double t, std::span<const double> measured,
-                                            std::span<const double> stamps) noexcept {
+                                            std::span<const double> stamps,
+                                            std::span<const double> sigma) noexcept {
   assert(measured.size() == believed_.size() && stamps.size() == tracks_.size() &&
-         "a measurement is of all bodies of the team");
+         (sigma.empty() || sigma.size() == tracks_.size()) && "a measurement is of all bodies of the team");
   time_ = t;
   notices_.clear();
   std::size_t at = 0;
@@ -144,12 +157,19 @@ std::span<const double> Supervisor::believe(double t, std::span<const double> me
     Track& track = tracks_[i];
     const std::size_t nx = track.state().size(), from = std::exchange(at, at + nx);
     if (presence_[i] == Presence::absent) continue;
-    const bool trusted = track.trusted();
-    const MeasurementFault fault = track.take(measured.subspan(from, nx), stamps[i], t, history_);
-    if (trusted && !track.trusted()) tell({BodyId{static_cast<int>(i)}, fault});
+    sigmas_[i] = sigma.empty() ? 0.0 : sigma[i];
+    positioned_[i] |= !std::isinf(sigmas_[i]);
+    const std::span<const double> x = measured.subspan(from, nx);
+    std::span<const double> state = track.state();
+    if (!std::isinf(sigmas_[i])) {
+      const bool trusted = track.trusted();
+      const MeasurementFault fault = track.take(x, stamps[i], t, history_, sigmas_[i]);
+      if (trusted && !track.trusted()) tell({BodyId{static_cast<int>(i)}, fault});
+    } else if (!track.known() && all_finite(x)) {
+      state = x;  // its velocities serve to brake it
+    }
     track.predict(t, history_);
-    std::copy(track.state().begin(), track.state().end(),
-              believed_.begin() + static_cast<std::ptrdiff_t>(from));
+    std::copy(state.begin(), state.end(), believed_.begin() + static_cast<std::ptrdiff_t>(from));
   }
   return believed_;
 }
@@ -160,20 +180,31 @@ Ages Supervisor::ages_of(const Robot& robot, std::span<const double> plan_ages) 
   return ages;
 }
 
+FallbackLevel Supervisor::level_by_sigma(const Robot& robot) const noexcept {
+  FallbackLevel level = level_at(options_.sigmas, sigmas_[at(robot.body)]);
+  for (const BodyId partner : robot.partners) {
+    if (!is_there(partner)) continue;
+    level = std::max(level, std::min(level_at(options_.sigmas, sigmas_[at(partner)]), FallbackLevel::hold));
+  }
+  return level;
+}
+
 void Supervisor::command(double t, std::span<const double> x, std::span<const double> plan_ages,
                          std::span<const double> added, std::span<double> u) noexcept {
   assert(plan_ages.size() == tracks_.size() && "a plan has an age for each body");
+  const bool awaits = awaits_position();  // nobody is asked for a plan meanwhile
   for (Robot& robot : robots_) {
     if (!is_there(robot.body)) continue;
     robot.limits->at(t, robot.u_min, robot.u_max);
     for (std::size_t i = 0; i < robot.nu; ++i)
       robot.u_min[i] -= added[robot.u + i], robot.u_max[i] -= added[robot.u + i];
-    const Ages ages = ages_of(robot, plan_ages);
+    Ages ages = ages_of(robot, plan_ages);
+    if (awaits) ages.plan = std::min(ages.plan, options_.times.land_after);
     const double height = team_.model(robot.body).sight(&x[robot.x], robot.u_ref.data()).p.z;
     const bool on_ground = height <= options_.ground + at_the_ground;
-    FallbackLevel next = next_level(robot.level, options_.times, ages, on_ground);
+    FallbackLevel next = next_level(robot.level, options_.times, ages, on_ground, level_by_sigma(robot));
     // Where it is was never known: nothing to land from.
-    if (std::isinf(ages.own)) next = FallbackLevel::hold;
+    if (std::isinf(ages.own) || !positioned_[at(robot.body)]) next = FallbackLevel::hold;
     if (next != robot.level) tell({robot.body, next});
     robot.level = next;
     apply(robot, x.subspan(robot.x, robot.nx), u.subspan(robot.u, robot.nu));

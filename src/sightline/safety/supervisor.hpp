@@ -24,6 +24,7 @@ namespace sightline {
 
 struct SupervisorOptions {
   LadderTimes times{};
+  LadderSigmas sigmas{};
   TrackLimits limits{};
   double slow_factor = 0.5;  ///< u* + slow_factor (u - u*) is applied when slowed, in [0, 1]
   double land_speed = 0.3;   ///< downwards [m/s], > 0
@@ -49,9 +50,11 @@ class Supervisor {
 
   /// @param measured  states of all bodies as the sensor gives them (nx)
   /// @param stamps    time of the measurement of each body [s]; the same as before: there is nothing new
+  /// @param sigma     of each body, standard deviation of a position that is estimated [m]; 0: it is measured; infinity: it
+  ///                  is not known, and of the states only those that do not depend on it are. Empty: all are measured
   /// @return the estimated states of all bodies at t [s] (nx), always finite, valid until the next call
-  std::span<const double> believe(double t, std::span<const double> measured,
-                                  std::span<const double> stamps) noexcept;
+  std::span<const double> believe(double t, std::span<const double> measured, std::span<const double> stamps,
+                                  std::span<const double> sigma = {}) noexcept;
   /// Changes the inputs of robots that are slowed, hold or land; all are finite and within limits afterwards.
   /// @param x          states that the commands meet (nx)
   /// @param plan_ages  age of the plan that u comes from, for each body; those of no robot do not count [s]
@@ -73,6 +76,8 @@ class Supervisor {
   FallbackLevel level(BodyId robot) const noexcept { return robots_[robot_of_[at(robot)]].level; }
   /// Whether a measurement of each present body was accepted once.
   bool knows_all() const noexcept;
+  /// Whether a robot is there that is to find out where it is, and never knew it.
+  bool awaits_position() const noexcept;
   /// Whether the last measurement of a body was accepted.
   bool trusts(BodyId body) const noexcept { return tracks_[at(body)].trusted(); }
   /// Age of the body's state estimate at the last believe() [s]; infinity before the first measurement.
@@ -90,6 +95,7 @@ class Supervisor {
     FallbackLevel level;
   };
   bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
+  FallbackLevel level_by_sigma(const Robot& robot) const noexcept;
   static std::vector<BodyId> partners_of(const Team& team, BodyId robot);
 
   Ages ages_of(const Robot& robot, std::span<const double> plan_ages) const noexcept;
@@ -104,6 +110,8 @@ class Supervisor {
   std::vector<Robot> robots_;
   std::vector<Presence> presence_;
   std::vector<double> believed_;
+  std::vector<double> sigmas_;    // of each body, as told last [m]
+  std::vector<char> positioned_;  // whether its position was known once since it is there
   std::vector<Notice> notices_;
   double time_ = 0.0;
 };

@@ -42,8 +42,8 @@ Track::Track(const Model& model, std::size_t input_at, const TrackLimits& limits
   model.at_rest({{}, {1.0, 0.0}}, x_.data());
 }
 
-MeasurementFault Track::take(std::span<const double> x, double stamp, double now,
-                             const InputHistory& history) noexcept {
+MeasurementFault Track::take(std::span<const double> x, double stamp, double now, const InputHistory& history,
+                             double sigma) noexcept {
   if (!(stamp > last_stamp_)) return MeasurementFault::none;
   const auto fault = [&](MeasurementFault reason) {
     trusted_ = false;
@@ -55,7 +55,7 @@ MeasurementFault Track::take(std::span<const double> x, double stamp, double now
   if (const MeasurementFault reason = implausible(x); reason != MeasurementFault::none) return fault(reason);
   if (frozen(x, stamp, history)) return fault(MeasurementFault::frozen);
 
-  const bool follows = reference_stamp_ == never || consistent(sight_, stamp);
+  const bool follows = sigma > 0 || reference_stamp_ == never || consistent(sight_, stamp);
   std::copy(x.begin(), x.end(), last_.begin());
   reference_ = sight_;
   reference_stamp_ = stamp;

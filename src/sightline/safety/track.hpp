@@ -57,9 +57,11 @@ class Track {
 
   /// Takes a measurement x (nx) of time `stamp` that arrives at `now` [s]. One that is not newer than the
   /// last is ignored.
+  /// @param sigma  standard deviation of a position that is estimated [m]; 0: it is measured. An estimate may jump: a new
+  ///               measurement corrects it
   /// @return why it is refused; none also for one that is ignored
-  MeasurementFault take(std::span<const double> x, double stamp, double now,
-                        const InputHistory& history) noexcept;
+  MeasurementFault take(std::span<const double> x, double stamp, double now, const InputHistory& history,
+                        double sigma = 0.0) noexcept;
   /// Forgets all that was: the body comes to be there at `now`, in the state x (nx); what was measured before is not
   /// of it.
   void begin(std::span<const double> x, double now) noexcept;

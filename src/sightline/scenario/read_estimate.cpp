@@ -11,6 +11,7 @@
 #include "sightline/potential/protection.hpp"
 #include "sightline/scenario/read_coupling.hpp"
 #include "sightline/scenario/read_part.hpp"
+#include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
 namespace {
@@ -88,9 +89,8 @@ LocalizedRobot read_localized(const TomlTable& agent, BodyId robot, const Filter
 void read_estimates(const TomlTable& root, Scenario& scenario) {
   LocalizerOptions& options = scenario.localization;
   const TomlTable all = root.table_or_empty("estimate");
-  const FilterOptions team_filter = read_part<FilterOptions>(
-      TableSource(all), std::array<std::string_view, 3>{"sigma_hold", "cycles", "broadcast"});
-  if (all.has("sigma_hold")) options.sigma_hold = all.number("sigma_hold", positive("> 0 m"));
+  const FilterOptions team_filter =
+      read_part<FilterOptions>(TableSource(all), std::array<std::string_view, 2>{"cycles", "broadcast"});
   if (all.has("cycles") && all.word("cycles", cycle_words) == cycle_words[1])
     options.cycles = Cycles::intersected;
   // What is told by radio, and how it is carried on between two messages.
@@ -115,7 +115,9 @@ void read_estimates(const TomlTable& root, Scenario& scenario) {
     options.robots.push_back(read_localized(agent, robot, filter, scenario));
     if (!first) first = agent;
   }
-  if (first) first->checked([&] { return Localizer(scenario.team, scenario.x0, options); });
+  if (!first) return;
+  first->checked([&] { return Localizer(scenario.team, scenario.x0, options); });
+  first->checked([&] { return Guard(scenario.team, *guard_options(scenario)); });  // who searches must turn
 }
 
 TelemetryOptions telemetry_options(const Scenario& scenario) {

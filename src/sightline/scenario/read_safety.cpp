@@ -18,6 +18,8 @@ SupervisorOptions read_supervisor(const TomlTable& at) {
            {"slow_after", &times.slow_after, positive("> 0 s")},
            {"hold_after", &times.hold_after, positive("> 0 s")},
            {"land_after", &times.land_after, positive("> 0 s")},
+           {"sigma_hold", &o.sigmas.hold, positive("> 0 m")},
+           {"sigma_land", &o.sigmas.land, positive("> 0 m")},
            {"slow_factor", &o.slow_factor, {0.0, 1.0, "0 to 1"}},
            {"land_speed", &o.land_speed, positive("> 0 m/s")},
            {"ground", &o.ground},
@@ -33,6 +35,8 @@ SupervisorOptions read_supervisor(const TomlTable& at) {
   rising("slow_after", times.slow_after, "fresh", times.fresh);
   rising("hold_after", times.hold_after, "slow_after", times.slow_after);
   rising("land_after", times.land_after, "hold_after", times.hold_after);
+  if (o.sigmas.land <= o.sigmas.hold)
+    at.refuse("sigma_land", fmt::format("> sigma_hold = {} m", o.sigmas.hold));
   return o;
 }
 
@@ -116,7 +120,7 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
            {"wall_margin", &barrier.wall_margin, not_negative(">= 0 m")},
            {"position_sigma", &safety.position_sigma, not_negative(">= 0 m")},
            {"heading_sigma", &safety.heading_sigma, not_negative(">= 0 rad")}},
-          {"barrier", "supervisor"});
+          {"barrier", "supervisor", "search"});
   if (barrier.ceiling <= barrier.floor) at.refuse("ceiling", fmt::format("> floor = {} m", barrier.floor));
   barrier.world = safety.world;
   constexpr std::array<std::string_view, 3> modes = {"off", "on", "report"};
@@ -135,6 +139,7 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
     limits.position_sigma = safety.position_sigma;
     limits.heading_sigma = safety.heading_sigma;
   }
+  if (at.has("search")) safety.search = read_part<SearchOptions>(TableSource(at.table("search")));
   return safety;
 }
 
@@ -160,15 +165,17 @@ void read_faults(const TomlTable& simulation, const Team& team, Simulation& to) 
 }
 
 std::optional<GuardOptions> guard_options(const Scenario& scenario) {
-  if (!scenario.safety) return std::nullopt;
-  const Safety& safety = *scenario.safety;
-  if (safety.barrier == BarrierMode::off && !safety.supervisor) return std::nullopt;
+  const Safety safety = scenario.safety.value_or(Safety{});
+  const bool searches = !scenario.localization.robots.empty();
+  if (safety.barrier == BarrierMode::off && !safety.supervisor && !searches) return std::nullopt;
   GuardOptions options{.supervisor = safety.supervisor,
                        .barrier = safety.barrier,
                        .barrier_options = safety.barrier_options,
                        .position_sigma = safety.position_sigma,
-                       .period = scenario.horizon.dt};
+                       .period = scenario.horizon.dt,
+                       .search = safety.search};
   if (options.supervisor) options.supervisor->period = scenario.horizon.dt;
+  for (const LocalizedRobot& of : scenario.localization.robots) options.searchers.push_back(of.robot);
   options.bodies.resize(static_cast<std::size_t>(scenario.team.bodies()), {.d_hard = safety.d_hard});
   for (const RobotCompensation& of : scenario.compensations) {
     options.command_delays.resize(options.bodies.size());

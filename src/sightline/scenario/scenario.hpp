@@ -74,6 +74,7 @@ struct Safety {
   double position_sigma = 0.0;  ///< of a measurement, each axis [m], >= 0
   double heading_sigma = 0.0;   ///< [rad], >= 0
   std::optional<SupervisorOptions> supervisor{};
+  SearchOptions search{};  ///< of robots that are localized by view
 };
 
 /// What the controllers see of a velocity; one that is unknown they take to be zero.
