@@ -21,7 +21,7 @@ namespace {
 using Mark = Drawing::Mark;
 using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
-using View = Drawing::Grid::View;
+using GridView = Drawing::Grid::View;
 
 constexpr int width = 900, axes_left = 102, axes_width = 780;  // [px]
 constexpr std::string_view picture_head = "<?xml ";            // of each that gnuplot draws
@@ -144,7 +144,7 @@ AxisRange range_of(const Panel& panel, std::vector<double> Curve::*axis) {
   if (!grid.empty()) {
     const auto [low, high] = std::minmax_element(grid.begin(), grid.end());
     range = {*low, *high};
-    if (panel.grid.view != View::cloud) return range;
+    if (panel.grid.view != GridView::cloud) return range;
   }
   for (const Curve& curve : panel.curves) {
     for (std::size_t i = 0; i < curve.y.size(); ++i) {
@@ -185,7 +185,7 @@ std::string ranges(const Panel& panel, int axes) {
     return fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_low, x_high, y_low, y_high);
   };
   if (!panel.grid.z.empty()) {
-    const Space space = panel.grid.view == View::cloud ? space_of(panel) : Space{x, y, {}};
+    const Space space = panel.grid.view == GridView::cloud ? space_of(panel) : Space{x, y, {}};
     return text(space.x.low, space.x.high, space.y.low, space.y.high);
   }
   if (panel.equal_scales) {
@@ -246,7 +246,7 @@ void write_curve(std::ostream& script, const Curve& curve, std::string_view name
   script << "EOD\n";
 }
 
-bool in_space(const Panel& panel) { return !panel.grid.z.empty() && panel.grid.view != View::map; }
+bool in_space(const Panel& panel) { return !panel.grid.z.empty() && panel.grid.view != GridView::map; }
 
 // The panel's field below its curves, as the first thing that is plotted.
 std::string write_grid(std::ostream& script, const Drawing::Grid& grid, const Space& space) {
@@ -259,12 +259,12 @@ std::string write_grid(std::ostream& script, const Drawing::Grid& grid, const Sp
   script << "EOD\n";
   const std::string label = literal(grid.label);
   switch (grid.view) {
-    case View::map:
+    case GridView::map:
       return "set cblabel " + label + " offset 1,0\nplot $grid using 1:2:3 with image notitle";
-    case View::surface:
+    case GridView::surface:
       return "unset colorbox\nset ztics autofreq\nset zlabel " + label +
              " rotate by 90 offset 1,0\nset view 58,35,1,1\nsplot $grid using 1:2:3 with pm3d notitle";
-    case View::cloud:
+    case GridView::cloud:
       break;
   }
   const AxisRange z = height_of(grid);
@@ -319,7 +319,7 @@ void write_drawing(std::ostream& script, const Drawing& drawing) {
       const Panel& panel = drawing.panels[i];
       const int column = static_cast<int>(i - first);
       const int from = columns == 1 ? axes_left : column * share + 72;
-      const bool map = !panel.grid.z.empty() && panel.grid.view == View::map;
+      const bool map = !panel.grid.z.empty() && panel.grid.view == GridView::map;
       const int axes = (columns == 1 ? axes_width : share - 90) - (map ? colour_box : 0);
       const int title = panel.title.empty() ? 0 : row;
       head = std::max(head, title + static_cast<int>(Legend(panel, axes).rows) * row);
