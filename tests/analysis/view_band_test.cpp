@@ -91,5 +91,15 @@ TEST(ViewBand, OfRobotsThatTurnByAChoiceItIsSaidWhatTheyCannotKnow) {
   EXPECT_THAT(preflight(scenario).warnings, Contains(said[0]));
 }
 
+TEST(ViewBand, WhoIsLocalizedByViewKnowsItsPlaceByTagsThatAreThere) {
+  std::string text(observer_text);
+  text.replace(text.find("camera = {}"), 11, "camera = {}\nlocalized_by = \"view\"");
+  EXPECT_THAT(unobservable_robots(test::scenario_of(text + std::string(view_text))), IsEmpty());
+  text.replace(text.find("tags = {}"), 9, "tags = {}\npresent = false");
+  const std::string later = "[[event]]\nat = 5.0\nadd = \"c\"\n";
+  EXPECT_THAT(unobservable_robots(test::scenario_of(text + std::string(view_text) + later)),
+              testing::ElementsAre(HasSubstr("the position and heading of a are unobservable")));
+}
+
 }  // namespace
 }  // namespace sightline

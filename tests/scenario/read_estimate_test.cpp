@@ -81,6 +81,29 @@ TEST(ReadEstimate, WatchesNamesOthersAndLandmarksCount) {
               ElementsAre(scenario.team.find("mast"), scenario.team.find("uav0")));
 }
 
+TEST(ReadEstimate, WhoTurnsByAChoiceWatchesAllThatItMayTurnTo) {
+  const std::string masts =
+      "[obstacle.mast]\np = [0.0, 2.0, 1.0]\ntags = {}\n[obstacle.pole]\np = [0.0, -2.0, 1.0]\ntags = {}\n";
+  const auto robot = [](int i) {
+    return fmt::format(
+        "[agent.uav{0}]\nrobot = \"multirotor\"\nstart = {{ p = [{1}, 0.0, 1.0], heading = 3.14 }}\n"
+        "localized_by = \"view\"\nsensor = {{ pitch = 0.2 }}\ncamera = {{}}\ntags = {{}}\n",
+        i, 2.0 + i);
+  };
+  const auto best = [](std::string_view targets) {
+    return fmt::format(
+        "[[shape]]\nbest = {{ target = [{}], observers = [\"uav0\", \"uav1\"] }}\n"
+        "potential = {{ bearing = {{ alpha = 0.5 }} }}\n",
+        targets);
+  };
+  const Scenario scenario = scenario_of(robot(0) + robot(1) + masts + best("\"mast\", \"pole\""));
+  ASSERT_EQ(scenario.localization.robots.size(), 2U);
+  EXPECT_THAT(scenario.localization.robots[1].watches,
+              testing::UnorderedElementsAre(scenario.team.find("mast"), scenario.team.find("pole")));
+  EXPECT_THAT(scenario_refusal(robot(0) + robot(1) + masts + best("\"mast\", \"uav0\", \"uav1\"")),
+              HasSubstr("robots are localized in a circle"));
+}
+
 TEST(ReadEstimate, WithoutItNothingIsTold) {
   EXPECT_EQ(make_world(scenario_of(row(2)))->measured_max().motions, 0U);
   const std::string global =

@@ -151,6 +151,14 @@ std::vector<std::string> unobservable_robots(const Scenario& scenario) {
             {.observer = observer.index, .target = choice.targets[size(choice.first[i])].index});
     }
   }
+  for (const LocalizedRobot& localized : scenario.localization.robots) {
+    SensingRobot& robot = robots[at(localized.robot)];
+    robot.position = robot.heading = false;
+    for (const BodyId target : localized.watches) {
+      if (scenario.presence[at(target)] != Presence::absent)
+        sightings.push_back({.observer = localized.robot.index, .target = target.index});
+    }
+  }
   std::vector<std::string> sentences;
   for (const Unobservable& what : unobservable_states(robots, places, sightings))
     sentences.push_back(to_string(what, robots));

@@ -43,6 +43,9 @@ std::vector<BodyId> watched_by(BodyId robot, const Scenario& scenario) {
   for (const TeamEvent& event : scenario.script.events) {
     for (const Action& action : event.actions) {
       if (const auto* added = std::get_if<AddCoupling>(&action)) add_coupling(added->coupling);
+      if (const auto* turn = std::get_if<HandOver>(&action)) {
+        for (const Coupling& c : turn->couplings) add_coupling(c);
+      }
       if (const auto* observes = std::get_if<Observe>(&action))
         if (observes->observer == robot) add(observes->target);
     }
