@@ -18,6 +18,21 @@ bool is_believed(FitVerdict verdict) {
 
 }  // namespace
 
+PoseError error_of(const PoseEstimate& estimate, const Vec3<double>& p, double psi) noexcept {
+  PoseError error{p - estimate.p, wrap(psi - estimate.psi)};
+  const double e[4] = {error.p.x, error.p.y, error.p.z, error.psi};
+  // L y = e; y^T y = e^T P^-1 e.
+  const Cholesky<4> P(estimate.P);
+  double y[4] = {};
+  for (int i = 0; i < 4; ++i) {
+    double sum = e[i];
+    for (int k = 0; k < i; ++k) sum -= P.L(i, k) * y[k];
+    y[i] = sum / P.L(i, i);
+    error.nees += square(y[i]);
+  }
+  return error;
+}
+
 LocalizationSummary::LocalizationSummary(const Scenario& scenario)
     : team_(scenario.team), settle_(scenario.simulation.settle) {
   for (const LocalizedRobot& one : scenario.localization.robots)
@@ -48,21 +63,10 @@ void LocalizationSummary::add_estimate(Robot& robot, const Sample& sample) noexc
   robot.sigma_max = std::max(robot.sigma_max, estimate.position_sigma());
   if (!sample.truth_known) return;
   const Sight<double> truth = true_sight(team_, robot.body, sample);
-  const Vec3<double> e = truth.p - estimate.p;
-  const double turned = wrap(std::atan2(truth.d.y, truth.d.x) - estimate.psi);
-  const double error[4] = {e.x, e.y, e.z, turned};
-  // L y = e; y^T y = e^T P^-1 e.
-  const Cholesky<4> P(estimate.P);
-  double y[4] = {}, nees = 0.0;
-  for (int i = 0; i < 4; ++i) {
-    double sum = error[i];
-    for (int k = 0; k < i; ++k) sum -= P.L(i, k) * y[k];
-    y[i] = sum / P.L(i, i);
-    nees += square(y[i]);
-  }
-  robot.squares += dot(e, e);
-  robot.heading_squares += square(turned);
-  robot.nees += nees;
+  const PoseError error = error_of(estimate, truth.p, std::atan2(truth.d.y, truth.d.x));
+  robot.squares += dot(error.p, error.p);
+  robot.heading_squares += square(error.psi);
+  robot.nees += error.nees;
   ++robot.errors;
 }
 

@@ -10,6 +10,14 @@
 
 namespace sightline {
 
+/// What is wrong with an estimate.
+struct PoseError {
+  Vec3<double> p{};   ///< truth less estimate [m]
+  double psi = 0.0;   ///< [rad], in [-pi, pi]
+  double nees = 0.0;  ///< e^T P^-1 e of both
+};
+PoseError error_of(const PoseEstimate& estimate, const Vec3<double>& p, double psi) noexcept;
+
 /// Of one robot; not a number: there was nothing to compute it from, as errors where nobody knows the truth.
 struct RobotLocalization {
   std::string name;

@@ -19,6 +19,8 @@
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/record/cdr.hpp"
+#include "sightline/record/localization_log.hpp"
+#include "sightline/record/localization_summary.hpp"
 #include "sightline/record/mcap.hpp"
 #include "sightline/record/planned_view.hpp"
 #include "sightline/world/rigid_body.hpp"
@@ -116,6 +118,8 @@ class RowReader {
       places_[topic + "path"] = [&body](const McapMessage& m) { path(body, m); };
       places_[topic + "input"] = [&body](const McapMessage& m) { input(body, m); };
       places_[topic + "barrier"] = [&body](const McapMessage& m) { barrier(body, m); };
+      places_[topic + "localization"] = [&body](const McapMessage& m) { localization(body, m); };
+      places_[topic + "innovation"] = [&body](const McapMessage& m) { innovation(body, m); };
       places_[topic + "reference"] = [&body](const McapMessage& m) { reference(body, m); };
     }
     run.controllers.resize(controllers);
@@ -235,6 +239,25 @@ class RowReader {
       body.reference_heading.push_back(
           std::atan2(or_no_value(values["d"].at(1)), or_no_value(values["d"].at(0))));
     }
+  }
+  static void localization(Recording::Body& body, const McapMessage& message) {
+    if (body.p.empty()) refuse("a message of {} comes before any state", message.topic);
+    LogText text;
+    text.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
+    const PoseEstimate estimate = estimate_of(text);
+    const PoseError error = error_of(estimate, body.p.back(), body.heading.back());
+    body.localization.time.push_back(text.number("time"));
+    body.localization.error.push_back(norm(error.p));
+    body.localization.sigma.push_back(estimate.position_sigma());
+    body.localization.nees.push_back(error.nees);
+  }
+  static void innovation(Recording::Body& body, const McapMessage& message) {
+    const json values = parsed(message);
+    if (values.at("dimension") == 0) return;
+    Recording::Localization& of = body.localization;
+    const bool refused = values.at("verdict") == to_string(FitVerdict::rejected);
+    (refused ? of.refused_time : of.believed_time).push_back(or_no_value(values.at("stamp")));
+    (refused ? of.refused : of.believed).push_back(or_no_value(values.at("squared")));
   }
   void solver(std::size_t index, const McapMessage& message) {
     const json values = parsed(message);

@@ -14,6 +14,12 @@ namespace sightline {
 /// What run.mcap and timing.csv of one folder hold. Columns of one name space have one row a period, `time`.
 /// What was not finite is not a number.
 struct Recording {
+  /// What the filter of a robot that is localized by view knew: estimates, and detections by what became of them.
+  struct Localization {
+    std::vector<double> time, error, sigma, nees;  ///< [s]; of the position [m]; of position and heading
+    std::vector<double> believed_time, believed;   ///< of the exposures [s]; y^T S^-1 y
+    std::vector<double> refused_time, refused;     ///< likewise
+  };
   struct Body {
     std::string name;
     std::string robot;  ///< of the model, "body" for what is not controlled
@@ -34,6 +40,7 @@ struct Recording {
     std::vector<Vec3<double>> reference_p;  ///< empty where the place is free
     std::vector<double> reference_heading;  ///< psi [rad], unwrapped; empty where the heading is free
     std::vector<double> barrier;            ///< 1 where the barrier acted, one a period; empty without one
+    Localization localization{};            ///< empty of one that is not localized by view
     std::vector<double> reserve;            ///< the barrier's [m], one a period; not a number: nobody near
   };
   /// An observer and its target, by the coupling with a sensor; limits that no coupling states are not a

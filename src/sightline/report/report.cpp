@@ -26,6 +26,7 @@
 #include "sightline/report/curves.hpp"
 #include "sightline/report/flown_figure.hpp"
 #include "sightline/report/graph_figure.hpp"
+#include "sightline/report/localization_figure.hpp"
 #include "sightline/report/nearness_figure.hpp"
 #include "sightline/report/paths_figure.hpp"
 #include "sightline/report/safety_figure.hpp"
@@ -353,6 +354,7 @@ std::vector<Drawing> drawings_of(const Recording& recording) {
   for (const Recording::Pair& pair : pairs_to_draw(recording)) add_pair(recording, curves, pair, drawings);
   if (auto nearness = nearness_drawing(recording, curves)) drawings.push_back(std::move(*nearness));
   if (auto safety = safety_drawing(recording)) drawings.push_back(std::move(*safety));
+  for (Drawing& localized : localization_drawings(recording)) drawings.push_back(std::move(localized));
   if (auto swarm = swarm_drawing(recording)) drawings.push_back(std::move(*swarm));
   drawings.push_back(paths_drawing(recording, curves));
   for (const auto& group : groups_of(Drawing::colours, all)) {

@@ -1,0 +1,15 @@
+/// How well robots that are localized by view knew where they were, as drawings of a report.
+#pragma once
+
+#include <vector>
+
+#include "sightline/plot/figures.hpp"
+#include "sightline/record/recording.hpp"
+
+namespace sightline {
+
+/// For each of the first robots that are localized by view: error with three standard deviations, NEES, and how its
+/// detections fitted.
+std::vector<Drawing> localization_drawings(const Recording& recording);
+
+}  // namespace sightline
