@@ -13,9 +13,8 @@ extern "C" {
 }
 
 namespace sightline::dds {
-namespace {
 
-const dds_topic_descriptor_t& descriptor_of(const MessageType& type) {
+std::span<const dds_topic_descriptor_t* const> px4_descriptors() {
 #define LAYOUT(message) &px4_msgs_msg_dds__##message##_desc
   static const std::array<const dds_topic_descriptor_t*, 31> all = {
       LAYOUT(TrajectorySetpoint_),      LAYOUT(OffboardControlMode_14_),  LAYOUT(OffboardControlMode_15_),
@@ -30,6 +29,13 @@ const dds_topic_descriptor_t& descriptor_of(const MessageType& type) {
       LAYOUT(MessageFormatResponse_),   LAYOUT(RoverSpeedSetpoint_),      LAYOUT(RoverRateSetpoint_),
       LAYOUT(RoverThrottleSetpoint_)};
 #undef LAYOUT
+  return all;
+}
+
+namespace {
+
+const dds_topic_descriptor_t& descriptor_of(const MessageType& type) {
+  const auto all = px4_descriptors();
   const auto found = std::find_if(all.begin(), all.end(), [&](const dds_topic_descriptor_t* descriptor) {
     return type.idl_name == descriptor->m_typename;
   });

@@ -5,12 +5,16 @@
 
 #include <cstddef>
 #include <cstring>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "bridges/dds/message_type.hpp"
 
 namespace sightline::dds {
+
+/// Of all messages of PX4 that are spoken, each layout once.
+std::span<const dds_topic_descriptor_t* const> px4_descriptors();
 
 /// One message in the layout of a release. In memory a message lies as on the wire.
 class Px4Layout {

@@ -11,6 +11,7 @@
 #include <memory>
 #include <set>
 
+#include "bridges/dds/px4_layout.hpp"
 #include "sightline/base/index.hpp"
 #include "tests/dds/garbler.hpp"
 #include "tests/dds/rig.hpp"
@@ -18,7 +19,6 @@
 
 extern "C" {
 #include "crazyflie.h"
-#include "px4.h"
 #include "ros.h"
 }
 
@@ -27,32 +27,30 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What comes from others, by the names of the IDL.
+/// What comes from others, or goes to stand-ins.
 const std::vector<const dds_topic_descriptor_t*>& types_read() {
-  static const std::vector<const dds_topic_descriptor_t*> all = {
-#define OF_PX4(message) &px4_msgs_msg_dds__##message##_desc
-      OF_PX4(VehicleStatus_14_), OF_PX4(VehicleStatus_15_), OF_PX4(VehicleStatus_16_),
-      OF_PX4(VehicleStatus_18_), OF_PX4(VehicleOdometry_), OF_PX4(VehicleLocalPosition_14_),
-      OF_PX4(VehicleLocalPosition_15_), OF_PX4(VehicleLocalPosition_16_), OF_PX4(VehicleCommandAck_14_),
-      OF_PX4(VehicleCommandAck_15_), OF_PX4(VehicleLandDetected_), OF_PX4(VehicleAttitude_),
-      OF_PX4(TimesyncStatus_), OF_PX4(FailsafeFlags_14_), OF_PX4(FailsafeFlags_15_),
-      OF_PX4(FailsafeFlags_16_), OF_PX4(FailsafeFlags_17_), OF_PX4(FailsafeFlags_18_),
-      OF_PX4(BatteryStatus_14_), OF_PX4(BatteryStatus_16_), OF_PX4(BatteryStatus_17_),
-      OF_PX4(MessageFormatResponse_),
-      // Of the stand-ins.
-      OF_PX4(VehicleCommand_14_), OF_PX4(VehicleCommand_15_), OF_PX4(OffboardControlMode_14_),
-      OF_PX4(OffboardControlMode_15_), OF_PX4(TrajectorySetpoint_), OF_PX4(MessageFormatRequest_),
-#undef OF_PX4
-      &nav_msgs_msg_dds__Odometry__desc, &nav_msgs_msg_dds__Path__desc,
-      &geometry_msgs_msg_dds__PoseStamped__desc, &geometry_msgs_msg_dds__Twist__desc,
-      &geometry_msgs_msg_dds__TwistStamped__desc,
-      &motion_capture_tracking_interfaces_msg_dds__NamedPoseArray__desc, &tf2_msgs_msg_dds__TFMessage__desc,
-      &std_srvs_srv_dds__Trigger_Request__desc, &std_srvs_srv_dds__Trigger_Response__desc,
-      &crazyflie_interfaces_msg_dds__Status__desc, &crazyflie_interfaces_msg_dds__FullState__desc,
-      &crazyflie_interfaces_msg_dds__VelocityWorld__desc,
-      &crazyflie_interfaces_srv_dds__Takeoff_Request__desc,
-      &crazyflie_interfaces_srv_dds__Takeoff_Response__desc,
-      &crazyflie_interfaces_srv_dds__Land_Request__desc, &crazyflie_interfaces_srv_dds__Arm_Request__desc};
+  static const std::vector<const dds_topic_descriptor_t*> all = [] {
+    std::vector<const dds_topic_descriptor_t*> types = {
+        &nav_msgs_msg_dds__Odometry__desc,
+        &nav_msgs_msg_dds__Path__desc,
+        &geometry_msgs_msg_dds__PoseStamped__desc,
+        &geometry_msgs_msg_dds__Twist__desc,
+        &geometry_msgs_msg_dds__TwistStamped__desc,
+        &motion_capture_tracking_interfaces_msg_dds__NamedPoseArray__desc,
+        &tf2_msgs_msg_dds__TFMessage__desc,
+        &std_srvs_srv_dds__Trigger_Request__desc,
+        &std_srvs_srv_dds__Trigger_Response__desc,
+        &crazyflie_interfaces_msg_dds__Status__desc,
+        &crazyflie_interfaces_msg_dds__FullState__desc,
+        &crazyflie_interfaces_msg_dds__VelocityWorld__desc,
+        &crazyflie_interfaces_srv_dds__Takeoff_Request__desc,
+        &crazyflie_interfaces_srv_dds__Takeoff_Response__desc,
+        &crazyflie_interfaces_srv_dds__Land_Request__desc,
+        &crazyflie_interfaces_srv_dds__Arm_Request__desc};
+    const auto px4 = px4_descriptors();
+    types.insert(types.end(), px4.begin(), px4.end());
+    return types;
+  }();
   return all;
 }
 
