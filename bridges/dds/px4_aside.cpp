@@ -31,45 +31,21 @@ bool is_usual(std::string_view flag) {
 Px4Aside::Px4Aside(dds_entity_t participant, const Px4Link& link)
     : link_(link),
       release_(px4_first + static_cast<int>(link.release)),
-      battery_layout_("BatteryStatus", release_),
-      flags_layout_("FailsafeFlags", release_),
-      position_layout_("VehicleLocalPosition", release_) {
+      flags_layout_("FailsafeFlags", release_) {
   for (const Field& field : flags_layout_.type().fields) {
     if (field.type != "boolean" || flag_names_.size() == flags_most) continue;
     if (field.name == transmitter_flag) transmitter_ = flag_names_.size();
     flag_names_.push_back(field.name);
     flag_places_.push_back(flags_layout_.place(field.name));
   }
-  const auto read = [&](const Px4Layout& layout, std::string_view message, RawReader::Take take) {
-    readers_.push_back(std::make_unique<RawReader>(participant, layout.descriptor(),
-                                                   topic_of(message, release_), of_sensors, layout.size(),
-                                                   Writers::all, std::move(take)));
-  };
-  const auto at = [](const Px4Layout& layout, std::string_view field) { return layout.place(field); };
-  read(battery_layout_, "BatteryStatus",
-       [this, remaining = at(battery_layout_, "remaining"), voltage = at(battery_layout_, "voltage_v"),
-        warning = at(battery_layout_, "warning"),
-        connected = at(battery_layout_, "connected")](const void* m, const Arrival& a) {
-         battery_.put({a.monotonic, read_at<float>(m, remaining), read_at<float>(m, voltage),
-                       read_at<std::uint8_t>(m, warning), read_at<bool>(m, connected)});
-       });
-  read(flags_layout_, "FailsafeFlags", [this](const void* m, const Arrival& a) {
-    Flags flags{a.monotonic};
-    for (std::size_t i = 0; i < flag_places_.size(); ++i) flags.set[i] = read_at<bool>(m, flag_places_[i]);
-    flags_.put(flags);
-  });
-  read(position_layout_, "VehicleLocalPosition",
-       [this, valid = at(position_layout_, "xy_valid"), xy = at(position_layout_, "xy_global"),
-        z = at(position_layout_, "z_global"), lat = at(position_layout_, "ref_lat"),
-        lon = at(position_layout_, "ref_lon"),
-        alt = at(position_layout_, "ref_alt")](const void* m, const Arrival& a) {
-         Position position{a.monotonic};
-         for (std::size_t i = 0; i < valid_names.size(); ++i)
-           position.valid[i] = read_at<bool>(m, valid + i);  // one after the other
-         position.global = read_at<bool>(m, xy) && read_at<bool>(m, z);
-         position.reference = {read_at<double>(m, lat), read_at<double>(m, lon), read_at<float>(m, alt)};
-         position_.put(position);
-       });
+  readers_.push_back(std::make_unique<RawReader>(
+      participant, flags_layout_.descriptor(), topic_of("FailsafeFlags", release_), of_sensors,
+      flags_layout_.size(), Writers::all, [this](const void* m, const Arrival& a) {
+        Flags flags{a.monotonic};
+        for (std::size_t i = 0; i < flag_places_.size(); ++i)
+          flags.set[i] = read_at<bool>(m, flag_places_[i]);
+        flags_.put(flags);
+      }));
   read_signs(participant);
   if (release_ >= formats_since) read_formats(participant);
 }
@@ -200,9 +176,8 @@ void Px4Aside::examine_formats(FindingList& to) const {
   }
 }
 
-void Px4Aside::examine_battery(FindingList& to) const {
-  Battery battery;
-  if (!battery_.look(battery) || monotonic_now() - battery.arrived > battery_old || !battery.connected) {
+void Px4Aside::examine_battery(const Px4Battery& battery, FindingList& to) const {
+  if (battery.arrived == 0 || monotonic_now() - battery.arrived > battery_old || !battery.connected) {
     to.add(Aspect::battery, Light::unknown, "it says nothing of a battery");
     return;
   }
@@ -220,10 +195,10 @@ void Px4Aside::examine_battery(FindingList& to) const {
     to.add(Aspect::battery, Light::green, "{}", level);
 }
 
-void Px4Aside::examine(const Surroundings& around, FindingList& to) {
+void Px4Aside::examine(const Surroundings& around, const Px4Battery& battery, FindingList& to) {
   ask_for_formats();
   examine_release(around, to);
-  examine_battery(to);
+  examine_battery(battery, to);
   Flags flags;
   if (!flags_.look(flags))
     to.add(Aspect::pilot, Light::unknown, "it does not say whether a pilot's transmitter is heard");
@@ -240,21 +215,6 @@ std::string Px4Aside::failing() const {
   for (std::size_t i = 0; i < flag_names_.size(); ++i)
     if (flags.set[i] && !is_usual(flag_names_[i])) set.emplace_back(flag_names_[i]);
   return set.empty() ? "" : fmt::format(" ({})", fmt::join(set, ", "));
-}
-
-std::optional<std::string> Px4Aside::invalid() const {
-  Position position;
-  if (!position_.look(position)) return std::nullopt;
-  std::vector<std::string_view> names;
-  for (std::size_t i = 0; i < valid_names.size(); ++i)
-    if (!position.valid[i]) names.push_back(valid_names[i]);
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-std::optional<GeoPoint> Px4Aside::reference() const {
-  Position position;
-  if (!position_.look(position) || !position.global) return std::nullopt;
-  return position.reference;
 }
 
 }  // namespace sightline::dds

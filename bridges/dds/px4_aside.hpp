@@ -17,6 +17,14 @@
 
 namespace sightline::dds {
 
+/// What it says of its battery; `arrived` 0: nothing yet.
+struct Px4Battery {
+  Nanoseconds arrived = 0;
+  float remaining = 0.0F, voltage = 0.0F;  ///< of 1, [V]
+  std::uint8_t warning = 0;
+  bool connected = false;
+};
+
 /// Its readers take nothing from the control thread. All else is of one thread, before a flight.
 class Px4Aside {
  public:
@@ -24,35 +32,18 @@ class Px4Aside {
   Px4Aside(dds_entity_t participant, const Px4Link& link);
 
   /// Adds release, battery and pilot. Each time it asks which layouts the vehicle takes, five times in all: nothing that it obeys.
-  void examine(const Surroundings& around, FindingList& to);
+  void examine(const Surroundings& around, const Px4Battery& battery, FindingList& to);
   /// The flags of its failsafe that are set, " (mag_invalid, ..)"; empty: none.
   std::string failing() const;
-  /// Of xy, z, v_xy and v_z those that its estimate does not have, "xy, v_xy"; none where it has not said.
-  std::optional<std::string> invalid() const;
-  /// Where on earth its local frame begins, where it says.
-  std::optional<GeoPoint> reference() const;
 
  private:
   static constexpr std::size_t flags_most = 48;
   static constexpr std::array<std::string_view, 3> sent = {"TrajectorySetpoint", "OffboardControlMode",
                                                            "VehicleCommand"};
-  static constexpr std::array<std::string_view, 4> valid_names = {"xy", "z", "v_xy", "v_z"};
 
-  struct Battery {
-    Nanoseconds arrived = 0;
-    float remaining = 0.0F, voltage = 0.0F;
-    std::uint8_t warning = 0;
-    bool connected = false;
-  };
   struct Flags {
     Nanoseconds arrived = 0;
     std::array<bool, flags_most> set{};  // in the order of their names
-  };
-  struct Position {
-    Nanoseconds arrived = 0;
-    std::array<bool, 4> valid{};
-    bool global = false;
-    GeoPoint reference{};
   };
   struct Answer {
     bool came = false, success = false;
@@ -78,20 +69,18 @@ class Px4Aside {
   Looks looks_like(const Surroundings& around) const;
   void examine_release(const Surroundings& around, FindingList& to) const;
   void examine_formats(FindingList& to) const;
-  void examine_battery(FindingList& to) const;
+  void examine_battery(const Px4Battery& battery, FindingList& to) const;
 
   Px4Link link_;
   int release_;
-  Px4Layout battery_layout_, flags_layout_, position_layout_;
+  Px4Layout flags_layout_;
   std::vector<std::string> flag_names_;
   std::vector<std::size_t> flag_places_;
   std::size_t transmitter_ = 0;  // its place among the flags
   int asked_ = 0;
 
   // Filled by the thread that receives.
-  Mailbox<Battery> battery_;
   Mailbox<Flags> flags_;
-  Mailbox<Position> position_;
   std::array<Mailbox<Answer>, sent.size()> answers_;
   std::vector<std::unique_ptr<Sign>> signs_;
 

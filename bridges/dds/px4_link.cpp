@@ -1,6 +1,7 @@
 #include "bridges/dds/px4_link.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +13,6 @@
 extern "C" {
 #include "px4.h"
 }
-
-#define PX4_DESCRIPTOR(message) px4_msgs_msg_dds__##message##_desc
 
 namespace sightline::dds {
 namespace {
@@ -30,13 +29,21 @@ constexpr float px4_nan = std::numeric_limits<float>::quiet_NaN();
 
 Vec3<double> px4_vec(const float* v) { return {v[0], v[1], v[2]}; }
 
-std::size_t px4_bytes(std::string_view message, int release) {
-  return *payload_size(px4_type(message, release));
+/// A reader of one of its messages.
+/// @param taking  gives what takes messages of that layout
+template <class Taking>
+std::unique_ptr<RawReader> px4_reader(dds_entity_t participant, const Px4Link& link, const Px4Layout& layout,
+                                      std::string_view message, Quality quality, Writers writers,
+                                      const Taking& taking) {
+  const int release = px4_first + static_cast<int>(link.release);
+  return std::make_unique<RawReader>(participant, layout.descriptor(),
+                                     px4_topic(link.name_space, Px4Side::out, message, release), quality,
+                                     layout.size(), writers, taking(layout));
 }
 
 }  // namespace
 
-/// Readers and writers. Those that differ between releases are made for one of their layouts.
+/// Readers and writers, of the layouts of its release.
 struct Px4LinkEnd::Ends {
   std::unique_ptr<RawReader> status, position, landed, battery, ack;
   std::unique_ptr<RawWriter> heartbeat, setpoint, command;
@@ -51,91 +58,75 @@ Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps)
       odometry_(link.origin),
       aside_(std::make_unique<Px4Aside>(participant, px4_)),
       ends_(std::make_unique<Ends>()) {
-  const auto topic = [&](Px4Side side, std::string_view message) {
-    return px4_topic(px4_.name_space, side, message, release_);
+  const auto writer = [&](std::string_view message) {
+    return std::make_unique<RawWriter>(participant, Px4Layout(message, release_).descriptor(),
+                                       px4_topic(px4_.name_space, Px4Side::in, message, release_),
+                                       of_sensors);
   };
-  const auto reader = [&](const dds_topic_descriptor_t& type, std::string_view message, Quality quality,
-                          Writers writers, RawReader::Take take) {
-    return std::make_unique<RawReader>(participant, type, topic(Px4Side::out, message), quality,
-                                       px4_bytes(message, release_), writers, std::move(take));
-  };
-  const auto writer = [&](const dds_topic_descriptor_t& type, std::string_view message) {
-    return std::make_unique<RawWriter>(participant, type, topic(Px4Side::in, message), of_sensors);
-  };
-  const auto status = [&]<class M>(const dds_topic_descriptor_t& type, const M*) {
-    ends_->status =
-        reader(type, "VehicleStatus", of_sensors, Writers::all,
-               [this](const void* m, const Arrival& a) { on_status(*static_cast<const M*>(m), a); });
-  };
-  const auto ack = [&]<class M>(const dds_topic_descriptor_t& type, const M*) {
-    ends_->ack = reader(type, "VehicleCommandAck", {.depth = 8}, Writers::all,
-                        [this](const void* m, const Arrival& a) { on_ack(*static_cast<const M*>(m), a); });
-  };
-  const auto position = [&]<class M>(const dds_topic_descriptor_t& type, const M*) {
-    ends_->position =
-        reader(type, "VehicleLocalPosition", of_sensors, Writers::all,
-               [this](const void* m, const Arrival& a) { on_position(*static_cast<const M*>(m), a); });
-  };
-  const auto battery = [&]<class M>(const dds_topic_descriptor_t& type, const M*) {
-    ends_->battery =
-        reader(type, "BatteryStatus", of_sensors, Writers::all,
-               [this](const void* m, const Arrival& a) { on_battery(*static_cast<const M*>(m), a); });
-  };
-#define PX4_LAYOUT(message) PX4_DESCRIPTOR(message), static_cast<const px4_msgs_msg_dds__##message*>(nullptr)
-  if (release_ == 14) {
-    status(PX4_LAYOUT(VehicleStatus_14_)), position(PX4_LAYOUT(VehicleLocalPosition_14_));
-  } else if (release_ == 15) {
-    status(PX4_LAYOUT(VehicleStatus_15_)), position(PX4_LAYOUT(VehicleLocalPosition_15_));
-  } else {
-    position(PX4_LAYOUT(VehicleLocalPosition_16_));
-    release_ < 18 ? status(PX4_LAYOUT(VehicleStatus_16_)) : status(PX4_LAYOUT(VehicleStatus_18_));
-  }
-  release_ == 14 ? ack(PX4_LAYOUT(VehicleCommandAck_14_)) : ack(PX4_LAYOUT(VehicleCommandAck_15_));
-  release_ < 16    ? battery(PX4_LAYOUT(BatteryStatus_14_))
-  : release_ == 16 ? battery(PX4_LAYOUT(BatteryStatus_16_))
-                   : battery(PX4_LAYOUT(BatteryStatus_17_));
-#undef PX4_LAYOUT
-  ends_->landed = reader(
-      PX4_DESCRIPTOR(VehicleLandDetected_), "VehicleLandDetected", of_sensors, Writers::all,
-      [this](const void* m, const Arrival& a) {
-        landed_.put({a.monotonic, static_cast<const px4_msgs_msg_dds__VehicleLandDetected_*>(m)->landed});
-      });
-  odometry_.read_by(reader(PX4_DESCRIPTOR(VehicleOdometry_), "VehicleOdometry", of_sensors, Writers::first,
-                           [this](const void* m, const Arrival& a) { on_odometry(m, a); }));
-  if (from_.source != PoseSource::odometry) {
-    seen_ = std::make_unique<PoseIntake>();
-    read_seen_poses(*seen_, participant, from_, Attitude::needed);
-  }
-  ends_->setpoint = writer(PX4_DESCRIPTOR(TrajectorySetpoint_), "TrajectorySetpoint");
-  ends_->heartbeat = writer(
-      release_ == 14 ? PX4_DESCRIPTOR(OffboardControlMode_14_) : PX4_DESCRIPTOR(OffboardControlMode_15_),
-      "OffboardControlMode");
-  ends_->command =
-      writer(release_ == 14 ? PX4_DESCRIPTOR(VehicleCommand_14_) : PX4_DESCRIPTOR(VehicleCommand_15_),
-             "VehicleCommand");
+  read_state(participant);
+  read_poses(participant);
+  ends_->setpoint = writer("TrajectorySetpoint");
+  ends_->heartbeat = writer("OffboardControlMode");
+  ends_->command = writer("VehicleCommand");
 }
 
 Px4LinkEnd::~Px4LinkEnd() = default;
 
-template <class M>
-void Px4LinkEnd::on_status(const M& m, const Arrival& arrival) {
-  status_.put(
-      {arrival.monotonic, m.arming_state, m.nav_state, m.system_id, m.failsafe, m.pre_flight_checks_pass});
+void Px4LinkEnd::read_state(dds_entity_t participant) {
+  const auto read = [&](std::string_view message, Quality quality, const auto& taking) {
+    return px4_reader(participant, px4_, Px4Layout(message, release_), message, quality, Writers::all,
+                      taking);
+  };
+  using Byte = std::uint8_t;
+  ends_->status = read("VehicleStatus", of_sensors, [this](const Px4Layout& in) {
+    return [this, arming = in.place("arming_state"), nav = in.place("nav_state"),
+            system = in.place("system_id"), failsafe = in.place("failsafe"),
+            preflight = in.place("pre_flight_checks_pass")](const void* m, const Arrival& a) {
+      status_.put({a.monotonic, read_at<Byte>(m, arming), read_at<Byte>(m, nav), read_at<Byte>(m, system),
+                   read_at<bool>(m, failsafe), read_at<bool>(m, preflight)});
+    };
+  });
+  ends_->ack = read("VehicleCommandAck", {.depth = 8}, [this](const Px4Layout& in) {
+    return
+        [this, command = in.place("command"), result = in.place("result")](const void* m, const Arrival& a) {
+          ack_.put({a.monotonic, read_at<std::uint32_t>(m, command), read_at<Byte>(m, result)});
+        };
+  });
+  ends_->position = read("VehicleLocalPosition", of_sensors, [this](const Px4Layout& in) {
+    return [this, valid = in.place("xy_valid"), xy = in.place("xy_global"), z = in.place("z_global"),
+            lat = in.place("ref_lat"), lon = in.place("ref_lon"),
+            alt = in.place("ref_alt")](const void* m, const Arrival& a) {
+      Position position{a.monotonic};
+      for (std::size_t i = 0; i < valid_names.size(); ++i)
+        position.valid[i] = read_at<bool>(m, valid + i);  // one after the other
+      position.global = read_at<bool>(m, xy) && read_at<bool>(m, z);
+      position.reference = {read_at<double>(m, lat), read_at<double>(m, lon), read_at<float>(m, alt)};
+      position_.put(position);
+    };
+  });
+  ends_->battery = read("BatteryStatus", of_sensors, [this](const Px4Layout& in) {
+    return
+        [this, remaining = in.place("remaining"), voltage = in.place("voltage_v"),
+         warning = in.place("warning"), connected = in.place("connected")](const void* m, const Arrival& a) {
+          battery_.put({a.monotonic, read_at<float>(m, remaining), read_at<float>(m, voltage),
+                        read_at<Byte>(m, warning), read_at<bool>(m, connected)});
+        };
+  });
+  ends_->landed = read("VehicleLandDetected", of_sensors, [this](const Px4Layout& in) {
+    return [this, landed = in.place("landed")](const void* m, const Arrival& a) {
+      landed_.put({a.monotonic, read_at<bool>(m, landed)});
+    };
+  });
 }
 
-template <class M>
-void Px4LinkEnd::on_ack(const M& m, const Arrival& arrival) {
-  ack_.put({arrival.monotonic, m.command, m.result});
-}
-
-template <class M>
-void Px4LinkEnd::on_position(const M& m, const Arrival& arrival) {
-  position_.put({arrival.monotonic, m.xy_valid && m.z_valid && m.v_xy_valid && m.v_z_valid});
-}
-
-template <class M>
-void Px4LinkEnd::on_battery(const M& m, const Arrival& arrival) {
-  battery_.put({arrival.monotonic, m.warning < px4_battery_critical});
+void Px4LinkEnd::read_poses(dds_entity_t participant) {
+  odometry_.read_by(px4_reader(participant, px4_, Px4Layout("VehicleOdometry", release_), "VehicleOdometry",
+                               of_sensors, Writers::first, [this](const Px4Layout&) {
+                                 return [this](const void* m, const Arrival& a) { on_odometry(m, a); };
+                               }));
+  if (from_.source == PoseSource::odometry) return;
+  seen_ = std::make_unique<PoseIntake>();
+  read_seen_poses(*seen_, participant, from_, Attitude::needed);
 }
 
 void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
@@ -174,8 +165,8 @@ bool Px4LinkEnd::look(SeenMotion& seen) noexcept {
 }
 
 LinkReason Px4LinkEnd::unfit() const noexcept {
-  if (!last_battery_.good) return LinkReason::battery_low;
-  if (last_position_.arrived > 0 && !last_position_.good) return LinkReason::estimator_invalid;
+  if (last_battery_.warning >= px4_battery_critical) return LinkReason::battery_low;
+  if (last_position_.arrived > 0 && !last_position_.good()) return LinkReason::estimator_invalid;
   return !seen_ && anchor_.moved() > px4_.reset_max ? LinkReason::moved : LinkReason::as_asked;
 }
 
@@ -197,10 +188,10 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   LinkFacts facts;
   facts.there = poses().is_fresh(now, odometry_old) && now - s.arrived < status_old;
   facts.armed = s.arming == px4_armed;
-  facts.landed = says_landed ? last_landed_.good : !facts.armed;
+  facts.landed = says_landed ? last_landed_.landed : !facts.armed;
   facts.unfit = unfit();
-  facts.checked = s.preflight && last_position_.good && last_battery_.good && facts.landed && heard_ &&
-                  !odometry_.of_second_writer() && is_seen_well() &&
+  facts.checked = s.preflight && last_position_.good() && last_battery_.warning < px4_battery_critical &&
+                  facts.landed && heard_ && !odometry_.of_second_writer() && is_seen_well() &&
                   (px4_.target_system == 0 || px4_.target_system == s.system);
   facts.contested = rivals_ > 0;
   facts.restarted = speakers_ >= 0 && ends_->status->writers_came() > speakers_;
@@ -211,7 +202,7 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
                                                              : AutopilotMode::other;
   const bool high = poses().newest().motion.p.z - origin_.p.z > least_height;
   facts.airborne =
-      (is(NavState::hold) || is(NavState::offboard)) && high && !(says_landed && last_landed_.good);
+      (is(NavState::hold) || is(NavState::offboard)) && high && !(says_landed && last_landed_.landed);
   facts.refused = last_ack_.arrived > asked_at_ && last_ack_.command == static_cast<std::uint32_t>(asked_) &&
                   last_ack_.result != ack_accepted && last_ack_.result != ack_in_progress;
   return facts;
@@ -338,11 +329,25 @@ void Px4LinkEnd::examine_writers(const Surroundings& around, FindingList& to) co
   to.add_green(Aspect::writers, "nobody else speaks in its place or steers it");
 }
 
+void Px4LinkEnd::examine_estimator(FindingList& to) const {
+  Position position;
+  if (!position_.look(position)) return;
+  std::vector<std::string_view> invalid;
+  for (std::size_t i = 0; i < valid_names.size(); ++i)
+    if (!position.valid[i]) invalid.push_back(valid_names[i]);
+  if (!invalid.empty())
+    to.add(Aspect::estimator, Light::red, "its estimator is not valid: {}", fmt::join(invalid, ", "));
+  to.add_green(Aspect::estimator, "valid: position and velocity, level and upright");
+}
+
+std::optional<GeoPoint> Px4LinkEnd::reference() const {
+  Position position;
+  if (!position_.look(position) || !position.global) return std::nullopt;
+  return position.reference;
+}
+
 void Px4LinkEnd::examine_state(FindingList& to) {
-  if (const std::optional<std::string> invalid = aside_->invalid())
-    invalid->empty()
-        ? to.add(Aspect::estimator, Light::green, "valid: position and velocity, level and upright")
-        : to.add(Aspect::estimator, Light::red, "its estimator is not valid: {}", *invalid);
+  examine_estimator(to);
   const LinkFacts f = facts(monotonic_now());
   const Status& s = last_status_;
   if (s.arrived == 0) return;
@@ -372,7 +377,7 @@ void Px4LinkEnd::examine(const Surroundings& around, FindingList& to) {
   }
   examine_writers(around, to);
   examine_state(to);
-  aside_->examine(around, to);
+  aside_->examine(around, last_battery_, to);
 }
 
 std::string Px4LinkEnd::counts() const {

@@ -1,9 +1,12 @@
 /// The link to a vehicle of PX4 behind its uXRCE-DDS agent, releases 1.14 to 1.18.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/frame_anchor.hpp"
@@ -40,7 +43,7 @@ class Px4LinkEnd final : public LinkEnd {
   void watch(std::span<const SeenWriter> writers) override;
   void examine(const Surroundings& around, FindingList& to) override;
   const PoseIntake& intake() const noexcept override { return poses(); }
-  std::optional<GeoPoint> reference() const override { return aside_ ? aside_->reference() : std::nullopt; }
+  std::optional<GeoPoint> reference() const override;
   void stop_examining() override { aside_.reset(); }
   std::string counts() const override;
   const DelayHistogram* arrivals() const noexcept override {
@@ -53,9 +56,18 @@ class Px4LinkEnd final : public LinkEnd {
     std::uint8_t arming = 0, nav = 0, system = 0;
     bool failsafe = false, preflight = false;
   };
-  struct Flags {  // of one of the slow messages
+  struct Position {
     Nanoseconds arrived = 0;
-    bool good = false;
+    std::array<bool, 4> valid{};  // in the order of valid_names
+    bool global = false;
+    GeoPoint reference{};
+
+    bool good() const noexcept { return std::find(valid.begin(), valid.end(), false) == valid.end(); }
+  };
+  static constexpr std::array<std::string_view, 4> valid_names = {"xy", "z", "v_xy", "v_z"};
+  struct Landed {
+    Nanoseconds arrived = 0;
+    bool landed = false;
   };
   struct Ack {
     Nanoseconds arrived = 0;
@@ -64,14 +76,8 @@ class Px4LinkEnd final : public LinkEnd {
   };
   struct Ends;
 
-  template <class M>
-  void on_status(const M& m, const Arrival& arrival);
-  template <class M>
-  void on_ack(const M& m, const Arrival& arrival);
-  template <class M>
-  void on_position(const M& m, const Arrival& arrival);
-  template <class M>
-  void on_battery(const M& m, const Arrival& arrival);
+  void read_state(dds_entity_t participant);
+  void read_poses(dds_entity_t participant);
   LinkReason unfit() const noexcept;
   void on_odometry(const void* message, const Arrival& arrival);
   PoseIntake& poses() noexcept { return seen_ ? *seen_ : odometry_; }
@@ -80,6 +86,7 @@ class Px4LinkEnd final : public LinkEnd {
   bool is_seen_well() noexcept;
   void examine_topics(const Surroundings& around, FindingList& to) const;
   void examine_writers(const Surroundings& around, FindingList& to) const;
+  void examine_estimator(FindingList& to) const;
   void examine_state(FindingList& to);
   std::uint64_t stamp() const noexcept;
   void command(Px4Command which, float param1, float param2, Nanoseconds now) noexcept;
@@ -92,7 +99,9 @@ class Px4LinkEnd final : public LinkEnd {
 
   // Filled by the thread that receives.
   Mailbox<Status> status_;
-  Mailbox<Flags> position_, landed_, battery_;
+  Mailbox<Position> position_;
+  Mailbox<Landed> landed_;
+  Mailbox<Px4Battery> battery_;
   Mailbox<Ack> ack_;
   Mailbox<std::uint64_t> sampled_;  // when the newest pose was, by its clock [us]
   FrameAnchor anchor_;
@@ -104,7 +113,9 @@ class Px4LinkEnd final : public LinkEnd {
 
   // Of the control thread: the last that was seen, for when a mailbox is being written.
   Status last_status_{};
-  Flags last_position_{}, last_landed_{}, last_battery_{.good = true};
+  Position last_position_{};
+  Landed last_landed_{};
+  Px4Battery last_battery_{};
   Ack last_ack_{};
   Px4Command asked_{};
   Nanoseconds asked_at_ = 0, beat_at_ = 0;
