@@ -52,15 +52,7 @@ CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link)
   if (from_.source != PoseSource::odometry)
     read_seen_poses(poses_, participant, from_, Attitude::needed);
   else
-    poses_.read_by(std::make_unique<RawReader>(
-        participant, geometry_msgs_msg_dds__PoseStamped__desc, crazyflie_.name_space + "/pose", of_sensors,
-        std::nullopt, Writers::first, [this](const void* message, const Arrival& arrival) {
-          const auto& m = *static_cast<const geometry_msgs_msg_dds__PoseStamped_*>(message);
-          const auto& p = m.pose.position;
-          const auto& q = m.pose.orientation;
-          poses_.take_pose({p.x, p.y, p.z}, normalised({q.w, q.x, q.y, q.z}),
-                           of_ros(m.header.stamp.sec, m.header.stamp.nanosec), arrival.monotonic);
-        }));
+    read_pose_stamped(poses_, participant, crazyflie_.name_space + "/pose", "", Attitude::needed);
   status_reader_ = std::make_unique<RawReader>(
       participant, crazyflie_interfaces_msg_dds__Status__desc, crazyflie_.name_space + "/status", of_sensors,
       std::nullopt, Writers::all, [this](const void* message, const Arrival& arrival) {

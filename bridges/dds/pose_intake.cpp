@@ -4,6 +4,12 @@
 
 namespace sightline::dds {
 
+bool PoseIntake::is_of_numbers(const Motion& motion) noexcept {
+  if (is_finite(motion)) return true;
+  ++not_finite_;
+  return false;
+}
+
 bool PoseIntake::is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) noexcept {
   if (clock_.fits(sampled, arrived)) return true;
   ++other_time_;
@@ -11,12 +17,12 @@ bool PoseIntake::is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) noexce
 }
 
 void PoseIntake::take(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
-  if (!is_finite(local)) {
-    ++not_finite_;
-    return;
-  }
+  if (!is_of_numbers(local)) return;
   arrivals_.note(sampled, arrived);
-  if (!is_of_our_time(sampled, arrived)) return;
+  if (is_of_our_time(sampled, arrived)) put(local, sampled, arrived);
+}
+
+void PoseIntake::put(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
   const Nanoseconds stamp = clock_.on_ours(sampled, arrived);
   least_delay_ = clock_.least();
   motion_.put({in_G(origin_, local), stamp});
@@ -25,14 +31,12 @@ void PoseIntake::take(const Motion& local, Nanoseconds sampled, Nanoseconds arri
 void PoseIntake::take_pose(const Vec3<double>& p, const Quaternion& q, Nanoseconds sampled,
                            Nanoseconds arrived) noexcept {
   Motion motion = {p, q, {}, 0.0};
-  if (!is_finite(motion)) {
-    ++not_finite_;
-    return;
-  }
-  if (!is_of_our_time(sampled, arrived)) return;
+  if (!is_of_numbers(motion) || !is_of_our_time(sampled, arrived)) return;
   switch (fit_.take(p, q, sampled, motion)) {
     case VelocityFit::Outcome::good:
-      take(motion, sampled, arrived);
+      if (!is_of_numbers(motion)) break;
+      arrivals_.note(sampled, arrived);
+      put(motion, sampled, arrived);
       break;
     case VelocityFit::Outcome::too_few:
       break;

@@ -73,8 +73,11 @@ class PoseIntake {
 
  private:
   std::int64_t second_writer() const noexcept { return reader().counts().foreign + foreign_; }
-  /// Counts one that is not.
+  // Each counts one that is not.
+  bool is_of_numbers(const Motion& motion) noexcept;
   bool is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) noexcept;
+  /// Of one that is.
+  void put(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept;
 
   LinkOrigin origin_;
   Mailbox<SeenMotion> motion_;  // filled by the thread that receives

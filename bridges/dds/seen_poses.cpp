@@ -24,14 +24,14 @@ const char* const too_seldom = "never four poses within 0.4 s";
 
 Nanoseconds stamp_of(const RosHeader& header) { return of_ros(header.stamp.sec, header.stamp.nanosec); }
 
-/// Takes poses in one frame.
+/// Takes poses in one frame; in any where it has no name.
 struct PoseTaker {
   PoseIntake& intake;
   std::string frame;
   Attitude attitude;
 
   void operator()(const RosHeader& header, const RosPose& pose, const Arrival& arrival) const noexcept {
-    if (frame != header.frame_id) {
+    if (!frame.empty() && frame != header.frame_id) {
       intake.take_other_frame();
       return;
     }
@@ -41,16 +41,6 @@ struct PoseTaker {
                      stamp_of(header), arrival.monotonic);
   }
 };
-
-void read_stamped(PoseIntake& intake, dds_entity_t participant, const PosesFrom& from, Attitude attitude) {
-  intake.explain_by([] { return std::string(too_seldom); });
-  intake.read_by(std::make_unique<RawReader>(
-      participant, geometry_msgs_msg_dds__PoseStamped__desc, from.topic, of_sensors, std::nullopt,
-      Writers::first, [take = PoseTaker{intake, from.frame, attitude}](const void* m, const Arrival& a) {
-        const auto& pose = *static_cast<const geometry_msgs_msg_dds__PoseStamped_*>(m);
-        take(pose.header, pose.pose, a);
-      }));
-}
 
 /// Which names there are, until the one that is looked for comes.
 struct OtherNames {
@@ -139,10 +129,21 @@ void read_transforms(PoseIntake& intake, dds_entity_t participant, const PosesFr
 
 }  // namespace
 
+void read_pose_stamped(PoseIntake& intake, dds_entity_t participant, const std::string& topic,
+                       const std::string& frame, Attitude attitude) {
+  intake.read_by(std::make_unique<RawReader>(
+      participant, geometry_msgs_msg_dds__PoseStamped__desc, topic, of_sensors, std::nullopt, Writers::first,
+      [take = PoseTaker{intake, frame, attitude}](const void* m, const Arrival& a) {
+        const auto& pose = *static_cast<const geometry_msgs_msg_dds__PoseStamped_*>(m);
+        take(pose.header, pose.pose, a);
+      }));
+}
+
 void read_seen_poses(PoseIntake& intake, dds_entity_t participant, const PosesFrom& from, Attitude attitude) {
   if (from.source == PoseSource::tf) return read_transforms(intake, participant, from, attitude);
-  from.name.empty() ? read_stamped(intake, participant, from, attitude)
-                    : read_named(intake, participant, from, attitude);
+  if (!from.name.empty()) return read_named(intake, participant, from, attitude);
+  intake.explain_by([] { return std::string(too_seldom); });
+  read_pose_stamped(intake, participant, from.topic, from.frame, attitude);
 }
 
 std::string other_frames_than(const PosesFrom& from) {
