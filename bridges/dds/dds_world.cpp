@@ -14,13 +14,10 @@
 #include "bridges/dds/px4_link.hpp"
 #include "bridges/dds/ros2_flyer_link.hpp"
 #include "bridges/dds/ros2_link.hpp"
-#include "bridges/dds/seen_poses.hpp"
 #include "sightline/base/index.hpp"
 
 namespace sightline::dds {
 namespace {
-
-constexpr Nanoseconds body_old = 500'000'000;  // before a flight
 
 std::unique_ptr<LinkEnd> made_end(Port participant, const Link& link, std::string_view name,
                                   const Model& model, bool loopback) {
@@ -55,6 +52,11 @@ const Scenario& flown(const Scenario& scenario) {
           scenario.team.name(body.body)));
   }
   return scenario;
+}
+
+LinkTimes times_of_task(LinkTimes times, const Scenario& scenario) {
+  times.task = scenario.simulation.duration + 60.0;
+  return times;
 }
 
 /// Where [safety] lets a robot fly, or drive.
@@ -97,32 +99,12 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       stamps_(size(team_.bodies()), never_seen),
       rest_(size(team_.nu())),
       period_(std::llround(1e9 * scenario.horizon.dt)),
-      times_(times),
+      times_(times_of_task(times, scenario_)),
       node_(scenario.fleet->network.node),
       domain_(std::move(domain)),
-      lookout_(domain_->participant()) {
-  times_.task = scenario.simulation.duration + 60.0;
-  const bool loopback = scenario.fleet->network.interfaces == std::vector<std::string>{"lo"};
-  for (const Link& link : scenario_.fleet->links) {
-    const std::string name(team_.name(link.robot));
-    const Model& model = team_.model(link.robot);
-    std::unique_ptr<LinkEnd> end = made_end({domain_->participant(), voice}, link, name, model, loopback);
-    robots_.push_back({name, std::move(end), RobotState(model), LinkMachine(times_), size(link.robot.index),
-                       size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
-    if (!link.goals.track) continue;
-    robots_.back().track = link.goals.track;
-    robots_.back().goals =
-        std::make_unique<GoalIntake>(domain_->participant(), link.goals, goal_space(scenario, model));
-  }
-  for (const BodyLink& link : scenario.fleet->bodies) {
-    const auto uncooperative =
-        std::find_if(scenario.uncooperative.begin(), scenario.uncooperative.end(),
-                     [&](const UncooperativeBody& body) { return body.body == link.body; });
-    bodies_.push_back({std::string(team_.name(link.body)), size(link.body.index),
-                       size(team_.state_offset(link.body)), link.poses, uncooperative->velocity,
-                       std::make_unique<PoseIntake>()});
-    read_seen_poses(*bodies_.back().poses, domain_->participant(), link.poses, Attitude::ignored);
-  }
+      robots_(made_robots(voice)),
+      bodies_(scenario_, domain_->participant()),
+      preflight_(scenario_, examined(), bodies_, domain_->participant(), times_.listened) {
   if (voice == Voice::speaks)
     services_ = std::make_unique<OperatorServices>(domain_->participant(), node_, calls_);
   if (voice == Voice::speaks && scenario.fleet->network.topics)
@@ -137,6 +119,30 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       std::this_thread::sleep_for(std::chrono::milliseconds(200));
     }
   });
+}
+
+std::vector<DdsWorld::Robot> DdsWorld::made_robots(Voice voice) const {
+  const bool loopback = scenario_.fleet->network.interfaces == std::vector<std::string>{"lo"};
+  std::vector<Robot> robots;
+  for (const Link& link : scenario_.fleet->links) {
+    const std::string name(team_.name(link.robot));
+    const Model& model = team_.model(link.robot);
+    std::unique_ptr<LinkEnd> end = made_end({domain_->participant(), voice}, link, name, model, loopback);
+    robots.push_back({name, std::move(end), RobotState(model), LinkMachine(times_), size(link.robot.index),
+                      size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
+    if (!link.goals.track) continue;
+    robots.back().track = link.goals.track;
+    robots.back().goals =
+        std::make_unique<GoalIntake>(domain_->participant(), link.goals, goal_space(scenario_, model));
+  }
+  return robots;
+}
+
+std::vector<ExaminedRobot> DdsWorld::examined() const {
+  std::vector<ExaminedRobot> all;
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    all.push_back({robots_[i].name, &scenario_.fleet->links[i], robots_[i].end.get()});
+  return all;
 }
 
 DdsWorld::~DdsWorld() {
@@ -163,15 +169,7 @@ Measured DdsWorld::measure(double t) noexcept {
     if (came) robot.model.write(seen.motion, &measured_[robot.x]);
     stamps_[robot.body] = came ? 1e-9 * static_cast<double>(seen.stamp - origin_) : never_seen;
   }
-  for (Body& body : bodies_) {
-    SeenMotion seen;
-    stamps_[body.index] = never_seen;
-    if (!body.poses->look(seen)) continue;
-    const bool measured = body.velocity == SeenVelocity::measured;
-    const Vec3<double>&p = seen.motion.p, v = measured ? seen.motion.v : Vec3<double>{};
-    std::copy_n(std::array{p.x, p.y, p.z, v.x, v.y, v.z}.begin(), 6, &measured_[body.x]);
-    stamps_[body.index] = 1e-9 * static_cast<double>(seen.stamp - origin_);
-  }
+  bodies_.measure(origin_, measured_, stamps_);
   return {measured_, stamps_, {}};
 }
 
@@ -191,11 +189,11 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> believed,
   if (calls_.is_emergency()) order = LinkOrder::emergency;
   const std::int64_t now = monotonic_now();
   const double t = 1e-9 * static_cast<double>(now);
-  const bool seen = order == LinkOrder::task || bodies_are_seen(now);
+  const bool seen = order == LinkOrder::task || bodies_.are_seen(now);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
     LinkFacts facts = robot.end->facts(now);
-    facts.checked = facts.checked && robot.cleared && seen;
+    facts.checked = facts.checked && preflight_.is_clear(i) && seen;
     const LinkOutput output = robot.machine.step(t, facts, order);
     Command command;
     if (output.setpoint == Setpoint::task)
@@ -208,13 +206,6 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> believed,
     shown.seen = robot.end->look(shown.last);
     topics_->show(i, shown);
   }
-}
-
-bool DdsWorld::bodies_are_seen(std::int64_t now) const noexcept {
-  return std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
-    return body.poses->is_fresh(now, body_old) && !body.poses->of_second_writer() &&
-           !body.poses->in_other_frames();
-  });
 }
 
 bool DdsWorld::each_is(std::initializer_list<LinkState> states) const {
@@ -271,22 +262,22 @@ void DdsWorld::steps_until(LinkOrder order, const Interrupts& interrupts, const 
 bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellPerson& tell) {
   using S = LinkState;
   const auto out = [&] {
-    return interrupts > 0 || !refusal_.empty() || calls_.to_land() ||
+    return interrupts > 0 || !refusals_.empty() || calls_.to_land() ||
            !each_is({S::waiting, S::ready, S::arming, S::taking_off, S::holding});
   };
   // The periods of those who wait are long enough to look around: nothing is sent to them.
   std::int64_t looked = 0;
   const auto look_around = [&] {
-    if (monotonic_now() - looked > looks_each) clear_robots(), looked = monotonic_now();
+    if (monotonic_now() - looked > looks_each) preflight_.clear(), looked = monotonic_now();
   };
   steps_until(LinkOrder::check, interrupts, tell, [&] {
     look_around();
     return out() || each_is({S::ready});
   });
   if (rival_ && each_is({S::ready})) {
-    refusal_ = fmt::format("fleet.node = \"{}\", by which another program serves, expected a name of its own",
-                           node_);
-    tell_all(refusal_, tell);
+    refusals_.push_back(fmt::format(
+        "fleet.node = \"{}\", by which another program serves, expected a name of its own", node_));
+    tell_all(refusals_.back(), tell);
   }
   if (arming == Arming::on_call && !out()) {
     calls_.is_at(FlightPhase::waiting);
@@ -296,8 +287,8 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
       return out() || calls_.started();
     });
   }
-  clear_robots();  // they may have been ready for long
-  if (each_is({S::ready}) && all_cleared() && !out()) {
+  preflight_.clear();  // they may have been ready for long
+  if (each_is({S::ready}) && preflight_.all_clear() && !out()) {
     if (arming == Arming::dry_run) {
       tell_all("all are ready, none is armed: a dry run", tell);
       steps_until(LinkOrder::land, interrupts, tell, [&] { return !in_our_hands() && each_is({S::done}); });
@@ -319,52 +310,14 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
       return true;
     }
   } else {
-    refuse(tell);
+    const bool ready = each_is({S::ready});
+    for (const std::string& sentence : preflight_.refusals()) {
+      if (ready) refusals_.push_back(sentence);
+      tell(sentence);
+    }
   }
   land(interrupts, tell);
   return false;
-}
-
-std::vector<Finding> DdsWorld::examine() {
-  std::vector<ExaminedRobot> examined;
-  for (std::size_t i = 0; i < robots_.size(); ++i)
-    examined.push_back({robots_[i].name, &scenario_.fleet->links[i], robots_[i].end.get()});
-  std::vector<Finding> findings = examine_fleet(scenario_, examined, lookout_.look());
-  for (const Body& body : bodies_) {
-    FindingList found(body.name);
-    body.poses->examine("the frame that is G", other_frames_than(body.from), found);
-    for (Finding& finding : found.take()) findings.push_back(std::move(finding));
-  }
-  return findings;
-}
-
-void DdsWorld::clear_robots() {
-  const std::vector<Finding> findings = examine();
-  const std::int64_t now = monotonic_now(), listened = std::llround(1e9 * times_.listened);
-  for (Robot& robot : robots_) {
-    SeenMotion seen;
-    if (robot.heard == 0 && robot.end->look(seen)) robot.heard = now;
-    robot.cleared = robot.heard > 0 && now - robot.heard > listened &&
-                    std::none_of(findings.begin(), findings.end(), [&](const Finding& finding) {
-                      const bool concerns = finding.robot.empty() || finding.robot == robot.name;
-                      return concerns && finding.light == Light::red && keeps_grounded(finding.aspect);
-                    });
-  }
-}
-
-bool DdsWorld::all_cleared() const {
-  return std::all_of(robots_.begin(), robots_.end(), [](const Robot& robot) { return robot.cleared; });
-}
-
-void DdsWorld::refuse(const TellPerson& tell) {
-  const bool ready = each_is({LinkState::ready});
-  for (const Finding& finding : examine()) {
-    if (finding.light != Light::red || !keeps_grounded(finding.aspect)) continue;
-    const std::string sentence =
-        fmt::format("{}: {}", finding.robot.empty() ? "fleet" : finding.robot, finding.sentence);
-    if (ready) refusals_.push_back(sentence);
-    tell(sentence);
-  }
 }
 
 std::vector<RobotPose> DdsWorld::poses() {
@@ -409,7 +362,6 @@ std::string DdsWorld::ended() const {
 
 std::vector<std::string> DdsWorld::faults() const {
   std::vector<std::string> sentences = refusals_;
-  if (!refusal_.empty()) sentences.push_back(refusal_);
   for (const Robot& robot : robots_) {
     if (robot.machine.reason() != LinkReason::as_asked)
       sentences.push_back(fmt::format("{}: {}", robot.name, to_string(robot.machine.reason())));
@@ -439,7 +391,7 @@ std::vector<std::string> DdsWorld::counts() const {
     lines.push_back(fmt::format("{}: {}", robot.name, robot.end->counts()));
     if (robot.goals) lines.push_back(fmt::format("{}: {}", robot.name, robot.goals->counts()));
   }
-  for (const Body& body : bodies_) lines.push_back(fmt::format("{}: {}", body.name, body.poses->counts()));
+  bodies_.counts(lines);
   if (topics_ != nullptr) lines.push_back(topics_->counts());
   if (complaints() > 0)
     lines.push_back(fmt::format("{} packets that could not be read: {}", complaints(), last_complaint()));

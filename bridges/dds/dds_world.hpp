@@ -11,9 +11,10 @@
 #include <vector>
 
 #include "bridges/dds/domain.hpp"
-#include "bridges/dds/fleet_findings.hpp"
 #include "bridges/dds/goal_intake.hpp"
 #include "bridges/dds/link_end.hpp"
+#include "bridges/dds/preflight.hpp"
+#include "bridges/dds/seen_bodies.hpp"
 #include "bridges/dds/services.hpp"
 #include "bridges/dds/topics_out.hpp"
 #include "sightline/scenario/bridge.hpp"
@@ -46,7 +47,7 @@ class DdsWorld final : public LinkedWorld {
   LinkTiming timing() const override;
 
   /// Before a flight, by the thread that flies: what is found of the robots, and where they say that they are.
-  std::vector<Finding> examine();
+  std::vector<Finding> examine() { return preflight_.examine(); }
   std::vector<RobotPose> poses();
 
   LinkState state(BodyId robot) const {
@@ -63,27 +64,13 @@ class DdsWorld final : public LinkedWorld {
     std::shared_ptr<GoalTrack> track{};  // none: it takes no goals
     std::unique_ptr<GoalIntake> goals{};
     LinkState told = LinkState::waiting;
-    bool cleared = false;    // nothing that was found keeps it on the ground
-    std::int64_t heard = 0;  // when its first pose was there, of the monotonic clock [ns]; 0: none was
   };
 
-  /// A target or an obstacle that others see.
-  struct Body {
-    std::string name;
-    std::size_t index, x;
-    PosesFrom from;
-    SeenVelocity velocity;
-    std::unique_ptr<PoseIntake> poses;
-  };
-
-  bool bodies_are_seen(std::int64_t now) const noexcept;
+  std::vector<Robot> made_robots(Voice voice) const;
+  std::vector<ExaminedRobot> examined() const;
   void step_all(LinkOrder order, std::span<const double> believed, std::span<const double> u) noexcept;
   void tell_changes(const TellPerson& tell);
   void tell_news();
-  void clear_robots();
-  bool all_cleared() const;
-  /// Says what keeps the fleet on the ground.
-  void refuse(const TellPerson& tell);
   /// To the person, and to those who look on.
   void tell_all(const std::string& sentence, const TellPerson& tell);
   /// Steps at the period until `done`; at once where that is so.
@@ -100,13 +87,12 @@ class DdsWorld final : public LinkedWorld {
   std::string node_;
   std::shared_ptr<Domain> domain_;
   std::vector<Robot> robots_;  // in the order of the team, whose first bodies they are
-  std::vector<Body> bodies_;
-  Lookout lookout_;
+  SeenBodies bodies_;
+  Preflight preflight_;
   OperatorCalls calls_;
   std::unique_ptr<OperatorServices> services_;  // none where it only listens
   std::atomic<bool> rival_{false};              // another program has our name
-  std::string refusal_;                         // of the flight as a whole; empty: none
-  std::vector<std::string> refusals_;           // of robots that were ready
+  std::vector<std::string> refusals_;           // of a fleet that was ready
   std::unique_ptr<TopicsOut> topics_;           // none where nobody is to see the flight
   std::int64_t origin_ = 0;                     // time 0 of the loop, of the monotonic clock [ns]
   bool begun_ = false, seen_ = false;
