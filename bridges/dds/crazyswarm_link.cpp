@@ -76,6 +76,8 @@ LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
   facts.contested = rivals_ > 0;
   facts.restarted = speakers_ >= 0 && status_reader_->writers_came() > speakers_;
   facts.failsafe = has(is_tumbled) || has(is_locked) || has(is_crashed);
+  // In flight it counts what the firmware makes of the voltage, which sags with each push.
+  if (last_status_.pm_state >= battery_low) facts.unfit = LinkReason::battery_low;
   const double seconds = 1e-9 * static_cast<double>(now - asked_at_);
   facts.airborne = flies && phase_ >= Phase::takeoff && height() > crazyflie_.takeoff_height - at_height &&
                    (phase_ != Phase::takeoff || seconds > crazyflie_.takeoff_time);

@@ -127,7 +127,9 @@ TEST(CrazyswarmLink, OneThatRefusesToTakeOffIsDisarmedAndTheOthersLand) {
   Rig rig(crazyflies(2, 5.0));
   std::thread weaken([&] {
     EXPECT_TRUE(test::eventually([&] { return (crazyflie_of(rig, 0).supervisor() & is_armed) != 0; }));
-    rig.faults(0).begin(Kind::battery_low);
+    crazyflie_of(rig, 0).serve(Serving::not_at_all);  // the call to take off is lost
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    crazyflie_of(rig, 0).serve(Serving::well);
   });
   EXPECT_FALSE(rig.take_off());
   weaken.join();
@@ -136,6 +138,14 @@ TEST(CrazyswarmLink, OneThatRefusesToTakeOffIsDisarmedAndTheOthersLand) {
   EXPECT_EQ(crazyflie_of(rig, 0).supervisor(), can_be_armed);
   EXPECT_EQ(rig.state(0), LinkState::done);
   EXPECT_LT(crazyflie_of(rig, 1).motion().p.z, 0.02);
+}
+
+TEST(CrazyswarmLink, WhereTheBatteryOfOneRunsLowInFlightAllLand) {
+  Rig rig(crazyflies(2, 20.0));
+  const LoopOutcome outcome = rig.fly(0.5, [&] { rig.faults(0).begin(Kind::battery_low); });
+  EXPECT_LT(outcome.updates, 200);
+  EXPECT_THAT(rig.world->faults(), testing::ElementsAre("cf0: its battery is low"));
+  for (std::size_t i = 0; i < 2; ++i) expect_well_flown(rig, i);
 }
 
 TEST(CrazyswarmLink, WhereOneFallsSilentTheOthersLand) {
