@@ -123,6 +123,19 @@ TEST(DdsWorld, ADryRunArmsNothing) {
   }
 }
 
+TEST(DdsWorld, AnotherFlightOfTheSameVehicleIsAsTheFirst) {
+  Rig rig(row_of({"1.16"}, 1.0));
+  for (const int flight : {1, 2}) {
+    rig.world.reset();  // one flyer at a time
+    rig.world = std::make_unique<DdsWorld>(rig.scenario, rig.domain, of_stand_ins({}));
+    EXPECT_TRUE(rig.take_off()) << flight << fmt::format("{}", fmt::join(rig.told, "\n"));
+    rig.land();
+    EXPECT_THAT(rig.world->faults(), IsEmpty()) << flight;
+    EXPECT_EQ(rig.told_of(0).arm_requests, flight);
+    EXPECT_FALSE(rig.vehicle(0).armed());
+  }
+}
+
 TEST(DdsWorld, APilotWhoTakesOneHasItForGoodAndTheOtherLands) {
   Rig rig(row_of({"1.16", "1.15"}, 20.0));
   const LoopOutcome outcome = rig.fly(0.7, [&] { rig.faults(0).begin(Kind::pilot); });
