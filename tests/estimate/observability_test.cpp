@@ -22,11 +22,10 @@ TEST(Observability, WithoutYawTheRobotCanTurnAboutWhatItSees) {
   EXPECT_TRUE(found[0].heading && found[0].horizontal);
   EXPECT_FALSE(found[0].height);
   EXPECT_EQ(found[0].about, 0);
-  EXPECT_EQ(
-      to_string(found[0], {fixed_robot, lone_robot}),
-      "the heading of uav1 is unobservable, and with it its position in the plane: a turn about anchor "
-      "changes "
-      "nothing that is measured, expected a heading that is measured, by tags or a compass");
+  EXPECT_EQ(to_string(found[0], {fixed_robot, lone_robot}),
+            "the heading of uav1 is unobservable, and with it its position in the plane: a turn about anchor "
+            "changes "
+            "nothing that is measured, expected a heading that is measured, by tags or a compass");
 }
 
 TEST(Observability, ACompassOrASecondBodyDeterminesIt) {
