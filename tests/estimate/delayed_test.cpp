@@ -9,7 +9,6 @@
 #include "sightline/estimate/attitude_filter.hpp"
 #include "sightline/estimate/heading_filter.hpp"
 #include "tests/support/counted_new.hpp"
-#include "tests/support/counting_new.hpp"
 #include "tests/support/filter_derivatives.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/synthetic_flight.hpp"

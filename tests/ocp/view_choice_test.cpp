@@ -6,7 +6,6 @@
 
 #include "sightline/ocp/roster.hpp"
 #include "tests/support/counted_new.hpp"
-#include "tests/support/counting_new.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

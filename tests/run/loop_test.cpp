@@ -12,7 +12,6 @@
 
 #include "sightline/world/model_world.hpp"
 #include "tests/support/counted_new.hpp"
-#include "tests/support/counting_new.hpp"
 
 namespace sightline {
 namespace {

@@ -5,7 +5,7 @@
 
 namespace sightline {
 
-/// By operator new, on this thread, so far; of a program one of whose files includes counting_new.hpp.
+/// By operator new, on this thread, so far; of a program that counting_new.cpp is a part of.
 std::int64_t allocations_here() noexcept;
 
 }  // namespace sightline

@@ -23,8 +23,8 @@ using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
 using GridView = Drawing::Grid::View;
 
-constexpr int width = 900, axes_left = 102, axes_width = 780;  // [px]
-constexpr std::string_view picture_head = "<?xml ";            // of each that gnuplot draws
+constexpr int page_width = 900, axes_left = 102, axes_width = 780;  // [px]
+constexpr std::string_view picture_head = "<?xml ";                 // of each that gnuplot draws
 
 }  // namespace
 
@@ -309,7 +309,7 @@ struct Place {
 
 void write_drawing(std::ostream& script, const Drawing& drawing) {
   constexpr int row = 20, gap = 10, axis = 46, colour_box = 92;
-  const int columns = std::max(1, drawing.columns), share = width / columns;
+  const int columns = std::max(1, drawing.columns), share = page_width / columns;
   std::vector<Place> places;
   int height = gap;
   for (std::size_t first = 0; first < drawing.panels.size(); first += static_cast<std::size_t>(columns)) {
@@ -332,10 +332,10 @@ void write_drawing(std::ostream& script, const Drawing& drawing) {
     }
     height += head + tallest;
   }
-  const auto across = [](int x) { return x / static_cast<double>(width); };
+  const auto across = [](int x) { return x / static_cast<double>(page_width); };
   const auto up = [&](int y) { return 1 - y / static_cast<double>(height); };
-  script << fmt::format("set terminal svg size {},{} font 'sans-serif,13' noenhanced\nset multiplot\n", width,
-                        height);
+  script << fmt::format("set terminal svg size {},{} font 'sans-serif,13' noenhanced\nset multiplot\n",
+                        page_width, height);
   for (std::size_t i = 0; i < drawing.panels.size(); ++i) {
     const Panel& panel = drawing.panels[i];
     const Place& at = places[i];

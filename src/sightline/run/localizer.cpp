@@ -190,9 +190,9 @@ void Localizer::look(Robot& robot, View& view, const Detection& detection) noexc
   const auto pose = tracks_[at(target)].at(detection.stamp);
   if (!pose) return;
   // Of the samples that are remembered, the one of the exposure.
-  const std::size_t oldest = robot.told_count - std::min(robot.told_count, robot.told.size());
+  const std::size_t first = robot.told_count - std::min(robot.told_count, robot.told.size());
   std::size_t sample = robot.told_count - 1;
-  while (sample > oldest && robot.told[sample % robot.told.size()].t > detection.stamp) --sample;
+  while (sample > first && robot.told[sample % robot.told.size()].t > detection.stamp) --sample;
   const Vec2<double> roll_pitch = tilt_at(robot.told[sample % robot.told.size()], detection.stamp);
   Measurement z = sighting_of(detection, robot.what.mount, roll_pitch);
   z.p_other = pose->p, z.psi_other = pose->psi, z.P_other = pose->P;

@@ -8,12 +8,12 @@
 namespace sightline {
 namespace {
 
-constexpr double tiny = 1e-9;
+constexpr double tiny_length = 1e-9;
 
 /// v / |v|, or `other` where v has no direction.
 Vec2<double> direction(const Vec2<double>& v, const Vec2<double>& other) {
   const double length = std::sqrt(dot(v, v));
-  return length > tiny ? Vec2<double>{v.x / length, v.y / length} : other;
+  return length > tiny_length ? Vec2<double>{v.x / length, v.y / length} : other;
 }
 
 /// Whether the plan climbed or sank, and has done so as far as it may.
@@ -81,7 +81,7 @@ EscapePlans::Point EscapePlans::at(const Tube& tube, const Vec2<double>& a, doub
                              (is_level(tube, t) ? 0.0 : tube.climb) - tube.drift.z};
   const Vec2<double> bend = {e * (a.x - c_ * tube.w.x), e * (a.y - c_ * tube.w.y)};
   const double squared = dot(p.q, p.q), length = std::sqrt(squared);
-  const double inverse = length > tiny ? 1.0 / length : 0.0, along = dot(p.q, rate) * inverse;
+  const double inverse = length > tiny_length ? 1.0 / length : 0.0, along = dot(p.q, rate) * inverse;
   p.n = inverse * p.q;
   if (inverse == 0) {
     const Vec2<double> level = direction(a, tube.tie);
@@ -221,7 +221,7 @@ Escape EscapePlans::best(const Tube& tube) const noexcept {
   }
   if (tube.thrust_count == 0) {
     for (std::size_t k = 0; k < times; ++k) {
-      const double out = tube.beta / std::sqrt(x[k] * x[k] + y[k] * y[k] + tiny * tiny);
+      const double out = tube.beta / std::sqrt(x[k] * x[k] + y[k] * y[k] + tiny_length * tiny_length);
       a_x[k] = out * x[k];
       a_y[k] = out * y[k];
     }

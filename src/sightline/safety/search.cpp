@@ -45,10 +45,9 @@ bool can_turn(const Model& model, Brake& brake, std::span<const double> u_min, s
 Search::Search(const Team& team, std::span<const BodyId> robots, const SearchOptions& options)
     : team_(team), options_(options) {
   options_.check();
-  std::size_t most_inputs = 0;
-  for (int i = 0; i < team_.bodies(); ++i)
-    most_inputs = std::max(most_inputs, size(team_.model(BodyId{i}).nu()));
-  u_rest_.resize(most_inputs);
+  std::size_t longest = 0;
+  for (int i = 0; i < team_.bodies(); ++i) longest = std::max(longest, size(team_.model(BodyId{i}).nu()));
+  u_rest_.resize(longest);
   for (const BodyId body : robots) {
     if (body.index < 0 || body.index >= team_.bodies() || !team_.is_agent(body))
       refuse("a robot that searches has the number {}, expected a robot of the team", body.index);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int fine_steps = 36, coarse_steps = 16;
 constexpr double fine = 0.06, coarse = 0.24;  // [s]
-constexpr double tiny = 1e-9;                 // [m]
+constexpr double tiny_distance = 1e-9;        // [m]
 constexpr std::size_t most_chasers = 16;
 
 constexpr std::array<double, 2> waits = {0.0, 0.8};  // [s]
@@ -90,7 +90,7 @@ void WaysOut::judge(const Arena& arena, std::span<const Chaser> chasers,
       // It aims at where the robot is in the middle of the step.
       const Pack m_x = 0.5 * (from_x + x) - q.x, m_y = 0.5 * (from_y + y) - q.y,
                  m_z = 0.5 * (from_z + z) - q.z;
-      const Pack gap = sqrt(m_x * m_x + m_y * m_y + m_z * m_z + Pack(tiny * tiny));
+      const Pack gap = sqrt(m_x * m_x + m_y * m_y + m_z * m_z + Pack(tiny_distance * tiny_distance));
       const Pack reach = Pack(chaser.speed * step.h), over = gap - reach;
       const Pack part = where_negative(over, Pack(1.0), reach / gap);
       q.x = q.x + part * m_x + Pack(step.h * chaser.v.x);
@@ -100,7 +100,8 @@ void WaysOut::judge(const Arena& arena, std::span<const Chaser> chasers,
       const Pack d_x = x - q.x - r_x, d_y = y - q.y - r_y, d_z = z - q.z - r_z;
       const Pack along = r_x * d_x + r_y * d_y + r_z * d_z;
       const Pack s =
-          clamp(Pack(0.0) - along / (d_x * d_x + d_y * d_y + d_z * d_z + Pack(tiny * tiny)), 0.0, 1.0);
+          clamp(Pack(0.0) - along / (d_x * d_x + d_y * d_y + d_z * d_z + Pack(tiny_distance * tiny_distance)),
+                0.0, 1.0);
       const Pack n_x = r_x + s * d_x, n_y = r_y + s * d_y, n_z = r_z + s * d_z;
       const Pack left = sqrt(n_x * n_x + n_y * n_y + n_z * n_z) - Pack(chaser.hard);
       now = where_negative(left - now, left, now);

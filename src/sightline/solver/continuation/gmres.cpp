@@ -8,8 +8,8 @@
 namespace sightline {
 namespace {
 
-constexpr int packs = dot_quantum / native_width;
-using Sums = std::array<NativeLane, packs>;
+constexpr int packs_of_sums = dot_quantum / native_width;
+using Sums = std::array<NativeLane, packs_of_sums>;
 
 /// The partial sums, added in pairs: an order that does not depend on the width of a pack.
 double total(const Sums& sums) {
@@ -29,7 +29,7 @@ double subtract_and_dot(double* w, double c, const double* v, const double* u, i
   sums.fill(NativeLane(0.0));
   const NativeLane minus_c(-c);
   for (int i = 0; i < n; i += dot_quantum) {
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < packs_of_sums; ++p) {
       const int j = i + p * native_width;
       const NativeLane r = fma(minus_c, NativeLane::load(v + j), NativeLane::load(w + j));
       r.store(w + j);
@@ -46,7 +46,7 @@ double dot(const double* a, const double* b, int n) noexcept {
   Sums sums;
   sums.fill(NativeLane(0.0));
   for (int i = 0; i < n; i += dot_quantum) {
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < packs_of_sums; ++p) {
       const int j = i + p * native_width;
       auto& sum = sums[static_cast<std::size_t>(p)];
       sum = fma(NativeLane::load(a + j), NativeLane::load(b + j), sum);

@@ -1,6 +1,4 @@
-/// The operators new of a test program, which count: to be included by one of its files.
-#pragma once
-
+// The operators new of a test program, which count.
 #include <cstdint>
 #include <cstdlib>
 #include <new>
