@@ -68,7 +68,7 @@ class JointFilter {
   Slot& at(std::size_t i) noexcept { return slots_[(first_ + i) % memory]; }
   Robot& robot(int i) noexcept { return robots_[static_cast<std::size_t>(i)]; }
   double& P(std::size_t i, std::size_t j) noexcept { return P_[i * n_ + j]; }
-  static std::size_t row(int robot) noexcept { return static_cast<std::size_t>(robot * states); }
+  static std::size_t row(int robot) noexcept { return static_cast<std::size_t>(robot) * states; }
   std::size_t slot_of(double stamp) noexcept;
   void drop_slot() noexcept;
   bool remember(const Heard& heard) noexcept;
