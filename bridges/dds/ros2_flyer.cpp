@@ -39,7 +39,7 @@ Ros2Flyer::Ros2Flyer(dds_entity_t participant, const Ros2Link& link, const Setup
       }));
 }
 
-void Ros2Flyer::serve(dds_entity_t participant, const std::string& name, std::function<bool()> act) {
+void Ros2Flyer::serve(dds_entity_t participant, const std::string& name, const std::function<bool()>& act) {
   if (link_.calls == FlightCalls::topics) {
     readers_.push_back(std::make_unique<RawReader>(participant, std_msgs_msg_dds__Empty__desc, name,
                                                    of_ros_commands, std::nullopt, Writers::all,

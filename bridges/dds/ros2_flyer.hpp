@@ -48,7 +48,7 @@ class Ros2Flyer final : public StandIn {
   void refuse(bool refuses);
 
  private:
-  void serve(dds_entity_t participant, const std::string& name, std::function<bool()> act);
+  void serve(dds_entity_t participant, const std::string& name, const std::function<bool()>& act);
   void on_twist(const void* twist);
   bool take_off();
   bool land();

@@ -55,7 +55,7 @@ std::vector<BodyId> watched_by(BodyId robot, const Scenario& scenario) {
 
 std::vector<BodyId> read_watches(const TomlTable& agent, BodyId robot, const Scenario& scenario) {
   constexpr std::string_view key = "watches";
-  const std::vector<BodyId> read = bodies_named(agent, key, TomlTable::any_length, scenario.team);
+  std::vector<BodyId> read = bodies_named(agent, key, TomlTable::any_length, scenario.team);
   for (std::size_t i = 0; i < read.size(); ++i) {
     if (read[i] == robot) agent.refuse(key, i, "another body than itself");
     if (std::find(read.begin(), read.begin() + static_cast<std::ptrdiff_t>(i), read[i]) !=
