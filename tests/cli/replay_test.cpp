@@ -18,7 +18,6 @@ using test::fresh_folder;
 using test::read_file;
 using test::sightline;
 using testing::HasSubstr;
-using testing::StartsWith;
 namespace fs = std::filesystem;
 
 /// A shipped scenario, flown for so long [s] into folder/out.

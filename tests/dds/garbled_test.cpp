@@ -26,8 +26,6 @@ extern "C" {
 namespace sightline::dds {
 namespace {
 
-using testing::HasSubstr;
-
 /// What comes from others, or goes to stand-ins.
 const std::vector<const dds_topic_descriptor_t*>& types_read() {
   static const std::vector<const dds_topic_descriptor_t*> all = [] {

@@ -1,4 +1,5 @@
 // What leaves the machine: two programs in a network of their own, whose second interface counts what passes.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -96,7 +97,8 @@ TEST_F(Network, ADomainThatCannotBeHadStopsTheProgramAndSendsNothing) {
       fleet("nowhere", "interfaces = [\"v7\"]\ndiscovery = { peers = [\"10.213.0.3\"] }");
   std::string said;
   for (const std::string command : {"fly", "vehicles"}) {
-    EXPECT_EQ(passed("'" SIGHTLINE_BINARY "' " + command + " " + file + " || echo \"code $?\"", &said), 0);
+    EXPECT_EQ(passed(fmt::format("'" SIGHTLINE_BINARY "' {} {} || echo \"code $?\"", command, file), &said),
+              0);
     EXPECT_THAT(said, HasSubstr("code 2"));
     EXPECT_THAT(said, HasSubstr(" on v7: "));
     EXPECT_THAT(said, HasSubstr("expected interfaces of this machine"));

@@ -10,7 +10,6 @@ namespace sightline::dds {
 namespace {
 
 using testing::Contains;
-using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// What one of them is: its robot, and what its link says besides the topics.

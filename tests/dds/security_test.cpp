@@ -187,7 +187,7 @@ class SecureFlight : public Security {
   fs::path fleet_with(const std::string& keys, const std::string& duration) {
     std::string text = test::read_file(desk(duration));
     if (!keys.empty()) text.insert(text.find("\ndomain = "), "\nsecurity = { folder = \"" + keys + "\" }");
-    const fs::path file = folder / ("with_" + keys + ".toml");
+    fs::path file = folder / ("with_" + keys + ".toml");
     std::ofstream(file) << text;
     return file;
   }

@@ -25,7 +25,8 @@ struct ManyViews {
     ViewVariance variance{.step = 1.0};
     for (int i = 0; i <= 8; ++i) variance.values.push_back(0.02 * i * i);
     for (int i = 0; i < 8; ++i) {
-      const Circle circle{.centre = {1.8 * (i % 3) - 1.8, 1.8 * (i / 3) - 1.8, 1.0 + 0.1 * i},
+      const int row = i / 3;
+      const Circle circle{.centre = {1.8 * (i % 3) - 1.8, 1.8 * row - 1.8, 1.0 + 0.1 * i},
                           .radius = 0.6 + 0.1 * i,
                           .rate = (i % 2 == 0 ? 0.5 : -0.4)};
       const AgentId robot =

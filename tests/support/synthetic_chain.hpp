@@ -76,7 +76,7 @@ class SyntheticChain {
     };
     Vec3<double> p = {0.8 * swing(0), 0.8 * swing(1), 1 + 0.2 * swing(2)};
     for (int k = 1; k <= i; ++k) {
-      const double angle = phases_[static_cast<std::size_t>(3 * k)] + 0.5 * swing(3 * k);
+      const double angle = phases_[3 * static_cast<std::size_t>(k)] + 0.5 * swing(3 * k);
       p = p + Vec3<double>{1.4 * std::cos(angle), 1.4 * std::sin(angle), 0.4 + 0.2 * swing(3 * k + 1)};
     }
     return p;
@@ -104,7 +104,7 @@ inline std::vector<Consistency> fly_chain(SyntheticOptions options, int robots, 
   std::vector<MotionSample> motion;
   std::vector<SeenRobot> arrived;
   for (int run = 0; run < flights; ++run) {
-    options.seed = static_cast<std::uint64_t>(100 + run);
+    options.seed = 100 + static_cast<std::uint64_t>(run);
     SyntheticChain chain(options, robots, edges);
     RandomStream radio(options.seed, Chance::fault, 0);
     std::vector<std::unique_ptr<PoseFilter>> filters;
@@ -161,7 +161,7 @@ inline std::vector<Consistency> fly_jointly(SyntheticOptions options, int robots
   std::vector<MotionSample> motion;
   std::vector<SeenRobot> arrived;
   for (int run = 0; run < flights; ++run) {
-    options.seed = static_cast<std::uint64_t>(100 + run);
+    options.seed = 100 + static_cast<std::uint64_t>(run);
     SyntheticChain chain(options, robots, edges);
     JointFilter filter({}, std::vector<SensorMount>(static_cast<std::size_t>(robots - 1), options.mount));
     BroadcastTrack anchor({.sighting_rate = options.camera_rate});

@@ -253,7 +253,7 @@ inline Consistency fly_filters(const FilterOptions& filter_options, SyntheticOpt
   Consistency result;
   std::vector<Measurement> arrived;
   for (int i = 0; i < flights; ++i) {
-    options.seed = static_cast<std::uint64_t>(100 + i);
+    options.seed = 100 + static_cast<std::uint64_t>(i);
     SyntheticFlight flight(options);
     const auto filter = make_pose_filter(filter_options, options.mount);
     while (flight.now() < duration) {

@@ -80,7 +80,7 @@ FeltBy read_felt_by(const TomlTable& at, const std::vector<Between>& pairs, cons
 
 /// A name that no other shape has for its stages or its choice.
 std::string read_shape_name(const TomlTable& shape, std::string_view missing, const Script& script) {
-  const std::string name = shape.has("name") ? read_label(shape, "name") : std::string(missing);
+  std::string name = shape.has("name") ? read_label(shape, "name") : std::string(missing);
   const bool taken = std::any_of(script.begins.begin(), script.begins.end(),
                                  [&](const std::string& stage) { return region_of(stage) == name; }) ||
                      std::any_of(script.choices.begin(), script.choices.end(),

@@ -22,7 +22,7 @@ void Radio::check() const {
     refuse("latency = [{}, {}], expected the shortest first", latency[0], latency[1]);
 }
 
-TelemetryWorld::TelemetryWorld(std::unique_ptr<World> world, TelemetryOptions options)
+TelemetryWorld::TelemetryWorld(std::unique_ptr<World> world, const TelemetryOptions& options)
     : world_(std::move(world)), radio_(options.radio), applied_(size(world_->team().nu())) {
   const Team& all = world_->team();
   const MeasuredMost most = world_->measured_max();

@@ -65,7 +65,7 @@ struct TelemetryOptions {
 class TelemetryWorld final : public World {
  public:
   /// @throws std::invalid_argument for options out of range, and for a world with telemetry of its own
-  TelemetryWorld(std::unique_ptr<World> world, TelemetryOptions options);
+  TelemetryWorld(std::unique_ptr<World> world, const TelemetryOptions& options);
 
   const Team& team() const noexcept override { return world_->team(); }
   std::span<const double> start() const noexcept override { return world_->start(); }
