@@ -12,9 +12,9 @@ namespace sightline {
 
 CameraWorld::CameraWorld(std::unique_ptr<World> world, CameraOptions options,
                          std::unique_ptr<DetectionSource> source)
-    : world_(std::move(world)), options_(std::move(options)), source_(std::move(source)) {
-  const Team& all = world_->team();
-  if (world_->measured_max().detections > 0)
+    : SensingWorld(std::move(world)), options_(std::move(options)), source_(std::move(source)) {
+  const Team& all = team();
+  if (SensingWorld::measured_max().detections > 0)
     refuse("the world gives detections of its own, expected one without");
   const auto check_body = [&](BodyId body) {
     if (body.index < 0 || body.index >= all.bodies())
@@ -32,27 +32,22 @@ CameraWorld::CameraWorld(std::unique_ptr<World> world, CameraOptions options,
   for (const BodyTags& one : options_.tags) one.tags.check(), check_body(one.body);
   for (const BodyHull& one : options_.hulls) check_parameters(one.hull), check_body(one.body);
   bodies_.resize(size(all.bodies()));
-  applied_.resize(size(all.nu()));
   found_.resize(options_.tags.size());
-  waiting_.resize(room);
-  arrived_.resize(room);
+  detections_ = UnderWay<Detection>(room);
 }
 
 void CameraWorld::set_presence(std::span<const Presence> presence) noexcept {
-  world_->set_presence(presence);
+  SensingWorld::set_presence(presence);
   for (std::size_t i = 0; i < std::min(presence.size(), bodies_.size()); ++i) {
     const bool there = presence[i] != Presence::absent, was = std::exchange(bodies_[i].there, there);
     if (was == there) continue;
     const BodyId body{static_cast<int>(i)};
-    const auto of_it = [&](const Detection& d) { return d.observer == body || d.target == body; };
-    const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_);
-    waiting_count_ =
-        static_cast<std::size_t>(std::remove_if(waiting_.begin(), end, of_it) - waiting_.begin());
+    detections_.drop_if([&](const Detection& d) { return d.observer == body || d.target == body; });
   }
 }
 
 Measured CameraWorld::measure(double t) noexcept {
-  Measured now = world_->measure(t);
+  Measured now = SensingWorld::measure(t);
   if (now.truth.empty()) return now;
   place_bodies(now);
   for (std::size_t i = 0; i < shutters_.size(); ++i) {
@@ -63,41 +58,16 @@ Measured CameraWorld::measure(double t) noexcept {
     shutters_[i].next = static_cast<std::int64_t>(std::floor((t + same_time) * rate)) + 1;
   }
   last_ = t;
-  now.detections = arrived(t);
+  now.detections = detections_.take(t);
   return now;
 }
 
-bool CameraWorld::apply(double t, std::span<const double> believed, std::span<const double> u, double period,
-                        std::int64_t periods) noexcept {
-  std::copy(u.begin(), u.end(), applied_.begin());
-  return world_->apply(t, believed, u, period, periods);
-}
-
-/// What arrives by t, taken from what waits.
-std::span<const Detection> CameraWorld::arrived(double t) noexcept {
-  std::size_t count = 0, kept = 0;
-  for (std::size_t i = 0; i < waiting_count_; ++i) {
-    Detection& to = waiting_[i].arrival <= t + same_time ? arrived_[count++] : waiting_[kept++];
-    to = waiting_[i];
-  }
-  waiting_count_ = kept;
-  // Insertion keeps the order of equals and takes no memory.
-  for (std::size_t i = 1; i < count; ++i) {
-    for (std::size_t k = i; k > 0 && arrived_[k].arrival < arrived_[k - 1].arrival; --k)
-      std::swap(arrived_[k], arrived_[k - 1]);
-  }
-  return std::span(arrived_).first(count);
-}
-
 void CameraWorld::place_bodies(const Measured& now) noexcept {
-  const Team& all = world_->team();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const BodyId body{static_cast<int>(i)};
-    const Sight<double> sight = all.model(body).sight(&now.truth[size(all.state_offset(body))],
-                                                      applied_.data() + all.input_offset(body));
-    const bool told = i < now.attitudes.size() && now.attitudes[i] != no_attitude;
+    const Sight<double> sight = sight_of(body, now.truth);
     bodies_[i].before = bodies_[i].now;
-    bodies_[i].now = {sight.p, rotation(told ? now.attitudes[i] : leaning(sight.d, sight.lean))};
+    bodies_[i].now = {sight.p, rotation(attitude_of(body, sight, now))};
   }
 }
 
@@ -108,10 +78,10 @@ void CameraWorld::take_picture(std::size_t camera, double t) noexcept {
       of.camera.latency[0] + (of.camera.latency[1] - of.camera.latency[0]) * chance.uniform();
   const bool lost = chance.uniform() <= of.camera.dropout;
   const std::size_t count = source_->find({camera, t, last_ ? t - *last_ : 0.0, bodies_}, found_);
-  for (std::size_t i = 0; i < count && !lost && waiting_count_ < waiting_.size(); ++i) {
+  for (std::size_t i = 0; i < count && !lost; ++i) {
     found_[i].stamp = t;
     found_[i].arrival = t + latency;
-    waiting_[waiting_count_++] = found_[i];
+    detections_.send(found_[i]);
   }
 }
 

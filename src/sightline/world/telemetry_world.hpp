@@ -11,7 +11,7 @@
 
 #include "sightline/base/parameter.hpp"
 #include "sightline/world/motion_sensor.hpp"
-#include "sightline/world/world.hpp"
+#include "sightline/world/sensing_world.hpp"
 
 namespace sightline {
 
@@ -62,22 +62,14 @@ struct TelemetryOptions {
 /// first period that a message is due at; the message arrives at the first one after its latency.
 ///
 /// A body that is absent tells nothing, and what it told before it went does not arrive any more.
-class TelemetryWorld final : public World {
+class TelemetryWorld final : public SensingWorld {
  public:
   /// @throws std::invalid_argument for options out of range, and for a world with telemetry of its own
   TelemetryWorld(std::unique_ptr<World> world, const TelemetryOptions& options);
 
-  const Team& team() const noexcept override { return world_->team(); }
-  std::span<const double> start() const noexcept override { return world_->start(); }
   MeasuredMost measured_max() const noexcept override;
   void set_presence(std::span<const Presence> presence) noexcept override;
   Measured measure(double t) noexcept override;
-  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
-             std::int64_t periods) noexcept override;
-  std::string ended() const override { return world_->ended(); }
-
-  /// The world that is told of.
-  World& seen() noexcept { return *world_; }
 
  private:
   struct Robot {
@@ -102,16 +94,12 @@ class TelemetryWorld final : public World {
   void move(Robot& robot, double t, const Measured& now) noexcept;
   void send(Sender& sender, double t, const Measured& now) noexcept;
   void deliver(double t) noexcept;
-  Sight<double> sight_of(BodyId body, std::span<const double> x) const noexcept;
 
-  std::unique_ptr<World> world_;
   Radio radio_;
   std::vector<Robot> robots_;
   std::vector<Sender> senders_;
-  std::vector<double> applied_;
   std::vector<RobotMotion> motions_;
-  std::vector<Message> waiting_;
-  std::size_t waiting_count_ = 0;
+  UnderWay<Message> messages_;
   std::vector<BodyBroadcast> arrived_;
   double last_ = 0.0;  // measure() [s]
 };
