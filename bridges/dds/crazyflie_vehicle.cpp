@@ -188,8 +188,8 @@ void CrazyflieVehicle::move() {
 void CrazyflieVehicle::step(std::int64_t number) {
   const std::scoped_lock lock(lock_);
   supervise();
+  send_pose();  // then it goes on, from this time on
   move();
-  send_pose();
   if (number % 10 == 0) send_status();
 }
 

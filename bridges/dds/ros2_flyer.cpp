@@ -104,6 +104,7 @@ void Ros2Flyer::follow(const Vec3<double>& v, double r) {
 void Ros2Flyer::step(std::int64_t number) {
   const std::scoped_lock lock(lock_);
   const Motion& m = body_.motion();
+  odometry_.send(m);  // then it goes on, from this time on
   switch (state_) {
     case Ros2State::landed:
       body_.rest();
@@ -127,7 +128,6 @@ void Ros2Flyer::step(std::int64_t number) {
       }
       break;
   }
-  odometry_.send(m);
   const std_msgs_msg_dds__Int8_ now{static_cast<std::int8_t>(state_)};
   if (state_writer_ != nullptr && number % 5 == 0) state_writer_->write(&now);
 }

@@ -45,14 +45,27 @@ void StandInBody::follow(const Vec3<double>& v, const Vec3<double>& a, double r)
     fly({u.x, u.y, v.z + a.z / vehicle.climb_gain, r});
     return;
   }
-  const auto toward = [&](double now, double to, double push) {
-    return now + StandIn::period * std::clamp((to - now) / body_lag + push, -push_most, push_most);
+  // Exact under a command that is held for a period: the velocity at its end, and its mean.
+  constexpr double dt = StandIn::period;
+  struct Step {
+    double end, mean;
   };
-  Vec3<double>& now = motion_.v;
-  now = {toward(now.x, v.x, a.x), toward(now.y, v.y, a.y), toward(now.z, v.z, a.z)};
-  motion_.r += StandIn::period / body_yaw_lag * (r - motion_.r);
-  motion_.p = motion_.p + StandIn::period * motion_.v;
-  const double turn = StandIn::period * motion_.r;
+  const auto toward = [](double now, double to, double lag) {
+    const double gone = -std::expm1(-dt / lag);
+    return Step{now + gone * (to - now), to + (now - to) * gone * lag / dt};
+  };
+  const auto pushed = [&](double now, double to, double push) {
+    const Step step = toward(now, to + body_lag * push, body_lag);
+    const double most = dt * push_most, change = std::clamp(step.end - now, -most, most);
+    return change == step.end - now ? step : Step{now + change, now + change / 2};
+  };
+  const Vec3<double> now = motion_.v;
+  const Step x = pushed(now.x, v.x, a.x), y = pushed(now.y, v.y, a.y), z = pushed(now.z, v.z, a.z),
+             rate = toward(motion_.r, r, body_yaw_lag);
+  motion_.v = {x.end, y.end, z.end};
+  motion_.p = motion_.p + dt * Vec3<double>{x.mean, y.mean, z.mean};
+  motion_.r = rate.end;
+  const double turn = dt * rate.mean;
   motion_.q = Quaternion{std::cos(turn / 2), 0, 0, std::sin(turn / 2)} * motion_.q;
   if (motion_.p.z < 0) motion_.p.z = 0, motion_.v = {};
 }

@@ -57,6 +57,19 @@ TEST(FlownMotion, AMeasurementStandsAtTheTimeAtWhichItWasSo) {
   EXPECT_NEAR(motion.seconds(), 0.1, 1e-12);
 }
 
+TEST(FlownMotion, AMeasurementBetweenPeriodsStandsInTheNextWithItsTime) {
+  const Team team = fleet();
+  FlownMotion motion = motion_of(team, identified_robot(team, "uav"), 0.01);
+  const std::array<double, 7> x = {0, 0, 1, 1, 0, 0, 0};
+  for (int k = 0; k < 5; ++k) motion.add(team.model(BodyId{0}), x.data(), 0.014, nullptr, {});
+  EXPECT_FALSE(is_seen(motion.measured[4]));
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(motion.measured[k].before, 0.004, 1e-12);
+  EXPECT_TRUE(motion.is_between_periods());
+  const SeenMotion middle = between({.psi = 1.0, .v_f = 2.0}, {.psi = 2.0, .v_f = 0.0}, 0.25);
+  EXPECT_NEAR(middle.psi, 1.25, 1e-12);
+  EXPECT_NEAR(middle.v_f, 1.5, 1e-12);
+}
+
 TEST(FlownMotion, TheHeadingGoesOnBeyondPi) {
   const Team team = fleet();
   const Model& model = team.model(BodyId{0});

@@ -28,6 +28,22 @@ TEST(ModelFit, WithoutNoiseFindsTheNumbersOfTheRobot) {
   for (const FoundNumber& one : model.found) EXPECT_TRUE(one.known()) << one.number.key;
 }
 
+// As a vehicle with periods of its own is seen: each measurement 4 ms before the period in which it is there.
+TEST(ModelFit, MeasurementsBetweenPeriodsCountAtTheirTimes) {
+  const Scenario scenario = alone(drawn_numbers, 11, "input_delay = 0.073");
+  FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  EXPECT_FALSE(motion.is_between_periods());
+  for (std::size_t k = motion.size() - 1; k > 0; --k) {
+    motion.measured[k] = between(motion.measured[k], motion.measured[k - 1], 0.4);
+    motion.measured[k].before = 0.4 * motion.period;
+  }
+  EXPECT_TRUE(motion.is_between_periods());
+  const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
+  for (const auto& [key, value] : {std::pair{"b_z", 1.2}, std::pair{"tau", 0.11}, std::pair{"tau_z", 0.3},
+                                   std::pair{"tau_psi", 0.2}, std::pair{"delay", 0.073}})
+    EXPECT_NEAR(number(model, key), value, 2e-3 * std::abs(value) + 5e-4) << key;
+}
+
 TEST(ModelFit, ASteadyWindIsFoundBesideTheNumbersOfTheVehicle) {
   const Scenario scenario = alone(drawn_numbers, 11, "input_delay = 0.073\nwind = [0.5, -0.3, 0.0]");
   const FlownMotion motion = fly_excitation(scenario, uav(scenario));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace sightline::dds {
 namespace {
 
@@ -24,6 +26,18 @@ TEST(StandInBody, TakesOffFollowsAVelocityTurnsAndStandsWhereItLanded) {
     for (int k = 0; k < 800 && !body.on_ground(); ++k) body.follow({0, 0, -0.3}, {}, 0.0);
     EXPECT_TRUE(body.on_ground());
   }
+}
+
+// v = v_sp (1 - exp(-t / 0.3)), and the place is its integral; likewise the heading.
+TEST(StandInBody, ThePointFollowsWithTheLagsThatAreSaid) {
+  StandInBody body({0, 0, 5}, 0.0, std::nullopt);
+  for (int k = 0; k < 40; ++k) body.follow({0.5, 0, 0}, {}, 0.6);
+  const double t = 0.4, gone = 1 - std::exp(-t / 0.3), turned = 1 - std::exp(-t / 0.1);
+  EXPECT_NEAR(body.motion().v.x, 0.5 * gone, 1e-12);
+  EXPECT_NEAR(body.motion().p.x, 0.5 * (t - 0.3 * gone), 1e-12);
+  EXPECT_NEAR(body.motion().r, 0.6 * turned, 1e-12);
+  const Vec2<double> d = heading(rotation(body.motion().q));
+  EXPECT_NEAR(std::atan2(d.y, d.x), 0.6 * (t - 0.1 * turned), 1e-12);
 }
 
 TEST(StandInBody, ComesUpToItsAltitudeAndDownToTheGroundAsPx4DoesByDefault) {

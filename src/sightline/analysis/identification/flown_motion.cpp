@@ -16,6 +16,7 @@ namespace sightline {
 namespace {
 
 constexpr SeenMotion unseen = {{no_value, no_value, no_value}, no_value, no_value, no_value};
+constexpr double at_the_period = 1e-3;  // of a period
 
 /// @param before  the last of this kind that was seen, for the turns of the heading
 SeenMotion seen(const Model& model, const double* x, const std::array<double, 4>& u,
@@ -49,6 +50,16 @@ bool is_seen(const SeenMotion& motion) {
   return std::isfinite(motion.p.x + motion.p.y + motion.p.z + motion.psi + motion.v_f + motion.v_s);
 }
 
+SeenMotion between(const SeenMotion& from, const SeenMotion& to, double share) {
+  const auto on = [share](double a, double b) { return a + share * (b - a); };
+  return {from.p + share * (to.p - from.p), on(from.psi, to.psi), on(from.v_f, to.v_f), on(from.v_s, to.v_s)};
+}
+
+bool FlownMotion::is_between_periods() const {
+  return std::any_of(measured.begin(), measured.end(),
+                     [](const SeenMotion& m) { return is_seen(m) && m.before > 0; });
+}
+
 void FlownMotion::add(const Model& of, const double* state, double age, const double* true_state,
                       const std::array<double, 4>& command) {
   u.push_back(command);
@@ -56,8 +67,11 @@ void FlownMotion::add(const Model& of, const double* state, double age, const do
   const std::size_t now = size() - 1;
   if (true_state != nullptr) truth.push_back(seen(of, true_state, command, truth));
   if (!(age < seconds())) return;
-  const auto late = static_cast<std::size_t>(std::llround(std::max(0.0, age) / period));
-  if (late <= now) measured[now - late] = seen(of, state, command, measured);
+  const double rows = std::max(0.0, age) / period, late = std::floor(rows + at_the_period);
+  if (late > static_cast<double>(now)) return;
+  SeenMotion& row = measured[now - static_cast<std::size_t>(late)];
+  row = seen(of, state, command, measured);
+  if (rows - late > at_the_period) row.before = (rows - late) * period;
 }
 
 AgentId identified_robot(const Team& team, const std::string& name) {

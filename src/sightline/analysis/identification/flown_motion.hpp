@@ -17,7 +17,11 @@ struct SeenMotion {
   Vec3<double> p{};             ///< [m]
   double psi = 0.0;             ///< [rad], unwrapped
   double v_f = 0.0, v_s = 0.0;  ///< forward and to the left [m/s]
+  double before = 0.0;          ///< how long before the period of its row it was so [s]; less than a period
 };
+
+/// In a straight line from one to the other, the share of 1 of the way.
+SeenMotion between(const SeenMotion& from, const SeenMotion& to, double share);
 
 /// Rows are periods from the first to the last; those that were missed have the commands that went on.
 struct FlownMotion {
@@ -32,8 +36,11 @@ struct FlownMotion {
 
   std::size_t size() const { return u.size(); }
   double seconds() const { return period * static_cast<double>(size()); }
+  /// Whether it was measured between periods, as over a link: then the vehicle has periods of its own, and when in them a command acts
+  /// is not known.
+  bool is_between_periods() const;
 
-  /// One more period; what is not known of the truth is an empty span. A measurement stands at the time at which it was so.
+  /// One more period; what is not known of the truth is an empty span. A measurement stands in the first period after it was so.
   /// @param age  of the measurement [s]; infinite: none
   void add(const Model& of, const double* state, double age, const double* true_state,
            const std::array<double, 4>& command);

@@ -72,7 +72,9 @@ Identification identify(const FlownMotion& motion, std::optional<ExcitationKind>
                        .u_max = motion.u_max,
                        .seconds = motion.seconds(),
                        .held_out = motion.period * static_cast<double>(judged)};
+  const bool acts_later = motion.is_between_periods();
   for (const ModelStructure& structure : model_structures(motion.commands)) {
+    if (acts_later && !structure.delay) continue;
     const FittedModel fitted = fit_model(motion, first, structure);
     found.candidates.push_back({structure, prediction_error(motion, rest, structure, fitted.numbers)});
   }

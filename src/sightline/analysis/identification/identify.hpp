@@ -33,7 +33,8 @@ struct Identification {
 
 /// Fits every structure to all but the last quarter of a flight, at least 2 s, and judges it there. Chosen is the one
 /// of the fewest numbers whose error is at most 3 % more than the least; of two under tilt commands the one with the
-/// Coriolis term, which has no number.
+/// Coriolis term, which has no number. Of a flight that was measured between periods all have the delay: it is what the vehicle's own
+/// periods, and the link, take.
 /// @param kind  of the excitation, where it is known
 /// @throws std::invalid_argument for a flight of less than 5 s, and for one without motion
 Identification identify(const FlownMotion& motion, std::optional<ExcitationKind> kind = {});

@@ -29,10 +29,12 @@ SeenMotion moved(SeenMotion m, std::size_t channel, double by) {
 void residuals(const FlownMotion& motion, const MotionPrediction& prediction, const Sigmas& sigma,
                std::size_t k, std::size_t samples, const SeenMotion& start, std::vector<double>& r) {
   r.clear();
+  SeenMotion last = start;
   prediction.run(k, samples, start, [&](std::size_t j, const SeenMotion& m) {
     const SeenMotion& y = motion.measured[k + j];
-    const bool there = is_seen(y);
-    const Channels predicted = channels_of(m), seen = channels_of(y);
+    const bool there = is_seen(y) && (j > 0 || y.before == 0);
+    const Channels predicted = channels_of(between(m, last, y.before / motion.period)), seen = channels_of(y);
+    last = m;
     for (std::size_t c = 0; c < channels; ++c)
       r.push_back(there ? (predicted[c] - seen[c]) / sigma[kind_of[c]] : 0.0);
   });

@@ -39,8 +39,11 @@ PredictionError prediction_error(const FlownMotion& motion, const Stretch& stret
     const std::size_t now = k + before;
     if (!is_seen(flown[now]) || !is_seen(flown[now + soon]) || !is_seen(flown[now + ahead])) continue;
     const SeenMotion start = error.of_truth ? flown[k] : fitted_start(motion, prediction, k, before);
-    prediction.run(k, before + ahead, start, [&](std::size_t j, const SeenMotion& m) {
+    SeenMotion last = start;
+    prediction.run(k, before + ahead, start, [&](std::size_t j, const SeenMotion& then) {
       const SeenMotion& y = flown[k + j];
+      const SeenMotion m = between(then, last, y.before / motion.period);
+      last = then;
       if (j == before + soon) {
         const double off = std::sqrt(squared_distance(velocity_in_G(m), velocity_in_G(y)));
         left.push_back(off / (static_cast<double>(soon) * motion.period));
