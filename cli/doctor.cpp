@@ -12,6 +12,7 @@
 #include "cli/commands.hpp"
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
+#include "sightline/analysis/tag_size.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/loop_timing.hpp"
 
@@ -143,6 +144,7 @@ int doctor(const DoctorCommand& command, const Parts& parts) {
     tell("{}: {}\n", command.fleet.file.native(), error.what());
     return 2;
   }
+  for (Finding& finding : tag_findings(scenario)) findings.push_back(std::move(finding));
   findings.push_back(timing.finding());
   if (command.json)
     print("{}", json_of(scenario, findings, fleet->poses(), timing, seconds));

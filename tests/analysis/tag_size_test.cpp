@@ -66,5 +66,21 @@ TEST(TagSize, TagsThatAreTooSmallEverywhereAreRefused) {
   EXPECT_THAT(preflight(kept_between(4.0, 5.0)).refusals, Contains(HasSubstr("expected at least 11.5 px")));
 }
 
+TEST(TagSize, BeforeAFlightEachDistanceAtWhichTagsAreTooSmallIsRed) {
+  const std::vector<Finding> small = tag_findings(kept_between(1.0, 3.0));
+  ASSERT_EQ(small.size(), 1u);
+  EXPECT_EQ(small[0].light, Light::red);
+  EXPECT_EQ(small[0].aspect, Aspect::tags);
+  EXPECT_EQ(
+      small[0].sentence,
+      "a tag of b has 13.9 px for the camera of a at d_max = 3 m, below 16.3 px it is not read from every "
+      "side: larger tags, another camera, or nearer");
+  EXPECT_THAT(tag_findings(kept_between(1.0, 4.0))[0].sentence, HasSubstr("below 11.5 px it is not read:"));
+  const std::vector<Finding> large = tag_findings(kept_between(1.0, 2.5));
+  ASSERT_EQ(large.size(), 1u);
+  EXPECT_EQ(large[0].light, Light::green);
+  EXPECT_THAT(large[0].sentence, HasSubstr("at d_max = 2.5 m, enough from every side"));
+}
+
 }  // namespace
 }  // namespace sightline

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/scenario/finding.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline {
@@ -15,5 +16,8 @@ struct TagSize {
 
 /// By the pixels that a tag has, of every robot with a camera and body with tags that are coupled (tag_readings()).
 TagSize judge_tag_sizes(const Scenario& scenario);
+/// The same before a flight: red where tags are too small at a distance, green with the pixels of the smallest; nothing where no camera
+/// looks at tags.
+std::vector<Finding> tag_findings(const Scenario& scenario);
 
 }  // namespace sightline

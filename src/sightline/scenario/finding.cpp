@@ -28,6 +28,7 @@ constexpr std::array<AspectWords, aspects> aspect_words = {{{"topics", true},
                                                             {"pilot", false},
                                                             {"distance", true},
                                                             {"origins", true},
+                                                            {"tags", false},
                                                             {"timing", false}}};
 constexpr std::array<std::string_view, 3> light_words = {"green", "unknown", "red"};
 constexpr std::array<std::string_view, 3> light_colours = {"\033[32m", "\033[33m", "\033[31m"};

@@ -36,10 +36,11 @@ enum class Aspect : std::uint8_t {
   // Of the fleet.
   distance,  ///< of robots on the ground, one from the other
   origins,   ///< of their local frames, against what they say of them
+  tags,      ///< large enough for the cameras at the distances that are kept
   // Of this machine.
   timing,  ///< of the control loop
 };
-inline constexpr int aspects = 17;
+inline constexpr int aspects = 18;
 /// A word that stays: "topics".
 std::string_view to_string(Aspect aspect);
 /// Whether `sightline fly` arms nothing while it is red. The others tell what a flight would be like.
