@@ -16,7 +16,7 @@ namespace sightline::dds {
 
 std::span<const dds_topic_descriptor_t* const> px4_descriptors() {
 #define LAYOUT(message) &px4_msgs_msg_dds__##message##_desc
-  static const std::array<const dds_topic_descriptor_t*, 31> all = {
+  static const std::array<const dds_topic_descriptor_t*, 32> all = {
       LAYOUT(TrajectorySetpoint_),      LAYOUT(OffboardControlMode_14_),  LAYOUT(OffboardControlMode_15_),
       LAYOUT(VehicleCommand_14_),       LAYOUT(VehicleCommand_15_),       LAYOUT(VehicleCommandAck_14_),
       LAYOUT(VehicleCommandAck_15_),    LAYOUT(VehicleStatus_14_),        LAYOUT(VehicleStatus_15_),
@@ -27,7 +27,7 @@ std::span<const dds_topic_descriptor_t* const> px4_descriptors() {
       LAYOUT(FailsafeFlags_17_),        LAYOUT(FailsafeFlags_18_),        LAYOUT(BatteryStatus_14_),
       LAYOUT(BatteryStatus_16_),        LAYOUT(BatteryStatus_17_),        LAYOUT(MessageFormatRequest_),
       LAYOUT(MessageFormatResponse_),   LAYOUT(RoverSpeedSetpoint_),      LAYOUT(RoverRateSetpoint_),
-      LAYOUT(RoverThrottleSetpoint_)};
+      LAYOUT(RoverThrottleSetpoint_),   LAYOUT(EstimatorStatusFlags_)};
 #undef LAYOUT
   return all;
 }

@@ -43,9 +43,17 @@ std::unique_ptr<RawReader> px4_reader(dds_entity_t participant, const Px4Link& l
 
 }  // namespace
 
-/// Readers and writers, of the layouts of its release.
+/// Readers and writers, of the layouts of its release; and what is sent of those that differ.
 struct Px4LinkEnd::Ends {
-  std::unique_ptr<RawReader> status, position, landed, battery, ack;
+  explicit Ends(int release)
+      : mode_layout("OffboardControlMode", release),
+        command_layout("VehicleCommand", release),
+        mode(mode_layout),
+        order(command_layout) {}
+
+  Px4Layout mode_layout, command_layout;
+  Px4Message mode, order;
+  std::unique_ptr<RawReader> status, position, alignment, landed, battery, ack;
   std::unique_ptr<RawWriter> heartbeat, setpoint, command;
 };
 
@@ -57,7 +65,7 @@ Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps)
       stamps_(stamps),
       odometry_(link.origin),
       aside_(std::make_unique<Px4Aside>(participant, px4_)),
-      ends_(std::make_unique<Ends>()) {
+      ends_(std::make_unique<Ends>(release_)) {
   const auto writer = [&](std::string_view message) {
     return std::make_unique<RawWriter>(participant, Px4Layout(message, release_).descriptor(),
                                        px4_topic(px4_.name_space, Px4Side::in, message, release_),
@@ -82,6 +90,7 @@ void Px4LinkEnd::read_state(dds_entity_t participant) {
     return [this, arming = in.place("arming_state"), nav = in.place("nav_state"),
             system = in.place("system_id"), failsafe = in.place("failsafe"),
             preflight = in.place("pre_flight_checks_pass")](const void* m, const Arrival& a) {
+      says_offboard_ = read_at<Byte>(m, nav) == static_cast<Byte>(NavState::offboard);
       status_.put({a.monotonic, read_at<Byte>(m, arming), read_at<Byte>(m, nav), read_at<Byte>(m, system),
                    read_at<bool>(m, failsafe), read_at<bool>(m, preflight)});
     };
@@ -104,6 +113,16 @@ void Px4LinkEnd::read_state(dds_entity_t participant) {
       position_.put(position);
     };
   });
+  // Of each release it is the beginning that is read, of whatever size.
+  const Px4Layout flags("EstimatorStatusFlags", release_);
+  ends_->alignment = std::make_unique<RawReader>(
+      participant, flags.descriptor(),
+      px4_topic(px4_.name_space, Px4Side::out, "EstimatorStatusFlags", release_), of_sensors, std::nullopt,
+      Writers::all,
+      [this, tilt = flags.place("cs_tilt_align"), heading = flags.place("cs_yaw_align")](const void* m,
+                                                                                         const Arrival& a) {
+        alignment_.put({a.monotonic, read_at<bool>(m, tilt), read_at<bool>(m, heading)});
+      });
   ends_->battery = read("BatteryStatus", of_sensors, [this](const Px4Layout& in) {
     return
         [this, remaining = in.place("remaining"), voltage = in.place("voltage_v"),
@@ -164,9 +183,13 @@ bool Px4LinkEnd::look(SeenMotion& seen) noexcept {
   return poses().look(seen);
 }
 
+bool Px4LinkEnd::has_valid_estimate() const noexcept {
+  return last_position_.good() && last_alignment_.tilt && last_alignment_.heading;
+}
+
 LinkReason Px4LinkEnd::unfit() const noexcept {
   if (last_battery_.warning >= px4_battery_critical) return LinkReason::battery_low;
-  if (last_position_.arrived > 0 && !last_position_.good()) return LinkReason::estimator_invalid;
+  if (last_position_.arrived > 0 && !has_valid_estimate()) return LinkReason::estimator_invalid;
   return !seen_ && anchor_.moved() > px4_.reset_max ? LinkReason::moved : LinkReason::as_asked;
 }
 
@@ -179,6 +202,7 @@ bool Px4LinkEnd::is_seen_well() noexcept {
 LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   (void)status_.look(last_status_);
   (void)position_.look(last_position_);
+  (void)alignment_.look(last_alignment_);
   (void)landed_.look(last_landed_);
   (void)battery_.look(last_battery_);
   (void)ack_.look(last_ack_);
@@ -190,7 +214,7 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   facts.armed = s.arming == px4_armed;
   facts.landed = says_landed ? last_landed_.landed : !facts.armed;
   facts.unfit = unfit();
-  facts.checked = s.preflight && last_position_.good() && last_battery_.warning < px4_battery_critical &&
+  facts.checked = s.preflight && has_valid_estimate() && last_battery_.warning < px4_battery_critical &&
                   facts.landed && heard_ && !odometry_.of_second_writer() && is_seen_well() &&
                   (px4_.target_system == 0 || px4_.target_system == s.system);
   facts.contested = rivals_ > 0;
@@ -223,38 +247,30 @@ std::uint64_t Px4LinkEnd::stamp() const noexcept {
 void Px4LinkEnd::command(Px4Command which, float param1, float param2, Nanoseconds now) noexcept {
   asked_ = which;
   asked_at_ = now;
-  const auto fill = [&](auto& c) {
-    const bool takes_off = which == Px4Command::takeoff || which == Px4Command::land;
-    c.timestamp = stamp();
-    c.param1 = takes_off ? px4_nan : param1;
-    c.param2 = takes_off ? px4_nan : param2;
-    // To where it is, and as high as it is set up to.
-    if (takes_off)
-      c.param3 = c.param4 = c.param7 = px4_nan,
-      c.param5 = c.param6 = std::numeric_limits<double>::quiet_NaN();
-    c.command = static_cast<std::uint32_t>(which);
-    c.target_system = last_status_.system;
-    c.target_component = 1;
-    c.source_system = our_system;
-    c.source_component = our_component;
-    c.from_external = true;
-    (void)ends_->command->write(&c);
-  };
-  px4_msgs_msg_dds__VehicleCommand_14_ old{};
-  px4_msgs_msg_dds__VehicleCommand_15_ now_used{};
-  release_ == 14 ? fill(old) : fill(now_used);
+  const bool takes_off = which == Px4Command::takeoff || which == Px4Command::land;
+  // To where it is, and as high as it is set up to.
+  const float rest = takes_off ? px4_nan : 0.0F;
+  Px4Message& c = ends_->order;
+  c.set("timestamp", stamp());
+  c.set("param1", takes_off ? px4_nan : param1);
+  c.set("param2", takes_off ? px4_nan : param2);
+  for (const std::string_view param : {"param3", "param4", "param7"}) c.set(param, rest);
+  for (const std::string_view param : {"param5", "param6"}) c.set(param, double{rest});
+  c.set("command", static_cast<std::uint32_t>(which));
+  c.set("target_system", last_status_.system);
+  c.set("target_component", std::uint8_t{1});
+  c.set("source_system", our_system);
+  c.set("source_component", our_component);  // its low byte, where it has two
+  c.set("from_external", true);
+  (void)ends_->command->write(c.data());
 }
 
 void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds now) noexcept {
   if (output.heartbeat && now - beat_at_ >= beat_every) {
     beat_at_ = now;
-    const auto beat = [&](auto&& mode) {
-      mode.timestamp = stamp();
-      mode.velocity = true;
-      (void)ends_->heartbeat->write(&mode);
-    };
-    release_ == 14 ? beat(px4_msgs_msg_dds__OffboardControlMode_14_{})
-                   : beat(px4_msgs_msg_dds__OffboardControlMode_15_{});
+    ends_->mode.set("timestamp", stamp());
+    ends_->mode.set("velocity", true);
+    (void)ends_->heartbeat->write(ends_->mode.data());
   }
   // Who has just come may be the vehicle itself after a restart: whether it is, is known a moment later.
   const bool known = now - ends_->setpoint->reader_came() > newcomers_wait;
@@ -272,7 +288,13 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
       s.yawspeed = static_cast<float>(-c.r);
       if (stamps_ == Stamps::of_this_machine) s.timestamp = answered_;
     }
-    (void)ends_->setpoint->write(&s);
+    // Another mode may have been said since the period began.
+    if (says_offboard_) {
+      ++sent_;
+      (void)ends_->setpoint->write(&s);
+    } else {
+      ++held_back_;
+    }
   }
   switch (output.request) {
     case Request::none:
@@ -337,7 +359,16 @@ void Px4LinkEnd::examine_estimator(FindingList& to) const {
     if (!position.valid[i]) invalid.push_back(valid_names[i]);
   if (!invalid.empty())
     to.add(Aspect::estimator, Light::red, "its estimator is not valid: {}", fmt::join(invalid, ", "));
-  to.add_green(Aspect::estimator, "valid: position and velocity, level and upright");
+  Alignment alignment;
+  const bool says = alignment_.look(alignment);
+  if (!alignment.tilt)
+    to.add(Aspect::estimator, Light::red,
+           "its estimator has not found yet what is level: let it stand still");
+  if (!alignment.heading)
+    to.add(Aspect::estimator, Light::red,
+           "its estimator has no heading yet: it wants a compass, or the poses of motion capture");
+  to.add_green(Aspect::estimator, "valid: position and velocity, level and upright{}",
+               says ? "; it knows what is level, and its heading" : "");
 }
 
 std::optional<GeoPoint> Px4LinkEnd::reference() const {
@@ -386,7 +417,10 @@ std::string Px4LinkEnd::counts() const {
        std::array<const RawReader*, 6>{&odometry_.reader(), ends_->status.get(), ends_->position.get(),
                                        ends_->ack.get(), ends_->landed.get(), ends_->battery.get()})
     wrong += reader->counts().too_long + reader->counts().too_short;
-  std::string words = fmt::format("{}, {} messages of other sizes", poses().counts(), wrong);
+  std::string words = fmt::format("{}, {} messages of other sizes, {} set-points sent", poses().counts(),
+                                  wrong, sent_.load());
+  if (held_back_ > 0)
+    words += fmt::format(", {} held back: it said another mode in that period", held_back_.load());
   if (anchor_.jumps() > 0)
     words += fmt::format(", {} jumps of its estimator by {:.2f} m in sum", anchor_.jumps(), anchor_.moved());
   return words;

@@ -65,6 +65,11 @@ class Px4LinkEnd final : public LinkEnd {
     bool good() const noexcept { return std::find(valid.begin(), valid.end(), false) == valid.end(); }
   };
   static constexpr std::array<std::string_view, 4> valid_names = {"xy", "z", "v_xy", "v_z"};
+  /// What its estimator has found; all, where it does not say.
+  struct Alignment {
+    Nanoseconds arrived = 0;
+    bool tilt = true, heading = true;
+  };
   struct Landed {
     Nanoseconds arrived = 0;
     bool landed = false;
@@ -78,6 +83,7 @@ class Px4LinkEnd final : public LinkEnd {
 
   void read_state(dds_entity_t participant);
   void read_poses(dds_entity_t participant);
+  bool has_valid_estimate() const noexcept;
   LinkReason unfit() const noexcept;
   void on_odometry(const void* message, const Arrival& arrival);
   PoseIntake& poses() noexcept { return seen_ ? *seen_ : odometry_; }
@@ -100,12 +106,15 @@ class Px4LinkEnd final : public LinkEnd {
   // Filled by the thread that receives.
   Mailbox<Status> status_;
   Mailbox<Position> position_;
+  Mailbox<Alignment> alignment_;
   Mailbox<Landed> landed_;
   Mailbox<Px4Battery> battery_;
   Mailbox<Ack> ack_;
   Mailbox<std::uint64_t> sampled_;  // when the newest pose was, by its clock [us]
   FrameAnchor anchor_;
   DelayHistogram arrivals_;
+
+  std::atomic<bool> says_offboard_{false};  // in the last status that came
 
   // By watch().
   std::atomic<bool> heard_{false};  // it reads what we write
@@ -114,13 +123,15 @@ class Px4LinkEnd final : public LinkEnd {
   // Of the control thread: the last that was seen, for when a mailbox is being written.
   Status last_status_{};
   Position last_position_{};
+  Alignment last_alignment_{};
   Landed last_landed_{};
   Px4Battery last_battery_{};
   Ack last_ack_{};
   Px4Command asked_{};
   Nanoseconds asked_at_ = 0, beat_at_ = 0;
-  std::uint64_t answered_ = 0;  // sampled_ of the pose that commands answer
-  int speakers_ = -1;           // that had come when it was asked to arm; -1: it was not yet
+  std::uint64_t answered_ = 0;                        // sampled_ of the pose that commands answer
+  std::atomic<std::int64_t> sent_{0}, held_back_{0};  // set-points
+  int speakers_ = -1;  // that had come when it was asked to arm; -1: it was not yet
 
   PoseIntake odometry_;
   std::unique_ptr<PoseIntake> seen_;  // by others, where they say where it is

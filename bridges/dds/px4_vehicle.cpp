@@ -10,8 +10,6 @@ extern "C" {
 #include "px4.h"
 }
 
-#define VEHICLE_DESCRIPTOR(message) px4_msgs_msg_dds__##message##_desc
-
 namespace sightline::dds {
 namespace {
 
@@ -26,6 +24,12 @@ std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() 
 }  // namespace
 
 struct Px4Vehicle::Ends {
+  explicit Ends(int release)
+      : status_layout("VehicleStatus", release),
+        position_layout("VehicleLocalPosition", release),
+        ack_layout("VehicleCommandAck", release) {}
+
+  Px4Layout status_layout, position_layout, ack_layout;
   std::unique_ptr<FaultyWriter> odometry, status, ack, landed, position;
   std::unique_ptr<RawReader> command, setpoint, heartbeat;
 };
@@ -37,58 +41,41 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
       body_(setup.p, setup.heading, setup.rotors),
       faults_(faults),
       aside_(participant, link, faults),
-      ends_(std::make_unique<Ends>()) {
+      ends_(std::make_unique<Ends>(release_)) {
   const auto topic = [&](Px4Side side, std::string_view message) {
     return px4_topic(link.name_space, side, message, release_);
   };
-  const auto writer = [&](const dds_topic_descriptor_t& type, std::string_view message) {
-    return std::make_unique<FaultyWriter>(participant, type, topic(Px4Side::out, message), of_px4_output,
-                                          faults_);
+  const auto writer = [&](std::string_view message) {
+    return std::make_unique<FaultyWriter>(participant, Px4Layout(message, release_).descriptor(),
+                                          topic(Px4Side::out, message), of_px4_output, faults_);
   };
-  const auto reader = [&](const dds_topic_descriptor_t& type, std::string_view message, int depth,
-                          RawReader::Take take) {
-    return std::make_unique<RawReader>(participant, type, topic(Px4Side::in, message),
-                                       Quality{.depth = depth}, payload_size(px4_type(message, release_)),
-                                       Writers::all, std::move(take));
+  const auto reader = [&](std::string_view message, int depth, const auto& taking) {
+    const Px4Layout layout(message, release_);
+    return std::make_unique<RawReader>(participant, layout.descriptor(), topic(Px4Side::in, message),
+                                       Quality{.depth = depth}, layout.size(), Writers::all, taking(layout));
   };
-  const bool old = release_ == 14;
-  ends_->odometry = writer(VEHICLE_DESCRIPTOR(VehicleOdometry_), "VehicleOdometry");
-  ends_->landed = writer(VEHICLE_DESCRIPTOR(VehicleLandDetected_), "VehicleLandDetected");
-  ends_->status = writer(old              ? VEHICLE_DESCRIPTOR(VehicleStatus_14_)
-                         : release_ == 15 ? VEHICLE_DESCRIPTOR(VehicleStatus_15_)
-                         : release_ < 18  ? VEHICLE_DESCRIPTOR(VehicleStatus_16_)
-                                          : VEHICLE_DESCRIPTOR(VehicleStatus_18_),
-                         "VehicleStatus");
-  ends_->ack =
-      writer(old ? VEHICLE_DESCRIPTOR(VehicleCommandAck_14_) : VEHICLE_DESCRIPTOR(VehicleCommandAck_15_),
-             "VehicleCommandAck");
-  ends_->position = writer(old              ? VEHICLE_DESCRIPTOR(VehicleLocalPosition_14_)
-                           : release_ == 15 ? VEHICLE_DESCRIPTOR(VehicleLocalPosition_15_)
-                                            : VEHICLE_DESCRIPTOR(VehicleLocalPosition_16_),
-                           "VehicleLocalPosition");
-  const auto command = [this](const auto& c) {
-    on_command(c.command, c.param1, c.param2, c.target_system, c.source_system);
-  };
+  ends_->odometry = writer("VehicleOdometry");
+  ends_->landed = writer("VehicleLandDetected");
+  ends_->status = writer("VehicleStatus");
+  ends_->ack = writer("VehicleCommandAck");
+  ends_->position = writer("VehicleLocalPosition");
   send_status();  // who was here before it started knows at once that it is disarmed
-  if (old) {
-    ends_->command = reader(VEHICLE_DESCRIPTOR(VehicleCommand_14_), "VehicleCommand", 16,
-                            [=](const void* m, const Arrival&) {
-                              command(*static_cast<const px4_msgs_msg_dds__VehicleCommand_14_*>(m));
-                            });
-  } else {
-    ends_->command = reader(VEHICLE_DESCRIPTOR(VehicleCommand_15_), "VehicleCommand", 16,
-                            [=](const void* m, const Arrival&) {
-                              command(*static_cast<const px4_msgs_msg_dds__VehicleCommand_15_*>(m));
-                            });
-  }
-  ends_->setpoint = reader(VEHICLE_DESCRIPTOR(TrajectorySetpoint_), "TrajectorySetpoint", 2,
-                           [this](const void* m, const Arrival&) { on_setpoint(m); });
-  ends_->heartbeat =
-      reader(old ? VEHICLE_DESCRIPTOR(OffboardControlMode_14_) : VEHICLE_DESCRIPTOR(OffboardControlMode_15_),
-             "OffboardControlMode", 2, [this](const void* m, const Arrival&) {
-               // Both layouts begin alike.
-               on_heartbeat(static_cast<const px4_msgs_msg_dds__OffboardControlMode_15_*>(m)->velocity);
-             });
+  ends_->command = reader("VehicleCommand", 16, [this](const Px4Layout& in) {
+    return [this, command = in.place("command"), param1 = in.place("param1"), param2 = in.place("param2"),
+            target = in.place("target_system"),
+            source = in.place("source_system")](const void* m, const Arrival&) {
+      on_command(read_at<std::uint32_t>(m, command), read_at<float>(m, param1), read_at<float>(m, param2),
+                 read_at<std::uint8_t>(m, target), read_at<std::uint8_t>(m, source));
+    };
+  });
+  ends_->setpoint = reader("TrajectorySetpoint", 2, [this](const Px4Layout&) {
+    return [this](const void* m, const Arrival&) { on_setpoint(m); };
+  });
+  ends_->heartbeat = reader("OffboardControlMode", 2, [this](const Px4Layout& in) {
+    return [this, velocity = in.place("velocity")](const void* m, const Arrival&) {
+      on_heartbeat(read_at<bool>(m, velocity));
+    };
+  });
 }
 
 Px4Vehicle::~Px4Vehicle() = default;
@@ -197,8 +184,8 @@ void Px4Vehicle::step(std::int64_t number) {
     set_nav(NavState::land);
   }
   suffer();
+  send_odometry();  // then it goes on, from this time on
   move();
-  send_odometry();
   if (number % 20 == 0) send_status();
   if (number % 10 == 5) send_slow();
   if (number % 100 == 50) aside_.send();
@@ -235,26 +222,18 @@ void Px4Vehicle::send_odometry() {
 }
 
 void Px4Vehicle::send_status() {
-  const auto fill = [&](auto&& m) {
-    m.timestamp = microseconds();
-    m.arming_state = arming_;
-    m.nav_state = m.nav_state_user_intention = static_cast<std::uint8_t>(nav_);
-    m.vehicle_type = 1;
-    m.system_type = 2;
-    m.system_id = setup_.system;
-    m.component_id = 1;
-    m.failsafe = failsafe_;
-    m.pre_flight_checks_pass = checks_ && monotonic_now() - booted_ > checks_take;
-    ends_->status->write(&m);
-  };
-  if (release_ == 14)
-    fill(px4_msgs_msg_dds__VehicleStatus_14_{});
-  else if (release_ == 15)
-    fill(px4_msgs_msg_dds__VehicleStatus_15_{});
-  else if (release_ < 18)
-    fill(px4_msgs_msg_dds__VehicleStatus_16_{});
-  else
-    fill(px4_msgs_msg_dds__VehicleStatus_18_{});
+  Px4Message m(ends_->status_layout);
+  m.set("timestamp", microseconds());
+  m.set("arming_state", arming_);
+  for (const std::string_view nav : {"nav_state", "nav_state_user_intention"})
+    m.set(nav, static_cast<std::uint8_t>(nav_));
+  m.set("vehicle_type", std::uint8_t{1});
+  m.set("system_type", std::uint8_t{2});
+  m.set("system_id", setup_.system);
+  m.set("component_id", std::uint8_t{1});
+  m.set("failsafe", failsafe_);
+  m.set("pre_flight_checks_pass", checks_ && monotonic_now() - booted_ > checks_take);
+  ends_->status->write(m.data());
 }
 
 void Px4Vehicle::send_slow() {
@@ -262,33 +241,26 @@ void Px4Vehicle::send_slow() {
   landed.timestamp = microseconds();
   landed.landed = landed.ground_contact = landed_;
   ends_->landed->write(&landed);
-  const auto fill = [&](auto&& m) {
-    m.timestamp = m.timestamp_sample = microseconds();
-    m.xy_valid = m.z_valid = m.v_xy_valid = m.v_z_valid =
-        monotonic_now() - booted_ > checks_take / 2 && !faults_.on(LinkFaultKind::estimator_invalid);
-    const Vec3<double> p = turned_over(in_local(setup_.origin, body_.motion()).p);
-    m.x = static_cast<float>(p.x), m.y = static_cast<float>(p.y), m.z = static_cast<float>(p.z);
-    m.heading_good_for_control = true;
-    ends_->position->write(&m);
-  };
-  if (release_ == 14)
-    fill(px4_msgs_msg_dds__VehicleLocalPosition_14_{});
-  else if (release_ == 15)
-    fill(px4_msgs_msg_dds__VehicleLocalPosition_15_{});
-  else
-    fill(px4_msgs_msg_dds__VehicleLocalPosition_16_{});
+  Px4Message m(ends_->position_layout);
+  for (const std::string_view stamp : {"timestamp", "timestamp_sample"}) m.set(stamp, microseconds());
+  const bool valid =
+      monotonic_now() - booted_ > checks_take / 2 && !faults_.on(LinkFaultKind::estimator_invalid);
+  for (const std::string_view of : {"xy_valid", "z_valid", "v_xy_valid", "v_z_valid"}) m.set(of, valid);
+  const Vec3<double> p = turned_over(in_local(setup_.origin, body_.motion()).p);
+  m.set("x", static_cast<float>(p.x));
+  m.set("y", static_cast<float>(p.y));
+  m.set("z", static_cast<float>(p.z));
+  m.set("heading_good_for_control", true);
+  ends_->position->write(m.data());
 }
 
 void Px4Vehicle::acknowledge(std::uint32_t command, std::uint8_t result, std::uint8_t source) {
-  const auto fill = [&](auto&& m) {
-    m.timestamp = microseconds();
-    m.command = command;
-    m.result = result;
-    m.target_system = source;
-    ends_->ack->write(&m);
-  };
-  release_ == 14 ? fill(px4_msgs_msg_dds__VehicleCommandAck_14_{})
-                 : fill(px4_msgs_msg_dds__VehicleCommandAck_15_{});
+  Px4Message m(ends_->ack_layout);
+  m.set("timestamp", microseconds());
+  m.set("command", command);
+  m.set("result", result);
+  m.set("target_system", source);
+  ends_->ack->write(m.data());
 }
 
 Px4VehicleCounts Px4Vehicle::told() const {

@@ -31,7 +31,8 @@ Px4VehicleAside::Px4VehicleAside(dds_entity_t participant, const Px4Link& link, 
       faults_(faults),
       takes_(release_),
       battery_("BatteryStatus", release_),
-      flags_("FailsafeFlags", release_) {
+      flags_("FailsafeFlags", release_),
+      estimator_("EstimatorStatusFlags", release_) {
   const auto writer = [&](const dds_topic_descriptor_t& type, std::string_view message) {
     return std::make_unique<FaultyWriter>(participant, type,
                                           px4_topic(link.name_space, Px4Side::out, message, release_),
@@ -39,6 +40,7 @@ Px4VehicleAside::Px4VehicleAside(dds_entity_t participant, const Px4Link& link, 
   };
   battery_writer_ = writer(battery_.descriptor(), "BatteryStatus");
   flags_writer_ = writer(flags_.descriptor(), "FailsafeFlags");
+  estimator_writer_ = writer(estimator_.descriptor(), "EstimatorStatusFlags");
   if (release_ < formats_since) return;
   response_ = writer(px4_msgs_msg_dds__MessageFormatResponse__desc, "MessageFormatResponse");
   request_ = std::make_unique<RawReader>(
@@ -66,6 +68,11 @@ void Px4VehicleAside::send() {
   flags.set("battery_warning", warning);
   flags.set("offboard_control_signal_lost", true);
   flags_writer_->write(flags.data());
+  Px4Message estimator(estimator_);
+  estimator.set("timestamp", real_microseconds());
+  estimator.set("cs_tilt_align", tilt_.load());
+  estimator.set("cs_yaw_align", heading_.load());
+  estimator_writer_->write(estimator.data());
 }
 
 void Px4VehicleAside::answer(const void* request) {

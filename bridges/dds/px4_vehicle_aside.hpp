@@ -20,11 +20,13 @@ class Px4VehicleAside {
   /// @param faults  of the vehicle; outlives it
   Px4VehicleAside(dds_entity_t participant, const Px4Link& link, Faults& faults);
 
-  /// Once a second, and where the battery changes: battery and flags.
+  /// Once a second, and where the battery changes: battery, failsafe flags, estimator's flags.
   void send();
 
   void set_battery(float remaining) { remaining_ = remaining; }   ///< 0 to 1
   void lose_transmitter(bool lost) { transmitter_lost_ = lost; }  ///< of its pilot
+  /// What its estimator has found: what is level, its heading.
+  void set_alignment(bool tilt, bool heading) { tilt_ = tilt, heading_ = heading; }
   /// It answers as if what it takes were of that release.
   void take_layouts_of(int release) { takes_ = release; }
 
@@ -35,9 +37,9 @@ class Px4VehicleAside {
   Faults& faults_;
   std::atomic<int> takes_;
   std::atomic<float> remaining_{0.8F};
-  std::atomic<bool> transmitter_lost_{false};
-  Px4Layout battery_, flags_;
-  std::unique_ptr<FaultyWriter> battery_writer_, flags_writer_, response_;
+  std::atomic<bool> transmitter_lost_{false}, tilt_{true}, heading_{true};
+  Px4Layout battery_, flags_, estimator_;
+  std::unique_ptr<FaultyWriter> battery_writer_, flags_writer_, estimator_writer_, response_;
   std::unique_ptr<RawReader> request_;  // last: it ends before what it answers by
 };
 

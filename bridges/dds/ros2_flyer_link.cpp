@@ -146,7 +146,7 @@ void Ros2FlyerLinkEnd::watch(std::span<const SeenWriter> writers) {
 void Ros2FlyerLinkEnd::examine(const Surroundings& around, FindingList& to) {
   const LinkFacts f = facts(monotonic_now());
   for (const Signal* signal : {&takeoff_, &land_}) {
-    if (!signal->there())
+    if (!signal->there(around))
       to.add(Aspect::topics, Light::red, "{}: {}", signal->name(),
              link().calls == FlightCalls::topics ? "nobody reads it" : "no server");
     if (signal->rivals() > 0)

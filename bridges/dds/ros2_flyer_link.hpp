@@ -21,6 +21,10 @@ class Signal {
   Signal(Port participant, const std::string& name, FlightCalls calls);
 
   bool there() const noexcept { return service_ ? service_->there() : heard_.load(); }
+  /// The same of a silent end too, whose writer nobody is matched with.
+  bool there(const Surroundings& around) const {
+    return service_ ? service_->there() : topic_->heard(around.readers);
+  }
   void send() noexcept;
   /// None of a topic.
   Answer answer() const noexcept { return service_ ? service_->answer() : Answer::none; }

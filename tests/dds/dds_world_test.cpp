@@ -17,6 +17,7 @@
 
 extern "C" {
 #include "px4.h"
+#include "ros.h"
 }
 
 namespace sightline::dds {
@@ -93,6 +94,25 @@ TEST(DdsWorld, ARoverWhoseOdometryIsInAnotherFrameIsNotDriven) {
   EXPECT_EQ(dynamic_cast<Ros2Rover&>(rig.stand_ins.of(0)).commands(), 0);
 }
 
+// Who is there is discovered while it is listened to: a rover has no other states in which another writer could be noticed before it moves.
+TEST(DdsWorld, AnotherWriterThatIsDiscoveredLateKeepsARoverWhereItIs) {
+  Rig rig(test::scenario_of(fmt::format("[fleet]\ndomain = {}\n[agent.r]\nrobot = \"unicycle\"\nstart = {{ p "
+                                        "= [0, 0, 0] }}\n[agent.r.link]\n"
+                                        "kind = \"ros2\"\nodometry = \"/r/odom\"\ncmd_vel = \"/r/cmd_vel\"\n",
+                                        test::own_domain())),
+          {.ready = 2.5});
+  std::unique_ptr<RawWriter> rival;
+  std::thread later([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    rival = std::make_unique<RawWriter>(rig.domain->another_participant(), geometry_msgs_msg_dds__Twist__desc,
+                                        "/r/cmd_vel", of_ros_commands);
+  });
+  EXPECT_FALSE(rig.take_off());
+  later.join();
+  EXPECT_THAT(rig.told, Contains(HasSubstr("another program writes")));
+  EXPECT_EQ(dynamic_cast<Ros2Rover&>(rig.stand_ins.of(0)).commands(), 0);
+}
+
 TEST(DdsWorld, EachWrongPairOfReleasesIsRefusedBeforeArming) {
   const Fields releases = {"1.14", "1.15", "1.16", "1.17", "1.18"};
   Fields flown, spoken;
@@ -149,6 +169,32 @@ TEST(DdsWorld, APilotWhoTakesOneHasItForGoodAndTheOtherLands) {
   EXPECT_LE(rig.told_of(0).setpoints_outside, 1);                   // that was on its way
   EXPECT_THAT(rig.world->faults(), Contains("uav0: a pilot has it"));
   EXPECT_EQ(rig.world->ended(), "uav0: a pilot has it; the others landed");
+}
+
+// What the vehicle says is 50 ms old when it comes: until then set-points go out, as nobody can know better. After that none does.
+TEST(DdsWorld, NoSetPointIsSentAfterAnotherModeWasHeardOf) {
+  Rig rig(row_of({"1.16", "1.18"}, 20.0));
+  std::atomic<std::int64_t> another_mode{0}, last_setpoint{0};
+  const dds_entity_t other = rig.domain->another_participant();
+  RawReader status(other, px4_msgs_msg_dds__VehicleStatus_16__desc, "/px4_0/fmu/out/vehicle_status_v1",
+                   of_sensors, std::nullopt, Writers::all, [&](const void* m, const Arrival& a) {
+                     const auto nav = static_cast<const px4_msgs_msg_dds__VehicleStatus_16_*>(m)->nav_state;
+                     if (nav == static_cast<std::uint8_t>(NavState::position) && another_mode == 0)
+                       another_mode = a.monotonic;
+                   });
+  RawReader setpoints(other, px4_msgs_msg_dds__TrajectorySetpoint__desc, "/px4_0/fmu/in/trajectory_setpoint",
+                      of_sensors, std::nullopt, Writers::all,
+                      [&](const void*, const Arrival& a) { last_setpoint = a.monotonic; });
+  rig.fly(0.7, [&] {
+    rig.faults(0).begin(Kind::delay, 0.05);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    rig.faults(0).begin(Kind::pilot);
+  });
+  EXPECT_EQ(rig.state(0), LinkState::pilot);
+  ASSERT_GT(another_mode, 0);
+  ASSERT_GT(last_setpoint, 0);
+  EXPECT_LT(last_setpoint - another_mode, 3'000'000);  // on its way between two threads
+  EXPECT_LE(rig.told_of(0).setpoints_outside, 8);      // within the 50 ms
 }
 
 TEST(DdsWorld, ASecondFlyerAndASecondOdometryAreRefusedBeforeArming) {

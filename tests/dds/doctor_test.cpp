@@ -149,6 +149,15 @@ TEST(Doctor, WhatAVehicleSaysOfItselfIsFound) {
                          "its own checks before a flight do not pass (local_position_invalid)"));
   EXPECT_TRUE(
       ward.finds("uav1", Aspect::estimator, Light::red, "its estimator is not valid: xy, z, v_xy, v_z"));
+  faults.end(Kind::estimator_invalid);
+  vehicle.aside().set_alignment(false, true);
+  EXPECT_TRUE(
+      ward.finds("uav1", Aspect::estimator, Light::red, "its estimator has not found yet what is level"));
+  vehicle.aside().set_alignment(true, false);
+  EXPECT_TRUE(ward.finds("uav1", Aspect::estimator, Light::red, "its estimator has no heading yet"));
+  vehicle.aside().set_alignment(true, true);
+  EXPECT_TRUE(
+      ward.finds("uav1", Aspect::estimator, Light::green, "; it knows what is level, and its heading"));
   vehicle.fail_checks(false);
   Writer<px4_msgs_msg_dds__VehicleCommand_15_> someone(ward.other, px4_msgs_msg_dds__VehicleCommand_15__desc,
                                                        "/px4_1/fmu/in/vehicle_command", of_sensors);
@@ -357,6 +366,17 @@ TEST(Doctor, ARoverIsLookedAtByItsTopics) {
   }
   Ward ward(test::scenario_of(rover_text("map")), test::scenario_of(rover_text("odom")));
   EXPECT_TRUE(ward.finds("r", Aspect::frames, Light::red, "other frames than frame, body_frame say"));
+}
+
+// What a shipped fleet of each kind is made of, and all kinds beside each other.
+TEST(Doctor, FleetsOfAllKindsOfLinksAreGreen) {
+  for (const char* name : {"crazyflies", "rover", "mixed", "mocap"}) {
+    Scenario fleet = read_scenario(std::string(SIGHTLINE_SOURCE_DIR "/fleets/") + name + ".toml");
+    fleet.fleet->network.domain = test::own_domain();
+    Ward ward(fleet);
+    const std::vector<Finding> all = ward.until(Light::green);
+    EXPECT_EQ(worst(all), Light::green) << name << "\n" << findings_table(all, false);
+  }
 }
 
 // One mechanism for all that keeps on the ground: what the doctor finds red, a flight refuses before it arms.

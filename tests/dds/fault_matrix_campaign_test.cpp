@@ -28,6 +28,15 @@ TEST(FaultMatrix, AnEstimatorThatIsNotValidLandsAll) {
   expect_landed(Kind::estimator_invalid, "its estimator is not valid");
 }
 
+// Its position is called valid all the while: as an estimator that starts anew in the air says it.
+TEST(FaultMatrix, AnEstimatorThatLosesItsHeadingLandsAll) {
+  Rig rig(row_of({"1.16", "1.18"}, 20.0));
+  const LoopOutcome outcome = rig.fly(0.5, [&] { rig.vehicle(0).aside().set_alignment(true, false); });
+  EXPECT_LT(outcome.updates, 400);
+  EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav0: its estimator is not valid"));
+  expect_well_treated(rig);
+}
+
 /// How far a vehicle truly is from the circle of its reference, 2.5 s after a jump by so much [m].
 double off_its_circle(Rig& rig, Kind jump, double size, LoopOutcome& outcome) {
   double off = 0.0;

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "bridges/dds/domain.hpp"
+#include "bridges/dds/px4_layout.hpp"
 #include "bridges/dds/px4_link.hpp"
 #include "bridges/dds/service.hpp"
 #include "tests/dds/fly.hpp"
@@ -75,7 +76,15 @@ TEST_F(SecondVendor, OdometryAndSetpointsOfPx4AndACallGoEitherWay) {
   EXPECT_NEAR(seen.motion.p.x, -2.5, 1e-6);  // NED to ENU
   EXPECT_NEAR(seen.motion.p.y, 1.5, 1e-6);
   EXPECT_NEAR(seen.motion.p.z, 0.5, 1e-6);
+  // Its mode is said in its place: without it no set-point is sent.
+  const int release = px4_first + static_cast<int>(std::get<Px4Link>(link.kind).release);
+  const Px4Layout layout("VehicleStatus", release);
+  Px4Message offboard(layout);
+  offboard.set("nav_state", static_cast<std::uint8_t>(NavState::offboard));
+  RawWriter status(domain->another_participant(), layout.descriptor(),
+                   px4_topic("/px4_0", Px4Side::out, "VehicleStatus", release), of_px4_output);
   for (int k = 0; k < 50; ++k) {
+    status.write(offboard.data());
     const LinkOutput output = {.heartbeat = true, .setpoint = Setpoint::task};
     end.send(output, {.v = {0.25, 0.75, 0.0}}, monotonic_now());
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
