@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <thread>
@@ -96,6 +97,12 @@ FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const Excitat
   if (options.height)
     throw std::invalid_argument(
         "--height of a robot on a link, expected none: it begins where it took off to");
+  const auto reached = std::find_if(fleet.fleet->links.begin(), fleet.fleet->links.end(),
+                                    [&](const Link& link) { return link.robot == BodyId(robot); });
+  if (reached != fleet.fleet->links.end() && reached->poses.estimated())
+    throw std::invalid_argument(fmt::format(
+        "agent.{}.localized_by = view, expected \"global\": what it does is measured by its poses",
+        fleet.team.name(BodyId(robot))));
   Scenario alone = fleet;
   std::erase_if(alone.fleet->links, [&](const Link& link) { return link.robot != BodyId(robot); });
   const std::unique_ptr<LinkedWorld> world = parts.bridge->connect(alone);

@@ -49,7 +49,8 @@ CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link)
       setpoints_stop_(participant, setpoints_stop_service, crazyflie_.name_space + "/notify_setpoints_stop"),
       emergency_(participant, empty_service, crazyflie_.name_space + "/emergency"),
       poses_(link.origin) {
-  if (from_.source != PoseSource::odometry)
+  if (from_.estimated()) poses_.keep_each(kept_motions);
+  if (from_.by_others())
     read_seen_poses(poses_, participant, from_, Attitude::needed);
   else
     read_pose_stamped(poses_, participant, crazyflie_.name_space + "/pose", "", Attitude::needed);

@@ -41,7 +41,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
   void examine(const Surroundings& around, FindingList& to) override;
-  const PoseIntake& intake() const noexcept override { return poses_; }
+  PoseIntake& intake() noexcept override { return poses_; }
   std::string counts() const override;
 
  private:

@@ -104,6 +104,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       domain_(std::move(domain)),
       robots_(made_robots(voice)),
       bodies_(scenario_, domain_->participant()),
+      telemetry_(scenario_, intakes(), domain_->participant()),
       preflight_(scenario_, examined(), bodies_, domain_->participant(), times_.listened) {
   if (voice == Voice::speaks)
     services_ = std::make_unique<OperatorServices>(domain_->participant(), node_, calls_);
@@ -130,6 +131,7 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(Voice voice) const {
     std::unique_ptr<LinkEnd> end = made_end({domain_->participant(), voice}, link, name, model, loopback);
     robots.push_back({name, std::move(end), RobotState(model), LinkMachine(times_), size(link.robot.index),
                       size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
+    robots.back().estimated = link.poses.estimated();
     if (!link.goals.track) continue;
     robots.back().track = link.goals.track;
     robots.back().goals =
@@ -138,10 +140,16 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(Voice voice) const {
   return robots;
 }
 
+std::vector<PoseIntake*> DdsWorld::intakes() const {
+  std::vector<PoseIntake*> all;
+  for (const Robot& robot : robots_) all.push_back(&robot.end->intake());
+  return all;
+}
+
 std::vector<ExaminedRobot> DdsWorld::examined() const {
   std::vector<ExaminedRobot> all;
   for (std::size_t i = 0; i < robots_.size(); ++i)
-    all.push_back({robots_[i].name, &scenario_.fleet->links[i], robots_[i].end.get()});
+    all.push_back({robots_[i].name, &scenario_.fleet->links[i], robots_[i].end.get(), telemetry_.tags()});
   return all;
 }
 
@@ -152,7 +160,7 @@ DdsWorld::~DdsWorld() {
 
 Measured DdsWorld::measure(double t) noexcept {
   const std::int64_t now = monotonic_now(), due = std::llround(1e9 * t);
-  if (!begun_) origin_ = now - due, begun_cpu_ = cpu_seconds();
+  if (!begun_) origin_ = now - due, begun_cpu_ = cpu_seconds(), telemetry_.begin();
   for (Robot& robot : robots_) {
     if (!robot.track) continue;
     if (!begun_) robot.track->clear(), robot.goals->forget();
@@ -165,12 +173,15 @@ Measured DdsWorld::measure(double t) noexcept {
   std::fill(stamps_.begin(), stamps_.end(), t);
   for (Robot& robot : robots_) {
     SeenMotion seen;
-    const bool came = robot.end->look(seen);
+    // Of one that is localized by view, no place is measured.
+    const bool came = robot.end->look(seen) && !robot.estimated;
     if (came) robot.model.write(seen.motion, &measured_[robot.x]);
     stamps_[robot.body] = came ? 1e-9 * static_cast<double>(seen.stamp - origin_) : never_seen;
   }
   bodies_.measure(origin_, measured_, stamps_);
-  return {measured_, stamps_, {}};
+  Measured all = {measured_, stamps_, {}};
+  telemetry_.measure(origin_, all);
+  return all;
 }
 
 bool DdsWorld::apply(double, std::span<const double> believed, std::span<const double> u, double,
@@ -196,14 +207,25 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> believed,
     facts.checked = facts.checked && preflight_.is_clear(i) && seen;
     const LinkOutput output = robot.machine.step(t, facts, order);
     Command command;
+    RobotShown shown = {.state = robot.machine.state(), .reason = robot.machine.reason(), .facts = facts};
+    shown.seen = robot.end->look(shown.last);
     if (output.setpoint == Setpoint::task)
       command = robot.model.command(&believed[robot.x], &u[robot.u], 1e-9 * static_cast<double>(period_));
     else
       robot.model.rest();
+    if (robot.estimated) {
+      const bool believes = !believed.empty();
+      if (believes) {
+        const Motion& odometry = shown.last.motion;
+        const Motion at = robot.model.motion(&believed[robot.x], &u[robot.u]);
+        const double age = 1e-9 * static_cast<double>(now - shown.last.stamp);
+        command = in_local(carried_frame(odometry, age, at), command);
+        shown.last.motion = {at.p, at.q, at.v, at.r};
+      }
+      shown.seen = shown.seen && believes && robot.knows;
+    }
     robot.end->send(output, command, now);
     if (topics_ == nullptr) continue;
-    RobotShown shown = {.state = robot.machine.state(), .reason = robot.machine.reason(), .facts = facts};
-    shown.seen = robot.end->look(shown.last);
     topics_->show(i, shown);
   }
 }
@@ -245,6 +267,9 @@ void DdsWorld::tell_all(const std::string& sentence, const TellPerson& tell) {
 }
 
 void DdsWorld::show(const Sample& sample) noexcept {
+  for (Robot& robot : robots_)
+    if (robot.estimated && robot.body < sample.estimates.size())
+      robot.knows = sample.estimates[robot.body].known;
   if (topics_ != nullptr) topics_->show(sample);
 }
 
@@ -325,7 +350,7 @@ std::vector<RobotPose> DdsWorld::poses() {
   for (Robot& robot : robots_) {
     RobotPose& pose = all.emplace_back(RobotPose{robot.name});
     SeenMotion seen;
-    if (!robot.end->look(seen)) continue;
+    if (!robot.end->look(seen) || robot.estimated) continue;
     const Vec2<double> d = heading(rotation(seen.motion.q));
     pose.known = true;
     pose.p = seen.motion.p;
@@ -389,6 +414,9 @@ std::vector<std::string> DdsWorld::counts() const {
   }
   for (const Robot& robot : robots_) {
     lines.push_back(fmt::format("{}: {}", robot.name, robot.end->counts()));
+    if (robot.estimated)
+      lines.push_back(
+          fmt::format("{}: {}", robot.name, telemetry_.tags()->counts(BodyId{static_cast<int>(robot.body)})));
     if (robot.goals) lines.push_back(fmt::format("{}: {}", robot.name, robot.goals->counts()));
   }
   bodies_.counts(lines);

@@ -13,6 +13,7 @@
 #include "bridges/dds/domain.hpp"
 #include "bridges/dds/goal_intake.hpp"
 #include "bridges/dds/link_end.hpp"
+#include "bridges/dds/link_telemetry.hpp"
 #include "bridges/dds/preflight.hpp"
 #include "bridges/dds/seen_bodies.hpp"
 #include "bridges/dds/services.hpp"
@@ -32,6 +33,7 @@ class DdsWorld final : public LinkedWorld {
 
   const Team& team() const noexcept override { return team_; }
   std::span<const double> start() const noexcept override { return start_; }
+  MeasuredMost measured_max() const noexcept override { return telemetry_.most(); }
   void set_presence(std::span<const Presence>) noexcept override {}
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
@@ -64,9 +66,11 @@ class DdsWorld final : public LinkedWorld {
     std::shared_ptr<GoalTrack> track{};  // none: it takes no goals
     std::unique_ptr<GoalIntake> goals{};
     LinkState told = LinkState::waiting;
+    bool estimated = false, knows = false;  // estimated: localized by view; it knows where it is
   };
 
   std::vector<Robot> made_robots(Voice voice) const;
+  std::vector<PoseIntake*> intakes() const;
   std::vector<ExaminedRobot> examined() const;
   void step_all(LinkOrder order, std::span<const double> believed, std::span<const double> u) noexcept;
   void tell_changes(const TellPerson& tell);
@@ -88,6 +92,7 @@ class DdsWorld final : public LinkedWorld {
   std::shared_ptr<Domain> domain_;
   std::vector<Robot> robots_;  // in the order of the team, whose first bodies they are
   SeenBodies bodies_;
+  LinkTelemetry telemetry_;
   Preflight preflight_;
   OperatorCalls calls_;
   std::unique_ptr<OperatorServices> services_;  // none where it only listens

@@ -198,7 +198,9 @@ std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const Exa
       examine_latency(scenario, f, list);
     }
     SeenMotion seen;
-    if (robots[i].end->look(seen)) {
+    if (robots[i].link->poses.estimated()) {
+      robots[i].tags->examine(robots[i].link->robot, around, list);
+    } else if (robots[i].end->look(seen)) {
       placed[i] = {true, seen.motion.p};
       const Team& team = scenario.team;
       const BodyId robot = robots[i].link->robot;

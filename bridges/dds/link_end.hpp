@@ -34,8 +34,8 @@ class LinkEnd {
   virtual void examine(const Surroundings& around, FindingList& to) = 0;
   /// Ends what serves examine() alone: before it is to arm.
   virtual void stop_examining() {}
-  /// By what it is known where it is.
-  virtual const PoseIntake& intake() const noexcept = 0;
+  /// By what it is known where it is, and how it moves.
+  virtual PoseIntake& intake() noexcept = 0;
   /// Where on earth its local frame begins, where it says.
   virtual std::optional<GeoPoint> reference() const { return std::nullopt; }
   /// What was received and refused, in words.

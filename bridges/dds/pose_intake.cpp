@@ -25,7 +25,12 @@ void PoseIntake::take(const Motion& local, Nanoseconds sampled, Nanoseconds arri
 void PoseIntake::put(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
   const Nanoseconds stamp = clock_.on_ours(sampled, arrived);
   least_delay_ = clock_.least();
-  motion_.put({in_G(origin_, local), stamp});
+  const SeenMotion seen = {in_G(origin_, local), stamp};
+  motion_.put(seen);
+  SeenMotion* const place = each_ ? each_->claim() : nullptr;
+  if (place == nullptr) return;
+  *place = seen;
+  each_->publish();
 }
 
 void PoseIntake::take_pose(const Vec3<double>& p, const Quaternion& q, Nanoseconds sampled,
@@ -52,6 +57,20 @@ void PoseIntake::take_pose(const Vec3<double>& p, const Quaternion& q, Nanosecon
 bool PoseIntake::look(SeenMotion& seen) noexcept {
   seen = newest();
   return motion_.count() > 0;
+}
+
+bool PoseIntake::next(SeenMotion& seen) noexcept {
+  const SeenMotion* const oldest = each_ ? each_->front() : nullptr;
+  if (oldest == nullptr) return false;
+  seen = *oldest;
+  each_->pop();
+  return true;
+}
+
+SeenMotion PoseIntake::last() const noexcept {
+  SeenMotion seen;
+  (void)motion_.look(seen);
+  return seen;
 }
 
 const SeenMotion& PoseIntake::newest() noexcept {

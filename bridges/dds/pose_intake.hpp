@@ -14,6 +14,7 @@
 #include "bridges/dds/mailbox.hpp"
 #include "bridges/dds/surroundings.hpp"
 #include "bridges/dds/velocity_fit.hpp"
+#include "sightline/run/ring.hpp"
 
 namespace sightline::dds {
 
@@ -22,6 +23,9 @@ struct SeenMotion {
   Motion motion{};        ///< in G
   Nanoseconds stamp = 0;  ///< when it was so, of the monotonic clock
 };
+
+/// Of a robot whose estimator goes by each of them, motions that wait: 0.6 s of 100 Hz.
+inline constexpr std::size_t kept_motions = 64;
 
 /// Of one body.
 class PoseIntake {
@@ -33,6 +37,9 @@ class PoseIntake {
   void read_by(std::unique_ptr<RawReader> reader) { readers_.push_back(std::move(reader)); }
   /// Says why nothing came of what the readers received, a few words; of any thread.
   void explain_by(std::function<std::string()> why_none) { why_none_ = std::move(why_none); }
+
+  /// Keeps each motion until next() takes it, at most so many; before there is a reader.
+  void keep_each(std::size_t most) { each_ = std::make_unique<Ring<SeenMotion>>(most, SeenMotion{}); }
 
   // Of the thread that receives. Nothing is allocated.
   /// A motion in the local frame, with its time by the sender's clock; what is not finite or of another time is counted alone.
@@ -57,7 +64,12 @@ class PoseIntake {
     return now - newest().stamp < old && motion_.count() > 0;
   }
 
+  /// The oldest that is kept. @return false where there is none
+  bool next(SeenMotion& seen) noexcept;
+
   // Of any thread.
+  /// The newest motion; all zero where there was none.
+  SeenMotion last() const noexcept;
   bool in_other_frames() const noexcept { return other_frame_ > 0; }
   bool of_second_writer() const noexcept { return second_writer() > 0; }
   /// The least delay of the last 10 s, clocks' offset included.
@@ -80,10 +92,11 @@ class PoseIntake {
   void put(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept;
 
   LinkOrigin origin_;
-  Mailbox<SeenMotion> motion_;  // filled by the thread that receives
-  ClockOffset clock_;           // of that thread
-  VelocityFit fit_;             // of that thread
-  Arrivals arrivals_;           // filled by it
+  Mailbox<SeenMotion> motion_;                // filled by the thread that receives
+  std::unique_ptr<Ring<SeenMotion>> each_{};  // likewise; none: the newest alone counts
+  ClockOffset clock_;                         // of that thread
+  VelocityFit fit_;                           // of that thread
+  Arrivals arrivals_;                         // filled by it
   std::atomic<Nanoseconds> least_delay_{0};
   std::atomic<std::int64_t> not_finite_{0}, other_time_{0}, other_frame_{0}, foreign_{0}, repeated_{0},
       jumps_{0};

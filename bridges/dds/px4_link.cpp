@@ -139,11 +139,12 @@ void Px4LinkEnd::read_state(dds_entity_t participant) {
 }
 
 void Px4LinkEnd::read_poses(dds_entity_t participant) {
+  if (from_.estimated()) odometry_.keep_each(kept_motions);
   odometry_.read_by(px4_reader(participant, px4_, Px4Layout("VehicleOdometry", release_), "VehicleOdometry",
                                of_sensors, Writers::first, [this](const Px4Layout&) {
                                  return [this](const void* m, const Arrival& a) { on_odometry(m, a); };
                                }));
-  if (from_.source == PoseSource::odometry) return;
+  if (!from_.by_others()) return;
   seen_ = std::make_unique<PoseIntake>();
   read_seen_poses(*seen_, participant, from_, Attitude::needed);
 }
@@ -190,7 +191,8 @@ bool Px4LinkEnd::has_valid_estimate() const noexcept {
 LinkReason Px4LinkEnd::unfit() const noexcept {
   if (last_battery_.warning >= px4_battery_critical) return LinkReason::battery_low;
   if (last_position_.arrived > 0 && !has_valid_estimate()) return LinkReason::estimator_invalid;
-  return !seen_ && anchor_.moved() > px4_.reset_max ? LinkReason::moved : LinkReason::as_asked;
+  return from_.source == PoseSource::odometry && anchor_.moved() > px4_.reset_max ? LinkReason::moved
+                                                                                  : LinkReason::as_asked;
 }
 
 bool Px4LinkEnd::is_seen_well() noexcept {

@@ -42,7 +42,7 @@ class Px4LinkEnd final : public LinkEnd {
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
   void examine(const Surroundings& around, FindingList& to) override;
-  const PoseIntake& intake() const noexcept override { return poses(); }
+  PoseIntake& intake() noexcept override { return poses(); }
   std::optional<GeoPoint> reference() const override;
   void stop_examining() override { aside_.reset(); }
   std::string counts() const override;

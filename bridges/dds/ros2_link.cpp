@@ -29,10 +29,11 @@ Ros2LinkEnd::Ros2LinkEnd(Port participant, const Link& link)
       participant,
       ros2_.stamped ? geometry_msgs_msg_dds__TwistStamped__desc : geometry_msgs_msg_dds__Twist__desc,
       ros2_.cmd_vel, of_ros_commands);
-  if (from_.source != PoseSource::odometry) {
+  if (from_.by_others()) {
     read_seen_poses(poses_, participant, from_, Attitude::needed);
     return;
   }
+  if (from_.estimated()) poses_.keep_each(kept_motions);
   poses_.read_by(std::make_unique<RawReader>(participant, nav_msgs_msg_dds__Odometry__desc, ros2_.odometry,
                                              of_sensors, std::nullopt, Writers::first,
                                              [this](const void* m, const Arrival& a) { on_odometry(m, a); }));
@@ -102,7 +103,7 @@ void Ros2LinkEnd::watch(std::span<const SeenWriter> writers) {
 }
 
 void Ros2LinkEnd::examine(const Surroundings& around, FindingList& to) {
-  const bool own = from_.source == PoseSource::odometry;
+  const bool own = !from_.by_others();
   if (own && poses_.reader().counts().received == 0)
     to.add(Aspect::topics, Light::red, "{}: no message, {}", poses_.reader().topic(),
            why_nothing_comes(poses_.reader(), around));

@@ -23,7 +23,7 @@ class Ros2LinkEnd : public LinkEnd {
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
   void examine(const Surroundings& around, FindingList& to) override;
-  const PoseIntake& intake() const noexcept override { return poses_; }
+  PoseIntake& intake() noexcept override { return poses_; }
   std::string counts() const override { return poses_.counts(); }
 
  protected:

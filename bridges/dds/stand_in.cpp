@@ -36,18 +36,22 @@ std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario&
   const Sight<double> start = model.sight(&scenario.x0[size(team.state_offset(link.robot))], rest.data());
   const Vec3<double> below = {start.p.x, start.p.y, 0.0};
   const double heading = std::atan2(start.d.y, start.d.x), altitude = std::max(lowest_takeoff, start.p.z);
+  // The frame of a robot whose place nobody is to know begins where it stands, and is turned as it is.
+  const bool drives = model.rolls();
+  const LinkOrigin origin =
+      link.poses.estimated() ? LinkOrigin{drives ? start.p : below, heading} : link.origin;
   std::optional<Vehicle> rotors;
   for (const RobotVehicle& vehicle : scenario.vehicles)
     if (vehicle.robot == link.robot) rotors = vehicle.vehicle;
   if (const auto* ros2 = std::get_if<Ros2Link>(&link.kind)) {
     check_commands(*ros2, team.name(link.robot), model);
     if (ros2->flies())
-      return std::make_unique<Ros2Flyer>(
-          participant, *ros2, Ros2Flyer::Setup{link.origin, below, heading, altitude, rotors}, faults);
+      return std::make_unique<Ros2Flyer>(participant, *ros2,
+                                         Ros2Flyer::Setup{origin, below, heading, altitude, rotors}, faults);
     const std::span<const std::string_view> states = model.states();
     return std::make_unique<Ros2Rover>(
         participant, *ros2,
-        Ros2Rover::Setup{.origin = link.origin,
+        Ros2Rover::Setup{.origin = origin,
                          .start = {start.p, upright(start.d), {}, 0.0},
                          .sideward = std::find(states.begin(), states.end(), "v_s") != states.end()},
         faults);
@@ -55,7 +59,7 @@ std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario&
   if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind))
     return std::make_unique<CrazyflieVehicle>(
         participant, *crazyflie,
-        CrazyflieVehicle::Setup{.origin = link.origin,
+        CrazyflieVehicle::Setup{.origin = origin,
                                 .p = below,
                                 .heading = heading,
                                 .rotors = rotors.value_or(Vehicle::crazyflie())},
@@ -63,7 +67,7 @@ std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario&
   const auto& px4 = std::get<Px4Link>(link.kind);
   return std::make_unique<Px4Vehicle>(
       participant, px4,
-      Px4Vehicle::Setup{.origin = link.origin,
+      Px4Vehicle::Setup{.origin = origin,
                         .p = below,
                         .heading = heading,
                         .altitude = altitude,
@@ -81,6 +85,9 @@ DdsStandIns::DdsStandIns(const Scenario& scenario, std::shared_ptr<Domain> domai
     for (const LinkFault& fault : scenario_.fleet->faults)
       if (fault.robot == link.robot) plan_.push_back({fault, &robot});
   }
+  std::vector<Faults*> faults;
+  for (Robot& robot : robots_) faults.push_back(&robot.faults);
+  cameras_ = std::make_unique<StandInCameras>(domain_->participant(), scenario_, faults);
   follow_plan(0, {});  // what is wrong from the start on
   for (Robot& robot : robots_) make(robot);
 }
@@ -150,12 +157,15 @@ void DdsStandIns::run(double duration, const Interrupts& interrupts, const TellP
     follow_plan(k, tell);
     for (Robot& robot : robots_) step(robot, k);
     motions_.clear();
+    places_.clear();
     for (Robot& robot : robots_) {
       if (robot.stand_in) robot.at = robot.stand_in->motion();
-      const bool by_others = robot.link.poses.source != PoseSource::odometry;
+      const bool by_others = robot.link.poses.by_others();
+      places_.push_back(robot.at);
       motions_.push_back(by_others ? robot.faults.said(robot.at) : robot.at);
     }
     poses_.step(StandIn::period, motions_);
+    cameras_->step(k, places_, poses_.states());
   }
 }
 
@@ -182,7 +192,8 @@ std::vector<std::string> DdsStandIns::counts() const {
     lines.push_back(fmt::format("{}: {}{}{}", robot.name, robot.stand_in ? robot.stand_in->counts() : "gone",
                                 faults.empty() ? "" : "; ", faults));
   }
-  if (std::string line = poses_.counts(); !line.empty()) lines.push_back(std::move(line));
+  for (std::string line : {poses_.counts(), cameras_->counts()})
+    if (!line.empty()) lines.push_back(std::move(line));
   return lines;
 }
 

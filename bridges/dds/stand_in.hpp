@@ -10,6 +10,7 @@
 #include "bridges/dds/conversion.hpp"
 #include "bridges/dds/domain.hpp"
 #include "bridges/dds/faults.hpp"
+#include "bridges/dds/stand_in_cameras.hpp"
 #include "bridges/dds/stand_in_poses.hpp"
 #include "sightline/scenario/bridge.hpp"
 
@@ -77,7 +78,9 @@ class DdsStandIns final : public StandIns {
   std::deque<Robot> robots_;
   std::vector<Planned> plan_;
   std::vector<Motion> motions_;  // of each, as others see it
+  std::vector<Motion> places_;   // of each, as it truly is
   StandInPoses poses_;
+  std::unique_ptr<StandInCameras> cameras_;  // last: its writers end before the faults that they ask
 };
 
 }  // namespace sightline::dds

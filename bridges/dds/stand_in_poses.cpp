@@ -62,7 +62,7 @@ StandInPoses::StandInPoses(dds_entity_t participant, const Scenario& scenario)
       ends_(std::make_unique<Ends>()) {
   const Team& team = scenario.team;
   const auto add = [&](BodyId body, int robot, const PosesFrom& from) {
-    if (from.source == PoseSource::odometry) return;
+    if (!from.by_others()) return;
     const std::size_t x = size(team.state_offset(body));
     seen_.push_back({std::string(team.name(body)), robot, x, from, {}});
     const std::vector<double> rest(size(team.model(body).nu()));

@@ -25,6 +25,8 @@ class StandInPoses {
   /// Moves on by a period [s], and says where all are.
   /// @param robots  in the order of the links
   void step(double period, std::span<const Motion> robots);
+  /// Of the team; those of targets and obstacles are as they move.
+  std::span<const double> states() const { return x_; }
   /// Those that it speaks of, a line; empty: none.
   std::string counts() const;
 

@@ -36,6 +36,11 @@ TEST_F(Fly, TheShippedFleetTakesOffFliesItsTaskLandsAndIsReplayed) {
 
 TEST_F(Fly, AMixedFleetFliesOneTask) { expect_flies("mixed", whole_campaign() ? "60.0" : "2.0"); }
 
+TEST_F(Fly, ARobotWithoutAPositionFliesByWhatItSees) {
+  expect_flies("localize", whole_campaign() ? "60.0" : "3.0");
+  EXPECT_THAT(said("vehicles.out"), HasSubstr("pictures with tags: "));
+}
+
 // As `sightline check` does.
 TEST_F(Fly, EachShippedFleetIsRead) {
   for (const auto& file : fs::directory_iterator(SIGHTLINE_SOURCE_DIR "/fleets")) {

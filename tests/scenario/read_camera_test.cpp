@@ -44,6 +44,29 @@ between = ["a", "b"]
 felt_by = ["a"]
 )toml";
 
+TEST(ReadCamera, CamerasAndTagsHaveTheNamesThatTfCallsThemBy) {
+  const std::string tagged =
+      "[agent.a.camera]\n%[agent.b.tags]\nfaces = 2\n$[obstacle.pillar.tags]\nfaces = 1\n";
+  const auto with = [&](const std::string& camera, const std::string& tags) {
+    std::string text = facing_pair + tagged;
+    text.replace(text.find('%'), 1, camera);
+    text.replace(text.find('$'), 1, tags);
+    return text;
+  };
+  const Scenario plain = scenario_of(with("", ""));
+  EXPECT_EQ(plain.vision.cameras[0].frame, "a_camera_optical_frame");
+  const std::vector<std::vector<std::string>> numbered = {{"tag36h11:0", "tag36h11:1"}, {"tag36h11:2"}};
+  EXPECT_EQ(plain.vision.tag_frames, numbered);
+  const Scenario named = scenario_of(with("optical_frame = \"cam\"\n", "frames = [\"front\", \"back\"]\n"));
+  EXPECT_EQ(named.vision.cameras[0].frame, "cam");
+  EXPECT_EQ(named.vision.tag_frames[0][1], "back");
+  EXPECT_THAT(scenario_refusal(with("optical_frame = \"\"\n", "")),
+              HasSubstr("agent.a.camera.optical_frame"));
+  EXPECT_THAT(scenario_refusal(with("", "frames = [\"front\", \"front\"]\n")),
+              HasSubstr("agent.b.tags.frames"));
+  EXPECT_THAT(scenario_refusal(with("", "frames = [\"front\"]\n")), HasSubstr("agent.b.tags.frames"));
+}
+
 TEST(ReadCamera, ACameraSeesTagsFromTheMountOfItsSensor) {
   const Scenario scenario = scenario_of(facing_pair +
                                         "[agent.a.camera]\nrate = 20.0\nlatency = [0.01, 0.02]\n"

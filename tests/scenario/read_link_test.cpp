@@ -65,6 +65,29 @@ TEST(ReadLink, EachKindHasWhatTheFileSaysAndDefaultsForTheRest) {
               HasSubstr("link        uav0: /r/cmd_vel, poses by tf of base_link, origin [0, 0, 0] m\n"));
 }
 
+const std::string by_view =
+    "[fleet]\n[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\nlocalized_by = "
+    "\"view\"\nwatches "
+    "= [\"uav1\"]\nsensor = {}\ncamera = {}\n[agent.uav1]\nrobot = \"multirotor\"\nstart = { p = [2, 0, 1] "
+    "}\ntags "
+    "= {}\n[agent.uav1.link]\n" +
+    px4 + "[agent.uav0.link]\nkind = \"px4\"\nrelease = \"1.16\"\n";
+
+TEST(ReadLink, ARobotThatIsLocalizedByViewHasItsPosesByEstimate) {
+  for (const std::string poses : {"", "poses = \"estimate\"\n"}) {
+    const Scenario a = scenario_of(by_view + poses);
+    EXPECT_TRUE(a.fleet->links[0].poses.estimated());
+    EXPECT_TRUE(a.fleet->links[0].has_camera);
+    EXPECT_FALSE(a.fleet->links[1].poses.estimated());
+    EXPECT_THAT(summary(a), HasSubstr("poses by estimate, motion by odometry\n"));
+  }
+  EXPECT_THAT(scenario_refusal(by_view + "poses = \"odometry\"\n"),
+              HasSubstr("agent.uav0.link.poses = \"odometry\", expected \"estimate\""));
+  EXPECT_THAT(scenario_refusal(by_view + "origin = { p = [0, 0, 0], heading = 0 }\n"),
+              HasSubstr("expected no such key with poses = \"estimate\""));
+  EXPECT_THAT(scenario_refusal(by_view + "pose_name = \"a\"\n"), HasSubstr("agent.uav0.link.pose_name"));
+}
+
 TEST(ReadLink, ARobotThatTakesGoalsHasAReferenceThatTheyChange) {
   const std::string weighs =
       "[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\nQ = [1, 1, 1, 0, 0, 0, 0]\n"
@@ -201,8 +224,7 @@ TEST(ReadLink, WhatDoesNotHoldIsRefusedWithItsPlace) {
       {fleet(px4 + "namespace = \"/1\"\n"), "link.namespace = \"/1\", expected"},
       {fleet(px4 + "odometry = \"/a\"\n"), "link.odometry = \"/a\", expected a known key"},
       {fleet(px4 + "poses = \"estimate\"\n"),
-       "link.poses = \"estimate\", expected one of odometry, mocap, tf: what an estimator makes of "
-       "detections is not there yet"},
+       "link.poses = \"estimate\", expected \"odometry\", \"mocap\" or \"tf\", or localized_by = \"view\""},
       {fleet(px4 + "poses = \"gps\"\n"),
        "link.poses = \"gps\", expected one of \"odometry\", \"mocap\", \"tf\""},
       {fleet(px4 + "poses = \"mocap\"\n"), "link.pose_topic is missing, expected the topic of its poses"},

@@ -28,6 +28,7 @@ enum class Aspect : std::uint8_t {
   clock,      ///< its clock against ours
   latency,    ///< of its poses, from their stamp to us
   place,      ///< where it is in G: within the walls
+  camera,     ///< of one that is localized by view: tags that it finds, and when
   estimator,  ///< its own estimate is valid
   checks,     ///< its own checks before a flight, its failsafe
   state,      ///< disarmed, on the ground

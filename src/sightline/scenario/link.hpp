@@ -97,12 +97,16 @@ struct Ros2Link {
   }
 };
 
-/// Where poses come from: from the robot itself, or from others, in G and without velocities.
-enum class PoseSource { odometry, mocap, tf };
-inline constexpr std::array<std::string_view, 3> pose_sources = {"odometry", "mocap", "tf"};
+/// Where poses come from: from the robot itself; from others, in G and without velocities; or from the estimator of a robot that is
+/// localized by view, which goes by the motion that the robot's odometry tells, and by what its camera sees.
+enum class PoseSource { odometry, mocap, tf, estimate };
+inline constexpr std::array<std::string_view, 4> pose_sources = {"odometry", "mocap", "tf", "estimate"};
 
 struct PosesFrom {
   PoseSource source = PoseSource::odometry;
+  bool by_others() const { return source == PoseSource::mocap || source == PoseSource::tf; }
+  bool estimated() const { return source == PoseSource::estimate; }
+
   std::string topic{};  ///< of mocap: PoseStamped, or NamedPoseArray where the body has a name
   std::string name{};   ///< of the body in a NamedPoseArray; of tf, the frame of the body
   std::string frame =
@@ -132,6 +136,7 @@ struct Link {
   LinkOrigin origin{};  ///< of the frame that its odometry is in, and its velocity commands
   PosesFrom poses{};
   GoalsFrom goals{};
+  bool has_camera = false;
 
   /// "px4"
   std::string_view kind_name() const {

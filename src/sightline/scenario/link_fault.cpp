@@ -25,7 +25,10 @@ std::string link_fault_table() {
          {std::pair{text.of.px4, "px4"}, {text.of.crazyswarm2, "crazyswarm2"}, {text.of.ros2, "ros2"}})
       if (has) of += fmt::format("{}`{}`", of.empty() ? "" : ", ", name);
     const bool sized = !text.size.empty();
-    table += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", text.name, text.key, every ? "all" : of,
+    table += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", text.name, text.key,
+                         text.of.camera ? "with a camera"
+                         : every        ? "all"
+                                        : of,
                          sized ? fmt::format("{}, {}", text.size, text.bounds.words) : "",
                          sized ? fmt::format("{}", text.fallback) : "", text.meaning);
   }

@@ -29,11 +29,13 @@ enum class LinkFaultKind : std::uint8_t {
   battery_low,
   estimator_invalid,
   wrong_release,
+  blind,
 };
 
 /// Which robots can have it, by the kinds of their links.
 struct FaultOf {
   bool px4, crazyswarm2, ros2;
+  bool camera = false;  ///< those with a camera alone
 };
 
 /// A kind of fault, as files, keys and documents have it.
@@ -48,7 +50,7 @@ struct LinkFaultText {
 };
 
 inline constexpr Bounds share_bounds = {0.0, 1.0, "0 to 1"};
-inline constexpr std::size_t link_fault_kinds = 15;
+inline constexpr std::size_t link_fault_kinds = 16;
 /// In the order of LinkFaultKind.
 inline constexpr std::array<LinkFaultText, link_fault_kinds> link_faults = [] {
   constexpr FaultOf all = {true, true, true}, px4 = {true, false, false};
@@ -86,6 +88,7 @@ inline constexpr std::array<LinkFaultText, link_fault_kinds> link_faults = [] {
        {14.0, 18.0, "14 to 18", true},
        0.0,
        "it begins anew with the firmware 1.N; 0: the next one"},
+      {"blind", 'c', {true, true, true, true}, "", {}, 0.0, "its camera finds no tags"},
   }};
 }();
 

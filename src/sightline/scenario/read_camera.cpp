@@ -27,6 +27,46 @@ bool read_render(const TomlTable& at, const std::string& world) {
                              fmt::join(able, "\" or \"")));
 }
 
+constexpr std::size_t tf_frame_max = 128;  // [bytes]
+
+bool is_tf_frame(const std::string& name) {
+  return !name.empty() && name.size() <= tf_frame_max &&
+         std::none_of(name.begin(), name.end(), [](unsigned char c) { return c <= ' ' || c == 127; });
+}
+
+/// What /tf calls the optical frame of a robot's camera.
+std::string read_optical_frame(const TomlTable& at, std::string_view robot, const CameraOptions& vision) {
+  constexpr std::string_view key = "optical_frame";
+  std::string frame = fmt::format("{}_camera_optical_frame", robot);
+  if (!at.has(key)) return frame;
+  const std::string expected = fmt::format("a frame of its own on /tf, of 1 to {} bytes", tf_frame_max);
+  frame = at.text(key, expected);
+  const bool taken = std::any_of(vision.cameras.begin(), vision.cameras.end(),
+                                 [&](const RobotCamera& one) { return one.frame == frame; });
+  if (taken || !is_tf_frame(frame)) at.refuse(key, expected);
+  return frame;
+}
+
+/// What /tf calls the tags of a body: by default as apriltag_ros does, numbers in the order of the file.
+std::vector<std::string> read_tag_frames(const TomlTable& at, const Tags& tags, const CameraOptions& vision) {
+  constexpr std::string_view key = "frames";
+  std::vector<std::string> frames;
+  if (at.has(key)) frames = at.texts(key, static_cast<std::size_t>(tags.faces), "frames on /tf, one a face");
+  int number = 0;
+  for (const BodyTags& before : vision.tags) number += before.tags.faces;
+  while (frames.size() < static_cast<std::size_t>(tags.faces))
+    frames.push_back(fmt::format("{}:{}", tag_families[static_cast<std::size_t>(tags.family)], number++));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto before = frames.begin() + static_cast<std::ptrdiff_t>(i);
+    bool taken = std::find(frames.begin(), before, frames[i]) != before;
+    for (const auto& others : vision.tag_frames)
+      taken = taken || std::find(others.begin(), others.end(), frames[i]) != others.end();
+    if (taken || !is_tf_frame(frames[i]))
+      at.refuse(key, fmt::format("a frame of its own on /tf for each tag, {} is none", frames[i]));
+  }
+  return frames;
+}
+
 template <class Seen>
 const Seen* of_body(const std::vector<Seen>& all, BodyId body) {
   const auto found = std::find_if(all.begin(), all.end(), [&](const Seen& one) { return one.body == body; });
@@ -59,14 +99,20 @@ void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMoun
   if (at.has("camera")) {
     const TomlTable camera = at.table("camera");
     if (!mount) at.refuse("camera", fmt::format("a robot with a mounting for it, [{}.sensor]", at.path()));
-    constexpr std::array<std::string_view, 1> beside = {"render"};
+    constexpr std::array<std::string_view, 2> beside = {"render", "optical_frame"};
     RobotCamera read{
         .observer = body, .mount = *mount, .camera = read_part<Camera>(TableSource(camera), beside)};
     camera.checked([&] { read.camera.check(); });
     read.render = read_render(camera, scenario.world);
+    read.frame = read_optical_frame(camera, scenario.team.name(body), vision);
     vision.cameras.push_back(read);
   }
-  if (at.has("tags")) vision.tags.push_back({body, read_part<Tags>(TableSource(at.table("tags")))});
+  if (at.has("tags")) {
+    const TomlTable table = at.table("tags");
+    const Tags tags = read_part<Tags>(TableSource(table), std::array<std::string_view, 1>{"frames"});
+    vision.tag_frames.push_back(read_tag_frames(table, tags, vision));
+    vision.tags.push_back({body, tags});
+  }
   if (at.has("hull")) vision.hulls.push_back({body, read_part<Hull>(TableSource(at.table("hull")))});
 }
 

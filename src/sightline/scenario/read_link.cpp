@@ -94,9 +94,10 @@ LinkKind read_ros2(const TomlTable& at, const std::string&) {
   Ros2Link link = read_kind<Ros2Link>(
       at, {"odometry", "cmd_vel", "stamped", "frame", "body_frame", "takeoff", "land", "state"});
   // Who is seen by others has no need of its own.
-  if (at.has("poses") && at.text("poses", "where its poses come from") != pose_sources[0]) {
+  const std::string source = at.has("poses") ? at.text("poses", "where its poses come from") : "";
+  if (source == "mocap" || source == "tf") {
     for (const std::string_view key : {"odometry", "frame", "body_frame"})
-      if (at.has(key)) at.refuse(key, "no such key, only with poses = \"odometry\"");
+      if (at.has(key)) at.refuse(key, "no such key, only with poses = \"odometry\" or \"estimate\"");
   } else {
     link.odometry = read_ros_name(at, "odometry", "the topic of its odometry");
   }
@@ -119,23 +120,20 @@ using ReadKind = LinkKind (*)(const TomlTable&, const std::string&);
 constexpr std::array<Named<ReadKind>, 3> link_kinds = {
     {{Px4Link::name, read_px4}, {Crazyswarm2Link::name, read_crazyswarm2}, {Ros2Link::name, read_ros2}}};
 
-PosesFrom read_poses(const TomlTable& at) {
-  PosesFrom poses;
+PosesFrom read_poses(const TomlTable& at, PoseSource fallback) {
+  PosesFrom poses{.source = fallback};
   if (at.has("poses")) {
-    if (at.text("poses", "where its poses come from") == "estimate")
-      at.refuse("poses", fmt::format("one of {}: what an estimator makes of detections is not there yet",
-                                     fmt::join(pose_sources, ", ")));
     const std::string_view word = at.word("poses", pose_sources);
     poses.source = static_cast<PoseSource>(std::find(pose_sources.begin(), pose_sources.end(), word) -
                                            pose_sources.begin());
   }
-  const bool mocap = poses.source == PoseSource::mocap, odometry = poses.source == PoseSource::odometry;
+  const bool mocap = poses.source == PoseSource::mocap, others = poses.by_others();
   if (at.has("pose_topic") && !mocap) at.refuse("pose_topic", "no such key, only with poses = \"mocap\"");
   for (const std::string_view key : {"pose_name", "pose_frame"}) {
-    if (at.has(key) && odometry) at.refuse(key, "no such key, only with poses = \"mocap\" or \"tf\"");
+    if (at.has(key) && !others) at.refuse(key, "no such key, only with poses = \"mocap\" or \"tf\"");
   }
   if (mocap) poses.topic = read_ros_name(at, "pose_topic", "the topic of its poses");
-  if (!odometry && (at.has("pose_name") || !mocap))
+  if (others && (at.has("pose_name") || !mocap))
     poses.name = read_frame(at, "pose_name", "what motion capture or /tf calls it");
   if (at.has("pose_frame")) poses.frame = read_frame(at, "pose_frame", "the frame that is G");
   if (poses.source == PoseSource::tf && poses.name == poses.frame)
@@ -200,10 +198,18 @@ void read_link(const TomlTable& agent, const std::string& name, BodyId robot, Go
   link.robot = robot;
   link.goals = std::move(goals);
   link.kind = find(link_kinds, at.word("kind", names(link_kinds)))(at, name);
-  link.poses = read_poses(at);
+  link.has_camera = agent.has("camera");
+  const bool by_view = agent.has("localized_by") && agent.text("localized_by", "a word") == "view";
+  link.poses = read_poses(at, by_view ? PoseSource::estimate : PoseSource::odometry);
+  if (link.poses.estimated() && !by_view)
+    at.refuse("poses", "\"odometry\", \"mocap\" or \"tf\", or localized_by = \"view\" of the robot");
+  if (!link.poses.estimated() && by_view)
+    at.refuse("poses", "\"estimate\" of a robot with localized_by = \"view\"");
   const bool is_px4 = std::holds_alternative<Px4Link>(link.kind),
              own = link.poses.source == PoseSource::odometry;
   if (at.has("origin")) {
+    if (link.poses.estimated())
+      at.refuse("origin", "no such key with poses = \"estimate\": nobody says where its odometry begins");
     if (!own && !is_px4)
       at.refuse("origin", "no such key, only with poses = \"odometry\": those of others are in G");
     const TomlTable origin = at.table("origin", "a table with p and heading");
@@ -252,9 +258,8 @@ void read_body_link(const TomlTable& body, BodyId id, std::optional<FleetPlan>& 
   at.expect_only({"poses", "pose_topic", "pose_name", "pose_frame"});
   BodyLink& link = fleet->bodies.emplace_back();
   link.body = id;
-  link.poses = read_poses(at);
-  if (link.poses.source == PoseSource::odometry)
-    at.refuse("poses", "\"mocap\" or \"tf\": where others see it");
+  link.poses = read_poses(at, PoseSource::odometry);
+  if (!link.poses.by_others()) at.refuse("poses", "\"mocap\" or \"tf\": where others see it");
 }
 
 namespace {
@@ -289,8 +294,9 @@ std::string link_in_words(const Link& link, std::string_view name) {
     how = ros2.odometry.empty() ? ros2.cmd_vel : fmt::format("{} and {}", ros2.odometry, ros2.cmd_vel);
   }
   const Vec3<double>& p = link.origin.p;
-  std::string words = fmt::format("link        {}: {}, poses by {}, origin [{}, {}, {}] m", name, how,
-                                  poses_in_words(link.poses), p.x, p.y, p.z);
+  std::string words = fmt::format("link        {}: {}, poses by {}", name, how, poses_in_words(link.poses));
+  words += link.poses.estimated() ? std::string(", motion by odometry")
+                                  : fmt::format(", origin [{}, {}, {}] m", p.x, p.y, p.z);
   for (const std::string& topic : {link.goals.goal_topic, link.goals.path_topic})
     if (!topic.empty()) words += fmt::format(", goals on {}", topic);
   return words;

@@ -47,7 +47,7 @@ LinkFault read_link_fault(const TomlTable& at, const Team& team, const FleetPlan
 bool can_have(const Link& link, LinkFaultKind kind) {
   const FaultOf& of = text_of(kind).of;
   const std::array<bool, 3> by_kind = {of.px4, of.crazyswarm2, of.ros2};
-  return by_kind[link.kind.index()];
+  return by_kind[link.kind.index()] && (link.has_camera || !of.camera);
 }
 
 void read_link_faults(const TomlTable& at, const Team& team, FleetPlan& fleet) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -132,6 +133,7 @@ struct RobotCamera {
   SensorMount mount{};
   Camera camera{};
   bool render = false;  ///< pictures are rendered, and searched for tags; else detections are drawn
+  std::string frame{};  ///< what /tf calls its optical frame, where it is a real one
 };
 struct BodyTags {
   BodyId body{};
@@ -148,6 +150,8 @@ struct CameraOptions {
   std::vector<RobotCamera> cameras{};
   std::vector<BodyTags> tags{};
   std::vector<BodyHull> hulls{};
+  std::vector<std::vector<std::string>>
+      tag_frames{};  ///< of each of `tags`, face by face: what /tf calls them
 };
 
 /// A pose: of a body in G, or of one seen from S.

@@ -1,0 +1,85 @@
+#include "bridges/dds/link_telemetry.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/dds/rig.hpp"
+#include "tests/support/command.hpp"
+
+namespace sightline::dds {
+namespace {
+
+using testing::HasSubstr;
+
+Scenario localized(double duration, const std::vector<std::string>& set = {}) {
+  std::vector<std::string> all = {fmt::format("fleet.domain={}", test::own_domain()),
+                                  fmt::format("simulation.duration={}", duration)};
+  all.insert(all.end(), set.begin(), set.end());
+  return read_scenario(SIGHTLINE_SOURCE_DIR "/fleets/localize.toml", parts_of_sightline(), all);
+}
+
+TEST(LinkTelemetry, ACommandIsTheSameForTheRobotInAnyFrame) {
+  // Its odometry is turned by 1 rad and began at (3, 0, 0) of G.
+  const LinkOrigin frame = {{3, 0, 0}, 1.0};
+  const Motion truth = {{1, 2, 1}, upright({0.6, 0.8}), {0.2, -0.1, 0.3}, 0.5};
+  const LinkOrigin found = carried_frame(in_local(frame, truth), 0.0, truth);
+  EXPECT_LT(norm(found.p - frame.p), 1e-12);
+  EXPECT_NEAR(found.heading, 1.0, 1e-12);
+  // A heading that is old turned on since.
+  EXPECT_NEAR(carried_frame(in_local(frame, truth), 0.02, truth).heading, 1.0 - 0.01, 1e-12);
+  Command command;
+  command.v = command.lead.v = truth.v, command.p = command.lead.p = truth.p;
+  command.d = command.lead.d = {0.6, 0.8};
+  const Command local = in_local(frame, command);
+  const Motion expected = in_local(frame, truth);
+  EXPECT_LT(norm(local.v - expected.v) + norm(local.p - expected.p), 1e-12);
+  EXPECT_LT(norm(local.lead.v - expected.v) + norm(local.lead.p - expected.p), 1e-12);
+  const Vec2<double> d = heading(rotation(expected.q));
+  EXPECT_NEAR(local.d.x, d.x, 1e-12);
+  EXPECT_NEAR(local.lead.d.y, d.y, 1e-12);
+}
+
+TEST(LinkTelemetry, AFilterThatNoLinkServesIsRefused) {
+  const Scenario scenario = localized(1.0, {"agent.uav0.estimate.filter=\"attitude\""});
+  try {
+    DdsWorld world(scenario, std::make_shared<Domain>(scenario.fleet->network));
+    FAIL() << "expected a refusal";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("agent.uav0.estimate.filter = attitude"));
+  }
+}
+
+/// Flies and keeps how far off the estimate was, by the stand-in that is seen.
+TEST(LinkTelemetry, ARobotFliesByWhatItSees) {
+  const Scenario scenario = localized(4.0);
+  Rig rig(scenario);
+  double error = -1.0;
+  const LoopOutcome outcome = rig.fly(3.5, [&] {
+    // Both are where they are at about the same time.
+    const Motion own = rig.vehicle(0).motion(), seen = rig.vehicle(1).motion();
+    error = norm(own.p - seen.p);
+  });
+  EXPECT_EQ(outcome.updates, 400) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_GT(error, 1.2);
+  EXPECT_LT(error, 1.8);
+  EXPECT_THAT(rig.counted("pictures with tags"), HasSubstr("0 tags not finite or no poses, 0 of no body"));
+  EXPECT_THAT(rig.world->faults(), testing::IsEmpty());
+  expect_well_treated(rig);
+}
+
+// Its camera finds nothing any more: it does not know where it is any longer, and lands by its supervisor.
+TEST(LinkTelemetry, ARobotThatSeesNothingAnyMoreLands) {
+  const Scenario scenario =
+      localized(12.0, {"safety.supervisor.sigma_hold=0.1", "safety.supervisor.sigma_land=0.15"});
+  Rig rig(scenario);
+  const LoopOutcome outcome = rig.fly(1.0, [&] { rig.faults(0).begin(Kind::blind); });
+  EXPECT_TRUE(outcome.stopped);
+  EXPECT_GT(outcome.updates, 120);
+  EXPECT_LT(outcome.updates, 900);
+  expect_well_treated(rig);
+}
+
+}  // namespace
+}  // namespace sightline::dds
