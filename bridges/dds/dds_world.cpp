@@ -269,7 +269,7 @@ void DdsWorld::tell_all(const std::string& sentence, const TellPerson& tell) {
 void DdsWorld::show(const Sample& sample) noexcept {
   for (Robot& robot : robots_)
     if (robot.estimated && robot.body < sample.estimates.size())
-      robot.knows = sample.estimates[robot.body].known;
+      robot.knew = (robot.knows = sample.estimates[robot.body].known) || robot.knew;
   if (topics_ != nullptr) topics_->show(sample);
 }
 
@@ -390,6 +390,9 @@ std::vector<std::string> DdsWorld::faults() const {
   for (const Robot& robot : robots_) {
     if (robot.machine.reason() != LinkReason::as_asked)
       sentences.push_back(fmt::format("{}: {}", robot.name, to_string(robot.machine.reason())));
+    if (robot.estimated && begun_ && !robot.knew)
+      sentences.push_back(fmt::format(
+          "{}: it never found out where it is, for want of tags that its camera sees", robot.name));
   }
   return sentences;
 }

@@ -66,7 +66,7 @@ class DdsWorld final : public LinkedWorld {
     std::shared_ptr<GoalTrack> track{};  // none: it takes no goals
     std::unique_ptr<GoalIntake> goals{};
     LinkState told = LinkState::waiting;
-    bool estimated = false, knows = false;  // estimated: localized by view; it knows where it is
+    bool estimated = false, knows = false, knew = false;  // localized by view; where it is, now and once
   };
 
   std::vector<Robot> made_robots(Voice voice) const;
