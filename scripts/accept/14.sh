@@ -90,7 +90,7 @@ hidden() {
   return $bad
 }
 
-# A chain of four hops: uav0 sees uav1, each of the next the one before it.
+# A chain of four hops: uav0 sees uav1, each of the next the one before it. other_error_spread was chosen by flights of seed 7001. SEED=9001 flies others.
 chain() {
   local i before folder=$out/chain flights=20 bad=0 hop rmse anees most
   whole || flights=2
@@ -118,7 +118,8 @@ TOML
       done
     done
   } >"$folder.toml"
-  "$sightline" campaign "$folder.toml" --runs "$flights" -o "$folder" --set "campaign.duration=$duration" >"$folder.log" 2>&1
+  "$sightline" campaign "$folder.toml" --runs "$flights" --seed "${SEED:-1}" -o "$folder" --set "campaign.duration=$duration" \
+    --set estimate.other_error_spread=1.2 >"$folder.log" 2>&1
   [[ -f $folder/campaign.sqlite ]] || { cat "$folder.log"; return 1; }
   for hop in 0 2 3 4; do
     rmse=$(of "$folder" "sqrt(avg(\"uav$hop.rmse\" * \"uav$hop.rmse\"))") anees=$(of "$folder" "avg(\"uav$hop.anees\")")
@@ -130,6 +131,17 @@ TOML
   printf '%s flights of %s s in a chain, %s recovered, out of view at most %.2f s\n' "$flights" "$duration" \
     "$(of "$folder" "sum(outcome = 'recovered')")" "$(of "$folder" 'max(longest_out_of_view)')"
   return $bad
+}
+
+# Without the tags' yaw and a compass nothing tells a heading: it is refused before flight. With a compass it flies.
+compass() {
+  local said blind=(--set 'agent.uav0.camera.tells="position"')
+  for command in check explain; do
+    said=$("$sightline" "$command" "$scenario" "${blind[@]}" 2>&1) && { echo "$command does not refuse it"; return 1; }
+    grep -q 'the heading of uav0 is unobservable' <<<"$said" || { echo "$said"; return 1; }
+  done
+  echo "$said" | head -1
+  fly compass 0.035 3 6 "${blind[@]:1}" estimate.compass_noise=0.05
 }
 
 # A flight by each filter; then the estimator again, bit for bit.
@@ -161,5 +173,5 @@ flight() {
   grep -q ' commands, 0 differ' <<<"$said" && grep -q 'estimates of poses, 0 differ' <<<"$said"
 }
 
-all=(campaign hidden chain replay flight)
+all=(campaign compass hidden chain replay flight)
 run_sections "$@"

@@ -54,7 +54,7 @@ TEST(LocalizationLog, AReplayRunsTheEstimatorAgainAndItsEstimatesAreTheSameBitFo
   for (const std::string filter : {"heading", "attitude"}) {
     const LocalizedLog log(8.0,
                            {"estimate.filter=\"" + filter + "\"", "estimate.broadcast.latency=[0.01, 0.05]",
-                            "agent.uav0.camera.outliers=0.1"});
+                            "agent.uav0.camera.outliers=0.1", "estimate.compass_noise=0.1"});
     RecordedFlight flight = log.flight();
     const CommandComparison compared = compared_with(log, flight);
     EXPECT_EQ(compared.updates(), 800);

@@ -172,6 +172,27 @@ TEST(ReadEstimate, WhatCannotBeLocalizedIsRefused) {
   refused("[estimate.broadcast]\nsighting_rate = 3.0\n" + row(2), "estimate.broadcast.sighting_rate");
 }
 
+TEST(ReadEstimate, AHeadingThatNothingTellsIsRefusedBeforeFlight) {
+  std::string text = row(2, by_view);
+  const std::string camera = "[agent.uav1.camera]\n",
+                    compass = "[agent.uav1.estimate]\ncompass_noise = 0.05\n";
+  text.insert(text.find(camera) + camera.size(), "tells = \"position\"\n");
+  EXPECT_THAT(
+      scenario_refusal(text),
+      HasSubstr(
+          "agent.uav1: the heading of uav1 is unobservable, and with it its position in the plane: a turn "
+          "about uav0 changes nothing that is measured, expected a heading that is measured, by tags or a "
+          "compass"));
+  const Scenario with = scenario_of(text + compass);
+  EXPECT_EQ(with.localization.robots[0].filter.compass_noise, 0.05);
+  // Two landmarks tell it as well.
+  std::string landmarks = text;
+  landmarks.insert(landmarks.find(by_view), "watches = [\"mast\", \"uav0\"]\n");
+  EXPECT_EQ(
+      scenario_of(landmarks + "[obstacle.mast]\np = [5.0, 1.0, 1.0]\ntags = {}\n").localization.robots.size(),
+      1U);
+}
+
 TEST(ReadEstimate, CirclesAreRefusedThoseThatAnEventWouldMakeToo) {
   const std::string circle = "\"uav1\" by \"uav2\", \"uav2\" by \"uav1\"";
   const std::string back =

@@ -68,6 +68,23 @@ TEST(CameraWorld, PicturesComeAtTheirRateAndArriveAfterTheirLatency) {
   }
 }
 
+TEST(CameraWorld, OfATagItMayTellThePositionAlone) {
+  CameraWorld whole = world_of(options_of({})), part = world_of(options_of({.tells = CameraTells::position}));
+  const std::vector<Detection> poses = fly(whole, 100), positions = fly(part, 100);
+  ASSERT_EQ(poses.size(), positions.size());
+  ASSERT_FALSE(poses.empty());
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    EXPECT_TRUE(poses[k].is_oriented());
+    EXPECT_FALSE(positions[k].is_oriented());
+    EXPECT_EQ(poses[k].p.x, positions[k].p.x);
+    const Mat<6, 6> P = positions[k].covariance_matrix();
+    EXPECT_GT(P(0, 0), 0.0);
+    EXPECT_EQ(P(0, 0), poses[k].covariance_matrix()(0, 0));
+    EXPECT_EQ(P(0, 4), 0.0);
+    EXPECT_EQ(P(5, 5), 0.0);
+  }
+}
+
 TEST(CameraWorld, PicturesThatAreLostAreNotSeen) {
   CameraWorld world = world_of(options_of({.dropout = 0.3}));
   EXPECT_NEAR(static_cast<double>(fly(world, 3000).size()), 900 * 0.7 * 0.99, 65);

@@ -45,6 +45,28 @@ TEST(MotionSensor, WithoutErrorsItTellsTheMotion) {
   }
 }
 
+TEST(MotionSensor, ACompassTellsTheHeadingTenTimesASecondAndChangesNothingElse) {
+  FilterOptions with = nearly_exact();
+  with.compass_noise = 0.05;
+  MotionSensor sensor(with, 1, 0), none(nearly_exact(), 1, 0);
+  constexpr double dt = 0.01;
+  double squares = 0.0;
+  int told = 0;
+  for (int k = 1; k <= 10000; ++k) {
+    const double t = k * dt;
+    const MotionSample u = sensor.measure(t, dt, {}, turn_z(0.5), {}, turn_z(0.5));
+    const MotionSample plain = none.measure(t, dt, {}, turn_z(0.5), {}, turn_z(0.5));
+    EXPECT_FALSE(plain.compass);
+    EXPECT_EQ(u.yaw_rate, plain.yaw_rate);
+    EXPECT_EQ(u.v_V.x, plain.v_V.x);
+    if (!u.compass) continue;
+    ++told;
+    squares += square(*u.compass - 0.5);
+  }
+  EXPECT_EQ(told, 1000);
+  EXPECT_NEAR(std::sqrt(squares / told), 0.05, 0.005);
+}
+
 TEST(MotionSensor, ItsErrorsAreOfTheSizeThatIsSaid) {
   const FilterOptions errors;
   constexpr double dt = 0.01;

@@ -8,8 +8,8 @@
 
 #include "sightline/analysis/influence.hpp"
 #include "sightline/base/index.hpp"
-#include "sightline/estimate/observability.hpp"
 #include "sightline/math/rotation.hpp"
+#include "sightline/scenario/read_estimate.hpp"
 #include "sightline/world/motion.hpp"
 
 namespace sightline {
@@ -72,6 +72,13 @@ std::optional<DistanceBand> served(const ViewFlight& flight, const std::vector<V
   return band;
 }
 
+/// Noise of the compass of a robot that is localized by view [rad]; 0: it has none.
+double compass_of(const Scenario& scenario, BodyId robot) {
+  for (const LocalizedRobot& one : scenario.localization.robots)
+    if (one.robot == robot) return one.filter.compass_noise;
+  return 0.0;
+}
+
 }  // namespace
 
 std::vector<ViewBand> view_bands(const Scenario& scenario, int flights) {
@@ -90,11 +97,14 @@ std::vector<ViewBand> view_bands(const Scenario& scenario, int flights) {
     if (coupling.term.potential.mount() == nullptr || camera == cameras.end() || tags == tagged.end()) return;
     if (!pairs.emplace(observer.index, target.index).second) return;
     ViewBand band{.observer = observer, .target = target, .speed = meant_speed(scenario, target)};
-    const ViewFlight flight{
-        .camera = camera->camera, .mount = camera->mount, .tags = tags->tags, .target_speed = band.speed};
+    const ViewFlight flight{.camera = camera->camera,
+                            .mount = camera->mount,
+                            .tags = tags->tags,
+                            .filter = {.compass_noise = compass_of(scenario, observer)},
+                            .target_speed = band.speed};
     for (std::size_t i = 0; i < flown.size() && !band.same_as; ++i) {
       const ViewFlight& other = flown[i];
-      if (!(other.camera == flight.camera && other.tags == flight.tags &&
+      if (!(other.camera == flight.camera && other.tags == flight.tags && other.filter == flight.filter &&
             other.target_speed == flight.target_speed && other.mount.pitch == flight.mount.pitch &&
             other.mount.offset == flight.mount.offset && other.mount.frame == flight.mount.frame))
         continue;
@@ -128,40 +138,26 @@ std::string to_string(const ViewBand& band, const Team& team) {
 }
 
 std::vector<std::string> unobservable_robots(const Scenario& scenario) {
-  const Team& team = scenario.team;
-  std::vector<SensingRobot> robots;
-  std::vector<PlacedRobot> places;
-  const std::vector<double> none(size(team.nu()) + 1, 0.0);
-  for (int i = 0; i < team.bodies(); ++i) {
-    const BodyId body{i};
-    robots.push_back({.name = std::string(team.name(body)), .position = true, .heading = true});
-    const Sight<double> at =
-        team.model(body).sight(scenario.x0.data() + team.state_offset(body), none.data());
-    places.push_back({at.p.x, at.p.y, at.p.z, atan2(at.d.y, at.d.x)});
-  }
-  std::vector<Sees> sightings;
+  SensedTeam team = sensed_team(scenario);
+  const auto is_away = [&](const Sees& sees) {
+    return scenario.presence[size(sees.target)] == Presence::absent;
+  };
+  std::erase_if(team.sightings, is_away);
   for (const ViewChoice& choice : scenario.script.choices) {
     for (std::size_t i = 0; i < choice.observers.size(); ++i) {
       const BodyId observer = choice.observers[i];
       if (scenario.presence[at(observer)] == Presence::absent) continue;
-      SensingRobot& robot = robots[at(observer)];
-      robot.position = robot.heading = false;
+      team.robots[at(observer)].position = false;
+      team.robots[at(observer)].heading = compass_of(scenario, observer) > 0;
       if (choice.first[i] >= 0)
-        sightings.push_back(
-            {.observer = observer.index, .target = choice.targets[size(choice.first[i])].index});
-    }
-  }
-  for (const LocalizedRobot& localized : scenario.localization.robots) {
-    SensingRobot& robot = robots[at(localized.robot)];
-    robot.position = robot.heading = false;
-    for (const BodyId target : localized.watches) {
-      if (scenario.presence[at(target)] != Presence::absent)
-        sightings.push_back({.observer = localized.robot.index, .target = target.index});
+        team.sightings.push_back({.observer = observer.index,
+                                  .target = choice.targets[size(choice.first[i])].index,
+                                  .yaw = sees_headings(scenario, observer)});
     }
   }
   std::vector<std::string> sentences;
-  for (const Unobservable& what : unobservable_states(robots, places, sightings))
-    sentences.push_back(to_string(what, robots));
+  for (const Unobservable& what : unobservable_states(team.robots, team.places, team.sightings))
+    sentences.push_back(to_string(what, team.robots));
   return sentences;
 }
 

@@ -21,6 +21,7 @@ inline constexpr std::array<std::string_view, 3> filter_kinds = {"heading", "att
 struct FilterOptions {
   static constexpr std::string_view name = "estimate";
   static constexpr double white_period = 0.01;  // [s]
+  static constexpr double compass_rate = 10.0;  // [Hz]
 
   FilterKind filter = FilterKind::heading;
   double velocity_noise = 0.05;
@@ -38,8 +39,10 @@ struct FilterOptions {
   double accelerometer_noise = 0.08;
   double accelerometer_bias = 0.1;
   double accelerometer_walk = 2e-3;
+  double compass_noise = 0.0;
   double camera_turn = 0.0;
   double other_error_time = 2.0;
+  double other_error_spread = 1.0;
   int start_sightings = 3;
   int restart_sightings = 8;
 
@@ -73,11 +76,15 @@ struct FilterOptions {
         parameter("accelerometer_bias", &O::accelerometer_bias, "m/s^2", from_zero, "its bias at the start"),
         parameter("accelerometer_walk", &O::accelerometer_walk, "m/s^2/sqrt(s)", from_zero,
                   "density of the random walk of that bias"),
+        parameter("compass_noise", &O::compass_noise, "rad", from_zero,
+                  "white noise of the heading by a compass, 10 times a second; 0: it has none"),
         parameter("camera_turn", &O::camera_turn, "rad", from_zero,
                   "turn of the camera against its mount, each axis, that is estimated; 0: it is known; "
                   "attitude filter"),
         parameter("other_error_time", &O::other_error_time, "s", above_zero,
                   "correlation time of the error of a body that is localized itself; chain filter"),
+        parameter("other_error_spread", &O::other_error_spread, "", {1, 100, "1 to 100"},
+                  "factor by which that time may be off, either way; chain filter"),
         parameter("start_sightings", &O::start_sightings, "", count,
                   "sightings that must mean the same place before there is an estimate"),
         parameter("restart_sightings", &O::restart_sightings, "", count,

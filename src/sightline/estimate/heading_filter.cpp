@@ -75,8 +75,10 @@ template <int others>
 void HeadingFilterOf<others>::hear(State& s, const Measurement& z) const noexcept {
   if constexpr (others > 0) {
     if (z.of != Measures::sighting || z.other_error != OtherError::lasting) return;
-    if (trace(s.other_told[0]) == 0) set_block(s.P, other_at, other_at, z.P_other);
-    s.other_told[0] = z.P_other;
+    // Of all times that it may be, the spectrum of this process is nowhere below that of the error.
+    const Mat<4, 4> told = options_.other_error_spread * z.P_other;
+    if (trace(s.other_told[0]) == 0) set_block(s.P, other_at, other_at, told);
+    s.other_told[0] = told;
   } else {
     (void)s, (void)z;
   }

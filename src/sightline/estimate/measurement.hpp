@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 
 #include "sightline/math/matrix.hpp"
 
@@ -11,12 +12,13 @@ namespace sightline {
 ///
 /// V is the vehicle frame: G turned by the heading alone. B is the body, R_VB = turn_y(pitch) turn_x(roll).
 struct MotionSample {
-  double t = 0.0, dt = 0.01;       ///< [s], dt > 0
-  Vec3<double> v_V{};              ///< velocity ahead, to the left, up [m/s]
-  double yaw_rate = 0.0;           ///< [rad/s]
-  double roll = 0.0, pitch = 0.0;  ///< at t [rad]
-  Vec3<double> gyro{};             ///< angular velocity in B [rad/s]; the attitude filter alone needs it
-  Vec3<double> force{};            ///< specific force in B, (0, 0, g) at rest [m/s^2]; likewise
+  double t = 0.0, dt = 0.01;        ///< [s], dt > 0
+  Vec3<double> v_V{};               ///< velocity ahead, to the left, up [m/s]
+  double yaw_rate = 0.0;            ///< [rad/s]
+  double roll = 0.0, pitch = 0.0;   ///< at t [rad]
+  Vec3<double> gyro{};              ///< angular velocity in B [rad/s]; the attitude filter alone needs it
+  Vec3<double> force{};             ///< specific force in B, (0, 0, g) at rest [m/s^2]; likewise
+  std::optional<double> compass{};  ///< heading at t [rad], where a compass told one
 };
 
 /// What a measurement is of.
@@ -89,7 +91,7 @@ inline bool Measurement::is_usable() const noexcept {
 inline bool is_usable(const MotionSample& u) noexcept {
   return std::isfinite(u.t) && u.dt > 0 && std::isfinite(u.dt) && is_finite(u.v_V) &&
          std::isfinite(u.yaw_rate) && std::isfinite(u.roll) && std::isfinite(u.pitch) && is_finite(u.gyro) &&
-         is_finite(u.force);
+         is_finite(u.force) && std::isfinite(u.compass.value_or(0.0));
 }
 
 }  // namespace sightline

@@ -25,6 +25,16 @@ double PoseEstimate::bearing_sigma(const KnownPose& other) const noexcept {
   return sqrt(std::max(0.0, variance(P) + variance(other.P) + with_heading));
 }
 
+std::optional<Measurement> compass_of(const MotionSample& motion, const FilterOptions& options) noexcept {
+  constexpr int compass_source = -1;  // sightings have the number of a body
+  if (!motion.compass || !(options.compass_noise > 0)) return std::nullopt;
+  return Measurement{.of = Measures::heading,
+                     .stamp = motion.t,
+                     .source = compass_source,
+                     .yaw = *motion.compass,
+                     .yaw_variance = square(options.compass_noise)};
+}
+
 std::unique_ptr<PoseFilter> make_pose_filter(const FilterOptions& options, const SensorMount& mount) {
   options.check();
   if (options.filter == FilterKind::attitude)

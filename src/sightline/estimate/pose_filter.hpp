@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "sightline/estimate/broadcast_track.hpp"
@@ -80,6 +81,9 @@ class PoseFilter {
   /// At the end of the last sample.
   virtual PoseEstimate estimate() const noexcept = 0;
 };
+
+/// The heading that a compass told with a sample; none without a compass.
+std::optional<Measurement> compass_of(const MotionSample& motion, const FilterOptions& options) noexcept;
 
 /// @param mount  where the sensor of the sightings sits
 /// @throws std::invalid_argument from FilterOptions::check()

@@ -56,7 +56,8 @@ LocalizationLog::LocalizationLog(const Scenario& scenario, McapWriter& mcap)
                                                    {"roll", "number"},
                                                    {"pitch", "number"},
                                                    {"gyro", "numbers"},
-                                                   {"force", "numbers"}}));
+                                                   {"force", "numbers"},
+                                                   {"compass", "number"}}));
   const SchemaId broadcast = mcap.schema("sightline.Broadcast", "jsonschema",
                                          json_schema({{"stamp", "number"},
                                                       {"p", "numbers"},
@@ -137,6 +138,7 @@ void LocalizationLog::add_motion(const RobotMotion& told, double time) {
   put_number("pitch", u.pitch);
   put(text_, "gyro", numbers_of_vector(u.gyro));
   put(text_, "force", numbers_of_vector(u.force));
+  if (u.compass) put_number("compass", *u.compass);
   send(of->motion, time);
 }
 
@@ -198,6 +200,7 @@ MotionSample motion_of(const LogText& text) {
   u.pitch = text.number("pitch");
   u.gyro = vector_of(text, "gyro");
   u.force = vector_of(text, "force");
+  if (text.has("compass")) u.compass = text.number("compass");
   return u;
 }
 

@@ -3,7 +3,7 @@
 /// Topics of run.mcap, those without another word in JSON, all numbers exactly:
 ///
 ///     /ROBOT/motion        {time, t, dt, v, yaw_rate, roll, pitch, gyro, force}: its motion over [t, t + dt], as its autopilot
-///                          told it (MotionSample)
+///                          told it (MotionSample), and `compass` where one told a heading
 ///     /BODY/broadcast      {time, stamp, p, v, heading, yaw_rate, covariance}: its pose, as it told it by radio and as it
 ///                          arrived; covariance of (p, heading), upper triangle row by row
 ///     /ROBOT/estimate      geometry_msgs/PoseWithCovarianceStamped in G, upright; of roll and pitch nothing is said

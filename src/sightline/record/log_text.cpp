@@ -133,6 +133,10 @@ const LogText::Entry& LogText::find(std::string_view key, Kind kind) const {
       fmt::format("a message without \"{}\", expected {}", key, what[static_cast<int>(kind)]));
 }
 
+bool LogText::has(std::string_view key) const noexcept {
+  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& one) { return one.key == key; });
+}
+
 double LogText::number(std::string_view key) const { return numbers_[find(key, Kind::number).first]; }
 
 std::span<const double> LogText::numbers(std::string_view key) const {

@@ -28,6 +28,7 @@ class LogText {
   /// @throws std::runtime_error where the text is no object of numbers, words, null, true, false and lists of numbers
   void read(std::string_view text);
 
+  bool has(std::string_view key) const noexcept;
   /// The number of this name; not a number for null. @throws std::runtime_error where there is none
   double number(std::string_view key) const;
   /// The list of this name, null as not a number. @throws std::runtime_error where there is none

@@ -181,6 +181,7 @@ void Localizer::move(const RobotMotion& motion) noexcept {
   Robot& robot = robots_[size(place)];
   robot.told[robot.told_count++ % robot.told.size()] = motion.motion;
   robot.filter->advance(motion.motion);
+  if (const auto compass = compass_of(motion.motion, robot.what.filter)) robot.filter->take(*compass);
 }
 
 /// A detection has arrived.

@@ -8,6 +8,7 @@
 #include <optional>
 #include <variant>
 
+#include "sightline/base/refuse.hpp"
 #include "sightline/potential/protection.hpp"
 #include "sightline/scenario/read_coupling.hpp"
 #include "sightline/scenario/read_part.hpp"
@@ -87,7 +88,41 @@ LocalizedRobot read_localized(const TomlTable& agent, BodyId robot, const Filter
   return read;
 }
 
+/// Who watches nothing that tells its heading has none.
+void refuse_unknown_headings(const TomlTable& at, const Scenario& scenario) {
+  const SensedTeam team = sensed_team(scenario);
+  for (const Unobservable& what : unobservable_states(team.robots, team.places, team.sightings))
+    if (what.heading) at.checked([&] { refuse("{}", to_string(what, team.robots)); });
+}
+
 }  // namespace
+
+bool sees_headings(const Scenario& scenario, BodyId observer) {
+  const RobotCamera* const camera = camera_of_observer(scenario, observer);
+  return camera == nullptr || camera->camera.tells == CameraTells::pose;
+}
+
+SensedTeam sensed_team(const Scenario& scenario) {
+  const Team& team = scenario.team;
+  SensedTeam sensed;
+  const std::vector<double> none(size(team.nu()) + 1, 0.0);
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    sensed.robots.push_back({.name = std::string(team.name(body)), .position = true, .heading = true});
+    const Sight<double> sight =
+        team.model(body).sight(scenario.x0.data() + team.state_offset(body), none.data());
+    sensed.places.push_back({sight.p.x, sight.p.y, sight.p.z, atan2(sight.d.y, sight.d.x)});
+  }
+  for (const LocalizedRobot& localized : scenario.localization.robots) {
+    SensingRobot& robot = sensed.robots[at(localized.robot)];
+    robot.position = false;
+    robot.heading = localized.filter.compass_noise > 0;
+    for (const BodyId target : localized.watches)
+      sensed.sightings.push_back(
+          {localized.robot.index, target.index, sees_headings(scenario, localized.robot)});
+  }
+  return sensed;
+}
 
 void read_estimates(const TomlTable& root, Scenario& scenario) {
   LocalizerOptions& options = scenario.localization;
@@ -120,6 +155,7 @@ void read_estimates(const TomlTable& root, Scenario& scenario) {
   }
   if (!first) return;
   first->checked([&] { return Localizer(scenario.team, scenario.x0, options); });
+  refuse_unknown_headings(*first, scenario);
   first->checked([&] { return Guard(scenario.team, *guard_options(scenario)); });  // who searches must turn
 }
 

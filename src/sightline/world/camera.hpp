@@ -15,6 +15,13 @@
 namespace sightline {
 
 /// A pinhole camera with a global shutter, without distortion, that looks along x of the sensor frame S.
+/// What a camera tells of a body with tags.
+enum class CameraTells {
+  pose,      ///< position and attitude
+  position,  ///< position alone, that is bearing and range
+};
+inline constexpr std::array<std::string_view, 2> camera_tells = {"pose", "position"};
+
 struct Camera {
   static constexpr std::string_view name = "camera";
 
@@ -29,6 +36,7 @@ struct Camera {
   double outliers = 0.0;
   double flips = 0.0;
   double misalignment = 0.0;
+  CameraTells tells = CameraTells::pose;
 
   static constexpr Bounds share = {0.0, 1.0, "0 to 1"};
   bool operator==(const Camera&) const = default;
@@ -53,7 +61,9 @@ struct Camera {
         parameter("flips", &C::flips, "", share,
                   "part of the detections with a heading off by 0.35 to 1.35 rad"),
         parameter("misalignment", &C::misalignment, "rad", {0, 0.5, "0 to 0.5"},
-                  "turn against its mounting, about an axis that is drawn once")};
+                  "turn against its mounting, about an axis that is drawn once"),
+        parameter("tells", &C::tells, camera_tells,
+                  "of a body with tags: position and attitude, or where it is alone")};
   }
 
   /// @throws std::invalid_argument naming a number out of its range

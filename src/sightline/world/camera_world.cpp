@@ -81,6 +81,7 @@ void CameraWorld::take_picture(std::size_t camera, double t) noexcept {
   for (std::size_t i = 0; i < count && !lost; ++i) {
     found_[i].stamp = t;
     found_[i].arrival = t + latency;
+    if (of.camera.tells == CameraTells::position) found_[i].forget_attitude();
     detections_.send(found_[i]);
   }
 }

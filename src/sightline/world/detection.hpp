@@ -1,6 +1,7 @@
 /// What a camera says of another body.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -28,6 +29,11 @@ struct Detection {
   int tags = 0;      ///< that it was seen by
 
   bool is_oriented() const noexcept { return q != no_attitude; }
+  void forget_attitude() noexcept {
+    q = no_attitude;
+    for (std::size_t i = 0; i < 6; ++i)
+      for (std::size_t j = std::max<std::size_t>(i, 3); j < 6; ++j) covariance[place(i, j)] = 0.0;
+  }
   /// The place of row i and column j, of 6, in the covariance.
   static constexpr std::size_t place(std::size_t i, std::size_t j) noexcept {
     const std::size_t row = i < j ? i : j, column = i < j ? j : i;

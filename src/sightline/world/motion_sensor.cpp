@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sightline/base/same_time.hpp"
+
 namespace sightline {
 namespace {
 
@@ -11,6 +13,8 @@ const FilterOptions& checked_errors(const FilterOptions& errors) {
 }
 
 constexpr std::uint64_t stream_of_motion = 0x6d6f74696f6eULL;  // beside the streams of the disturbances
+
+constexpr std::uint64_t stream_of_compass = 0x636f6d70617373ULL;
 
 /// The turn vector of a rotation by less than pi / 2.
 Vec3<double> turn_vector(const Mat<3, 3>& R) {
@@ -27,7 +31,8 @@ MotionSensor::MotionSensor(const FilterOptions& errors, std::uint64_t seed, int 
       velocity_bias_(errors_.velocity_bias * chance_.normals()),
       gyro_bias_(errors_.gyro_bias * chance_.normals()),
       force_bias_(errors_.accelerometer_bias * chance_.normals()),
-      yaw_rate_bias_(errors_.yaw_rate_bias * chance_.normal()) {
+      yaw_rate_bias_(errors_.yaw_rate_bias * chance_.normal()),
+      magnetic_(seed ^ stream_of_compass, Chance::motion, body) {
   tilt_error_.x = errors_.tilt_bias * chance_.normal();
   tilt_error_.y = errors_.tilt_bias * chance_.normal();
 }
@@ -64,6 +69,10 @@ MotionSample MotionSensor::measure(double t, double dt, const Vec3<double>& p_be
   u.gyro = (1 / dt) * turn_vector(to_B * R) + gyro_bias_ + (white * errors_.gyro_noise) * chance_.normals();
   u.force = to_B * (a + Vec3<double>{0, 0, gravity}) + force_bias_ +
             (white * errors_.accelerometer_noise) * chance_.normals();
+  if (errors_.compass_noise > 0 && u.t >= next_compass_ - same_time) {
+    next_compass_ = u.t + 1 / FilterOptions::compass_rate;
+    u.compass = wrap(psi + errors_.compass_noise * magnetic_.normal());
+  }
   return u;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "sightline/estimate/filter_options.hpp"
 #include "sightline/estimate/place.hpp"
@@ -35,6 +36,8 @@ class MotionSensor {
   Vec2<double> tilt_error_;
   Vec3<double> v_before_{};
   bool moved_ = false;
+  RandomStream magnetic_;
+  double next_compass_ = -std::numeric_limits<double>::infinity();  // it is due at [s]
 };
 
 }  // namespace sightline

@@ -91,6 +91,7 @@ ViewFigures fly_beside(const ViewFlight& flight, double distance) {
     const MotionSample u = motion.measure(t, view_period, bodies[0].before.p, matrix(bodies[0].before.R),
                                           bodies[0].now.p, matrix(bodies[0].now.R));
     filter->advance(u);
+    if (const auto compass = compass_of(u, flight.filter)) filter->take(*compass);
     const bool counts = t >= settled_from;
     if (t >= next_picture - 1e-9) {
       next_picture += 1 / flight.camera.rate;
@@ -102,6 +103,7 @@ ViewFigures fly_beside(const ViewFlight& flight, double distance) {
       if (is_found) {
         last_seen = t;
         detection[0].stamp = detection[0].arrival = t;
+        if (flight.camera.tells == CameraTells::position) detection[0].forget_attitude();
         Measurement z = sighting_of(detection[0], flight.mount, {u.roll, u.pitch});
         z.p_other = bodies[1].now.p + flight.told_sigma * told.normals();
         z.psi_other = wrap(turning.at(t) + flight.told_sigma * told.normal());
