@@ -41,7 +41,8 @@ TEST(RotorScenarios, EachKeepsItsViewsAndDistances) {
   for (const RotorFlight& flight : {RotorFlight{"cooperative_localization", 20, 1.0, 2.0, 1},
                                     {"paper_7_2", 20, 1.0, 2.0, 1},
                                     {"paper_7_3_ours", 40, 1.0, 2.0, 1},
-                                    {"ground_and_air", 20, 1.0, 2.0, 2}}) {
+                                    {"ground_and_air", 20, 1.0, 2.0, 2},
+                                    {"localize", 20, 1.0, 2.0, 1}}) {
     const json s = flown(flight);
     EXPECT_EQ(s.at("applied_violations"), 0) << flight.name;
     EXPECT_EQ(s.at("allocations_per_update"), 0) << flight.name;
