@@ -51,19 +51,19 @@ TEST(LinkTelemetry, AFilterThatNoLinkServesIsRefused) {
   }
 }
 
-/// Flies and keeps how far off the estimate was, by the stand-in that is seen.
+/// It keeps its distance to the body that it sees.
 TEST(LinkTelemetry, ARobotFliesByWhatItSees) {
   const Scenario scenario = localized(4.0);
   Rig rig(scenario);
-  double error = -1.0;
+  double distance = -1.0;
   const LoopOutcome outcome = rig.fly(3.5, [&] {
     // Both are where they are at about the same time.
     const Motion own = rig.vehicle(0).motion(), seen = rig.vehicle(1).motion();
-    error = norm(own.p - seen.p);
+    distance = norm(own.p - seen.p);
   });
   EXPECT_EQ(outcome.updates, 400) << fmt::format("{}", fmt::join(rig.told, "\n"));
-  EXPECT_GT(error, 1.2);
-  EXPECT_LT(error, 1.8);
+  EXPECT_GT(distance, 1.2);
+  EXPECT_LT(distance, 1.8);
   EXPECT_THAT(rig.counted("pictures with tags"), HasSubstr("0 tags not finite or no poses, 0 of no body"));
   EXPECT_THAT(rig.world->faults(), testing::IsEmpty());
   expect_well_treated(rig);

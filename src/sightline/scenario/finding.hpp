@@ -41,7 +41,7 @@ enum class Aspect : std::uint8_t {
   // Of this machine.
   timing,  ///< of the control loop
 };
-inline constexpr int aspects = 18;
+inline constexpr int aspects = 19;
 /// A word that stays: "topics".
 std::string_view to_string(Aspect aspect);
 /// Whether `sightline fly` arms nothing while it is red. The others tell what a flight would be like.
