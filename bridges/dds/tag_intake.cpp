@@ -226,7 +226,8 @@ void TagIntake::examine(BodyId robot, const Surroundings& around, FindingList& t
     return;
   }
   if (f.count < pictures_needed) return;
-  const bool rare = f.rate<0.5 * camera.camera.rate, late = f.delay_median> longest + clocks_apart;
+  const bool rare = f.rate < 0.5 * camera.camera.rate;
+  const bool late = f.delay_median > longest + clocks_apart;
   to.add(Aspect::camera,
          eye->ahead + eye->old > 0 ? Light::red
          : rare || late            ? Light::unknown
@@ -240,9 +241,8 @@ std::string TagIntake::counts(BodyId robot) const {
   const Eye* const eye = eye_of(robot);
   if (eye == nullptr) return {};
   return fmt::format(
-      "{} pictures with tags, {} tags not finite or no poses, {} of no body, {} pictures of the future, {} "
-      "too "
-      "old, {} repeated, {} of a second writer, {} bodies that did not fit, {} lost",
+      "{} pictures with tags, {} tags not finite or no poses, {} of no body, {} pictures of the future, "
+      "{} too old, {} repeated, {} of a second writer, {} bodies that did not fit, {} lost",
       eye->pictures.load(), eye->garbled.load(), eye->other_tags.load(), eye->ahead.load(), eye->old.load(),
       eye->repeated.load(), eye->foreign.load(), eye->misfits.load(), eye->lost.load());
 }

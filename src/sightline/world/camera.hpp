@@ -14,7 +14,6 @@
 
 namespace sightline {
 
-/// A pinhole camera with a global shutter, without distortion, that looks along x of the sensor frame S.
 /// What a camera tells of a body with tags.
 enum class CameraTells {
   pose,      ///< position and attitude
@@ -22,6 +21,7 @@ enum class CameraTells {
 };
 inline constexpr std::array<std::string_view, 2> camera_tells = {"pose", "position"};
 
+/// A pinhole camera with a global shutter, without distortion, that looks along x of the sensor frame S.
 struct Camera {
   static constexpr std::string_view name = "camera";
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/estimate/filter_options.hpp"
 #include "sightline/estimate/place.hpp"
 #include "sightline/world/disturbance.hpp"
@@ -37,7 +37,7 @@ class MotionSensor {
   Vec3<double> v_before_{};
   bool moved_ = false;
   RandomStream magnetic_;
-  double next_compass_ = -std::numeric_limits<double>::infinity();  // it is due at [s]
+  double next_compass_ = -infinity;  // it is due at [s]
 };
 
 }  // namespace sightline
