@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include "sightline/base/index.hpp"
 #include "sightline/scenario/read_estimate.hpp"
@@ -69,7 +68,7 @@ LinkTelemetry::LinkTelemetry(const Scenario& scenario, const std::vector<PoseInt
   for (const BodyId body : telemetry_options(scenario).broadcasters) tellers_.push_back({body});
   motions_.reserve(motions_most * robots_.size());
   broadcasts_.reserve(tellers_.size());
-  tags_ = std::make_unique<TagIntake>(scenario, std::move(cameras), participant);
+  tags_ = std::make_unique<TagIntake>(scenario, cameras, participant);
 }
 
 MeasuredMost LinkTelemetry::most() const noexcept {

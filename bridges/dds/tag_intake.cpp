@@ -93,7 +93,8 @@ bool pose_of_body(const WatchedCamera& eye, const Tags& tags, const FoundBody& b
 
 }  // namespace
 
-TagIntake::TagIntake(const Scenario& scenario, std::vector<WatchedCamera> cameras, dds_entity_t participant)
+TagIntake::TagIntake(const Scenario& scenario, const std::vector<WatchedCamera>& cameras,
+                     dds_entity_t participant)
     : vision_(scenario.vision), ring_(room, Seen{}) {
   for (const WatchedCamera& camera : cameras) eyes_.emplace_back(camera);
   taken_.reserve(most);

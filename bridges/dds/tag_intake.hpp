@@ -35,7 +35,7 @@ class TagIntake {
   static constexpr double misfit_most = 3.0;                   ///< of corners [px]
 
   /// @throws std::runtime_error where /tf cannot be had
-  TagIntake(const Scenario& scenario, std::vector<WatchedCamera> cameras, dds_entity_t participant);
+  TagIntake(const Scenario& scenario, const std::vector<WatchedCamera>& cameras, dds_entity_t participant);
 
   /// Of the control thread: what came since the last time, in the order of arrival. Valid until the next call.
   /// @param origin  time 0 of the stamps, of the monotonic clock
