@@ -143,7 +143,8 @@ TEST_F(TagIntakeTest, TheFindingsSayWhetherTagsComeAndWhen) {
   }
   ASSERT_EQ(said().size(), 1u);
   EXPECT_EQ(said()[0].aspect, Aspect::camera);
-  EXPECT_THAT(said()[0].sentence, testing::ContainsRegex("pictures with tags a second, ([5-9][0-9]|[0-9]{3,}) ms after"));
+  EXPECT_THAT(said()[0].sentence,
+              testing::ContainsRegex("pictures with tags a second, ([5-9][0-9]|[0-9]{3,}) ms after"));
   pictures.add(camera, child(0), tag(0), -500'000'000);
   pictures.send();
   EXPECT_THAT(said()[0].sentence, HasSubstr("1 pictures are ahead of our clock by up to 0.5"));
