@@ -61,8 +61,8 @@ LinkTelemetry::LinkTelemetry(const Scenario& scenario, const std::vector<PoseInt
                       "\"heading\"",
                       team_.name(robot)));
     robots_.push_back({robot, intakes[i]});
-    for (const RobotCamera& camera : scenario.vision.cameras)
-      if (camera.observer == robot) cameras.push_back({camera, intakes[i]});
+    if (const RobotCamera* const camera = scenario.vision.camera_of(robot))
+      cameras.push_back({*camera, intakes[i]});
   }
   if (robots_.empty()) return;
   for (const BodyId body : telemetry_options(scenario).broadcasters) tellers_.push_back({body});

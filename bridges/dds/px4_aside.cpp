@@ -14,7 +14,7 @@ extern "C" {
 namespace sightline::dds {
 namespace {
 
-constexpr int formats_since = 15, asked_most = 5;
+constexpr int asked_most = 5;
 constexpr Nanoseconds battery_old = 5'000'000'000;
 constexpr std::string_view transmitter_flag = "manual_control_signal_lost";
 // What is so before each flight by set-points, or says nothing of a flight by them.
@@ -47,7 +47,7 @@ Px4Aside::Px4Aside(dds_entity_t participant, const Px4Link& link)
         flags_.put(flags);
       }));
   read_signs(participant);
-  if (release_ >= formats_since) read_formats(participant);
+  if (release_ >= px4_answers_formats_from) read_formats(participant);
 }
 
 std::string Px4Aside::topic_of(std::string_view message, int release) const {
@@ -152,9 +152,9 @@ void Px4Aside::examine_release(const Surroundings& around, FindingList& to) cons
   const bool answered = std::all_of(answers_.begin(), answers_.end(),
                                     [](const Mailbox<Answer>& answer) { return answer.count() > 0; });
   to.add_green(Aspect::release, "PX4 {}, by {}; {}", wanted, looks.by,
-               answered                   ? "it takes what we send"
-               : release_ < formats_since ? "which layouts it takes cannot be asked before 1.15"
-                                          : "it did not answer which layouts it takes");
+               answered                              ? "it takes what we send"
+               : release_ < px4_answers_formats_from ? "which layouts it takes cannot be asked before 1.15"
+                                                     : "it did not answer which layouts it takes");
 }
 
 void Px4Aside::examine_formats(FindingList& to) const {

@@ -14,6 +14,9 @@ inline constexpr int px4_first = 14, px4_last = 18;
 inline constexpr std::array<std::string_view, px4_last - px4_first + 1> px4_releases = {
     "1.14", "1.15", "1.16", "1.17", "1.18"};
 
+/// From here on a vehicle answers which layouts it takes.
+inline constexpr int px4_answers_formats_from = 15;
+
 /// The layout of a message in a release: the last one that is not newer.
 /// @param message  "VehicleStatus"
 /// @throws std::invalid_argument for a message that the release does not have

@@ -19,7 +19,6 @@ using FormatResponse = px4_msgs_msg_dds__MessageFormatResponse_;
 
 constexpr std::array<std::string_view, 3> taken_messages = {"TrajectorySetpoint", "OffboardControlMode",
                                                             "VehicleCommand"};
-constexpr int formats_since = 15;
 constexpr float low_battery = 0.05F, empty_voltage = 13.04F, full_voltage = 16.24F;
 
 std::uint64_t real_microseconds() { return static_cast<std::uint64_t>(realtime_now() / 1000); }
@@ -41,7 +40,7 @@ Px4VehicleAside::Px4VehicleAside(dds_entity_t participant, const Px4Link& link, 
   battery_writer_ = writer(battery_.descriptor(), "BatteryStatus");
   flags_writer_ = writer(flags_.descriptor(), "FailsafeFlags");
   estimator_writer_ = writer(estimator_.descriptor(), "EstimatorStatusFlags");
-  if (release_ < formats_since) return;
+  if (release_ < px4_answers_formats_from) return;
   response_ = writer(px4_msgs_msg_dds__MessageFormatResponse__desc, "MessageFormatResponse");
   request_ = std::make_unique<RawReader>(
       participant, px4_msgs_msg_dds__MessageFormatRequest__desc,

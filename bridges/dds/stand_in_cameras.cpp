@@ -138,9 +138,8 @@ void StandInCameras::send(Eye& eye, std::span<const Detection> found) {
   if (static_cast<double>(eye.sent.size()) > kept_for * eye.camera.camera.rate + 1) eye.sent.pop_front();
   char* const parent = picture.names.emplace_back(eye.camera.frame).data();
   for (const Detection& one : eye.frozen ? std::span<const Detection>(*eye.frozen) : found) {
-    const auto tags = std::find_if(vision_.tags.begin(), vision_.tags.end(),
-                                   [&](const BodyTags& its) { return its.body == one.target; });
-    const auto& frames = vision_.tag_frames[static_cast<std::size_t>(tags - vision_.tags.begin())];
+    const BodyTags* const tags = vision_.tags_of(one.target);
+    const auto& frames = vision_.tag_frames[static_cast<std::size_t>(tags - vision_.tags.data())];
     const RigidPose body = {one.p, rotation(one.q)};
     const std::vector<int> faces = faces_by_sight(tags->tags, body);
     for (std::size_t i = 0; i < std::min(size(one.tags), faces.size()); ++i) {

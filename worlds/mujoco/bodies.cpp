@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/refuse.hpp"
@@ -179,7 +178,7 @@ bool MujocoWorld::Bodies::excused(int a, int b) noexcept {
 void MujocoWorld::Bodies::fail(const char* why, std::int64_t tick) noexcept {
   failed_ = true;
   failed_at_ = tick;
-  std::strncpy(failure_.data(), why, failure_.size() - 1);
+  std::string_view(why).copy(failure_.data(), failure_.size() - 1);
 }
 
 std::string MujocoWorld::Bodies::failure() const {
