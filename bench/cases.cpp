@@ -9,6 +9,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "sightline/potential/bearing.hpp"
+#include "sightline/potential/slope.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/robots.hpp"
 
@@ -16,6 +18,8 @@ namespace sightline {
 namespace {
 
 constexpr std::array<int, 6> chain_lengths = {2, 4, 8, 16, 32, 64};
+constexpr std::array<int, 8> team_sizes = {8, 16, 32, 64, 128, 256, 512, 1024};
+constexpr int flown_most = 64;  // robots of a case that is flown without being named
 
 void watch(Team& team, AgentId observer, AgentId target, const std::vector<AgentId>& who) {
   team.couple(0.4 * SensorCone{}, Between{observer, target}, who);
@@ -39,6 +43,74 @@ BenchCase chain(std::string name, int length, bool masked) {
           masked ? felt_by(robots[i]) : felt_by({robots[i], robots[i + 1]}));
   }
   if (length == 2) c.x0 = paper::start();
+  return c;
+}
+
+enum class Strong {
+  cascade,  ///< each feels what it watches
+  apart,    ///< and robots two apart keep their distance, which both feel but the first
+  mutual,   ///< so, and all is felt by both
+};
+
+/// scenarios/chain8.toml, longer: the first flies a circle, each other robot watches the one before it.
+BenchCase strong_chain(std::string name, int length, Strong kind) {
+  constexpr std::array<double, 7> y = {0.5, -0.4, 0.3, -0.6, 0.5, -0.2, 0.4};
+  constexpr std::array<double, 7> headings = {1.2, -1.5, 0.6, -0.9, 2.2, 0.3, -1.8};
+  BenchCase c{.name = std::move(name), .masked = kind != Strong::mutual};
+  std::vector<AgentId> robots;
+  for (int i = 0; i < length; ++i) {
+    AgentOptions<Multirotor> options{.name = fmt::format("uav{}", i)};
+    double heading = 0.0;
+    Vec3<double> p = {1.5 - 1.4 * i, 0.0, 1.0 + 0.3 * i};
+    if (i == 0) {
+      options.Q = {1.5, 1.5, 1.6, 0, 0, 0, 0};
+      options.x_ref = Circle{.centre = {0, 0, 1}, .radius = 1.5, .rate = 0.2};
+    } else {
+      options.R.fill(0.1);
+      p.y = y[static_cast<std::size_t>(i - 1) % y.size()];
+      heading = headings[static_cast<std::size_t>(i - 1) % headings.size()];
+    }
+    robots.push_back(c.team.add(Multirotor{}, options));
+    c.x0.insert(c.x0.end(), {p.x, p.y, p.z, std::cos(heading), std::sin(heading), 0.0, 0.0});
+  }
+  const auto felt = [&](AgentId a, AgentId b, bool by_both) {
+    return by_both ? felt_by({a, b}) : felt_by(a);
+  };
+  for (std::size_t i = 1; i < robots.size(); ++i) {
+    const Between watched{robots[i], robots[i - 1]};
+    const auto who = felt(robots[i], robots[i - 1], kind == Strong::mutual);
+    c.team.couple(4.0 * Bearing{.mount = {.pitch = 0.3}}, watched, who);
+    c.team.couple(4.0 * TooNear{.d_min = 1.0, .kappa = 10.0}, watched, who);
+    c.team.couple(8.0 * TooFar{.d_max = 2.0, .kappa = 10.0}, watched, who);
+    c.team.couple(0.1 * RelativeVelocity{.v_0 = 1.0}, watched, who);
+    if (i < 2 || kind == Strong::cascade) continue;
+    c.team.couple(4.0 * TooNear{.d_min = 1.0, .kappa = 10.0}, Between{robots[i], robots[i - 2]},
+                  felt(robots[i], robots[i - 2], i > 2 || kind == Strong::mutual));
+  }
+  return c;
+}
+
+/// A grid, four robots a row: each watches the one behind it in its row and keeps apart from those beside it.
+BenchCase grid(std::string name, int robots_in_all) {
+  constexpr int columns = 4;
+  BenchCase c{.name = std::move(name)};
+  std::vector<AgentId> robots;
+  for (int i = 0; i < robots_in_all; ++i) {
+    const Vec3<double> p = {1.5 * (i % columns), 1.5 * (i / columns), 1.0};
+    AgentOptions<Multirotor> options{.name = fmt::format("uav{}", i)};
+    options.Q = {0.5, 0.5, 1.0, 0.5, 0.5, 0.1, 0.1};
+    options.x_ref = Circle{.centre = p, .radius = 0.5, .rate = 0.3 + 0.02 * (i % 5)};
+    robots.push_back(c.team.add(Multirotor{}, options));
+    c.x0.insert(c.x0.end(), {p.x, p.y, p.z, 1.0, 0.0, 0.0, 0.0});
+  }
+  const auto near = [&](int a, int b) {
+    const AgentId one = robots[static_cast<std::size_t>(a)], other = robots[static_cast<std::size_t>(b)];
+    c.team.couple(4.0 * TooNear{.d_min = 1.2, .kappa = 10.0}, Between{one, other}, felt_by({one, other}));
+  };
+  for (int i = 0; i < robots_in_all; ++i) {
+    if (i % columns > 0) near(i, i - 1);
+    if (i >= columns) near(i, i - columns);
+  }
   return c;
 }
 
@@ -74,6 +146,17 @@ BenchCase ring_mixed() {
   return c;
 }
 
+constexpr std::array<std::string_view, 4> families = {"cascade", "strong_chain", "mutual_chain", "grid"};
+
+BenchCase team_of(std::string_view family, int size) {
+  std::string name = fmt::format("{}_{}", family, size);
+  if (family == "grid") return grid(std::move(name), size);
+  const Strong kind = family == "cascade"        ? Strong::cascade
+                      : family == "strong_chain" ? Strong::apart
+                                                 : Strong::mutual;
+  return strong_chain(std::move(name), size, kind);
+}
+
 BenchCase pair(std::string name, paper::Variant variant, std::vector<double> x0) {
   return {.name = std::move(name),
           .team = paper::team(variant),
@@ -90,6 +173,9 @@ std::vector<std::string> bench_case_names() {
     names.push_back(fmt::format("chain_{}_masked", length));
   }
   for (const char* name : {"chain_8_interpreted", "ring_mixed", "saturating"}) names.emplace_back(name);
+  for (const int size : {team_sizes.front(), flown_most}) {
+    for (const std::string_view family : families) names.push_back(fmt::format("{}_{}", family, size));
+  }
   return names;
 }
 
@@ -103,11 +189,19 @@ BenchCase bench_case(std::string_view name) {
     c.kernels = KernelChoice::interpreted;
     return c;
   }
+  for (const int length : team_sizes) {
+    if (length > flown_most && name == fmt::format("chain_{}", length))
+      return chain(std::string(name), length, false);
+  }
   for (const int length : chain_lengths) {
     for (const bool masked : {false, true}) {
       std::string known = fmt::format("chain_{}{}", length, masked ? "_masked" : "");
       if (name == known) return chain(std::move(known), length, masked);
     }
+  }
+  for (const std::string_view family : families) {
+    for (const int size : team_sizes)
+      if (name == fmt::format("{}_{}", family, size)) return team_of(family, size);
   }
   throw std::invalid_argument(
       fmt::format("case = {}, expected one of {}", name, fmt::join(bench_case_names(), ", ")));

@@ -18,6 +18,12 @@ namespace sightline {
 ///   chain_8_interpreted      chain_8 without compiled functions
 ///   ring_mixed               eight robots of four models, of 4 to 12 states, in a ring
 ///   saturating               pair, from 4 m away: inputs run into their limits
+///   cascade_M                scenarios/chain8.toml with M robots, each feels what it watches; M = 8, 16, ..., 1024
+///   strong_chain_M           so, and robots two apart keep their distance, which both feel
+///   mutual_chain_M           so, and all is felt by both
+///   grid_M                   rows of four, each keeps apart from its neighbours, which both feel
+///
+/// chain_M goes on to 1024 as well. Of these, those of 8 and 64 robots are flown unasked.
 struct BenchCase {
   std::string name;
   Team team{};
@@ -28,7 +34,7 @@ struct BenchCase {
 
 inline constexpr Horizon bench_horizon{.T = 1.0, .N = 20, .dt = 0.01};
 
-/// All names, in the order of the table.
+/// The names of those that are flown unasked, in the order of the table.
 std::vector<std::string> bench_case_names();
 
 /// @throws std::invalid_argument for a name that is none, with the names there are
