@@ -2,42 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
+
 #include "tests/support/default_horizon.hpp"
+#include "tests/support/felt_team.hpp"
 #include "tests/support/random_team.hpp"
 
 namespace sightline {
 namespace {
 
-Team with(int agents, const std::vector<std::array<int, 3>>& couplings) {
-  Team team;
-  std::vector<AgentId> ids;
-  for (int i = 0; i < agents; ++i) ids.push_back(team.add(Multirotor{}));
-  for (const auto& [a, b, who] : couplings) {
-    const AgentId first = ids[static_cast<std::size_t>(a)], second = ids[static_cast<std::size_t>(b)];
-    if (who < 0) {
-      team.couple(0.4 * KeepOut{}, {first, second});
-    } else {
-      team.couple(0.4 * KeepOut{}, {first, second}, felt_by(ids[static_cast<std::size_t>(who)]));
-    }
-  }
-  return team;
-}
-
-InfluenceGraph graph_of(const Team& team) {
-  const Ocp ocp(team, default_horizon);
-  return influence_graph(trace_potentials(ocp), static_cast<int>(ocp.agent_bodies().size()));
-}
-
-TEST(Krylov, TheInfluenceGraphIsNamedByItsArrows) {
-  EXPECT_EQ(graph_of(with(3, {})).kind, Influence::none);
-  EXPECT_EQ(graph_of(with(3, {{0, 1, -1}, {1, 2, -1}})).kind, Influence::mutual);
-  const InfluenceGraph chain = graph_of(with(4, {{0, 1, 0}, {1, 2, 1}, {2, 3, 2}}));
-  EXPECT_EQ(chain.kind, Influence::cascade);
-  EXPECT_EQ(chain.depth, 3);
-  EXPECT_EQ(chain.depth_of, (std::vector<int>{3, 2, 1, 0}));
-  EXPECT_EQ(graph_of(with(3, {{0, 1, 0}, {1, 2, 1}, {2, 0, 2}})).kind, Influence::cyclic);
-  EXPECT_EQ(graph_of(with(3, {{0, 1, 0}, {1, 2, -1}})).kind, Influence::cyclic) << "mutual and one-sided";
-}
+using test::team_with;
 
 /// || ds + P^-1 C ds - ds_0 ||: zero for the step of the whole team.
 double defect(const Team& team, Random& random) {
@@ -79,10 +54,29 @@ double defect(const Team& team, Random& random) {
 TEST(Krylov, EveryKindOfTeamGetsTheStepOfTheWhole) {
   Random random(1);
   for (int trial = 0; trial < 5; ++trial) {
-    EXPECT_LE(defect(with(4, {{0, 1, -1}, {1, 2, -1}, {2, 3, -1}, {0, 2, -1}}), random), 1e-7);
-    EXPECT_LE(defect(with(4, {{0, 1, 0}, {1, 2, 1}, {2, 3, 2}, {0, 2, 0}}), random), 1e-7);
-    EXPECT_LE(defect(with(3, {{0, 1, 0}, {1, 2, 1}, {2, 0, 2}}), random), 1e-7);
-    EXPECT_LE(defect(with(4, {{0, 1, 0}, {1, 2, -1}, {2, 3, 3}}), random), 1e-7);
+    EXPECT_LE(defect(team_with(4, {{0, 1, -1}, {1, 2, -1}, {2, 3, -1}, {0, 2, -1}}), random), 1e-7);
+    EXPECT_LE(defect(team_with(4, {{0, 1, 0}, {1, 2, 1}, {2, 3, 2}, {0, 2, 0}}), random), 1e-7);
+    EXPECT_LE(defect(team_with(3, {{0, 1, 0}, {1, 2, 1}, {2, 0, 2}}), random), 1e-7);
+    EXPECT_LE(defect(team_with(4, {{0, 1, 0}, {1, 2, -1}, {2, 3, 3}}), random), 1e-7);
+  }
+}
+
+TEST(Krylov, ALongCascadeInAnyOrderAndLongCyclesGetTheStepOfTheWhole) {
+  Random random(2);
+  for (int trial = 0; trial < 3; ++trial) {
+    const int n = 20;
+    std::vector<int> at(static_cast<std::size_t>(n));
+    std::iota(at.begin(), at.end(), 0);
+    std::shuffle(at.begin(), at.end(), random);
+    std::vector<std::array<int, 3>> chain, apart;
+    for (int i = 1; i < n; ++i) {
+      const int one = at[static_cast<std::size_t>(i)], before = at[static_cast<std::size_t>(i - 1)];
+      chain.push_back({one, before, one});
+      if (i > 1) apart.push_back({one, at[static_cast<std::size_t>(i - 2)], -1});
+    }
+    EXPECT_LE(defect(team_with(n, chain), random), 1e-7);
+    apart.insert(apart.end(), chain.begin(), chain.end());
+    EXPECT_LE(defect(team_with(n, apart), random), 1e-7);
   }
 }
 

@@ -12,7 +12,7 @@
 #include "sightline/plot/graph_layout.hpp"
 #include "sightline/plot/page.hpp"
 #include "sightline/scenario/scenario_text.hpp"
-#include "sightline/solver/newton/krylov.hpp"
+#include "sightline/solver/newton/influence.hpp"
 
 namespace sightline {
 namespace {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "sightline/base/index.hpp"
 #include "sightline/formula/derive.hpp"
+#include "sightline/solver/newton/cross_blocks.hpp"
 #include "sightline/solver/newton/neighbourhood.hpp"
 #include "sightline/solver/newton/pair_batch.hpp"
 
@@ -70,6 +72,8 @@ class LaneCouplings final : public Couplings {
     for (const SwarmPotential& swarm : swarms) swarms_.emplace_back(swarm, layout_, choice);
     find_first_writers(swarms);
     find_slots_of_pairs();
+    crosses_.emplace(general_, layout_);
+    find_rows();
     for (PairBatch& b : general_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
     for (PairBatch& b : relative_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
     lone_pair_ = W == 2 && swarms.empty() && pairs.size() == 1 && slots_.size() == 1 &&
@@ -104,10 +108,12 @@ class LaneCouplings final : public Couplings {
       relative_[b].points.derive();
       scatter_relative(relative_[b], slots_of_[b], c);
     }
-    for (PairBatch& batch : general_) {
+    for (std::size_t b = 0; b < general_.size(); ++b) {
+      PairBatch& batch = general_[b];
       batch.gather(layout_, surroundings_, s);
       batch.points.derive();
       batch.scatter(layout_, c);
+      crosses_->take(b);
     }
     for (Neighbourhood& swarm : swarms_) swarm.evaluate(s, c);
   }
@@ -133,9 +139,19 @@ class LaneCouplings final : public Couplings {
       const Layout::Part& part = layout_.groups[at(g)];
       std::fill_n(y + part.s, layout_.stages * part.ns * W, 0.0);
     }
-    for (const Slot<W>& slot : slots_) product(slot, z, y);
-    for (const PairBatch& batch : general_) batch.product(layout_, z, y);
+    for (const Slot<W>& slot : slots_) product(slot, slot.a_feels, slot.b_feels, z, y);
+    crosses_->product(z, y);
     for (const Neighbourhood& swarm : swarms_) swarm.product(z, y);
+  }
+
+  void product(int group, const double* z, double* y) const noexcept override {
+    if (lone_pair_) return product_of_lone_pair(z, y);
+    const Layout::Part& part = layout_.groups[at(group)];
+    std::fill_n(y + part.s, layout_.stages * part.ns * W, 0.0);
+    const FeltRows& rows = rows_into_[at(group)];
+    for (const int slot : rows.a) product(slots_[at(slot)], true, false, z, y);
+    for (const int slot : rows.b) product(slots_[at(slot)], false, true, z, y);
+    crosses_->product(group, z, y);
   }
 
   void find_neighbours(const double* s) noexcept override {
@@ -337,13 +353,14 @@ class LaneCouplings final : public Couplings {
     }
   }
 
-  void product(const Slot<W>& slot, const double* z, double* y) const noexcept {
+  /// Into the rows of a, of b, or of both.
+  void product(const Slot<W>& slot, bool of_a, bool of_b, const double* z, double* y) const noexcept {
     const Layout::Part &part_a = layout_.groups[at(slot.group_a)], &part_b = layout_.groups[at(slot.group_b)];
     for (int k = 1; k < layout_.stages; ++k) {
       const std::ptrdiff_t at_a = part_a.s + k * part_a.ns * W, at_b = part_b.s + k * part_b.ns * W;
       std::array<L, 15> H;
       for (int i = 0; i < 15; ++i) H[at(i)] = L::load(slot.H[0] + (k * 15 + i) * W);
-      if (slot.a_feels) {
+      if (of_a) {
         std::array<L, 3> b;
         for (int i = 0; i < 3; ++i) b[at(i)] = permuted(L::load(z + at_b + i * W), slot.b_of_a);
         for (int i = 0; i < relative; ++i) {
@@ -352,7 +369,7 @@ class LaneCouplings final : public Couplings {
           (slot.assigns_y ? -row : L::load(to) - row).store(to);
         }
       }
-      if (slot.b_feels) {
+      if (of_b) {
         std::array<L, relative> a;
         for (int i = 0; i < relative; ++i) a[at(i)] = L::load(z + at_a + i * W);
         for (int i = 0; i < 3; ++i) {
@@ -423,6 +440,18 @@ class LaneCouplings final : public Couplings {
     }
   }
 
+  /// What is felt in one group: slots by their a and by their b.
+  struct FeltRows {
+    std::vector<int> a{}, b{};
+  };
+  void find_rows() {
+    rows_into_.resize(layout_.groups.size());
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      if (slots_[i].a_feels) rows_into_[at(slots_[i].group_a)].a.push_back(static_cast<int>(i));
+      if (slots_[i].b_feels) rows_into_[at(slots_[i].group_b)].b.push_back(static_cast<int>(i));
+    }
+  }
+
   const Layout layout_;
   const BodyPotential* first_;
   Surroundings surroundings_;
@@ -431,6 +460,8 @@ class LaneCouplings final : public Couplings {
   std::vector<char> in_place_;                // [relative batch]
   std::vector<int> zeros_in_c_, zeros_in_y_;  // groups
   std::vector<Slot<W>> slots_;
+  std::optional<CrossBlocks<W>> crosses_;
+  std::vector<FeltRows> rows_into_;  // [group]
   std::vector<Neighbourhood> swarms_;
   bool lone_pair_ = false;
 };

@@ -40,6 +40,8 @@ class Couplings {
   virtual void swarm_values(const double* s, std::span<double> of_agents) noexcept = 0;
   /// y = C z, with the Hessian blocks of the last `evaluate`.
   virtual void product(const double* z, double* y) const noexcept = 0;
+  /// The rows of one group alone, of a team without swarms.
+  virtual void product(int group, const double* z, double* y) const noexcept = 0;
 };
 
 std::unique_ptr<Couplings> make_couplings(std::span<const BodyPotential> pairs, const Layout& layout,

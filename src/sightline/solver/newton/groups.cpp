@@ -10,6 +10,8 @@
 namespace sightline {
 namespace {
 
+constexpr int turn_size = 8;  // whatever the machine's lanes: all machines fly the same bits
+
 /// Agents of one model with equal barriers and input scales that are seen alike.
 struct Kind {
   std::string_view robot;
@@ -120,22 +122,31 @@ void Groups::copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x
   }
 }
 
-Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice)
+Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice,
+               std::span<const int> order)
     : h_(ocp.horizon().h()), dt_(ocp.horizon().dt), lean_(ocp.agent_bodies().size()) {
   for (const BodyId body : ocp.agent_bodies()) {
     const Model& model = ocp.team().model(body);
     limited_.push_back({model, ocp.team().barriers(body), std::vector<double>(at(model.nx())),
                         std::vector<double>(at(model.nu())), ocp.team().agent(body).R_rate});
   }
-  const std::vector<Kind> kinds = sort_into_kinds(ocp, potentials);
+  std::vector<int> place(ocp.agent_bodies().size());
+  for (std::size_t i = 0; i < place.size(); ++i)
+    place[order.empty() ? i : at(order[i])] = static_cast<int>(i);
+  std::vector<Kind> kinds = sort_into_kinds(ocp, potentials);
   const bool few =
       std::all_of(kinds.begin(), kinds.end(), [](const Kind& k) { return k.agents.size() <= 2; });
   layout_.stages = ocp.horizon().N;
   layout_.width = few ? 2 : native_width;
   layout_.agents.resize(ocp.agent_bodies().size());
-  for (const Kind& kind : kinds) {
+  std::vector<std::pair<int, int>> turns;  // place of the first agent, first group
+  for (Kind& kind : kinds) {
+    std::sort(kind.agents.begin(), kind.agents.end(),
+              [&](int a, int b) { return place[at(a)] < place[at(b)]; });
     const int first = static_cast<int>(groups_.size()), n = static_cast<int>(kind.agents.size());
-    const int groups = (n + layout_.width - 1) / layout_.width;
+    const int in_turns = (n + turn_size - 1) / turn_size, most = (n + in_turns - 1) / in_turns;
+    const int groups = in_turns * ((most + layout_.width - 1) / layout_.width);
+    for (int t = 0; t < in_turns; ++t) turns.emplace_back(place[at(kind.agents[at(t)])], first + t);
     kernels_.add(
         fmt::format("robot {}", kind.robot),
         choice == KernelChoice::compiled_if_there && find_stage(*kind.programs, layout_.width) != nullptr);
@@ -145,9 +156,20 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
     }
     members_.resize(groups_.size());
     for (int i = 0; i < n; ++i) {
-      layout_.agents[at(kind.agents[at(i)])] = {first + i % groups, i / groups};
-      members_[at(first + i % groups)].push_back(kind.agents[at(i)]);
+      const int in_turn = i / in_turns, group = first + i % in_turns + in_turns * (in_turn / layout_.width);
+      layout_.agents[at(kind.agents[at(i)])] = {group, in_turn % layout_.width};
+      members_[at(group)].push_back(kind.agents[at(i)]);
     }
+    for (int g = first; g < first + groups; ++g) {
+      layout_.groups[at(g)].turn = first + (g - first) % in_turns;
+      rests_as_.push_back(members_[at(g)].empty() ? kind.agents.back() : members_[at(g)].back());
+    }
+  }
+  std::sort(turns.begin(), turns.end());
+  for (Layout::Part& part : layout_.groups) {
+    const auto its =
+        std::find_if(turns.begin(), turns.end(), [&](const auto& t) { return t.second == part.turn; });
+    part.turn = static_cast<int>(its - turns.begin());
   }
   // A lane without an agent rests: no weights but those of its inputs, which so stay zero.
   for (const auto& group : groups_) {
@@ -171,6 +193,16 @@ void Groups::set_u_ref(int agent, const double* u_ref) noexcept {
   Group& group = group_of(agent);
   const int nx = group.sizes().nx, nu = group.sizes().nu;
   for (int i = 0; i < nu; ++i) group.weight(nx + nu + i, layout_.place(agent).lane) = u_ref[i];
+}
+
+void Groups::rest_at(const double* x, std::span<const int> x_at) noexcept {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const int own = groups_[g]->sizes().nx - groups_[g]->sizes().before;
+    const double* const of = x + x_at[at(rests_as_[g])];
+    for (int lane = static_cast<int>(members_[g].size()); lane < layout_.width; ++lane) {
+      for (int i = 0; i < own; ++i) groups_[g]->x(0, i, lane) = of[i];
+    }
+  }
 }
 
 void Groups::roll_out(const double* u, double* s) noexcept {
@@ -240,10 +272,7 @@ void Groups::differentiate(const double* u, const double* active, const double* 
 }
 
 void Groups::precondition(const double* r, double* du, double* ds) noexcept {
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const Layout::Part& part = layout_.groups[g];
-    groups_[g]->precondition(r + part.s, du + part.u, ds + part.s);
-  }
+  for (int g = 0; g < static_cast<int>(groups_.size()); ++g) precondition(g, r, du, ds);
 }
 
 }  // namespace sightline

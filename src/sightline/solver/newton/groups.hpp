@@ -14,11 +14,14 @@
 
 namespace sightline {
 
-/// Arrays are those of the layout. Equal agents are dealt out: agent a of n groups is in group a mod n, lane
-/// a / n, so that neighbours of a chain stand in neighbouring groups at the same lane.
+/// Arrays are those of the layout. Equal agents are dealt out to turns of at most eight robots: agent a of n turns is in turn
+/// a mod n, so that neighbours of a chain stand in neighbouring turns, at the same lane of their groups. A turn is one group, or as
+/// many as it takes where there are fewer lanes.
 class Groups {
  public:
-  Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice);
+  /// @param order  of the agents, in which they are dealt out; empty: that of the team
+  Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice,
+         std::span<const int> order = {});
 
   const Layout& layout() const { return layout_; }
   /// Of the robots.
@@ -34,6 +37,9 @@ class Groups {
   }
   /// An agent's u* from now on (nu).
   void set_u_ref(int agent, const double* u_ref) noexcept;
+  /// Lanes without an agent begin where one of their like does, a state that exists.
+  /// @param x_at  where each agent's states are in x
+  void rest_at(const double* x, std::span<const int> x_at) noexcept;
   void roll_out(const double* u, double* s) noexcept;
   /// States of the last roll-out, agent a of stage k at x + k stage + x_at[a].
   void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept;
@@ -47,6 +53,11 @@ class Groups {
   /// One backward sweep, for H_u alone.
   void differentiate(const double* u, const double* active, const double* c, double* H_u) noexcept;
   void precondition(const double* r, double* du, double* ds) noexcept;
+  /// Of one group alone.
+  void precondition(int group, const double* r, double* du, double* ds) noexcept {
+    const Layout::Part& part = layout_.groups[static_cast<std::size_t>(group)];
+    groups_[static_cast<std::size_t>(group)]->precondition(r + part.s, du + part.u, ds + part.s);
+  }
 
  private:
   /// What the barriers of an agent are evaluated with, and the cost of its inputs' rates.
@@ -62,6 +73,7 @@ class Groups {
   KernelUse kernels_;
   std::vector<std::unique_ptr<Group>> groups_;
   std::vector<std::vector<int>> members_;  // [group][lane]: agent
+  std::vector<int> rests_as_;              // [group]: the agent that lanes without one begin as
   std::vector<Limited> limited_;           // [agent]
   std::vector<Vec2<double>> lean_;         // [agent]
 };

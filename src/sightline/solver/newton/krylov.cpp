@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sightline/base/index.hpp"
+
 namespace sightline {
 namespace {
 
@@ -47,58 +49,45 @@ constexpr double sharper = 0.01;
 
 }  // namespace
 
-InfluenceGraph influence_graph(std::span<const BodyPotential> potentials, int agents,
-                               std::span<const SwarmPotential> swarms) {
-  std::vector<std::pair<int, int>> arrows;  // from the seen to the one that feels
-  bool all_mutual = true, any = false;
-  for (const BodyPotential& p : potentials) {
-    if (p.a < 0 || p.b < 0) continue;
-    any = true;
-    all_mutual &= p.ends.a_feels && p.ends.b_feels;
-    if (p.ends.a_feels) arrows.emplace_back(p.b, p.a);
-    if (p.ends.b_feels) arrows.emplace_back(p.a, p.b);
-  }
-  for (const SwarmPotential& swarm : swarms) {
-    any = true;
-    for (std::size_t i = 1; i < swarm.agents.size(); ++i) {
-      arrows.emplace_back(swarm.agents[i - 1], swarm.agents[i]);
-      arrows.emplace_back(swarm.agents[i], swarm.agents[i - 1]);
-    }
-  }
-  if (!any) return {Influence::none, 0, std::vector<int>(static_cast<std::size_t>(agents), 0)};
-  if (all_mutual) return {Influence::mutual, 0, {}};
-  std::vector<int> depth(static_cast<std::size_t>(agents), 0);
-  for (int round = 0; round <= agents; ++round) {
-    bool changed = false;
-    for (const auto& [from, to] : arrows) {
-      const int through = depth[static_cast<std::size_t>(from)] + 1;
-      int& known = depth[static_cast<std::size_t>(to)];
-      if (through > known) known = through, changed = true;
-    }
-    if (!changed) return {Influence::cascade, *std::max_element(depth.begin(), depth.end()), depth};
-  }
-  return {Influence::cyclic, 0, {}};
-}
-
-Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterations, double stop)
+Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterations, double stop,
+               bool has_swarms)
     : layout_(layout),
-      graph_(graph),
+      kind_(graph.kind),
       max_iterations_(max_iterations),
       stop_(stop),
       gmres_(graph.kind == Influence::cyclic ? layout.s_length : 1, generous * std::max(max_iterations, 1)),
       s_vectors_(6, std::max(layout.s_length, gmres_.length())),
-      u_vectors_(2, layout.u_length) {}
+      u_vectors_(2, layout.u_length) {
+  if (kind_ == Influence::none || kind_ == Influence::mutual || has_swarms) return;
+  for (std::size_t g = 0; g < layout.groups.size(); ++g) {
+    const std::size_t turn = at(layout.groups[g].turn);
+    if (turns_.size() <= turn) turns_.resize(turn + 1);
+    turns_[turn].groups.push_back(static_cast<int>(g));
+    turns_[turn].wakes.emplace_back(at(layout.width));
+  }
+  due_.resize(turns_.size());
+  for (std::size_t a = 0; a < graph.feelers.size(); ++a) {
+    const Layout::Place& of = layout.place(static_cast<int>(a));
+    Turn& turn = turns_[at(layout.groups[at(of.group)].turn)];
+    const auto group = std::find(turn.groups.begin(), turn.groups.end(), of.group) - turn.groups.begin();
+    std::vector<int>& wakes = turn.wakes[static_cast<std::size_t>(group)][at(of.lane)];
+    for (const int feeler : graph.feelers[a]) {
+      const int woken = layout.groups[at(layout.place(feeler).group)].turn;
+      turns_[at(woken)].feels = turn.is_felt = true;
+      if (std::find(wakes.begin(), wakes.end(), woken) == wakes.end()) wakes.push_back(woken);
+    }
+  }
+}
 
 int Krylov::complete(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept {
-  switch (graph_.kind) {
+  switch (kind_) {
     case Influence::none:
       return 0;
     case Influence::mutual:
       return conjugate_gradients(groups, couplings, du, ds);
     case Influence::cascade:
-      return sweeps(groups, couplings, du, ds);
     case Influence::cyclic:
-      return general(groups, couplings, du, ds);
+      return turns_.empty() ? general(groups, couplings, du, ds) : substitute(groups, couplings, du, ds);
   }
   return 0;
 }
@@ -156,22 +145,72 @@ int Krylov::conjugate_gradients(Groups& groups, const Couplings& couplings, doub
   return k;
 }
 
-int Krylov::sweeps(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept {
-  const int ns = layout_.s_length, nu = layout_.u_length;
-  double* const r = s_vectors_[0];
-  double* const z = s_vectors_[1];
-  const double* from = ds;
-  const int sweeps = std::min(graph_.depth, generous * max_iterations_);
-  const double stop = sharper * stop_;
-  double sign = -1.0;  // z is +- the correction
-  for (int k = 0; k < sweeps; ++k, sign = -sign) {
-    couplings.product(from, r);
-    groups.precondition(r, u_vectors_[0], z);
-    add(du, sign, u_vectors_[0], nu);
-    from = z;
-    if (k + 1 < sweeps && dot_packs(r, z, ns) < stop * stop) return k + 1;
+/// Each turn sees what those before it came to. Who changed by little wakes nobody, so a cascade is exact to that, and the
+/// parts of a team with cycles go on alone.
+int Krylov::substitute(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept {
+  const int most = generous * max_iterations_;
+  const bool may_fail = kind_ == Influence::cyclic;
+  double *const ds_alone = s_vectors_[4], *const du_alone = u_vectors_[1];
+  if (may_fail) {
+    std::copy_n(ds, layout_.s_length, ds_alone);
+    std::copy_n(du, layout_.u_length, du_alone);
   }
-  return sweeps;
+  std::fill_n(s_vectors_[1], layout_.s_length, 0.0);
+  for (std::size_t t = 0; t < turns_.size(); ++t) due_[t] = turns_[t].feels;
+  double first = 0.0, last = 0.0;
+  int pass = 0;
+  const auto is_due = [&] {
+    return std::any_of(due_.begin(), due_.end(), [](char due) { return due != 0; });
+  };
+  for (; pass < most && is_due(); ++pass) {
+    last = 0.0;
+    for (std::size_t t = 0; t < turns_.size(); ++t) {
+      if (due_[t] == 0) continue;
+      due_[t] = 0;
+      last = std::max(last, take_turn(static_cast<int>(t), groups, couplings, du, ds));
+    }
+    if (pass == 0) first = last;
+  }
+  if (!may_fail || (last <= first && first < 1e300)) return pass;
+  std::copy_n(ds_alone, layout_.s_length, ds);
+  std::copy_n(du_alone, layout_.u_length, du);
+  return pass + general(groups, couplings, du, ds);
+}
+
+/// @return the greatest change of a robot's own cost
+double Krylov::take_turn(int turn, Groups& groups, const Couplings& couplings, double* du,
+                         double* ds) noexcept {
+  const Turn& its = turns_[at(turn)];
+  const double stop = square(sharper * stop_);
+  double *const r = s_vectors_[0], *const before = s_vectors_[1], *const z = s_vectors_[2];
+  double* const z_u = u_vectors_[0];
+  for (const int g : its.groups) couplings.product(g, ds, r);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < its.groups.size(); ++i) {
+    const int g = its.groups[i];
+    const Layout::Part& part = layout_.groups[at(g)];
+    const int ns = padded(layout_.stages * part.ns * layout_.width);
+    const int nu = padded(layout_.stages * part.nu * layout_.width);
+    each_pack(ns, [&](int k) {
+      const L now = L::load(r + part.s + k);
+      (now - L::load(before + part.s + k)).store(r + part.s + k);
+      now.store(before + part.s + k);
+    });
+    groups.precondition(g, r, z_u, z);
+    add(du + part.u, -1.0, z_u + part.u, nu);
+    if (!its.is_felt) continue;
+    add(ds + part.s, -1.0, z + part.s, ns);
+    L change = 0.0;
+    each_pack(ns, [&](int k) { change = fma(L::load(r + part.s + k), L::load(z + part.s + k), change); });
+    for (int lane = 0; lane < layout_.width; ++lane) {
+      double of_robot = 0.0;
+      for (int k = lane; k < L::width; k += layout_.width) of_robot += change[k];
+      largest = std::max(largest, of_robot);
+      if (!(of_robot > stop)) continue;
+      for (const int woken : its.wakes[i][at(lane)]) due_[at(woken)] = 1;
+    }
+  }
+  return largest;
 }
 
 int Krylov::general(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept {

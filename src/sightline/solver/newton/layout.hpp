@@ -13,6 +13,7 @@ struct Layout {
   struct Part {
     int nu = 0, ns = 0;                  ///< entries a stage of u and of s
     std::ptrdiff_t u = 0, s = 0, c = 0;  ///< first number in the arrays of u, of s and of the couplings' c
+    int turn = 0;                        ///< groups of one turn are visited together
     int nc() const { return ns + ns * (ns + 1) / 2; }
   };
   struct Place {

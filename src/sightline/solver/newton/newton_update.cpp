@@ -66,11 +66,11 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       potentials_(
           trace_potentials(ocp_, [](const Program& p) { return find_formula(p, native_width) != nullptr; })),
       swarms_(trace_swarms(ocp_, [](const Program& p) { return find_formula(p, native_width) != nullptr; })),
-      groups_(ocp_, potentials_, options_.kernels),
       influence_(influence_graph(potentials_, static_cast<int>(ocp_.agent_bodies().size()), swarms_)),
+      groups_(ocp_, potentials_, options_.kernels, influence_.order),
       couplings_(
           make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels, swarms_)),
-      krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop),
+      krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop, !swarms_.empty()),
       descent_(potentials_, groups_.layout(), influence_),
       u_vectors_(11, groups_.layout().u_length),
       s_vectors_(2, groups_.layout().s_length),
@@ -126,17 +126,13 @@ bool NewtonUpdate::accept(std::span<const double> states) noexcept {
   for (int b = 0; b < team.bodies(); ++b) {
     if (!team.model(BodyId{b}).normalise(&x_now_[at(team.state_offset(BodyId{b}))])) return false;
   }
+  if (!started_) groups_.rest_at(x_now_.data(), x_at_);
   for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
     Group& group = groups_.group_of(a);
-    const int lane = groups_.layout().place(a).lane, lanes = groups_.layout().width;
+    const int lane = groups_.layout().place(a).lane;
     const double* const x = &x_now_[at(team.state_offset(ocp_.agent_bodies()[at(a)]))];
     const int own = group.sizes().nx - group.sizes().before;
-    for (int i = 0; i < own; ++i) {
-      group.x(0, i, lane) = x[i];
-      if (!started_) {  // lanes at rest begin somewhere that exists
-        for (int l = lane + 1; l < lanes; ++l) group.x(0, i, l) = x[i];
-      }
-    }
+    for (int i = 0; i < own; ++i) group.x(0, i, lane) = x[i];
     const std::size_t input = at(team.input_offset(ocp_.agent_bodies()[at(a)]));
     for (int i = 0; i < group.sizes().before; ++i) {
       const std::size_t at_u = input + at(i);

@@ -68,8 +68,8 @@ class NewtonUpdate {
   NewtonRiccatiOptions options_;
   std::vector<BodyPotential> potentials_;
   std::vector<SwarmPotential> swarms_;
-  Groups groups_;
   InfluenceGraph influence_;
+  Groups groups_;
   std::unique_ptr<Couplings> couplings_;
   Krylov krylov_;
   Descent descent_;

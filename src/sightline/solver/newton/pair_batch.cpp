@@ -77,22 +77,4 @@ void PairBatch::scatter(const Layout& layout, double* c) const noexcept {
   }
 }
 
-void PairBatch::product(const Layout& layout, const double* z, double* y) const noexcept {
-  const PosePotential& potential = pairs[0]->potential;
-  int first = 0;
-  for (const BodyPotential* pair : pairs) {
-    for (const auto& h : potential.cross) {
-      const Layout::View a = layout.s(pair->a), b = layout.s(pair->b);
-      const int i = h.row, j = h.column - sight_size;
-      const double sign = h.negative ? -1.0 : 1.0;
-      const bool a_feels = pair->ends.a_feels, b_feels = pair->ends.b_feels;
-      points.each_out(first, layout.stages, h.output, [&](int k, double value) {
-        if (a_feels) y[a(k, i)] += sign * value * z[b(k, j)];
-        if (b_feels) y[b(k, j)] += sign * value * z[a(k, i)];
-      });
-    }
-    first += layout.stages;
-  }
-}
-
 }  // namespace sightline

@@ -26,8 +26,6 @@ struct PairBatch {
   void gather(const Layout& layout, const Surroundings& surroundings, const double* s) noexcept;
   /// c += gradients and own Hessians of the last `derive`, of potentials that are not relative.
   void scatter(const Layout& layout, double* c) const noexcept;
-  /// y += C z with their blocks between two agents.
-  void product(const Layout& layout, const double* z, double* y) const noexcept;
 };
 
 }  // namespace sightline
