@@ -130,14 +130,6 @@ replay() {
 }
 fault() { printf '[[fleet.fault]]\nrobot = "uav0"\nkind = "%s"\nsince = "flight"\nat = %s\n' "$@"; }
 
-# $1: program of tests; $2: which. Its figures, and that there were any.
-tests() {
-  local said code=0
-  said=$(SIGHTLINE_CAMPAIGN=$form "$build/tests/$1" --gtest_filter="$2" 2>&1) || code=$?
-  grep -E 'Failure|Expected|Actual|  OK |FAILED|PASSED' <<<"$said"
-  grep -qE 'PASSED  \] [1-9]' <<<"$said" && ((code == 0))
-}
-
 # Each release of PX4 flies with its own vehicle, and each wrong pair is refused.
 releases() { tests dds_test 'DdsWorld.AFleetOfAllReleases*:DdsWorld.EachWrongPair*'; }
 

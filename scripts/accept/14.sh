@@ -209,5 +209,22 @@ rendered() {
   return $bad
 }
 
-all=(campaign compass hidden chain replay flight rendered)
+# Hidden for 2, 5 and 10 s, told a wrong pose, without a position at all; hard distances on estimates.
+searching() { tests run_campaign_test 'SearchingCampaign.*'; }
+
+# Who observes whom, in drawn layouts; what `explain` tells of distances beside flights.
+views() { tests world_campaign_test 'ViewChoice.*:ViewFlight.*'; }
+
+# A pillar goes round between the two: with the limit by text the target is in sight, without it detections stop.
+sight() { tests scenario_test 'LineOfSight.*'; }
+
+# A sample and a sighting that is 80 ms late: at most 10 us by heading, 30 us by full attitude. Judges this machine where it is whole.
+filters() {
+  local rows
+  rows=$("$sightline" bench --case estimate --json) || return 1
+  jq -r '.cases[] | "\(.name): median \(.median_us) us, p99 \(.p99_us) us, \(.allocations) allocations"' <<<"$rows"
+  ! whole || jq -e 'all(.cases[]; .allocations == 0 and .median_us <= (if .name | startswith("attitude") then 30 else 10 end))' <<<"$rows" >/dev/null
+}
+
+all=(campaign compass hidden searching chain views sight filters replay flight rendered)
 run_sections "$@"

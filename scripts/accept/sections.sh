@@ -9,6 +9,14 @@ fi
 mkdir -p "$out"
 whole() { [[ $form == whole ]]; }
 
+# $1: program of tests; $2: which. What they print, and that there were any.
+tests() {
+  local said code=0
+  said=$(SIGHTLINE_CAMPAIGN=$form "$build/tests/$1" --gtest_filter="$2" 2>&1) || code=$?
+  grep -vE '^(\[(==|--| RUN)|Note: |$)' <<<"$said"
+  grep -qE 'PASSED  \] [1-9]' <<<"$said" && ((code == 0))
+}
+
 # $@: the sections asked for, functions of `all`; without any, all of them.
 run_sections() {
   local -a sections=("$@")

@@ -8,6 +8,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "tests/support/folder.hpp"
+
 namespace sightline {
 namespace {
 
@@ -19,11 +21,11 @@ TEST(LogText, ReadsEveryNumberBackToTheSameBits) {
     const double value = std::bit_cast<double>(random());
     if (std::isfinite(value)) values.push_back(value);
   }
-  std::string line = "{\"time\":";
-  put(line, values[5]);
-  put(line, "x", values);
-  line += '}';
-  text.read(line);
+  McapWriter mcap(test::fresh_folder() / "run.mcap", "ros2", "");
+  LogMessage message(mcap);
+  message.begin(values[5]);
+  message.put("x", values);
+  text.read(message.end());
   EXPECT_EQ(text.number("time"), values[5]);
   const std::span<const double> read = text.numbers("x");
   ASSERT_EQ(read.size(), values.size());
@@ -32,15 +34,28 @@ TEST(LogText, ReadsEveryNumberBackToTheSameBits) {
 }
 
 TEST(LogText, NullStandsForANumberThatWasNotFinite) {
-  std::string line = "{\"time\":";
-  put(line, std::numeric_limits<double>::infinity());
-  put(line, "x", std::array{1.0, std::nan("")});
-  line += '}';
-  EXPECT_EQ(line, "{\"time\":null,\"x\":[1,null]}");
+  McapWriter mcap(test::fresh_folder() / "run.mcap", "ros2", "");
+  LogMessage message(mcap);
+  message.begin(std::numeric_limits<double>::infinity());
+  message.put("x", std::array{1.0, std::nan("")});
   LogText text;
+  const std::string line(message.end());
+  EXPECT_EQ(line, "{\"time\":null,\"x\":[1,null]}");
   text.read(line);
   EXPECT_TRUE(std::isnan(text.number("time")));
   EXPECT_TRUE(std::isnan(text.numbers("x")[1]));
+}
+
+TEST(LogMessage, WritesWordsWholeNumbersAndTruth) {
+  McapWriter mcap(test::fresh_folder() / "run.mcap", "ros2", "");
+  LogMessage message(mcap);
+  message.begin(1.5);
+  message.put("target", "uav1");
+  message.put("tags", 2);
+  message.put("active", true);
+  message.put("reserve", -0.25);
+  const std::string line(message.end());
+  EXPECT_EQ(line, R"({"time":1.5,"target":"uav1","tags":2,"active":true,"reserve":-0.25})");
 }
 
 TEST(LogText, KeysStandInAnyOrderWithAnySpaceAsOtherWritersLeaveThem) {

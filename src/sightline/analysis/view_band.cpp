@@ -54,7 +54,7 @@ std::optional<DistanceBand> served(const ViewFlight& flight, const std::vector<V
   const auto holds = [&](const ViewAtDistance& row) {
     return row.figures.losses <= band_losses && row.figures.known > 0.99;
   };
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   for (const ViewAtDistance& row : rows)
     if (holds(row)) least = std::min(least, row.figures.sigma);
   std::optional<DistanceBand> band;
@@ -87,14 +87,9 @@ std::vector<ViewBand> view_bands(const Scenario& scenario, int flights) {
   std::set<std::pair<int, int>> pairs;
   const auto take = [&](const Coupling& coupling) {
     const auto& [observer, target] = coupling.between;
-    const auto& cameras = scenario.vision.cameras;
-    const auto camera =
-        std::find_if(cameras.begin(), cameras.end(),
-                     [&, of = observer](const RobotCamera& one) { return one.observer == of; });
-    const auto& tagged = scenario.vision.tags;
-    const auto tags = std::find_if(tagged.begin(), tagged.end(),
-                                   [&, of = target](const BodyTags& one) { return one.body == of; });
-    if (coupling.term.potential.mount() == nullptr || camera == cameras.end() || tags == tagged.end()) return;
+    const RobotCamera* const camera = scenario.vision.camera_of(observer);
+    const BodyTags* const tags = scenario.vision.tags_of(target);
+    if (coupling.term.potential.mount() == nullptr || camera == nullptr || tags == nullptr) return;
     if (!pairs.emplace(observer.index, target.index).second) return;
     ViewBand band{.observer = observer, .target = target, .speed = meant_speed(scenario, target)};
     const ViewFlight flight{.camera = camera->camera,
@@ -103,11 +98,7 @@ std::vector<ViewBand> view_bands(const Scenario& scenario, int flights) {
                             .filter = {.compass_noise = compass_of(scenario, observer)},
                             .target_speed = band.speed};
     for (std::size_t i = 0; i < flown.size() && !band.same_as; ++i) {
-      const ViewFlight& other = flown[i];
-      if (!(other.camera == flight.camera && other.tags == flight.tags && other.filter == flight.filter &&
-            other.target_speed == flight.target_speed && other.mount.pitch == flight.mount.pitch &&
-            other.mount.offset == flight.mount.offset && other.mount.frame == flight.mount.frame))
-        continue;
+      if (!(flown[i] == flight)) continue;
       band.same_as = i, band.rows = all[i].rows, band.serves = all[i].serves;
     }
     if (!band.same_as) {

@@ -170,6 +170,16 @@ class Cholesky {
   bool positive = true;
 };
 
+/// A symmetric matrix, row by row from the diagonal on.
+template <int n>
+std::array<double, static_cast<std::size_t>(n*(n + 1) / 2)> upper_triangle(const Mat<n, n>& A) noexcept {
+  std::array<double, static_cast<std::size_t>(n * (n + 1) / 2)> all{};
+  std::size_t place = 0;
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < n; ++j) all[place++] = A(i, j);
+  return all;
+}
+
 /// e^T A^-1 e, the squared Mahalanobis length of e under the covariance A; infinite where A is not positive
 /// definite.
 template <int n>

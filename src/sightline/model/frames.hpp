@@ -69,6 +69,8 @@ struct SensorMount {
   double offset = 0.17;                  ///< d_s [m], lever arm along x of V or B
   MountFrame frame = MountFrame::level;  ///< whose pitch and offset these are
 
+  bool operator==(const SensorMount&) const = default;
+
   /// A point of G in the sensor frame S of a robot that stands upright: p_S = T_SG p_G, (46), (48).
   template <class S>
   Vec3<S> operator()(const Pose<S>& robot, const Vec3<S>& point) const {

@@ -17,14 +17,6 @@ namespace {
 
 std::array<double, 3> numbers_of_vector(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
 
-std::array<double, 10> upper_triangle(const Mat<4, 4>& P) {
-  std::array<double, 10> all{};
-  std::size_t place = 0;
-  for (int i = 0; i < 4; ++i)
-    for (int j = i; j < 4; ++j) all[place++] = P(i, j);
-  return all;
-}
-
 Vec3<double> vector_of(const LogText& text, std::string_view key) {
   const std::span<const double> v = text.numbers(key);
   if (v.size() != 3) throw std::runtime_error(fmt::format("{} numbers in {}, expected 3", v.size(), key));
@@ -45,7 +37,7 @@ Mat<4, 4> covariance_of(const LogText& text) {
 }  // namespace
 
 LocalizationLog::LocalizationLog(const Scenario& scenario, McapWriter& mcap)
-    : team_(scenario.team), mcap_(mcap) {
+    : team_(scenario.team), mcap_(mcap), message_(mcap) {
   const TelemetryOptions telemetry = telemetry_options(scenario);
   if (telemetry.robots.empty()) return;
   const SchemaId motion = mcap.schema("sightline.Motion", "jsonschema",
@@ -95,21 +87,6 @@ LocalizationLog::LocalizationLog(const Scenario& scenario, McapWriter& mcap)
     senders_.push_back({body, open(broadcast, body, "broadcast", "json")});
 }
 
-void LocalizationLog::begin(double time) {
-  text_ = "{\"time\":";
-  put(text_, time);
-}
-
-void LocalizationLog::put_number(std::string_view key, double value) {
-  fmt::format_to(std::back_inserter(text_), ",\"{}\":", key);
-  put(text_, value);
-}
-
-void LocalizationLog::send(McapChannel& channel, double time) {
-  text_ += '}';
-  mcap_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(text_)));
-}
-
 LocalizationLog::Robot* LocalizationLog::robot(BodyId body) {
   const auto found =
       std::find_if(robots_.begin(), robots_.end(), [&](const Robot& one) { return one.body == body; });
@@ -129,44 +106,44 @@ void LocalizationLog::add_motion(const RobotMotion& told, double time) {
   Robot* const of = robot(told.robot);
   if (of == nullptr) return;
   const MotionSample& u = told.motion;
-  begin(time);
-  put_number("t", u.t);
-  put_number("dt", u.dt);
-  put(text_, "v", numbers_of_vector(u.v_V));
-  put_number("yaw_rate", u.yaw_rate);
-  put_number("roll", u.roll);
-  put_number("pitch", u.pitch);
-  put(text_, "gyro", numbers_of_vector(u.gyro));
-  put(text_, "force", numbers_of_vector(u.force));
-  if (u.compass) put_number("compass", *u.compass);
-  send(of->motion, time);
+  message_.begin(time);
+  message_.put("t", u.t);
+  message_.put("dt", u.dt);
+  message_.put("v", numbers_of_vector(u.v_V));
+  message_.put("yaw_rate", u.yaw_rate);
+  message_.put("roll", u.roll);
+  message_.put("pitch", u.pitch);
+  message_.put("gyro", numbers_of_vector(u.gyro));
+  message_.put("force", numbers_of_vector(u.force));
+  if (u.compass) message_.put("compass", *u.compass);
+  message_.send(of->motion, time);
 }
 
 void LocalizationLog::add_broadcast(const BodyBroadcast& told, double time) {
   const auto sender = std::find_if(senders_.begin(), senders_.end(),
                                    [&](const Sender& one) { return one.body == told.body; });
   if (sender == senders_.end()) return;
-  begin(time);
-  put_number("stamp", told.pose.stamp);
-  put(text_, "p", numbers_of_vector(told.pose.p));
-  put(text_, "v", numbers_of_vector(told.pose.v));
-  put_number("heading", told.pose.psi);
-  put_number("yaw_rate", told.pose.yaw_rate);
-  put(text_, "covariance", upper_triangle(told.pose.P));
-  send(sender->broadcast, time);
+  message_.begin(time);
+  message_.put("stamp", told.pose.stamp);
+  message_.put("p", numbers_of_vector(told.pose.p));
+  message_.put("v", numbers_of_vector(told.pose.v));
+  message_.put("heading", told.pose.psi);
+  message_.put("yaw_rate", told.pose.yaw_rate);
+  message_.put("covariance", upper_triangle(told.pose.P));
+  message_.send(sender->broadcast, time);
 }
 
 void LocalizationLog::add_estimate(Robot& of, const PoseEstimate& estimate, double time) {
   if (!estimate.known) return;
-  begin(time);
-  put_number("stamp", estimate.stamp);
-  put_number("accepted", estimate.last_accepted);
-  put(text_, "p", numbers_of_vector(estimate.p));
-  put(text_, "v", numbers_of_vector(estimate.v));
-  put_number("heading", estimate.psi);
-  put_number("yaw_rate", estimate.yaw_rate);
-  put(text_, "covariance", upper_triangle(estimate.P));
-  send(of.localization, time);
+  message_.begin(time);
+  message_.put("stamp", estimate.stamp);
+  message_.put("accepted", estimate.last_accepted);
+  message_.put("p", numbers_of_vector(estimate.p));
+  message_.put("v", numbers_of_vector(estimate.v));
+  message_.put("heading", estimate.psi);
+  message_.put("yaw_rate", estimate.yaw_rate);
+  message_.put("covariance", upper_triangle(estimate.P));
+  message_.send(of.localization, time);
   PoseCovariance covariance{};
   constexpr std::array<std::size_t, 4> row = {0, 1, 2, 5};  // x, y, z, turn about z
   for (std::size_t i = 0; i < 4; ++i)
@@ -182,14 +159,14 @@ void LocalizationLog::add_estimate(Robot& of, const PoseEstimate& estimate, doub
 void LocalizationLog::add_fit(const DetectionFit& fit, double time) {
   Robot* const of = robot(fit.observer);
   if (of == nullptr) return;
-  begin(time);
-  fmt::format_to(std::back_inserter(text_), ",\"target\":\"{}\"", team_.name(fit.target));
-  put_number("stamp", fit.stamp);
-  fmt::format_to(std::back_inserter(text_), ",\"verdict\":\"{}\",\"dimension\":{}",
-                 to_string(fit.fit.verdict), fit.fit.dimension);
-  put_number("squared", fit.fit.squared);
-  put(text_, "y", fit.fit.y);
-  send(of->innovation, time);
+  message_.begin(time);
+  message_.put("target", team_.name(fit.target));
+  message_.put("stamp", fit.stamp);
+  message_.put("verdict", to_string(fit.fit.verdict));
+  message_.put("dimension", fit.fit.dimension);
+  message_.put("squared", fit.fit.squared);
+  message_.put("y", fit.fit.y);
+  message_.send(of->innovation, time);
 }
 
 MotionSample motion_of(const LogText& text) {

@@ -46,9 +46,6 @@ class LocalizationLog {
     BodyId body{};
     McapChannel broadcast;
   };
-  void begin(double time);
-  void put_number(std::string_view key, double value);
-  void send(McapChannel& channel, double time);
   void add_motion(const RobotMotion& told, double time);
   void add_broadcast(const BodyBroadcast& told, double time);
   void add_estimate(Robot& robot, const PoseEstimate& estimate, double time);
@@ -57,9 +54,9 @@ class LocalizationLog {
 
   Team team_;
   McapWriter& mcap_;
+  LogMessage message_;
   std::vector<Robot> robots_;
   std::vector<Sender> senders_;
-  std::string text_;
   std::vector<std::byte> bytes_;
 };
 

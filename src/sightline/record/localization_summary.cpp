@@ -20,16 +20,8 @@ bool is_believed(FitVerdict verdict) {
 
 PoseError error_of(const PoseEstimate& estimate, const Vec3<double>& p, double psi) noexcept {
   PoseError error{p - estimate.p, wrap(psi - estimate.psi)};
-  const double e[4] = {error.p.x, error.p.y, error.p.z, error.psi};
-  // L y = e; y^T y = e^T P^-1 e.
-  const Cholesky<4> P(estimate.P);
-  double y[4] = {};
-  for (int i = 0; i < 4; ++i) {
-    double sum = e[i];
-    for (int k = 0; k < i; ++k) sum -= P.L(i, k) * y[k];
-    y[i] = sum / P.L(i, i);
-    error.nees += square(y[i]);
-  }
+  const Column<4> e{{{{error.p.x}, {error.p.y}, {error.p.z}, {error.psi}}}};
+  error.nees = mahalanobis(e, estimate.P);
   return error;
 }
 

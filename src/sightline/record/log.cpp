@@ -88,14 +88,6 @@ class Log::Files {
   void send_bytes(McapChannel& channel, double time) {
     mcap_.message(channel.id, channel.sequence++, nanoseconds(time), bytes_);
   }
-  void begin_text(double time) {
-    text_ = "{\"time\":";
-    put(text_, time);
-  }
-  void send_text(McapChannel& channel, double time) {
-    text_ += '}';
-    mcap_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(text_)));
-  }
 
   void add_body(BodyChannels& channels, const Sample& sample);
   void open_attitudes(const Scenario& scenario);
@@ -137,7 +129,8 @@ class Log::Files {
   } judging_, writing_;
 
   std::vector<std::byte> bytes_;
-  std::string text_, rows_;
+  LogMessage message_{mcap_};
+  std::string rows_;
   std::vector<StampedPose> path_;
   std::vector<double> x_ref_, no_input_;
 };
@@ -308,9 +301,9 @@ void Log::Files::add_body(BodyChannels& channels, const Sample& sample) {
   const Model& model = team_.model(channels.body);
   const std::size_t nx = size(model.nx()), offset = size(team_.state_offset(channels.body));
   const double *x = sample.x.data() + offset, *u = sample.u.data() + team_.input_offset(channels.body);
-  begin_text(sample.time);
-  put(text_, "x", {x, nx});
-  send_text(channels.state, sample.time);
+  message_.begin(sample.time);
+  message_.put("x", {x, nx});
+  message_.send(channels.state, sample.time);
   if (sample.presence[size(channels.body.index)] == Presence::absent) return;
   add_pose(channels.pose, model, x, sample.time);
   if (channels.measured) add_pose(*channels.measured, model, sample.measured.data() + offset, sample.time);
@@ -343,21 +336,21 @@ void Log::Files::add_pose(McapChannel& channel, const Model& model, const double
 void Log::Files::add_agent(BodyChannels& channels, const Sample& sample) {
   const std::size_t nu = size(team_.model(channels.body).nu());
   const std::size_t offset = size(team_.input_offset(channels.body));
-  begin_text(sample.time);
-  put(text_, "u", std::span(sample.u).subspan(offset, nu));
-  put(text_, "raw", std::span(sample.raw_u).subspan(offset, nu));
-  send_text(*channels.input, sample.time);
+  message_.begin(sample.time);
+  message_.put("u", std::span(sample.u).subspan(offset, nu));
+  message_.put("raw", std::span(sample.raw_u).subspan(offset, nu));
+  message_.send(*channels.input, sample.time);
   if (sample.has_path) add_path(channels, sample);
   if (channels.barrier && channels.robot < sample.barriers.size()) add_barrier(channels, sample);
 }
 
 void Log::Files::add_barrier(BodyChannels& channels, const Sample& sample) {
   const BarrierRecord& record = sample.barriers[channels.robot];
-  begin_text(sample.time);
-  fmt::format_to(std::back_inserter(text_), ",\"active\":{},\"conflict\":{},\"reserve\":", record.active,
-                 record.conflict);
-  put(text_, record.reserve);
-  send_text(*channels.barrier, sample.time);
+  message_.begin(sample.time);
+  message_.put("active", record.active);
+  message_.put("conflict", record.conflict);
+  message_.put("reserve", record.reserve);
+  message_.send(*channels.barrier, sample.time);
 }
 
 void Log::Files::add_path(BodyChannels& channels, const Sample& sample) {
@@ -386,34 +379,33 @@ void Log::Files::add_reference(BodyChannels& channels, double time) {
   x_ref_.resize(agent.Q.size());
   agent.x_ref(time, agent.model, x_ref_);
   const Pose<double> pose = agent.model.sight(x_ref_.data(), no_input_.data());
-  begin_text(time);
-  if (tracks_position(agent, roles)) put(text_, "p", std::array{pose.p.x, pose.p.y, pose.p.z});
+  message_.begin(time);
+  if (tracks_position(agent, roles)) message_.put("p", std::array{pose.p.x, pose.p.y, pose.p.z});
   if (tracks_heading(agent, roles) && !(pose.d.x == 0 && pose.d.y == 0)) {
-    put(text_, "d", std::array{pose.d.x, pose.d.y});
+    message_.put("d", std::array{pose.d.x, pose.d.y});
   }
-  send_text(*channels.reference, time);
+  message_.send(*channels.reference, time);
 }
 
 void Log::Files::add_records(const Sample& sample) {
   const double cost = judging_.what ? std::numeric_limits<double>::quiet_NaN() : summary_.stage_cost();
   for (std::size_t c = 0; c < solvers_.size(); ++c) {
     const SolverRecord& record = sample.solvers[c];
-    begin_text(sample.time);
-    fmt::format_to(std::back_inserter(text_), ",\"status\":\"{}\",\"residual\":", to_string(record.status));
-    put(text_, record.residual);
-    fmt::format_to(std::back_inserter(text_), ",\"iterations\":{},", record.iterations);
-    if (!team_.swarms().empty()) fmt::format_to(std::back_inserter(text_), "\"pairs\":{},", record.pairs);
-    text_ += "\"cost\":";
-    put(text_, cost);
-    send_text(solvers_[c], sample.time);
+    message_.begin(sample.time);
+    message_.put("status", to_string(record.status));
+    message_.put("residual", record.residual);
+    message_.put("iterations", record.iterations);
+    if (!team_.swarms().empty()) message_.put("pairs", record.pairs);
+    message_.put("cost", cost);
+    message_.send(solvers_[c], sample.time);
   }
   for (int i = 0; i < sample.event_count; ++i) {
     const Event& event = sample.events[size(i)];
-    begin_text(event.time);
-    fmt::format_to(std::back_inserter(text_),
-                   ",\"kind\":\"{}\",\"controller\":{},\"value\":", to_string(event.kind), event.controller);
-    put(text_, event.value);
-    send_text(events_, sample.time);
+    message_.begin(event.time);
+    message_.put("kind", to_string(event.kind));
+    message_.put("controller", event.controller);
+    message_.put("value", event.value);
+    message_.send(events_, sample.time);
   }
 }
 

@@ -1,7 +1,5 @@
 #include "sightline/record/log_text.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -15,7 +13,9 @@ namespace sightline {
 
 std::uint64_t nanoseconds(double time) { return static_cast<std::uint64_t>(std::llround(time * 1e9)); }
 
-void put(std::string& to, double value) {
+namespace {
+
+void append(std::string& to, double value) {
   if (std::isfinite(value)) {
     fmt::format_to(std::back_inserter(to), "{}", value);
   } else {
@@ -23,13 +23,35 @@ void put(std::string& to, double value) {
   }
 }
 
-void put(std::string& to, std::string_view key, std::span<const double> values) {
-  fmt::format_to(std::back_inserter(to), ",\"{}\":[", key);
+}  // namespace
+
+void LogMessage::begin(double time) {
+  text_ = "{\"time\":";
+  append(text_, time);
+}
+
+void LogMessage::put(std::string_view key, double value) {
+  fmt::format_to(std::back_inserter(text_), ",\"{}\":", key);
+  append(text_, value);
+}
+
+void LogMessage::put(std::string_view key, std::span<const double> values) {
+  fmt::format_to(std::back_inserter(text_), ",\"{}\":[", key);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (i > 0) to += ',';
-    put(to, values[i]);
+    if (i > 0) text_ += ',';
+    append(text_, values[i]);
   }
-  to += ']';
+  text_ += ']';
+}
+
+void LogMessage::put(std::string_view key, std::string_view word) {
+  fmt::format_to(std::back_inserter(text_), ",\"{}\":\"{}\"", key, word);
+}
+
+std::string_view LogMessage::end() { return text_ += '}'; }
+
+void LogMessage::send(McapChannel& channel, double time) {
+  mcap_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(end())));
 }
 
 std::string json_schema(std::initializer_list<std::pair<const char*, std::string_view>> properties) {

@@ -1,23 +1,51 @@
 /// The JSON of a log's messages: numbers that read back to the same bits.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <concepts>
 #include <cstdint>
 #include <initializer_list>
+#include <iterator>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "sightline/record/mcap.hpp"
+
 namespace sightline {
 
 /// Times of a log [ns].
 std::uint64_t nanoseconds(double time);
 
-/// Appends the shortest text that reads back to the same bits; null for a number that is not finite.
-void put(std::string& to, double value);
-/// Appends `,"key":[...]`.
-void put(std::string& to, std::string_view key, std::span<const double> values);
+/// Writes the messages of a log, {time, ...} each, in one buffer; allocates nothing once that has grown.
+class LogMessage {
+ public:
+  explicit LogMessage(McapWriter& to) : mcap_(to) {}
+
+  /// @param time  [s]
+  void begin(double time);
+  /// The shortest text that reads back to the same bits; null for a number that is not finite.
+  void put(std::string_view key, double value);
+  void put(std::string_view key, std::span<const double> values);
+  /// A word without quotes and backslashes.
+  void put(std::string_view key, std::string_view word);
+  template <std::integral T>
+  void put(std::string_view key, T value) {
+    fmt::format_to(std::back_inserter(text_), ",\"{}\":{}", key, value);
+  }
+  /// Closes the message: its text, until the next begins.
+  std::string_view end();
+  /// Ends and writes it.
+  /// @param time  [s]
+  void send(McapChannel& channel, double time);
+
+ private:
+  McapWriter& mcap_;
+  std::string text_;
+};
 
 /// The schema of a message {time, ...}: each property with its type, "numbers" a list of them.
 std::string json_schema(std::initializer_list<std::pair<const char*, std::string_view>> properties);

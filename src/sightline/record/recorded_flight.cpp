@@ -25,7 +25,7 @@ std::string topic_of(const Team& team, BodyId body, std::string_view what) {
 }  // namespace
 
 MeasurementLog::MeasurementLog(const Team& team, McapWriter& mcap, const std::vector<RobotGoals>& goals)
-    : team_(team), mcap_(mcap), detections_(size(team.bodies())) {
+    : team_(team), mcap_(mcap), message_(mcap), detections_(size(team.bodies())) {
   const SchemaId measurement = mcap.schema("sightline.Measurement", "jsonschema",
                                            json_schema({{"stamp", "number"}, {"x", "numbers"}}));
   for (int i = 0; i < team.bodies(); ++i)
@@ -38,16 +38,6 @@ MeasurementLog::MeasurementLog(const Team& team, McapWriter& mcap, const std::ve
   }
   changes_ = {
       mcap.channel(mcap.schema("sightline.TeamAnswer", "jsonschema", json_schema({})), "/team", "json", {})};
-}
-
-void MeasurementLog::begin(double time) {
-  text_ = "{\"time\":";
-  put(text_, time);
-}
-
-void MeasurementLog::send(McapChannel& channel, double time) {
-  text_ += '}';
-  mcap_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(text_)));
 }
 
 /// The schema of detections, at the first.
@@ -70,16 +60,16 @@ void MeasurementLog::add_goals(double time) {
     for (; robot.written < robot.track->messages() && robot.track->time(robot.written) <= time;
          ++robot.written) {
       robot.track->waypoints(robot.written, waypoints_);
-      begin(robot.track->time(robot.written));
+      message_.begin(robot.track->time(robot.written));
       const auto list = [&](std::string_view key, auto&& each) {
         numbers_.clear();
         for (const Waypoint& waypoint : waypoints_) each(waypoint);
-        put(text_, key, numbers_);
+        message_.put(key, numbers_);
       };
       list("after", [&](const Waypoint& w) { numbers_.push_back(w.after); });
       list("p", [&](const Waypoint& w) { numbers_.insert(numbers_.end(), {w.p.x, w.p.y, w.p.z}); });
       list("heading", [&](const Waypoint& w) { numbers_.push_back(w.heading); });
-      send(robot.channel, time);
+      message_.send(robot.channel, time);
     }
   }
 }
@@ -88,33 +78,31 @@ void MeasurementLog::add(const Sample& sample) {
   add_goals(sample.time);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const BodyId body{static_cast<int>(i)};
-    begin(sample.time);
-    text_ += ",\"stamp\":";
-    put(text_, sample.stamps[i]);
-    put(text_, "x",
+    message_.begin(sample.time);
+    message_.put("stamp", sample.stamps[i]);
+    message_.put(
+        "x",
         std::span(sample.measured).subspan(size(team_.state_offset(body)), size(team_.model(body).nx())));
-    send(bodies_[i], sample.time);
+    message_.send(bodies_[i], sample.time);
   }
   for (std::size_t i = 0; i < sample.detection_count; ++i) {
     const Detection& seen = sample.detections[i];
-    begin(sample.time);
-    text_ += ",\"stamp\":";
-    put(text_, seen.stamp);
-    text_ += ",\"arrival\":";
-    put(text_, seen.arrival);
-    fmt::format_to(std::back_inserter(text_), ",\"target\":\"{}\",\"tags\":{}", team_.name(seen.target),
-                   seen.tags);
-    put(text_, "p", std::array{seen.p.x, seen.p.y, seen.p.z});
-    put(text_, "q", std::array{seen.q.w, seen.q.x, seen.q.y, seen.q.z});
-    put(text_, "covariance", seen.covariance);
+    message_.begin(sample.time);
+    message_.put("stamp", seen.stamp);
+    message_.put("arrival", seen.arrival);
+    message_.put("target", team_.name(seen.target));
+    message_.put("tags", seen.tags);
+    message_.put("p", std::array{seen.p.x, seen.p.y, seen.p.z});
+    message_.put("q", std::array{seen.q.w, seen.q.x, seen.q.y, seen.q.z});
+    message_.put("covariance", seen.covariance);
     auto& channel = detections_[at(seen.observer)];
     if (!channel)
       channel = {mcap_.channel(detection(), topic_of(team_, seen.observer, "detection"), "json", {})};
-    send(*channel, sample.time);
+    message_.send(*channel, sample.time);
   }
   if (!sample.team_answered) return;
-  begin(sample.time);
-  send(changes_, sample.time);
+  message_.begin(sample.time);
+  message_.send(changes_, sample.time);
 }
 
 /// Puts each message where it belongs; the first body's measurement begins a period.

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "sightline/ocp/team.hpp"
-#include "sightline/record/mcap.hpp"
+#include "sightline/record/log_text.hpp"
 #include "sightline/run/clock.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/scenario/goal_track.hpp"
@@ -35,12 +35,11 @@ class MeasurementLog {
   void add(const Sample& sample);
 
  private:
-  void begin(double time);
-  void send(McapChannel& channel, double time);
   SchemaId detection();
 
   Team team_;
   McapWriter& mcap_;
+  LogMessage message_;
   struct Goals {
     std::shared_ptr<const GoalTrack> track;
     McapChannel channel{};
@@ -55,7 +54,6 @@ class MeasurementLog {
   std::vector<std::optional<McapChannel>> detections_;  // of each body that detected one
   std::optional<SchemaId> detection_{};
   McapChannel changes_;
-  std::string text_;
 };
 
 /// One period of a recorded flight.

@@ -31,8 +31,7 @@ std::array<double, estimate_words.size()> numbers_of_estimate(const PoseEstimate
   for (const double v :
        {1.0, e.stamp, e.p.x, e.p.y, e.p.z, e.v.x, e.v.y, e.v.z, e.psi, e.yaw_rate, e.last_accepted})
     all[place++] = v;
-  for (int i = 0; i < 4; ++i)
-    for (int j = i; j < 4; ++j) all[place++] = e.P(i, j);
+  for (const double v : upper_triangle(e.P)) all[place++] = v;
   return all;
 }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/no_value.hpp"
 #include "sightline/base/refuse.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/world/sighting.hpp"
@@ -14,8 +14,6 @@
 namespace sightline {
 namespace {
 
-constexpr double never_localized = -std::numeric_limits<double>::infinity();
-constexpr double unknown_sigma = std::numeric_limits<double>::infinity();
 constexpr double draw_time = 0.08;  // in which velocities follow those of the filter [s]
 constexpr std::size_t fits_most = 64;
 
@@ -68,11 +66,10 @@ BroadcastOptions broadcast_of(BodyId body, const LocalizerOptions& options, cons
 }  // namespace
 
 void LocalizerOptions::check() const {
-  const auto above_zero_only = [](double v, const char* key, const char* unit) {
-    if (!(v > 0 && std::isfinite(v))) refuse("estimate.{} = {}, expected > 0 {}", key, v, unit);
-  };
   broadcast.check();
-  for (const LocalizedRobot& robot : robots) above_zero_only(robot.camera_rate, "camera_rate", "Hz");
+  for (const LocalizedRobot& robot : robots)
+    if (!(robot.camera_rate > 0 && std::isfinite(robot.camera_rate)))
+      refuse("estimate.camera_rate = {}, expected > 0 Hz", robot.camera_rate);
 }
 
 Localizer::Localizer(const Team& team, std::span<const double> start, const LocalizerOptions& options)
@@ -83,7 +80,7 @@ Localizer::Localizer(const Team& team, std::span<const double> start, const Loca
       presence_(robot_of_.size(), Presence::steered),
       start_(start.begin(), start.end()),
       states_(start_),
-      stamps_(robot_of_.size(), never_localized),
+      stamps_(robot_of_.size(), -infinity),
       sigma_(robot_of_.size()),
       estimates_(robot_of_.size()) {
   if (start_.size() != size(team.nx())) refuse("a start of {} states, expected {}", start_.size(), team.nx());
@@ -95,7 +92,7 @@ Localizer::Localizer(const Team& team, std::span<const double> start, const Loca
     robot_of_[at(body)] = static_cast<int>(robots_.size());
     robots_.push_back(made(*found));
     views_.push_back({.robot = found->robot, .target = found->watches.front()});
-    sigma_[at(body)] = unknown_sigma;
+    sigma_[at(body)] = infinity;
   }
   knows_all_ = robots_.empty();
   fits_.reserve(fits_most * robots_.size());
@@ -142,8 +139,8 @@ void Localizer::set_presence(std::span<const Presence> presence) noexcept {
 void Localizer::forget(Robot& robot) noexcept {
   robot.filter->forget();
   robot.told_count = 0;
-  stamps_[robot.body] = never_localized;
-  sigma_[robot.body] = unknown_sigma;
+  stamps_[robot.body] = -infinity;
+  sigma_[robot.body] = infinity;
   estimates_[robot.body] = {};
   std::copy_n(&start_[robot.x], robot.nx, &states_[robot.x]);
 }
@@ -214,8 +211,8 @@ void Localizer::believe(Robot& robot, View& view, double t) noexcept {
   view.localized = estimate.known;
   view.accepted = estimate.known ? estimate.last_accepted : View::never;
   if (!estimate.known) {
-    stamps_[robot.body] = never_localized;
-    sigma_[robot.body] = unknown_sigma;
+    stamps_[robot.body] = -infinity;
+    sigma_[robot.body] = infinity;
     // In V its velocity is known anywhere.
     for (std::size_t k = 0; robot.told_count > 0 && k < robot.velocities.size(); ++k)
       x[robot.velocities[k]] =

@@ -67,19 +67,6 @@ std::vector<std::string> read_tag_frames(const TomlTable& at, const Tags& tags, 
   return frames;
 }
 
-template <class Seen>
-const Seen* of_body(const std::vector<Seen>& all, BodyId body) {
-  const auto found = std::find_if(all.begin(), all.end(), [&](const Seen& one) { return one.body == body; });
-  return found != all.end() ? &*found : nullptr;
-}
-
-const RobotCamera* camera_of(const Scenario& scenario, BodyId observer) {
-  const auto& all = scenario.vision.cameras;
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const RobotCamera& one) { return one.observer == observer; });
-  return found != all.end() ? &*found : nullptr;
-}
-
 }  // namespace
 
 std::optional<SensorMount> read_mount(const TomlTable& agent) {
@@ -120,7 +107,8 @@ CameraOptions camera_options(const Scenario& scenario) {
   CameraOptions options = scenario.vision;
   options.seed = scenario.simulation.seed;
   for (const RobotVehicle& one : scenario.vehicles) {
-    if (of_body(options.hulls, one.robot) == nullptr)
+    const auto is_its = [&](const BodyHull& hull) { return hull.body == one.robot; };
+    if (std::none_of(options.hulls.begin(), options.hulls.end(), is_its))
       options.hulls.push_back({one.robot, {.radius = one.vehicle.radius, .height = one.vehicle.height}});
   }
   return options;
@@ -132,8 +120,8 @@ std::vector<TagReading> tag_readings(const Scenario& scenario) {
   std::vector<TagReading> all;
   for (const Coupling& coupling : scenario.team.couplings()) {
     const BodyId observer = coupling.between.first, target = coupling.between.second;
-    const RobotCamera* const camera = camera_of(scenario, observer);
-    const BodyTags* const tags = of_body(scenario.vision.tags, target);
+    const RobotCamera* const camera = scenario.vision.camera_of(observer);
+    const BodyTags* const tags = scenario.vision.tags_of(target);
     if (camera == nullptr || tags == nullptr) continue;
     const double between_faces = tags->tags.faces >= 3 ? std::numbers::pi / tags->tags.faces : 0.0;
     const auto add = [&](std::string_view key, const std::optional<double>& distance) {

@@ -20,22 +20,12 @@ namespace {
 constexpr std::array<std::string_view, 2> localized_by = {"global", "view"};
 constexpr std::array<std::string_view, 2> cycle_words = {"refused", "intersection"};
 
-const RobotCamera* camera_of_observer(const Scenario& scenario, BodyId observer) {
-  for (const RobotCamera& one : scenario.vision.cameras)
-    if (one.observer == observer) return &one;
-  return nullptr;
-}
-
-bool has_tags(const Scenario& scenario, BodyId body) {
-  const auto& all = scenario.vision.tags;
-  return std::any_of(all.begin(), all.end(), [&](const BodyTags& one) { return one.body == body; });
-}
-
 /// The bodies with tags that a robot's sensor is to see at some time of a run.
 std::vector<BodyId> watched_by(BodyId robot, const Scenario& scenario) {
   std::vector<BodyId> all;
   const auto add = [&](BodyId body) {
-    if (has_tags(scenario, body) && std::find(all.begin(), all.end(), body) == all.end()) all.push_back(body);
+    if (scenario.vision.tags_of(body) != nullptr && std::find(all.begin(), all.end(), body) == all.end())
+      all.push_back(body);
   };
   const auto add_coupling = [&](const Coupling& c) {
     if (c.between.first == robot && watches(c.term.potential)) add(c.between.second);
@@ -62,7 +52,7 @@ std::vector<BodyId> read_watches(const TomlTable& agent, BodyId robot, const Sce
     if (std::find(read.begin(), read.begin() + static_cast<std::ptrdiff_t>(i), read[i]) !=
         read.begin() + static_cast<std::ptrdiff_t>(i))
       agent.refuse(key, i, "each body once");
-    if (!has_tags(scenario, read[i]))
+    if (scenario.vision.tags_of(read[i]) == nullptr)
       agent.refuse(key, i, fmt::format("a body with tags, {} has none", scenario.team.name(read[i])));
   }
   return read;
@@ -72,7 +62,7 @@ std::vector<BodyId> read_watches(const TomlTable& agent, BodyId robot, const Sce
 LocalizedRobot read_localized(const TomlTable& agent, BodyId robot, const FilterOptions& filter,
                               const Scenario& scenario) {
   constexpr std::string_view key = "localized_by";
-  const RobotCamera* const camera = camera_of_observer(scenario, robot);
+  const RobotCamera* const camera = scenario.vision.camera_of(robot);
   if (camera == nullptr)
     agent.refuse(key, fmt::format("\"global\", or a robot with a camera, [{}.camera]", agent.path()));
   LocalizedRobot read{
@@ -98,7 +88,7 @@ void refuse_unknown_headings(const TomlTable& at, const Scenario& scenario) {
 }  // namespace
 
 bool sees_headings(const Scenario& scenario, BodyId observer) {
-  const RobotCamera* const camera = camera_of_observer(scenario, observer);
+  const RobotCamera* const camera = scenario.vision.camera_of(observer);
   return camera == nullptr || camera->camera.tells == CameraTells::pose;
 }
 

@@ -119,15 +119,12 @@ std::vector<ViewVariance> variances_of(const ViewChoice& choice, const CameraOpt
   std::vector<Flown> flown;
   std::vector<ViewVariance> all;
   for (const AgentId observer : choice.observers) {
-    const auto camera = std::find_if(vision.cameras.begin(), vision.cameras.end(),
-                                     [&](const RobotCamera& one) { return one.observer == observer; });
+    const RobotCamera* const camera = vision.camera_of(observer);
     for (const BodyId target : choice.targets) {
-      const auto tags = std::find_if(vision.tags.begin(), vision.tags.end(),
-                                     [&](const BodyTags& one) { return one.body == target; });
+      const BodyTags* const tags = vision.tags_of(target);
       const auto same = std::find_if(flown.begin(), flown.end(), [&](const Flown& one) {
-        const SensorMount &a = one.camera->mount, &b = camera->mount;
-        return one.camera->camera == camera->camera && *one.tags == tags->tags && a.pitch == b.pitch &&
-               a.offset == b.offset && a.frame == b.frame;
+        return one.camera->camera == camera->camera && one.camera->mount == camera->mount &&
+               *one.tags == tags->tags;
       });
       if (same != flown.end()) {
         all.push_back(same->variance);
@@ -135,7 +132,7 @@ std::vector<ViewVariance> variances_of(const ViewChoice& choice, const CameraOpt
       }
       all.push_back(view_variance(
           {.camera = camera->camera, .mount = camera->mount, .tags = tags->tags, .duration = 10.0}));
-      flown.push_back({&*camera, &tags->tags, all.back()});
+      flown.push_back({camera, &tags->tags, all.back()});
     }
   }
   return all;
@@ -165,19 +162,14 @@ void read_best(const TomlTable& shape, const TermsOf& terms_of, Scenario& scenar
     const auto refuse_observer = [&](std::string_view expected) {
       at.refuse(observers_key, choice.observers.size(), expected);
     };
-    const auto& cameras = scenario.vision.cameras;
     if (!team.is_agent(body) || (is_one && body == choice.targets[0]))
       refuse_observer(is_one ? "a robot other than the target" : "a robot");
-    if (std::none_of(cameras.begin(), cameras.end(),
-                     [&](const RobotCamera& one) { return one.observer == body; }))
+    if (scenario.vision.camera_of(body) == nullptr)
       refuse_observer(fmt::format("a robot with a camera, [agent.{}.camera]", team.name(body)));
     choice.observers.push_back(AgentId{body});
   }
   for (std::size_t j = 0; j < choice.targets.size(); ++j) {
-    const auto& tags = scenario.vision.tags;
-    if (std::any_of(tags.begin(), tags.end(),
-                    [&](const BodyTags& one) { return one.body == choice.targets[j]; }))
-      continue;
+    if (scenario.vision.tags_of(choice.targets[j]) != nullptr) continue;
     const auto& targets = scenario.targets;
     const bool is_target = std::find(targets.begin(), targets.end(), choice.targets[j]) != targets.end();
     const std::string expected =

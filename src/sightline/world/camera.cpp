@@ -75,4 +75,16 @@ RigidPose seen_from(const RigidPose& a, const RigidPose& b) {
   return {a.R.to_B(b.p - a.p), between(a.R, b.R)};
 }
 
+const RobotCamera* CameraOptions::camera_of(BodyId observer) const noexcept {
+  const auto found = std::find_if(cameras.begin(), cameras.end(),
+                                  [&](const RobotCamera& one) { return one.observer == observer; });
+  return found != cameras.end() ? &*found : nullptr;
+}
+
+const BodyTags* CameraOptions::tags_of(BodyId body) const noexcept {
+  const auto found =
+      std::find_if(tags.begin(), tags.end(), [&](const BodyTags& one) { return one.body == body; });
+  return found != tags.end() ? &*found : nullptr;
+}
+
 }  // namespace sightline

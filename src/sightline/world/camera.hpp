@@ -162,6 +162,10 @@ struct CameraOptions {
   std::vector<BodyHull> hulls{};
   std::vector<std::vector<std::string>>
       tag_frames{};  ///< of each of `tags`, face by face: what /tf calls them
+
+  /// Of that robot or body; nullptr where it has none.
+  const RobotCamera* camera_of(BodyId observer) const noexcept;
+  const BodyTags* tags_of(BodyId body) const noexcept;
 };
 
 /// A pose: of a body in G, or of one seen from S.

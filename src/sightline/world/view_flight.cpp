@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/estimate/pose_filter.hpp"
 #include "sightline/world/motion_sensor.hpp"
 #include "sightline/world/sighting.hpp"
@@ -131,7 +131,7 @@ ViewFigures fly_beside(const ViewFlight& flight, double distance) {
     return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
   };
   const auto root_mean = [&](double squares) {
-    return known > 0 ? sqrt(squares / static_cast<double>(known)) : std::numeric_limits<double>::infinity();
+    return known > 0 ? sqrt(squares / static_cast<double>(known)) : infinity;
   };
   sum.found = share(found, taken);
   sum.known = share(known, periods);
@@ -144,12 +144,11 @@ ViewFigures fly_beside(const ViewFlight& flight, double distance) {
 
 ViewVariance view_variance(const ViewFlight& flight) {
   constexpr double step = 0.25, farthest = 100.0;  // [m]
+  // A tag that fills less than 4 px is not read, whatever the rest is.
+  const double last = std::min(farthest, flight.camera.focal() * flight.tags.size / 4.0);
   ViewVariance over{.step = step, .values = {}};
   std::size_t unseen = 0;
-  for (double distance = 0.0; distance <= farthest; distance += step) {
-    // A tag that fills less than 4 px is not read, whatever the rest is.
-    const double reach = flight.camera.pixels(flight.tags.size, 4.0);
-    if (distance > reach) break;
+  for (double distance = 0.0; distance <= last; distance += step) {
     const ViewFigures at = distance > 0 ? fly_beside(flight, distance) : ViewFigures{};
     if (at.found >= 0.5) {
       over.values.resize(over.values.size() + unseen, square(at.sigma));

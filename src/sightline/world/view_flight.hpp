@@ -24,6 +24,7 @@ struct ViewFlight {
   double duration = 20.0;    ///< [s]; figures are from 4 s on
   std::uint64_t seed = 1;
 
+  bool operator==(const ViewFlight&) const = default;
   static constexpr double loss = 0.5;  ///< without a detection for longer than this, the view is lost [s]
 };
 
