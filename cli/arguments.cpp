@@ -75,6 +75,19 @@ Arguments::Arguments()
   report_command = app.add_subcommand("report", "Make report.html again from a run's files");
   report_command->add_option("DIR", folder, "Folder of a run")->required();
 
+  view_command =
+      app.add_subcommand("view", "Show a flight in the browser: a scenario in real time, or a run's log");
+  add_scenario(*view_command, view.of, "SCENARIO", "Scenario file (TOML), or the folder of a run");
+  view_command->add_option("--port", view.port, "Port of the page; 0: a free one")->capture_default_str();
+  view_command->add_option("--listen", view.address,
+                           "IPv4 address to be reached at from other machines, by a token [127.0.0.1]");
+  view_command->add_flag("--open", view.open, "Open the page in the browser");
+  view_command->add_option("--speed", view.speed, "Simulated seconds per second [1]")
+      ->check(CLI::Range(0.001, 1000.0));
+  view_command->add_flag("--paused", view.paused, "Wait for Enter after the first period");
+  view_command->add_option("--seconds", view.seconds, "How long the page is served [s]; until Ctrl-C")
+      ->check(CLI::Range(0.0, 1e9));
+
   replay_command = app.add_subcommand("replay", "Fly a run's measurements again and compare its commands");
   replay_command->add_option("DIR", replay.folder, "Folder of a run")->required();
   replay_command->add_option("--solver", replay.solver, "Solver, instead of the flight's");

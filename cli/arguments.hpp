@@ -22,14 +22,15 @@ struct Arguments {
   FlyCommand fly;
   VehiclesCommand vehicles;
   DoctorCommand doctor;
+  ViewCommand view;
   ReplayCommand replay;
   IdentifyCommand identify;
   PotentialOptions potential;
   CampaignCommand campaign;
   BenchCommand bench;
   CLI::App *run_command, *fly_command, *vehicles_command, *doctor_command, *check_command, *report_command,
-      *replay_command, *identify_command, *potential_command, *explain_command, *campaign_command,
-      *parts_command, *version_command, *bench_command;
+      *view_command, *replay_command, *identify_command, *potential_command, *explain_command,
+      *campaign_command, *parts_command, *version_command, *bench_command;
 };
 
 }  // namespace sightline::cli

@@ -28,6 +28,7 @@ int execute(int argc, char** argv, const Parts& parts) {
   if (words.doctor_command->parsed()) return doctor(words.doctor, parts);
   if (words.check_command->parsed()) return check(words.check, parts);
   if (words.report_command->parsed()) return report(words.folder);
+  if (words.view_command->parsed()) return view(words.view, parts);
   if (words.replay_command->parsed()) return replay(words.replay, parts);
   if (words.identify_command->parsed()) return identify(words.identify, parts);
   if (words.potential_command->parsed()) return potential(words.potential, parts);

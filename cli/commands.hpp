@@ -78,6 +78,16 @@ struct DoctorCommand {
   bool json = false;
 };
 
+struct ViewCommand {
+  NamedScenario of;                   ///< a scenario, or the folder of a run
+  std::uint16_t port = 8765;          ///< 0: a free one
+  std::string address = "127.0.0.1";  ///< of the interface that is listened to
+  bool open = false;                  ///< in the browser
+  std::optional<double> speed;        ///< simulated time by that of the wall clock; none: 1
+  bool paused = false;                ///< after the first period, until Enter
+  double seconds = 1e9;               ///< until Ctrl-C
+};
+
 struct ReplayCommand {
   std::filesystem::path folder;       ///< of a run
   std::optional<std::string> solver;  ///< none: the flight's own
@@ -152,6 +162,8 @@ int campaign(const CampaignCommand& command, const Parts& parts);
 int check(const CheckCommand& command, const Parts& parts);
 /// Makes report.html again from what a run left.
 int report(const std::filesystem::path& folder);
+/// Flies a scenario in real time, or takes the log of a run, and serves a page that shows it, until Ctrl-C. Writes no files.
+int view(const ViewCommand& command, const Parts& parts);
 /// Feeds the measurements of a run through its loop again and compares each command, bit for bit: 1 where one differs.
 /// With another solver or other values, says how far the commands are from the recorded ones.
 int replay(const ReplayCommand& command, const Parts& parts);

@@ -5,7 +5,7 @@ set -euo pipefail
 
 packages=(cmake g++ gnuplot-nox libcli11-dev libfmt-dev libsqlite3-dev libtomlplusplus-dev
   libzstd-dev ninja-build nlohmann-json3-dev pkg-config zlib1g-dev)
-test_packages=(ca-certificates ccache coinor-libipopt-dev cyclonedds-dev cyclonedds-tools dpkg-dev iproute2
+test_packages=(ca-certificates ccache chromium coinor-libipopt-dev cyclonedds-dev cyclonedds-tools dpkg-dev iproute2
   libapriltag-dev libblas-dev libegl1-mesa-dev libeigen3-dev libfastcdr-dev libfastrtps-dev libgl1-mesa-dri
   libgmock-dev libgtest-dev liblapack-dev libmujoco-dev librsvg2-bin libssl-dev openssl qemu-user sqlite3)
 arm64_packages=(g++-aarch64-linux-gnu qemu-user libfmt-dev:arm64 libgmock-dev:arm64 libgtest-dev:arm64

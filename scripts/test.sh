@@ -41,11 +41,13 @@ count() {
 }
 
 need scripts/deps.sh test
-# The tests read the log with the format's own library.
-lock=tests/npm/package-lock.json
-if [[ -f $lock && ! tests/npm/node_modules/.package-lock.json -nt $lock ]]; then
-  need npm ci --prefix tests/npm --no-audit --no-fund
-fi
+# The tests read the log with the format's own library; the page of view is built, and looked at in a browser.
+for of in tests/npm viewer; do
+  lock=$of/package-lock.json
+  if [[ -f $lock && ! $of/node_modules/.package-lock.json -nt $lock ]]; then
+    need npm ci --prefix "$of" --no-audit --no-fund
+  fi
+done
 need cmake --preset release
 need cmake --build --preset release
 

@@ -22,9 +22,10 @@ constexpr long longest_file = 500;  // lines
 
 /// Height of each layer; those of one height do not know each other.
 const std::map<std::string, int> height = {
-    {"base", 0},     {"math", 1},    {"plot", 1},    {"formula", 2},   {"model", 3},     {"potential", 4},
-    {"ocp", 5},      {"solver", 6},  {"safety", 6},  {"estimate", 6},  {"world", 7},     {"run", 8},
-    {"scenario", 9}, {"record", 10}, {"report", 11}, {"campaign", 12}, {"analysis", 12}, {"studies", 13}};
+    {"base", 0},      {"math", 1},      {"plot", 1},     {"formula", 2}, {"model", 3},
+    {"potential", 4}, {"ocp", 5},       {"solver", 6},   {"safety", 6},  {"estimate", 6},
+    {"world", 7},     {"run", 8},       {"scenario", 9}, {"record", 10}, {"report", 11},
+    {"campaign", 12}, {"analysis", 12}, {"studies", 13}, {"server", 13}};
 
 /// What is wrong with a file of `layer` that includes `included`; empty if nothing is.
 std::string include_fault(const std::string& layer, const std::string& included) {

@@ -1,0 +1,168 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <thread>
+
+#include "cli/commands.hpp"
+#include "cli/fleet.hpp"
+#include "cli/output.hpp"
+#include "sightline/record/replay.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/server/flight_page.hpp"
+#include "sightline/server/log_page.hpp"
+#include "sightline/server/paced_clock.hpp"
+#include "sightline/server/page_files.hpp"
+
+namespace sightline::cli {
+namespace {
+
+using Moments = std::chrono::steady_clock;
+
+/// Shows each sample, and keeps none.
+class ShownSink final : public Sink<Sample> {
+ public:
+  ShownSink(const Sample& prototype, FlightPage& page) : sample_(prototype), page_(page) {}
+
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override { page_.show(sample_); }
+  void close() noexcept override {}
+
+ private:
+  Sample sample_;
+  FlightPage& page_;
+};
+
+/// Lets a paused flight go on when somebody types Enter.
+class EnterKey {
+ public:
+  EnterKey(PacedClock& clock, std::atomic<bool>& stop)
+      : thread_([this, &clock, &stop] {
+          pollfd typed{STDIN_FILENO, POLLIN, 0};
+          while (!done_ && !stop && clock.paused()) {
+            if (::poll(&typed, 1, 100) <= 0) continue;
+            char key = 0;
+            if (::read(STDIN_FILENO, &key, 1) != 1) return;
+            if (key == '\n') clock.resume();
+          }
+        }) {}
+  ~EnterKey() {
+    done_ = true;
+    thread_.join();
+  }
+  EnterKey(const EnterKey&) = delete;
+  EnterKey& operator=(const EnterKey&) = delete;
+
+ private:
+  std::atomic<bool> done_{false};
+  std::thread thread_;
+};
+
+void open_browser(const std::string& url) {
+  std::array<std::string, 2> words = {"xdg-open", url};
+  std::array<char*, 3> arguments = {words[0].data(), words[1].data(), nullptr};
+  pid_t child = 0;
+  if (::posix_spawnp(&child, words[0].c_str(), nullptr, nullptr, arguments.data(), environ) != 0)
+    say("no xdg-open, expected one that opens the page: open it by hand");
+}
+
+void announce(const ViewCommand& command, const std::string& url) {
+  if (!has_page()) say("built without its page: only data are served");
+  print("{}\n", url);
+  if (command.open) open_browser(url);
+}
+
+void wait_until(Moments::time_point end) {
+  while (!stop_flight() && Moments::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+}
+
+Moments::time_point end_of(const ViewCommand& command) {
+  return Moments::now() +
+         std::chrono::duration_cast<Moments::duration>(std::chrono::duration<double>(command.seconds));
+}
+
+void tell_counts(const ServeCounts& counts) {
+  say(fmt::format("{} connections, {} refused; {} states sent, {} left out for slow ones, {} watchers closed",
+                  counts.connections, counts.refused, counts.sent, counts.dropped, counts.closed));
+}
+
+int view_log(const ViewCommand& command, const Parts& parts, const ServeOptions& options) {
+  const std::filesystem::path &folder = command.of.file, log = folder / "run.mcap";
+  if (!std::filesystem::is_regular_file(log)) {
+    tell("{}: no run.mcap, expected the folder of a run\n", folder.native());
+    return 2;
+  }
+  if (!command.of.set.empty() || command.speed || command.paused)
+    throw std::invalid_argument("--set, --speed and --paused of a log, expected none: it is flown already");
+  const FlownAs flown = flown_as(log);
+  Scenario scenario = parse_scenario(flown.text, log, parts, {.files = flown.files});
+  scenario.name = flown.name;
+  scenario.solver.name = flown.solver;
+  const auto end = end_of(command);
+  const PageServer server(options, log_page(folder, scenario));
+  announce(command, server.url());
+  wait_until(end);
+  tell_counts(server.counts());
+  return 0;
+}
+
+int view_flight(const ViewCommand& command, const Parts& parts, const ServeOptions& options) {
+  Scenario scenario = command.of.read(parts);
+  scenario.simulation.compare.clear();
+  lift_deadline(scenario.solver);
+  check_solvers(scenario);
+  const auto end = end_of(command);
+  std::atomic<bool>& stop = stop_flight();
+  PacedClock clock(command.speed.value_or(1.0), command.paused, stop);
+  const Controls controls(scenario);
+  const auto world = make_world(scenario);
+  const Sample prototype = sized_sample(*world, controls.controllers());
+  FlightPage page(scenario, prototype, options);
+  ShownSink sink(prototype, page);
+  ClosedLoop loop(scenario, *world, controls.controllers(), clock, sink, nullptr, controls.team_switcher(),
+                  &stop);
+  announce(command, page.url());
+  LoopOutcome outcome;
+  {
+    std::optional<EnterKey> enter;
+    if (command.paused) {
+      say("paused, Enter flies on");
+      enter.emplace(clock, stop);
+    }
+    std::thread flight([&] { outcome = loop.fly(); });
+    std::thread timer([&] {
+      wait_until(end);
+      stop = true;
+    });
+    flight.join();
+    if (!stop) say("the flight is over, the page stays until Ctrl-C");
+    timer.join();
+  }
+  tell_counts(page.counts());
+  if (page.dropped() > 0) say(fmt::format("{} samples were not shown", page.dropped()));
+  if (outcome.finite) return 0;
+  const std::string why = world->ended();
+  say(why.empty() ? "a state or an input was not finite" : why);
+  return 1;
+}
+
+}  // namespace
+
+int view(const ViewCommand& command, const Parts& parts) {
+  const ServeOptions options{.address = command.address, .port = command.port};
+  outlive_the_terminal();
+  listen_to_interrupts();
+  try {
+    return std::filesystem::is_directory(command.of.file) ? view_log(command, parts, options)
+                                                          : view_flight(command, parts, options);
+  } catch (const std::exception& error) {
+    tell("{}\n", error.what());
+    return 2;
+  }
+}
+
+}  // namespace sightline::cli

@@ -1,0 +1,40 @@
+/// Who may look on: this machine alone, or whoever has the token; never a page of another origin.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "sightline/server/http.hpp"
+
+namespace sightline {
+
+/// 192 bits of the kernel's random numbers, as 48 hexadecimal digits.
+/// @throws std::runtime_error where the kernel gives none
+std::string random_token();
+
+/// In a time that depends on the length of `given` alone.
+bool same_secret(std::string_view given, std::string_view secret) noexcept;
+
+/// Decides about requests by what they say of host, origin and token.
+///
+/// A page of another origin reaches 127.0.0.1 in its user's browser. By its own name it says a foreign Origin. By a name that it
+/// turns to 127.0.0.1 (DNS rebinding) Origin and Host agree, but the Host is that name: only addresses are hosts here, and
+/// localhost.
+class Admission {
+ public:
+  /// @param token  that a request must have as `?token=`; empty: none is asked for, and only loopback's names are hosts
+  Admission(std::uint16_t port, std::string token);
+
+  /// @param open  of a file that holds nothing of a flight: no token is asked for
+  /// @return why it is refused, a sentence; empty: it is not
+  std::string_view refusal(const HttpRequest& request, bool open = false) const;
+
+ private:
+  bool is_host(std::string_view host) const;
+
+  std::string port_;  // ":8765"
+  std::string token_;
+};
+
+}  // namespace sightline

@@ -1,0 +1,118 @@
+#include "sightline/server/connection.hpp"
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <utility>
+
+#include "sightline/server/http.hpp"
+
+namespace sightline {
+
+OwnedDescriptor::~OwnedDescriptor() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+OwnedDescriptor& OwnedDescriptor::operator=(OwnedDescriptor&& other) noexcept {
+  std::swap(fd_, other.fd_);
+  return *this;
+}
+
+Connection::Connection(OwnedDescriptor socket, Time now, std::size_t message_limit, int messages_a_second)
+    : socket_(std::move(socket)),
+      frames_(message_limit),
+      messages_a_second_(messages_a_second),
+      second_(now),
+      moved_(now),
+      heard_(now) {}
+
+void Connection::receive(Time now) {
+  std::array<char, 4096> bytes;
+  const ssize_t n = ::recv(fd(), bytes.data(), bytes.size(), 0);
+  if (n < 0 && (errno == EAGAIN || errno == EINTR)) return;
+  if (n <= 0) return close();
+  heard_ = now;
+  const std::string_view taken(bytes.data(), static_cast<std::size_t>(n));
+  if (state_ == State::asking && in_.size() <= request_limit) in_ += taken;
+  if (state_ != State::watching) return;  // behind a request nothing is expected
+  frames_.take(taken);
+  read_frames(now);
+}
+
+std::string_view Connection::head() const {
+  const std::size_t end = in_.find("\r\n\r\n");
+  if (end == std::string::npos || end > request_limit) return {};
+  return std::string_view(in_).substr(0, end);
+}
+
+bool Connection::head_too_long() const { return head().empty() && in_.size() > request_limit; }
+
+void Connection::answer(std::string bytes, Time now) {
+  state_ = State::answering;
+  out_ = std::make_shared<const std::string>(std::move(bytes));
+  sent_ = 0;
+  moved_ = now;
+}
+
+void Connection::watch(std::string bytes, Time now) {
+  answer(std::move(bytes), now);
+  state_ = State::watching;
+  in_.clear();
+}
+
+void Connection::give(Bytes state, std::int64_t number, Time now) {
+  out_ = std::move(state);
+  given_ = number;
+  sent_ = 0;
+  moved_ = now;
+}
+
+void Connection::ping(Time now) {
+  behind_ += websocket_frame(WebsocketOp::ping, "");
+  send(now);
+}
+
+void Connection::send(Time now) {
+  while (state_ != State::closed) {
+    if (out_ == nullptr) {
+      if (behind_.empty()) return;
+      out_ = std::make_shared<const std::string>(std::exchange(behind_, {}));
+      sent_ = 0;
+      moved_ = now;
+    }
+    const ssize_t n = ::send(fd(), out_->data() + sent_, out_->size() - sent_, MSG_NOSIGNAL);
+    if (n < 0 && (errno == EAGAIN || errno == EINTR)) return;
+    if (n < 0) return close();
+    moved_ = now;
+    sent_ += static_cast<std::size_t>(n);
+    if (sent_ < out_->size()) continue;
+    out_.reset();
+    if (state_ != State::watching) {
+      ::shutdown(fd(), SHUT_WR);  // so that the answer arrives before the end does
+      return close();
+    }
+  }
+}
+
+void Connection::read_frames(Time now) {
+  if (now - second_ >= std::chrono::seconds(1)) second_ = now, messages_ = 0;
+  const auto refuse = [&](WebsocketClose why) {
+    broke_rules_ = true;
+    // A watcher that takes nothing does not hear why.
+    if (out_ == nullptr) {
+      const std::string words = websocket_close(why);
+      (void)::send(fd(), words.data(), words.size(), MSG_NOSIGNAL);
+    }
+    close();
+  };
+  while (const auto frame = frames_.next()) {
+    if (++messages_ > messages_a_second_) return refuse(WebsocketClose::against_the_rules);
+    if (frame->op == WebsocketOp::close) return close();
+    if (frame->op == WebsocketOp::ping) behind_ += websocket_frame(WebsocketOp::pong, frame->payload);
+  }
+  if (const auto fault = frames_.fault()) refuse(*fault);
+}
+
+}  // namespace sightline

@@ -1,0 +1,148 @@
+#include "sightline/server/flight_page.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "sightline/base/index.hpp"
+#include "sightline/run/ring.hpp"
+#include "sightline/server/admission.hpp"
+#include "sightline/server/page_files.hpp"
+#include "sightline/server/scene_json.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr std::size_t samples_that_wait = 64;  // at 100 Hz twenty times what comes between two looks
+constexpr std::size_t events_told = 32;        // the last of them, with each state
+
+PageFiles files_of_flight(const SceneJson& scene) {
+  PageFiles files = page_files();
+  files["/scene.json"] = {"application/json", scene.scene(random_token(), true)};
+  return files;
+}
+
+}  // namespace
+
+class FlightPage::Thread {
+ public:
+  Thread(const Scenario& scenario, const Sample& prototype, const ServeOptions& options)
+      : ring(samples_that_wait, prototype),
+        scene_(scenario),
+        present_(scenario),
+        asked_(scene_.asked(present_)),
+        server_(options, files_of_flight(scene_)),
+        thread_([this] { run(); }) {}
+  ~Thread() {
+    done_ = true;
+    thread_.join();
+  }
+
+  Ring<Sample> ring;
+  std::atomic<std::int64_t> dropped{0};
+  const PageServer& server() const { return server_; }
+
+ private:
+  void run() {
+    auto next = std::chrono::steady_clock::now();
+    while (!done_) {
+      look();
+      next = std::max(next + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                 std::chrono::duration<double>(interval)),
+                      std::chrono::steady_clock::now());
+      std::this_thread::sleep_until(next);
+    }
+    look();
+  }
+
+  void look() {
+    bool any = false;
+    while (const Sample* sample = ring.front()) {
+      take(*sample);
+      ring.pop();
+      any = true;
+    }
+    if (!any) return;
+    server_.post(scene_.moment(newest_, events_));
+    newest_.paths.clear();
+    newest_.solve_us = 0.0;
+  }
+
+  /// The newest of all, but of solve times the longest since the last look.
+  void take(const Sample& sample) {
+    if (present_.follow(sample)) asked_ = scene_.asked(present_);
+    const Team& team = scene_.team();
+    newest_.time = sample.time;
+    newest_.seen.assign(size(team.bodies()), std::nullopt);
+    for (int i = 0; i < team.bodies(); ++i) {
+      const bool there = size(i) >= sample.presence.size() || sample.presence[size(i)] != Presence::absent;
+      if (there) newest_.seen[size(i)] = true_sight(team, BodyId{i}, sample);
+    }
+    newest_.u = sample.u;
+    newest_.asked = asked_;
+    newest_.solve_us = std::max(newest_.solve_us, sample.update_us);
+    if (!sample.solvers.empty()) {
+      const SolverRecord& solver = sample.solvers.front();
+      newest_.status = to_string(solver.status);
+      newest_.residual = solver.residual;
+      newest_.iterations = solver.iterations;
+    }
+    newest_.levels.clear();
+    for (const FallbackLevel level : sample.levels) newest_.levels.push_back(to_string(level));
+    newest_.barrier.clear();
+    for (const BarrierRecord& one : sample.barriers) newest_.barrier.push_back(one.active ? 1 : 0);
+    if (sample.has_path) take_paths(sample);
+    for (int i = 0; i < sample.event_count; ++i) {
+      const Event& event = sample.events[size(i)];
+      events_.push_back({happened_++, event.time, scene_.words(to_string(event.kind), event.value)});
+    }
+    if (events_.size() > events_told)
+      events_.erase(events_.begin(), events_.end() - static_cast<std::ptrdiff_t>(events_told));
+  }
+
+  void take_paths(const Sample& sample) {
+    const Team& team = scene_.team();
+    newest_.paths.clear();
+    const std::size_t nx = size(team.nx());
+    for (int i = 0; i < team.bodies() && team.is_agent(BodyId{i}); ++i) {
+      const Model& model = team.model(BodyId{i});
+      const std::vector<double> u(model.inputs().size());
+      auto& path = newest_.paths.emplace_back();
+      if (!newest_.seen[size(i)]) continue;
+      for (std::size_t k = 0; (k + 1) * nx <= sample.path.size(); ++k)
+        path.push_back(model.sight(&sample.path[k * nx + size(team.state_offset(BodyId{i}))], u.data()).p);
+    }
+  }
+
+  SceneJson scene_;
+  PresentTeam present_;
+  std::vector<char> asked_;
+  ShownState newest_;
+  std::vector<Happening> events_;
+  std::int64_t happened_ = 0;
+  PageServer server_;
+  std::atomic<bool> done_{false};
+  std::thread thread_;  // last: it uses all of it
+};
+
+FlightPage::FlightPage(const Scenario& scenario, const Sample& prototype, const ServeOptions& options)
+    : thread_(std::make_unique<Thread>(scenario, prototype, options)) {}
+FlightPage::~FlightPage() = default;
+
+void FlightPage::show(const Sample& sample) noexcept {
+  Sample* const item = thread_->ring.claim();
+  if (item == nullptr) {
+    thread_->dropped.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
+  *item = sample;  // vectors of one size: nothing is allocated
+  thread_->ring.publish();
+}
+
+const std::string& FlightPage::url() const { return thread_->server().url(); }
+ServeCounts FlightPage::counts() const { return thread_->server().counts(); }
+std::int64_t FlightPage::dropped() const noexcept { return thread_->dropped.load(std::memory_order_relaxed); }
+
+}  // namespace sightline

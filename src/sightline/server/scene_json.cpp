@@ -1,0 +1,233 @@
+#include "sightline/server/scene_json.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "sightline/base/index.hpp"
+#include "sightline/base/no_value.hpp"
+#include "sightline/scenario/read_safety.hpp"
+#include "sightline/world/rigid_body.hpp"
+
+namespace sightline {
+namespace {
+
+using SceneValue = nlohmann::ordered_json;
+
+/// A list or an object that grows, written at its end; a page needs no more than these digits.
+class JsonText {
+ public:
+  void number(double value, int digits) {
+    if (!std::isfinite(value)) {
+      text_ += "null";
+    } else {
+      fmt::format_to(std::back_inserter(text_), "{:.{}f}", value, digits);
+    }
+  }
+  void significant(double value) {
+    if (!std::isfinite(value)) {
+      text_ += "null";
+    } else {
+      fmt::format_to(std::back_inserter(text_), "{:.4g}", value);
+    }
+  }
+  void quoted(std::string_view words) {
+    text_ += SceneValue(words).dump(-1, ' ', false, SceneValue::error_handler_t::replace);
+  }
+  /// A comma where something stands before.
+  void next() {
+    if (text_.back() != '[' && text_.back() != '{') text_ += ',';
+  }
+  void key(std::string_view name) {
+    next();
+    fmt::format_to(std::back_inserter(text_), "\"{}\":", name);
+  }
+  void raw(std::string_view words) { text_ += words; }
+  /// All of a list by a function that writes one.
+  template <class List, class Write>
+  void list(const List& all, Write&& write) {
+    text_ += '[';
+    for (const auto& one : all) {
+      next();
+      write(one);
+    }
+    text_ += ']';
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+SceneValue or_null(double value) { return std::isfinite(value) ? SceneValue(value) : SceneValue(); }
+
+bool is_known(const Sight<double>& s) {
+  return std::isfinite(s.p.x + s.p.y + s.p.z + s.d.x + s.d.y + s.lean.x + s.lean.y);
+}
+
+}  // namespace
+
+SceneJson::SceneJson(const Scenario& scenario)
+    : name_(scenario.name),
+      solver_(scenario.solver.name),
+      period_(scenario.horizon.dt),
+      duration_(scenario.simulation.duration),
+      floor_(no_value),
+      ceiling_(no_value),
+      team_(scenario.team),
+      pairs_(observations(all_couplings(scenario))),
+      hard_(size(team_.bodies())) {
+  if (scenario.safety) {
+    floor_ = scenario.safety->barrier_options.floor;
+    ceiling_ = scenario.safety->barrier_options.ceiling;
+  }
+  for (int i = 0; i < team_.bodies(); ++i)
+    if (team_.is_agent(BodyId{i})) robots_.push_back(BodyId{i});
+  for (int i = 0; i < team_.bodies(); ++i)
+    hard_[size(i)] = hard_distance(scenario, BodyId{i == 0 ? 1 : 0}, BodyId{i}).value_or(0.0);
+  for (const TeamEvent& event : scenario.script.events) script_.push_back(event.name);
+}
+
+std::string SceneJson::scene(std::string_view session, bool live) const {
+  SceneValue json = {{"name", name_},
+                     {"session", session},
+                     {"live", live},
+                     {"period", period_},
+                     {"duration", duration_},
+                     {"solver", solver_},
+                     {"floor", or_null(floor_)},
+                     {"ceiling", or_null(ceiling_)},
+                     {"bodies", SceneValue::array()},
+                     {"pairs", SceneValue::array()}};
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i};
+    SceneValue entry = {{"name", team_.name(body)},
+                        {"robot", team_.model(body).name()},
+                        {"agent", team_.is_agent(body)},
+                        {"hard", hard_[size(i)]}};
+    if (team_.is_agent(body)) {
+      const auto inputs = team_.model(body).inputs();
+      const InputLimits& limits = team_.agent(body).limits;
+      entry["inputs"] = std::vector<std::string>(inputs.begin(), inputs.end());
+      entry["u_min"] = limits.u_min().front();
+      entry["u_max"] = limits.u_max().front();
+    }
+    json["bodies"].push_back(std::move(entry));
+  }
+  for (const Observation& pair : pairs_)
+    json["pairs"].push_back({{"observer", pair.observer.index},
+                             {"target", pair.target.index},
+                             {"alpha", or_null(pair.alpha)},
+                             {"d_min", or_null(pair.d_min)},
+                             {"d_max", or_null(pair.d_max)},
+                             {"pitch", pair.mount.pitch},
+                             {"offset", pair.mount.offset},
+                             {"on_body", pair.mount.frame == MountFrame::body}});
+  return json.dump(-1, ' ', false, SceneValue::error_handler_t::replace);
+}
+
+std::string SceneJson::moment(const ShownState& state, const std::vector<Happening>& events) const {
+  constexpr int millimetres = 3, turns = 4;
+  JsonText text;
+  const auto point = [&](const Vec3<double>& p) {
+    for (const double value : {p.x, p.y, p.z}) text.next(), text.number(value, millimetres);
+  };
+  text.raw("{\"t\":");
+  text.number(state.time, millimetres);
+  const auto there = [&](BodyId body) {
+    const auto& seen = state.seen[size(body.index)];
+    return seen && is_known(*seen);
+  };
+  text.key("b");
+  text.list(state.seen, [&](const std::optional<Sight<double>>& seen) {
+    if (!seen || !is_known(*seen)) return text.raw("null");
+    const Quaternion q = leaning(seen->d, seen->lean);
+    text.raw("[");
+    point(seen->p);
+    for (const double value : {q.x, q.y, q.z, q.w}) text.next(), text.number(value, turns);
+    text.raw("]");
+  });
+  text.key("p");
+  std::size_t number = 0;
+  text.list(pairs_, [&](const Observation& pair) {
+    const bool asked = state.asked.empty() || state.asked[number] != 0;
+    ++number;
+    if (!asked || !there(pair.observer) || !there(pair.target)) return text.raw("null");
+    const Sight<double>&a = *state.seen[size(pair.observer.index)], &b = *state.seen[size(pair.target.index)];
+    text.raw(pair.potential.violation(a, b, state.time) <= 0 ? "[1," : "[0,");
+    text.number(norm(a.p - b.p), millimetres);
+    text.next();
+    text.number(view_angle(pair.mount, a, b.p), turns);
+    text.raw("]");
+  });
+  text.key("u");
+  text.list(robots_, [&](BodyId robot) {
+    const std::span all(state.u);
+    const std::size_t from = size(team_.input_offset(robot)), count = team_.model(robot).inputs().size();
+    if (from + count > all.size()) return text.raw("[]");
+    text.list(all.subspan(from, count), [&](double value) { text.significant(value); });
+  });
+  text.key("status");
+  text.quoted(state.status);
+  text.key("residual");
+  text.significant(state.residual);
+  text.key("us");
+  text.significant(state.solve_us);
+  text.key("it");
+  text.raw(fmt::format("{}", state.iterations));
+  if (!state.levels.empty()) {
+    text.key("levels");
+    text.list(state.levels, [&](std::string_view level) { text.quoted(level); });
+  }
+  if (!state.barrier.empty()) {
+    text.key("barrier");
+    text.list(state.barrier, [&](char acts) { text.raw(acts != 0 ? "1" : "0"); });
+  }
+  if (!state.paths.empty()) {
+    text.key("paths");
+    text.list(state.paths, [&](const std::vector<Vec3<double>>& path) {
+      text.raw("[");
+      for (const Vec3<double>& p : path) point(p);
+      text.raw("]");
+    });
+  }
+  if (!events.empty()) {
+    text.key("events");
+    text.list(events, [&](const Happening& event) {
+      text.raw(fmt::format("[{},", event.number));
+      text.number(event.time, millimetres);
+      text.next();
+      text.quoted(event.words);
+      text.raw("]");
+    });
+  }
+  text.raw("}");
+  return text.take();
+}
+
+std::vector<char> SceneJson::asked(const PresentTeam& present) const {
+  const std::vector<Observation> now = observations(present.couplings());
+  std::vector<char> mask;
+  for (const Observation& pair : pairs_)
+    mask.push_back(std::any_of(now.begin(), now.end(), [&](const Observation& one) {
+      return one.observer == pair.observer && one.target == pair.target;
+    }));
+  return mask;
+}
+
+std::string SceneJson::words(std::string_view kind, double value) const {
+  const EventNames names = {
+      .of_body =
+          [&](int body) { return std::string(body < team_.bodies() ? team_.name(BodyId{body}) : "?"); },
+      .of_event = [&](int number) { return size(number) < script_.size() ? script_[size(number)] : "?"; }};
+  if (kind == to_string(EventKind::missed_period)) return fmt::format("{} periods missed", value);
+  if (kind == to_string(EventKind::solver_status) && value >= 0 && value < status_count)
+    return fmt::format("solver: {}", to_string(static_cast<Status>(std::lround(value))));
+  return event_words(kind, value, names);
+}
+
+}  // namespace sightline

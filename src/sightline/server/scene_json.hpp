@@ -1,0 +1,76 @@
+/// A flight as a page draws it, in JSON: what stays, and what it is at one moment.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sightline/record/event_words.hpp"
+#include "sightline/record/present_team.hpp"
+#include "sightline/scenario/scenario.hpp"
+
+namespace sightline {
+
+/// What is known of a flight at one time. What is not known is not a number, or empty.
+struct ShownState {
+  double time = 0.0;                               ///< [s]
+  std::vector<std::optional<Sight<double>>> seen;  ///< of each body of the team; none: it is not there
+  std::vector<double> u;                           ///< applied, nu
+  std::string_view status{};                       ///< of the first solver
+  double residual = 0.0, solve_us = 0.0;
+  int iterations = 0;
+  std::vector<std::string_view> levels{};  ///< fallback levels of the bodies
+  std::vector<char> asked{};               ///< of each pair, whether it is in force; empty: all are
+  std::vector<char> barrier{};             ///< of each robot, whether the barrier acts
+  /// Predicted places of each robot [m]; given now and then, and empty in between.
+  std::vector<std::vector<Vec3<double>>> paths{};
+};
+
+/// Something that happened, as a person reads it.
+struct Happening {
+  std::int64_t number = 0;  ///< from 0
+  double time = 0.0;        ///< [s]
+  std::string words;
+};
+
+/// Writes scenes and moments of one scenario.
+///
+///   scene    {name, session, live, period, duration, solver, floor, ceiling,
+///             bodies: [{name, robot, agent, inputs, u_min, u_max, hard}],
+///             pairs: [{observer, target, alpha, d_min, d_max, pitch, offset, on_body}]}
+///   moment   {t, b: [[x, y, z, qx, qy, qz, qw]], p: [[in view, distance, angle]], u: [[..]], status, residual, us, it,
+///             levels, barrier, paths: [[x, y, z, ..]], events: [[number, time, words]]}
+///
+/// Arrays are in the order of the team's bodies, of its robots for u, barrier and paths, and of `pairs` for p. Lengths in m, angles in
+/// rad, us in microseconds. null is what is not there or not finite; levels, barrier, paths and events may be left out.
+class SceneJson {
+ public:
+  explicit SceneJson(const Scenario& scenario);
+
+  /// @param session  another word for each flight, so that a page that comes back knows whether it is the same
+  /// @param live     states come by and by; else all there is can be had at once
+  std::string scene(std::string_view session, bool live) const;
+  std::string moment(const ShownState& state, const std::vector<Happening>& events) const;
+
+  /// Of each pair, whether it is in force now.
+  std::vector<char> asked(const PresentTeam& present) const;
+  /// An event of the log by its kind and value, in words.
+  std::string words(std::string_view kind, double value) const;
+
+  const Team& team() const { return team_; }
+  /// Who is to see whom at some time of the flight.
+  const std::vector<Observation>& pairs() const { return pairs_; }
+
+ private:
+  std::string name_, solver_;
+  double period_, duration_;
+  double floor_, ceiling_;  // of [safety], else not a number [m]
+  Team team_;
+  std::vector<BodyId> robots_;
+  std::vector<Observation> pairs_;
+  std::vector<double> hard_;         // what is kept from each body [m]; 0: nobody keeps one
+  std::vector<std::string> script_;  // names of the [[event]]s
+};
+
+}  // namespace sightline

@@ -1,0 +1,172 @@
+#include "sightline/server/page_server.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <list>
+#include <thread>
+
+#include "tests/support/page_client.hpp"
+
+namespace sightline {
+namespace {
+
+using test::PageClient;
+using test::soon;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+PageFiles two_files() {
+  return {{"/", {"text/html; charset=utf-8", "<p>page", true}},
+          {"/scene.json", {"application/json", "{}", false}}};
+}
+
+PageServer on_loopback() { return PageServer({}, two_files()); }
+
+TEST(PageServer, ServesItsFilesAndNothingElse) {
+  const PageServer server = on_loopback();
+  EXPECT_EQ(server.url(), fmt::format("http://127.0.0.1:{}/", server.port()));
+  EXPECT_THAT(PageClient(server.port()).ask("GET /"), HasSubstr("\r\n\r\n<p>page"));
+  EXPECT_THAT(PageClient(server.port()).ask("GET /scene.json"), HasSubstr("application/json"));
+  EXPECT_TRUE(PageClient(server.port()).ask("HEAD /scene.json").ends_with("\r\n\r\n"));
+  EXPECT_THAT(PageClient(server.port()).ask("GET /../etc/passwd"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(PageClient(server.port()).ask("DELETE /"), StartsWith("HTTP/1.1 405"));
+  EXPECT_THAT(PageClient(server.port()).ask("GET /live"), StartsWith("HTTP/1.1 400"));
+}
+
+TEST(PageServer, AWrongHostAndAForeignOriginAreRefusedForPagesAndWatchers) {
+  const PageServer server = on_loopback();
+  const auto own = fmt::format("http://127.0.0.1:{}", server.port());
+  EXPECT_THAT(PageClient(server.port()).watch("Origin: " + own + "\r\n"), StartsWith("HTTP/1.1 101"));
+  EXPECT_THAT(PageClient(server.port()).watch("Origin: http://attacker.example\r\n"),
+              StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(PageClient(server.port()).ask("GET /", "Origin: http://attacker.example\r\n"),
+              StartsWith("HTTP/1.1 403"));
+  PageClient rebound(server.port());
+  rebound.say(fmt::format("GET / HTTP/1.1\r\nHost: attacker.example:{}\r\n\r\n", server.port()));
+  EXPECT_THAT(rebound.hear(), StartsWith("HTTP/1.1 403"));
+  EXPECT_TRUE(soon([&] { return server.counts().refused == 3; }));
+}
+
+TEST(PageServer, OnOtherAddressesATokenIsAskedForOnceInTheUrl) {
+  const PageServer server({.address = "0.0.0.0"}, two_files());
+  const std::string token = server.url().substr(server.url().find("token="));
+  EXPECT_GE(token.size(), 6U + 32U);
+  EXPECT_THAT(PageClient(server.port()).ask("GET /"), StartsWith("HTTP/1.1 200"));  // the program of the page
+  EXPECT_THAT(PageClient(server.port()).ask("GET /scene.json"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(PageClient(server.port()).ask("GET /scene.json?" + token), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(PageClient(server.port()).watch(), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(PageClient(server.port()).watch("", "/live?token=0123"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(PageClient(server.port()).watch("", "/live?" + token), StartsWith("HTTP/1.1 101"));
+}
+
+TEST(PageServer, AWatcherHearsTheNewestStateAtOnceAndThenEachNext) {
+  PageServer server = on_loopback();
+  server.post("old");
+  server.post("first");
+  PageClient client(server.port());
+  EXPECT_THAT(client.watch(), HasSubstr("Sec-WebSocket-Accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=\r\n"));
+  EXPECT_EQ(client.hear("first"),
+            "\x81\x05"
+            "first");
+  server.post("second");
+  EXPECT_EQ(client.hear("second"),
+            "\x81\x06"
+            "second");
+  client.say(PageClient::masked(9, "hi"));
+  EXPECT_EQ(client.hear("hi"),
+            "\x8a\x02"
+            "hi");
+}
+
+TEST(PageServer, LongMessagesAndManyCloseTheirWatcherAlone) {
+  PageServer server = on_loopback();
+  PageClient quiet(server.port()), longer(server.port()), many(server.port());
+  for (PageClient* one : {&quiet, &longer, &many}) ASSERT_THAT(one->watch(), StartsWith("HTTP/1.1 101"));
+  longer.say(PageClient::masked(1, std::string(1'000'000, 'x')));
+  longer.hear();
+  EXPECT_TRUE(longer.ended());
+  std::string flood;
+  for (int i = 0; i < 10'000; ++i) flood += PageClient::masked(1, "x");
+  many.say(flood);
+  many.hear();
+  EXPECT_TRUE(many.ended());
+  EXPECT_TRUE(soon([&] { return server.counts().closed == 2; }));
+  server.post("still here");
+  EXPECT_THAT(quiet.hear("still here"), HasSubstr("still here"));
+}
+
+TEST(PageServer, ALongHeadIsRefused) {
+  const PageServer server = on_loopback();
+  PageClient client(server.port());
+  client.say("GET / HTTP/1.1\r\nX: " + std::string(100'000, 'x'));
+  client.hear();
+  EXPECT_TRUE(client.ended());
+  EXPECT_TRUE(soon([&] { return server.counts().refused == 1; }));
+}
+
+// Half-open ones fill all room, and give it back; nobody who came before is disturbed.
+TEST(PageServer, WhoSaysNothingIsClosedAndMoreThanThereIsRoomForAreRefused) {
+  PageServer server = on_loopback();
+  PageClient watcher(server.port());
+  ASSERT_THAT(watcher.watch(), StartsWith("HTTP/1.1 101"));
+  std::list<PageClient> silent;
+  for (std::size_t i = 0; i < PageServer::connections_max + 10; ++i) silent.emplace_back(server.port());
+  EXPECT_TRUE(soon([&] { return server.counts().refused == 11; }));
+  server.post("as ever");
+  EXPECT_THAT(watcher.hear("as ever"), HasSubstr("as ever"));
+  EXPECT_TRUE(soon([&] { return PageClient(server.port()).ask("GET /").starts_with("HTTP/1.1 200"); },
+                   2 * PageServer::patience));
+}
+
+TEST(PageServer, AWatcherThatReadsNothingDelaysNobodyAndIsClosed) {
+  PageServer server = on_loopback();
+  PageClient reader(server.port()), deaf(server.port(), 4096);
+  ASSERT_THAT(reader.watch(), StartsWith("HTTP/1.1 101"));
+  ASSERT_THAT(deaf.watch(), StartsWith("HTTP/1.1 101"));
+  ASSERT_TRUE(soon([&] { return server.counts().watchers == 2; }));
+  const std::string state(200'000, 's');
+  double slowest = 0.0;
+  const auto began = std::chrono::steady_clock::now();
+  bool closed = false;
+  for (int k = 0; !closed && k < 1000; ++k) {
+    const std::string last = fmt::format("number {};", k);
+    const auto before = std::chrono::steady_clock::now();
+    server.post(state + last);
+    slowest =
+        std::max(slowest, std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count());
+    ASSERT_THAT(reader.hear(last), HasSubstr(last));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    closed = server.counts().closed == 1;
+  }
+  EXPECT_TRUE(closed) << "after "
+                      << std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count()
+                      << " s";
+  EXPECT_LT(slowest, 1.0);  // a socket that is waited for takes PageServer::patience
+  EXPECT_EQ(server.counts().watchers, 1);
+}
+
+TEST(PageServer, AnotherServerTakesThePortOfOneThatEnded) {
+  std::uint16_t port = 0;
+  {
+    PageServer server = on_loopback();
+    port = server.port();
+    PageClient client(port);
+    ASSERT_THAT(client.watch(), StartsWith("HTTP/1.1 101"));
+    EXPECT_THROW(PageServer({.port = port}, two_files()), std::invalid_argument);
+  }
+  PageServer server({.port = port}, two_files());
+  EXPECT_THAT(PageClient(port).ask("GET /"), StartsWith("HTTP/1.1 200"));
+}
+
+TEST(PageServer, AnAddressThatIsNoneIsRefusedByItsName) {
+  try {
+    PageServer server({.address = "localhost"}, two_files());
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("address = localhost, expected an IPv4 address"));
+  }
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,96 @@
+#include "sightline/server/scene_json.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/scenario_text.hpp"
+#include "tests/support/view_scenario.hpp"
+
+namespace sightline {
+namespace {
+
+using nlohmann::json;
+
+ShownState pair_state() {
+  ShownState state;
+  state.time = 1.25;
+  const auto at = [](double x, double y, double z) { return Sight<double>{{{x, y, z}, {1, 0}}, {}, {}}; };
+  state.seen = {at(0, 0, 1), at(1, 0, 0.5), at(4, 0, 1)};
+  state.u = {1, 2, 3, 4, 5, 6, 7, 8};
+  state.status = "converged";
+  return state;
+}
+
+TEST(SceneJson, ASceneSaysBodiesLimitsAndWhoIsToSeeWhom) {
+  const SceneJson scene(test::scenario_of(test::view_scenario));
+  const json said = json::parse(scene.scene("word", true));
+  EXPECT_EQ(said["session"], "word");
+  EXPECT_EQ(said["live"], true);
+  ASSERT_EQ(said["bodies"].size(), 3U);
+  EXPECT_EQ(said["bodies"][0]["name"], "uav0");
+  EXPECT_EQ(said["bodies"][0]["inputs"].size(), said["bodies"][0]["u_max"].size());
+  EXPECT_EQ(said["bodies"][2]["agent"], false);
+  EXPECT_EQ(said["bodies"][2]["hard"], 0.5);
+  ASSERT_EQ(said["pairs"].size(), 1U);
+  EXPECT_EQ(said["pairs"][0]["observer"], 0);
+  EXPECT_EQ(said["pairs"][0]["target"], 1);
+  EXPECT_EQ(said["pairs"][0]["alpha"], 0.5);
+  EXPECT_EQ(said["pairs"][0]["d_min"], 1.0);
+}
+
+TEST(SceneJson, AMomentHasPosesViewsAndInputsInTheOrderOfTheScene) {
+  const SceneJson scene(test::scenario_of(test::view_scenario));
+  const json said = json::parse(scene.moment(pair_state(), {{3, 1.0, "a \"word\""}}));
+  EXPECT_EQ(said["t"], 1.25);
+  EXPECT_EQ(said["b"][1], json::parse("[1.0, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0]"));
+  EXPECT_EQ(said["p"][0][0], 1);
+  EXPECT_NEAR(said["p"][0][1].get<double>(), std::sqrt(1.25), 1e-3);
+  EXPECT_LT(said["p"][0][2].get<double>(), 0.5);
+  EXPECT_EQ(said["u"], json::parse("[[1, 2, 3, 4], [5, 6, 7, 8]]"));
+  EXPECT_EQ(said["events"], json::parse(R"([[3, 1.0, "a \"word\""]])"));
+  EXPECT_FALSE(said.contains("paths"));
+}
+
+TEST(SceneJson, WhatIsNotThereOrNotFiniteIsNull) {
+  const SceneJson scene(test::scenario_of(test::view_scenario));
+  ShownState state = pair_state();
+  state.seen[1]->p.x = std::numeric_limits<double>::quiet_NaN();
+  state.seen[2].reset();
+  state.residual = std::numeric_limits<double>::infinity();
+  state.u[0] = state.residual;
+  const json said = json::parse(scene.moment(state, {}));
+  EXPECT_TRUE(said["b"][1].is_null() && said["b"][2].is_null());
+  EXPECT_TRUE(said["p"][0].is_null());
+  EXPECT_TRUE(said["residual"].is_null() && said["u"][0][0].is_null());
+}
+
+TEST(SceneJson, APairThatAnEventTookAwayIsNotJudged) {
+  const Scenario scenario = test::scenario_of(test::view_scenario);
+  const SceneJson scene(scenario);
+  PresentTeam present(scenario);
+  EXPECT_EQ(scene.asked(present), std::vector<char>{1});
+  Sample sample;
+  sample.time = 0.5;
+  sample.event_count = 1;
+  sample.events[0] = {0.5, EventKind::event_in_force, 0, 0.0};
+  present.follow(sample);
+  EXPECT_EQ(scene.asked(present), std::vector<char>{0});
+  ShownState state = pair_state();
+  state.asked = scene.asked(present);
+  EXPECT_TRUE(json::parse(scene.moment(state, {}))["p"][0].is_null());
+}
+
+TEST(SceneJson, EventsAreInWords) {
+  const SceneJson scene(test::scenario_of(test::view_scenario));
+  EXPECT_EQ(scene.words("event_in_force", 0), "event \"look away\" in force");
+  EXPECT_EQ(scene.words("event_in_force", 9), "event \"?\" in force");
+  EXPECT_EQ(scene.words("hold", 1), "uav1: hold");
+  EXPECT_EQ(scene.words("hold", 17), "?: hold");
+  EXPECT_EQ(scene.words("solver_status", 0), "solver: converged");
+  EXPECT_EQ(scene.words("missed_period", 3), "3 periods missed");
+}
+
+}  // namespace
+}  // namespace sightline

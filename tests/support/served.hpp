@@ -1,0 +1,59 @@
+/// `sightline view` as a process that serves.
+#pragma once
+
+#include <array>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+namespace sightline::test {
+
+class Served {
+ public:
+  /// @param arguments  of the command; `--seconds` among them, so that it ends by itself
+  explicit Served(const std::string& arguments)
+      : pipe_(::popen(("echo $$; exec '" SIGHTLINE_BINARY "' view " + arguments + " 2>&1").c_str(), "r")) {
+    std::array<char, 4096> line{};
+    while (url_.empty() && std::fgets(line.data(), line.size(), pipe_) != nullptr) {
+      const std::string said(line.data());
+      if (pid_ == 0) {
+        pid_ = std::atoi(said.c_str());
+        continue;
+      }
+      if (said.starts_with("http://")) url_ = said.substr(0, said.find('\n'));
+      told_ += said;
+    }
+  }
+  /// Ends it now, as Ctrl-C does.
+  ~Served() {
+    if (pipe_ != nullptr && pid_ > 0) ::kill(pid_, SIGTERM);
+    (void)end();
+  }
+  Served(const Served&) = delete;
+  Served& operator=(const Served&) = delete;
+
+  const std::string& url() const { return url_; }
+  std::uint16_t port() const {
+    const std::size_t colon = url_.rfind(':');
+    return colon == std::string::npos ? std::uint16_t{0}
+                                      : static_cast<std::uint16_t>(std::atoi(&url_[colon + 1]));
+  }
+  /// Waits for its end. @return what it said
+  std::string end() {
+    if (pipe_ == nullptr) return told_;
+    std::array<char, 4096> line{};
+    while (std::fgets(line.data(), line.size(), pipe_) != nullptr) told_ += line.data();
+    ::pclose(pipe_);
+    pipe_ = nullptr;
+    return told_;
+  }
+
+ private:
+  FILE* pipe_;
+  int pid_ = 0;
+  std::string url_, told_;
+};
+
+}  // namespace sightline::test

@@ -1,0 +1,95 @@
+// The page in a browser: it loads without a fault, draws, plays a log, and comes back after its server.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "sightline/server/page_server.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/page_client.hpp"
+#include "tests/support/served.hpp"
+#include "tests/support/view_scenario.hpp"
+
+namespace sightline::test {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+fs::path page_scenario(const fs::path& folder) {
+  const fs::path file = folder / "page.toml";
+  std::string text = view_scenario;
+  text.replace(text.rfind("duration = 1.0"), 14, "duration = 9.0");
+  std::ofstream(file) << text;
+  return file;
+}
+
+/// What the browser answers to the steps, one each.
+std::vector<json> browse(const std::string& url, const std::string& steps, const fs::path& folder) {
+  const CommandResult told =
+      shell("printf '" + steps + "quit\\n' | timeout 60 env " SIGHTLINE_BROWSER " " + url, folder);
+  EXPECT_EQ(told.code, 0) << told.err;
+  std::vector<json> answers;
+  std::istringstream lines(told.out);
+  for (std::string line; std::getline(lines, line);) answers.push_back(json::parse(line));
+  return answers;
+}
+
+void expect_drawn(const json& look) {
+  EXPECT_EQ(look["faults"], json::array());
+  EXPECT_GT(look["colours"], 8) << "the canvas is blank";
+  EXPECT_GE(look["curves"], 4);
+  EXPECT_GT(look["fps"], 3.0);
+  EXPECT_EQ(look["overflow"], false);
+  EXPECT_THAT(look["statuses"].get<std::string>(), testing::HasSubstr("uav0"));
+}
+
+TEST(Page, ALogPlaysAndIsSought) {
+  const fs::path folder = fresh_folder();
+  const std::string out = (folder / "out").string();
+  ASSERT_NE(sightline("run " + page_scenario(folder).string() + " -o " + out, folder).code, 2);
+  const Served served(out + " --port 0 --seconds 30");
+  const auto answers = browse(
+      served.url(), "wait log\\nlook\\nlook\\ntime 4\\nlook\\ntheme\\ncamera pair 0\\nlook\\n", folder);
+  ASSERT_EQ(answers.size(), 8U);
+  for (const std::size_t look : {1U, 2U, 4U, 7U}) expect_drawn(answers[look]);
+  EXPECT_GT(answers[2]["t"], answers[1]["t"]);
+  EXPECT_EQ(answers[4]["t"], 4.0);
+  EXPECT_GE(answers[1]["moments"], 800);
+  EXPECT_GE(answers[1]["marks"], 1);
+}
+
+TEST(Page, ALiveFlightIsShownAndThePageComesBackAfterItsServer) {
+  const fs::path folder = fresh_folder();
+  const std::string file = page_scenario(folder).string();
+  std::uint16_t port = 0;
+  {
+    const PageServer free({}, {});
+    port = free.port();
+  }
+  const std::string arguments = file + " --port " + std::to_string(port) + " --seconds 60";
+  std::vector<json> answers;
+  std::optional<Served> server(arguments);
+  EXPECT_EQ(server->port(), port) << server->end();
+  std::thread browser([&] {
+    answers = browse(fmt::format("http://127.0.0.1:{}/", port),
+                     "wait live\\nmoments 20\\nlook\\nwait lost\\nwait live\\nmoments 20\\nlook\\n", folder);
+  });
+  const auto answered = [&](long count) {
+    return soon([&] { return lines(read_file(folder / "stdout.txt")) >= count; }, 40.0);
+  };
+  EXPECT_TRUE(answered(3));
+  server.reset();
+  EXPECT_TRUE(answered(4));
+  server.emplace(arguments);
+  browser.join();
+  ASSERT_EQ(answers.size(), 7U);
+  expect_drawn(answers[2]);
+  expect_drawn(answers[6]);
+}
+
+}  // namespace
+}  // namespace sightline::test

@@ -1,0 +1,36 @@
+// What is known of a flight: its scene, and its moments by their time.
+
+export class History {
+  constructor(scene) {
+    this.scene = scene;
+    this.moments = [];
+    this.events = []; // [number, time, words]
+    this.longest = 36000; // moments of a live flight that are kept: 20 minutes
+  }
+
+  add(moment) {
+    const last = this.moments.at(-1);
+    if (last && moment.t <= last.t) return false;
+    for (const event of moment.events ?? []) {
+      if (this.events.length === 0 || event[0] > this.events.at(-1)[0]) this.events.push(event);
+    }
+    // A prediction stands until the next one.
+    if (!moment.paths && last) moment.paths = last.paths;
+    this.moments.push(moment);
+    if (this.moments.length > this.longest) this.moments.splice(0, this.longest / 10);
+    return true;
+  }
+
+  get begin() { return this.moments[0]?.t ?? 0; }
+  get end() { return this.moments.at(-1)?.t ?? 0; }
+
+  // Place of the last moment that is not after t.
+  indexAt(t) {
+    let low = 0, high = this.moments.length - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (this.moments[middle].t <= t) low = middle; else high = middle - 1;
+    }
+    return low;
+  }
+}

@@ -1,0 +1,287 @@
+// The flight in three dimensions: G is drawn as it is, x and y level, z up, in metres.
+import * as THREE from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { colours, robotColour } from './palette.js';
+
+const pathPoints = 256, trailPoints = 400, viewSides = 32;
+
+function multirotor(colour) {
+  const group = new THREE.Group(), body = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.6 });
+  const hub = new THREE.Mesh(new THREE.BoxGeometry(0.22, 0.12, 0.07), body);
+  const nose = new THREE.Mesh(new THREE.ConeGeometry(0.05, 0.12, 12), body);
+  nose.rotation.z = -Math.PI / 2;
+  nose.position.x = 0.17;
+  group.add(hub, nose);
+  for (const [x, y] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
+    const rotor = new THREE.Mesh(new THREE.TorusGeometry(0.1, 0.012, 8, 24), body);
+    rotor.position.set(0.17 * x, 0.17 * y, 0.03);
+    const arm = new THREE.Mesh(new THREE.BoxGeometry(0.24, 0.025, 0.025), body);
+    arm.position.set(0.085 * x, 0.085 * y, 0.01);
+    arm.rotation.z = Math.atan2(y, x);
+    group.add(rotor, arm);
+  }
+  return group;
+}
+
+function rover(colour) {
+  const group = new THREE.Group(), paint = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.6 });
+  const hull = new THREE.Mesh(new THREE.BoxGeometry(0.36, 0.24, 0.1), paint);
+  hull.position.z = 0.1;
+  const nose = new THREE.Mesh(new THREE.ConeGeometry(0.08, 0.14, 4), paint);
+  nose.rotation.z = -Math.PI / 2;
+  nose.position.set(0.24, 0, 0.1);
+  group.add(hull, nose);
+  const rubber = new THREE.MeshStandardMaterial({ color: '#444b54' });
+  for (const [x, y] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
+    const wheel = new THREE.Mesh(new THREE.CylinderGeometry(0.07, 0.07, 0.05, 20), rubber);
+    wheel.position.set(0.12 * x, 0.14 * y, 0.07);
+    group.add(wheel);
+  }
+  return group;
+}
+
+const isRover = (robot) => /unicycle|car|rover|differential|ackermann|mecanum|omni|ground/.test(robot);
+
+function line(points, colour, dashed) {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * points), 3));
+  const material = dashed
+    ? new THREE.LineDashedMaterial({ color: colour, dashSize: 0.08, gapSize: 0.06 })
+    : new THREE.LineBasicMaterial({ color: colour });
+  const drawn = new THREE.Line(geometry, material);
+  drawn.frustumCulled = false;
+  return drawn;
+}
+
+function setLine(drawn, numbers, count) {
+  const at = drawn.geometry.attributes.position;
+  at.array.set(numbers.slice(0, 3 * Math.min(count, at.count)));
+  at.needsUpdate = true;
+  drawn.geometry.setDrawRange(0, Math.min(count, at.count));
+  if (drawn.material.isLineDashedMaterial) drawn.computeLineDistances();
+}
+
+// A cone of unit length along x whose edge is at `alpha` from its axis: what the observer's limit of the angle says.
+function viewCone(alpha) {
+  const geometry = new THREE.BufferGeometry(), corners = [];
+  const x = Math.cos(alpha), r = Math.sin(alpha);
+  for (let k = 0; k < viewSides; ++k) {
+    const a = (2 * Math.PI * k) / viewSides, b = (2 * Math.PI * (k + 1)) / viewSides;
+    corners.push(0, 0, 0, x, r * Math.cos(a), r * Math.sin(a), x, r * Math.cos(b), r * Math.sin(b));
+  }
+  geometry.setAttribute('position', new THREE.Float32BufferAttribute(corners, 3));
+  const material = new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.16, side: THREE.DoubleSide, depthWrite: false });
+  const cone = new THREE.Mesh(geometry, material);
+  const edges = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.6 }));
+  const rim = [];
+  for (let k = 0; k < viewSides; ++k) rim.push(...corners.slice(9 * k + 3, 9 * k + 9));
+  for (let k = 0; k < viewSides; k += viewSides / 4) rim.push(0, 0, 0, ...corners.slice(9 * k + 3, 9 * k + 6));
+  edges.geometry.setAttribute('position', new THREE.Float32BufferAttribute(rim, 3));
+  cone.add(edges);
+  cone.frustumCulled = edges.frustumCulled = false;
+  return cone;
+}
+
+export class Stage {
+  constructor(element, labels) {
+    this.element = element;
+    this.labels = labels;
+    this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    element.prepend(this.renderer.domElement);
+    this.camera = new THREE.PerspectiveCamera(50, 1, 0.05, 500);
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(-3.2, -4.2, 3.4);
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.target.set(0, 0, 0.8);
+    this.followed = null; // {body, sensor}
+    new ResizeObserver(() => this.resize()).observe(element);
+    this.resize();
+  }
+
+  resize() {
+    const { clientWidth: w, clientHeight: h } = this.element;
+    if (w === 0 || h === 0) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(w, h);
+    this.camera.aspect = w / h;
+    this.camera.updateProjectionMatrix();
+  }
+
+  // Builds what stays; again for another theme.
+  build(scene) {
+    const c = colours();
+    this.scene = scene;
+    this.world = new THREE.Scene();
+    this.world.background = new THREE.Color(c.back);
+    this.world.add(new THREE.HemisphereLight('#ffffff', '#8a919a', 2.2));
+    const sun = new THREE.DirectionalLight('#ffffff', 1.2);
+    sun.position.set(3, -2, 6);
+    this.world.add(sun);
+    const grid = new THREE.GridHelper(20, 20, c.grid, c.grid);
+    grid.rotation.x = Math.PI / 2;
+    grid.material.transparent = true;
+    grid.material.opacity = 0.7;
+    this.world.add(grid, new THREE.AxesHelper(0.5));
+    for (const [height, colour] of [[scene.floor, c.grey], [scene.ceiling, c.grey]]) {
+      if (height === null || Math.abs(height) > 50) continue;
+      const frame = new THREE.GridHelper(20, 2, colour, colour);
+      frame.rotation.x = Math.PI / 2;
+      frame.position.z = height;
+      frame.material.transparent = true;
+      frame.material.opacity = 0.35;
+      this.world.add(frame);
+    }
+    this.labels.replaceChildren();
+    this.bodies = scene.bodies.map((body, i) => this.buildBody(body, i));
+    this.pairs = scene.pairs.map((pair) => this.buildPair(pair));
+  }
+
+  buildBody(body, i) {
+    const colour = body.agent ? robotColour(i) : colours().grey;
+    const shape = !body.agent
+      ? new THREE.Mesh(new THREE.SphereGeometry(0.12, 24, 16), new THREE.MeshStandardMaterial({ color: colour }))
+      : isRover(body.robot) ? rover(colour) : multirotor(colour);
+    const parts = { shape, label: document.createElement('span') };
+    this.world.add(shape);
+    if (!body.agent && body.hard > 0) {
+      parts.hard = new THREE.Mesh(new THREE.SphereGeometry(body.hard, 32, 20),
+        new THREE.MeshBasicMaterial({ color: colours().bad, transparent: true, opacity: 0.13, depthWrite: false }));
+      const wire = new THREE.Mesh(new THREE.SphereGeometry(body.hard, 16, 10),
+        new THREE.MeshBasicMaterial({ color: colours().bad, wireframe: true, transparent: true, opacity: 0.18 }));
+      parts.hard.add(wire);
+      this.world.add(parts.hard);
+    }
+    if (body.agent) {
+      parts.path = line(pathPoints, colour, true);
+      parts.trail = line(trailPoints, colour, false);
+      parts.trail.material.transparent = true;
+      parts.trail.material.opacity = 0.45;
+      this.world.add(parts.path, parts.trail);
+    }
+    parts.label.textContent = body.name;
+    this.labels.append(parts.label);
+    return parts;
+  }
+
+  buildPair(pair) {
+    const whole = line(2, colours().good, false), dashed = line(2, colours().bad, true);
+    const parts = { whole, dashed, label: document.createElement('span') };
+    if (pair.alpha !== null) {
+      parts.cone = viewCone(pair.alpha);
+      this.world.add(parts.cone);
+    }
+    this.world.add(whole, dashed);
+    this.labels.append(parts.label);
+    return parts;
+  }
+
+  draw(history, index) {
+    const moment = history.moments[index];
+    if (!moment) return;
+    this.scene.bodies.forEach((body, i) => this.drawBody(body, i, moment, history, index));
+    this.scene.pairs.forEach((pair, i) => this.drawPair(pair, i, moment));
+    this.aim(moment);
+    this.renderer.render(this.world, this.camera);
+    this.placeLabels(moment);
+  }
+
+  drawBody(body, i, moment, history, index) {
+    const parts = this.bodies[i], seen = moment.b[i];
+    parts.shape.visible = seen !== null && !(this.followed?.sensor && this.followed.body === i);
+    for (const one of [parts.hard, parts.path, parts.trail]) if (one) one.visible = seen !== null;
+    if (seen === null) return;
+    parts.shape.position.set(seen[0], seen[1], seen[2]);
+    parts.shape.quaternion.set(seen[3], seen[4], seen[5], seen[6]);
+    if (parts.hard) parts.hard.position.copy(parts.shape.position);
+    if (!body.agent) return;
+    const path = moment.paths?.[i] ?? [];
+    setLine(parts.path, path.includes(null) ? [] : path, path.includes(null) ? 0 : path.length / 3);
+    const trail = [], step = 3;
+    for (let k = Math.max(0, index - step * (trailPoints - 2)); k <= index; k += step) {
+      const then = history.moments[k].b[i];
+      if (then) trail.push(then[0], then[1], then[2]);
+    }
+    setLine(parts.trail, trail, trail.length / 3);
+  }
+
+  drawPair(pair, i, moment) {
+    const parts = this.pairs[i], told = moment.p[i];
+    const there = told !== null && moment.b[pair.observer] !== null && moment.b[pair.target] !== null;
+    parts.whole.visible = there && told[0] === 1;
+    parts.dashed.visible = there && told[0] !== 1;
+    if (parts.cone) parts.cone.visible = there;
+    if (!there) return;
+    const a = moment.b[pair.observer], b = moment.b[pair.target];
+    setLine(told[0] === 1 ? parts.whole : parts.dashed, [a[0], a[1], a[2], b[0], b[1], b[2]], 2);
+    if (!parts.cone) return;
+    const { position, quaternion } = this.sensor(pair, a);
+    const length = Math.min(10, Math.max(0.5, told[1]));
+    parts.cone.position.copy(position);
+    parts.cone.quaternion.copy(quaternion);
+    parts.cone.scale.setScalar(length);
+    const colour = told[0] === 1 ? colours().good : colours().bad;
+    parts.cone.material.color.set(colour);
+    parts.cone.children[0].material.color.set(colour);
+  }
+
+  // Where a sensor is and how it looks: its axis is x, pitched down on the body, or on what is level in its heading.
+  sensor(pair, seen) {
+    const body = new THREE.Quaternion(seen[3], seen[4], seen[5], seen[6]);
+    if (!pair.on_body) {
+      const ahead = new THREE.Vector3(1, 0, 0).applyQuaternion(body);
+      body.setFromAxisAngle(new THREE.Vector3(0, 0, 1), Math.atan2(ahead.y, ahead.x));
+    }
+    const position = new THREE.Vector3(pair.offset, 0, 0).applyQuaternion(body).add(new THREE.Vector3(seen[0], seen[1], seen[2]));
+    const quaternion = body.multiply(new THREE.Quaternion().setFromAxisAngle(new THREE.Vector3(0, 1, 0), pair.pitch));
+    return { position, quaternion };
+  }
+
+  follow(followed) {
+    this.followed = followed;
+    this.controls.enabled = !followed?.sensor;
+    this.last = null;
+  }
+
+  aim(moment) {
+    const seen = this.followed && moment.b[this.followed.body];
+    if (seen && this.followed.sensor) {
+      const { position, quaternion } = this.sensor(this.followed.sensor, seen);
+      this.camera.position.copy(position);
+      this.camera.up.set(0, 0, 1).applyQuaternion(quaternion);
+      this.camera.lookAt(position.clone().add(new THREE.Vector3(1, 0, 0).applyQuaternion(quaternion)));
+      return;
+    }
+    this.camera.up.set(0, 0, 1);
+    if (seen) {
+      const now = new THREE.Vector3(seen[0], seen[1], seen[2]);
+      if (this.last) this.camera.position.add(now.clone().sub(this.last));
+      this.controls.target.copy(now);
+      this.last = now;
+    }
+    this.controls.update();
+  }
+
+  placeLabels(moment) {
+    const { clientWidth: w, clientHeight: h } = this.element;
+    const place = (label, point) => {
+      const at = point.project(this.camera);
+      const shown = at.z < 1 && Math.abs(at.x) < 1.1 && Math.abs(at.y) < 1.1;
+      label.hidden = !shown;
+      if (shown) label.style.transform = `translate(${((at.x + 1) * w) / 2}px, ${((1 - at.y) * h) / 2}px) translate(-50%, -50%)`;
+    };
+    this.scene.bodies.forEach((body, i) => {
+      const seen = moment.b[i], label = this.bodies[i].label;
+      if (seen === null) label.hidden = true;
+      else place(label, new THREE.Vector3(seen[0], seen[1], seen[2] + 0.3));
+    });
+    this.scene.pairs.forEach((pair, i) => {
+      const told = moment.p[i], label = this.pairs[i].label, a = moment.b[pair.observer], b = moment.b[pair.target];
+      if (told === null || a === null || b === null || this.scene.pairs.length > 12) {
+        label.hidden = true;
+        return;
+      }
+      label.textContent = `${told[1].toFixed(2)} m`;
+      place(label, new THREE.Vector3((a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2));
+    });
+  }
+}
