@@ -23,6 +23,19 @@ void add_fleet(CLI::App& command, NamedScenario& fleet) {
   add_scenario(command, fleet, "FLEET", "Scenario file with [fleet] (TOML)");
 }
 
+void add_serve(CLI::App& command, ServeOptions& serve, CLI::Option* needed = nullptr) {
+  CLI::Option* port = command.add_option("--port", serve.port, "Port of the page; 0: a free one [8765]");
+  CLI::Option* address = command.add_option(
+      "--listen", serve.address, "IPv4 address to be reached at from other machines, by a token [127.0.0.1]");
+  if (needed == nullptr) return;
+  port->needs(needed);
+  address->needs(needed);
+}
+
+void add_show(CLI::App& command, ShowOptions& view) {
+  add_serve(command, view.serve, command.add_flag("--view", view.show, "Show the flight in the browser"));
+}
+
 }  // namespace
 
 Arguments::Arguments()
@@ -39,6 +52,7 @@ Arguments::Arguments()
   run_command->add_option("--seed", run.seed, "Seed of all random numbers, instead of the scenario's")
       ->check(CLI::Range(std::uint64_t{0}, seed_max));
   run_command->add_flag("--realtime", run.realtime, "Run in real time; missed periods are events");
+  add_show(*run_command, run.view);
 
   CLI::Option* partition = run_command->add_option("--partition", run.partition,
                                                    "Subteams, each with its own solver: \"a,b | c,d\"");
@@ -53,6 +67,7 @@ Arguments::Arguments()
   fly_command->add_option("-o,--output", fly.output, "Folder for the results [out/NAME]");
   const auto dry_run = fly_command->add_flag("--dry-run", fly.dry_run, "All but arm");
   fly_command->add_flag("--wait", fly.wait, "Take off when the service ~/start is called")->excludes(dry_run);
+  add_show(*fly_command, fly.view);
 
   vehicles_command = app.add_subcommand("vehicles", "Stand in for the robots of a fleet, on their topics");
   add_fleet(*vehicles_command, vehicles.fleet);
@@ -78,9 +93,7 @@ Arguments::Arguments()
   view_command =
       app.add_subcommand("view", "Show a flight in the browser: a scenario in real time, or a run's log");
   add_scenario(*view_command, view.of, "SCENARIO", "Scenario file (TOML), or the folder of a run");
-  view_command->add_option("--port", view.port, "Port of the page; 0: a free one")->capture_default_str();
-  view_command->add_option("--listen", view.address,
-                           "IPv4 address to be reached at from other machines, by a token [127.0.0.1]");
+  add_serve(*view_command, view.serve);
   view_command->add_flag("--open", view.open, "Open the page in the browser");
   view_command->add_option("--speed", view.speed, "Simulated seconds per second [1]")
       ->check(CLI::Range(0.001, 1000.0));

@@ -14,6 +14,7 @@
 #include "sightline/run/clock.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/scenario.hpp"
+#include "sightline/server/page_server.hpp"
 
 namespace sightline::cli {
 
@@ -24,6 +25,15 @@ struct NamedScenario {
 
   /// @throws std::invalid_argument as read_scenario()
   Scenario read(const Parts& parts) const { return read_scenario(file, parts, set); }
+};
+
+/// Where a page is served, unless told otherwise.
+inline constexpr std::uint16_t page_port = 8765;
+
+/// Whether a flight is shown on a page, and where.
+struct ShowOptions {
+  bool show = false;
+  ServeOptions serve{.port = page_port};
 };
 
 struct CheckCommand {
@@ -41,6 +51,7 @@ struct RunOptions {
   std::optional<std::string> solver;
   std::optional<std::uint64_t> seed;
   bool realtime = false;
+  ShowOptions view;
   std::optional<std::string>
       partition;  ///< "a,b | c,d": the parts that plan by themselves; none: one solver for all
   std::string order = "gauss_seidel";
@@ -63,7 +74,8 @@ struct FlyCommand {
   NamedScenario fleet;           ///< a scenario with a [fleet]
   std::filesystem::path output;  ///< empty: out/NAME
   bool dry_run = false;          ///< all but arm
-  bool wait = false;             ///< arms when the service ~/start is called
+  ShowOptions view;
+  bool wait = false;  ///< arms when the service ~/start is called
 };
 
 struct VehiclesCommand {
@@ -79,13 +91,12 @@ struct DoctorCommand {
 };
 
 struct ViewCommand {
-  NamedScenario of;                   ///< a scenario, or the folder of a run
-  std::uint16_t port = 8765;          ///< 0: a free one
-  std::string address = "127.0.0.1";  ///< of the interface that is listened to
-  bool open = false;                  ///< in the browser
-  std::optional<double> speed;        ///< simulated time by that of the wall clock; none: 1
-  bool paused = false;                ///< after the first period, until Enter
-  double seconds = 1e9;               ///< until Ctrl-C
+  NamedScenario of;  ///< a scenario, or the folder of a run
+  ServeOptions serve{.port = page_port};
+  bool open = false;            ///< in the browser
+  std::optional<double> speed;  ///< simulated time by that of the wall clock; none: 1
+  bool paused = false;          ///< after the first period, until Enter
+  double seconds = 1e9;         ///< until Ctrl-C
 };
 
 struct ReplayCommand {
@@ -141,8 +152,10 @@ struct LinkedFlight {
   std::atomic<bool>& stop;  ///< ends the loop
 };
 /// As run(), for a scenario that is read already; its team plans in parts, or, without a choice, as one.
-int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const PartitionChoice* partition = nullptr,
-        LinkedFlight* linked = nullptr);
+int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const ShowOptions& view = {},
+        const PartitionChoice* partition = nullptr, LinkedFlight* linked = nullptr);
+/// Says so where this program carries no page.
+void tell_without_page();
 /// Flies a fleet over the program's bridge: takes off, flies the task, lands; Ctrl-C lands, a second one leaves the robots to their
 /// autopilots. Files as run().
 int fly_fleet(const FlyCommand& command, const Parts& parts);

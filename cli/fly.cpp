@@ -78,7 +78,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
   LinkedFlight linked{*world, arming, interrupts(), stop_flight()};
   int code = 2;
   try {
-    code = fly(std::move(scenario), *folder, clock, nullptr, &linked);
+    code = fly(std::move(scenario), *folder, clock, command.view, nullptr, &linked);
   } catch (const std::invalid_argument& error) {  // of what is built before the flight
     tell("{}: {}\n", command.fleet.file.native(), error.what());
     return 2;

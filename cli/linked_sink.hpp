@@ -1,4 +1,4 @@
-/// Between a flight on links and its log.
+/// Between a flight and its log: who looks on, and what ends it.
 #pragma once
 
 #include <algorithm>
@@ -6,8 +6,27 @@
 
 #include "sightline/run/ring.hpp"
 #include "sightline/scenario/bridge.hpp"
+#include "sightline/server/flight_page.hpp"
 
 namespace sightline::cli {
+
+/// Shows each sample on a page.
+class ShownSink final : public Sink<Sample> {
+ public:
+  ShownSink(Sink<Sample>& sink, FlightPage& page) : sink_(sink), page_(page) {}
+
+  Sample* claim() noexcept override { return sample_ = sink_.claim(); }
+  void publish() noexcept override {
+    page_.show(*sample_);
+    sink_.publish();
+  }
+  void close() noexcept override { sink_.close(); }
+
+ private:
+  Sink<Sample>& sink_;
+  FlightPage& page_;
+  Sample* sample_ = nullptr;
+};
 
 /// Shows each period to those who look on, and ends the flight where a robot of it is to land, or somebody asks for it: the link lands
 /// it, and all others.

@@ -108,8 +108,9 @@ std::string with_timing(const std::string& summary, const LinkTiming& timing) {
 
 /// Flies the scenario under its controllers; leaves run.mcap, timing.csv and summary.json in the folder.
 Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
-                  const Controllers& controllers, TeamSwitcher* team_switcher = nullptr,
-                  const McapWords& flown = {}, LinkedFlight* linked = nullptr) {
+                  const ShowOptions& view, const Controllers& controllers,
+                  TeamSwitcher* team_switcher = nullptr, const McapWords& flown = {},
+                  LinkedFlight* linked = nullptr) {
   // All memory is taken here, before the first period.
   const auto simulated = linked == nullptr ? make_world(scenario) : nullptr;
   World& world = linked == nullptr ? *simulated : linked->world;
@@ -118,7 +119,16 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
   Ring<Sample> ring(ring_capacity(prototype), prototype);
   std::optional<LinkedSink> shown;
   if (linked != nullptr) shown.emplace(ring, linked->world, linked->stop);
-  Sink<Sample>& sink = shown ? static_cast<Sink<Sample>&>(*shown) : ring;
+  Sink<Sample>& kept = shown ? static_cast<Sink<Sample>&>(*shown) : ring;
+  std::optional<FlightPage> page;
+  std::optional<ShownSink> watched;
+  if (view.show) {
+    page.emplace(scenario, prototype, view.serve);
+    watched.emplace(kept, *page);
+    tell_without_page();
+    say(fmt::format("the page is {}", page->url()));
+  }
+  Sink<Sample>& sink = watched ? static_cast<Sink<Sample>&>(*watched) : kept;
   ClosedLoop loop(scenario, world, controllers, clock, sink, allocations, team_switcher,
                   linked != nullptr ? &linked->stop : nullptr);
 
@@ -145,10 +155,11 @@ Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder,
 }
 
 Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
-                  LinkedFlight* linked) {
+                  const ShowOptions& view, LinkedFlight* linked) {
   const Controls controls(scenario);
   if (const std::string told = controls.kernels().sentence(); !told.empty()) say(told);
-  return fly_logged(scenario, folder, clock, controls.controllers(), controls.team_switcher(), {}, linked);
+  return fly_logged(scenario, folder, clock, view, controls.controllers(), controls.team_switcher(), {},
+                    linked);
 }
 
 }  // namespace
@@ -187,15 +198,15 @@ int run(const RunOptions& options, const Parts& parts) {
   SteadyClock steady;
   try {
     return fly(std::move(scenario), *folder, options.realtime ? static_cast<Clock&>(steady) : simulated,
-               partition ? &*partition : nullptr);
+               options.view, partition ? &*partition : nullptr);
   } catch (const std::invalid_argument& error) {  // of what is built before the flight
     tell("{}: {}\n", options.scenario.file.native(), error.what());
     return 2;
   }
 }
 
-int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const PartitionChoice* partition,
-        LinkedFlight* linked) {
+int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const ShowOptions& view,
+        const PartitionChoice* partition, LinkedFlight* linked) {
   const std::filesystem::path& folder = run_folder.path();
   std::optional<PartitionedFlight> parts;
   SolverChoice of_whole = scenario.solver;
@@ -204,11 +215,11 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
     lift_deadline(of_whole);
     scenario.solver.name = parts->name();
   }
-  const Flight flight = parts ? fly_logged(scenario, folder, clock, {*parts}, nullptr,
+  const Flight flight = parts ? fly_logged(scenario, folder, clock, view, {*parts}, nullptr,
                                            {{"partition", partition->text},
                                             {"order", std::string(to_string(partition->order))},
                                             {"exchanges", fmt::format("{}", partition->exchanges)}})
-                              : fly_logged(scenario, folder, clock, linked);
+                              : fly_logged(scenario, folder, clock, view, linked);
   for (const std::string& fault : flight.faults) say(fault);
   bool bad = !flight.faults.empty();
 
@@ -217,7 +228,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
   if (parts && flight.logged) {
     SimulatedClock simulated;
     scenario.solver = of_whole;
-    const Flight whole = fly_logged(scenario, folder / "whole", simulated, nullptr);
+    const Flight whole = fly_logged(scenario, folder / "whole", simulated, {}, nullptr);
     for (const std::string& fault : whole.faults) say(fmt::format("the whole team by one solver: {}", fault));
     bad = bad || !whole.logged;
     summaries.push_back(whole.summary);
@@ -227,7 +238,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Part
     if (!flight.logged) break;
     SimulatedClock simulated;
     scenario.solver = solver_named(name);
-    const Flight other = fly_logged(scenario, folder / name, simulated, nullptr);
+    const Flight other = fly_logged(scenario, folder / name, simulated, {}, nullptr);
     for (const std::string& fault : other.faults) say(fmt::format("compared with {}: {}", name, fault));
     bad = bad || !other.logged;
     summaries.push_back(other.summary);

@@ -10,6 +10,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/fleet.hpp"
+#include "cli/linked_sink.hpp"
 #include "cli/output.hpp"
 #include "sightline/record/replay.hpp"
 #include "sightline/scenario/closed_loop.hpp"
@@ -23,18 +24,17 @@ namespace {
 
 using Moments = std::chrono::steady_clock;
 
-/// Shows each sample, and keeps none.
-class ShownSink final : public Sink<Sample> {
+/// Keeps no sample.
+class UnloggedSink final : public Sink<Sample> {
  public:
-  ShownSink(const Sample& prototype, FlightPage& page) : sample_(prototype), page_(page) {}
+  explicit UnloggedSink(const Sample& prototype) : sample_(prototype) {}
 
   Sample* claim() noexcept override { return &sample_; }
-  void publish() noexcept override { page_.show(sample_); }
+  void publish() noexcept override {}
   void close() noexcept override {}
 
  private:
   Sample sample_;
-  FlightPage& page_;
 };
 
 /// Lets a paused flight go on when somebody types Enter.
@@ -71,7 +71,7 @@ void open_browser(const std::string& url) {
 }
 
 void announce(const ViewCommand& command, const std::string& url) {
-  if (!has_page()) say("built without its page: only data are served");
+  tell_without_page();
   print("{}\n", url);
   if (command.open) open_browser(url);
 }
@@ -122,7 +122,8 @@ int view_flight(const ViewCommand& command, const Parts& parts, const ServeOptio
   const auto world = make_world(scenario);
   const Sample prototype = sized_sample(*world, controls.controllers());
   FlightPage page(scenario, prototype, options);
-  ShownSink sink(prototype, page);
+  UnloggedSink unlogged(prototype);
+  ShownSink sink(unlogged, page);
   ClosedLoop loop(scenario, *world, controls.controllers(), clock, sink, nullptr, controls.team_switcher(),
                   &stop);
   announce(command, page.url());
@@ -152,8 +153,12 @@ int view_flight(const ViewCommand& command, const Parts& parts, const ServeOptio
 
 }  // namespace
 
+void tell_without_page() {
+  if (!has_page()) say("built without its page: only data are served");
+}
+
 int view(const ViewCommand& command, const Parts& parts) {
-  const ServeOptions options{.address = command.address, .port = command.port};
+  const ServeOptions& options = command.serve;
   outlive_the_terminal();
   listen_to_interrupts();
   try {

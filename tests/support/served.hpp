@@ -1,4 +1,4 @@
-/// `sightline view` as a process that serves.
+/// A command that serves a page, as a process.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@ namespace sightline::test {
 
 class Served {
  public:
-  /// @param arguments  of the command; `--seconds` among them, so that it ends by itself
+  /// @param arguments  of a command that ends by itself
   explicit Served(const std::string& arguments)
-      : pipe_(::popen(("echo $$; exec '" SIGHTLINE_BINARY "' view " + arguments + " 2>&1").c_str(), "r")) {
+      : pipe_(::popen(("echo $$; exec '" SIGHTLINE_BINARY "' " + arguments + " 2>&1").c_str(), "r")) {
     std::array<char, 4096> line{};
     while (url_.empty() && std::fgets(line.data(), line.size(), pipe_) != nullptr) {
       const std::string said(line.data());
@@ -22,7 +22,8 @@ class Served {
         pid_ = std::atoi(said.c_str());
         continue;
       }
-      if (said.starts_with("http://")) url_ = said.substr(0, said.find('\n'));
+      if (const std::size_t at = said.find("http://"); at != std::string::npos)
+        url_ = said.substr(at, said.find('\n') - at);
       told_ += said;
     }
   }

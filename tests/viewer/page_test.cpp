@@ -51,7 +51,7 @@ TEST(Page, ALogPlaysAndIsSought) {
   const fs::path folder = fresh_folder();
   const std::string out = (folder / "out").string();
   ASSERT_NE(sightline("run " + page_scenario(folder).string() + " -o " + out, folder).code, 2);
-  const Served served(out + " --port 0 --seconds 30");
+  const Served served("view " + out + " --port 0 --seconds 30");
   const auto answers = browse(
       served.url(), "wait log\\nlook\\nlook\\ntime 4\\nlook\\ntheme\\ncamera pair 0\\nlook\\n", folder);
   ASSERT_EQ(answers.size(), 8U);
@@ -70,7 +70,7 @@ TEST(Page, ALiveFlightIsShownAndThePageComesBackAfterItsServer) {
     const PageServer free({}, {});
     port = free.port();
   }
-  const std::string arguments = file + " --port " + std::to_string(port) + " --seconds 60";
+  const std::string arguments = "view " + file + " --port " + std::to_string(port) + " --seconds 60";
   std::vector<json> answers;
   std::optional<Served> server(arguments);
   EXPECT_EQ(server->port(), port) << server->end();

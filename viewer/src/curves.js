@@ -56,6 +56,7 @@ export class Curves {
       cursor: { drag: { x: false, y: false }, bind: { click: (u) => () => { this.seek(u.posToVal(u.cursor.left, 'x')); return null; } } },
       hooks: { draw: [(u) => this.drawNow(u)] },
     }, [[], ...spec.series.map(() => []), ...limits.map(() => [])], place);
+    for (const row of [...place.querySelectorAll('.u-series')].slice(spec.series.length)) row.hidden = true;
     return { spec, limits, plot };
   }
 

@@ -59,6 +59,7 @@ function build() {
 }
 
 function take(moments) {
+  if (history.moments.length === 0 && moments.length > 0) stage.frame(moments[0]);
   for (const moment of moments) history.add(moment);
   counters.moments = history.moments.length;
 }
@@ -105,7 +106,7 @@ function drawStatuses(moment) {
         swatch.style.background = robotColour(i);
         name.prepend(swatch);
         cell(row, level, level === '' || level === 'valid' ? '' : 'bad');
-        cell(row, acts === undefined ? '' : acts ? 'acts' : 'rests', acts ? 'bad' : '');
+        cell(row, acts === undefined ? '' : acts ? 'active' : 'idle', acts ? 'bad' : '');
         cell(row, moment.b[i]?.[2].toFixed(2) ?? '', 'number');
         cell(row, Number.isFinite(share) ? `${(100 * share).toFixed(0)} %` : '', 'number');
       }];

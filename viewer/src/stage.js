@@ -175,6 +175,16 @@ export class Stage {
     return parts;
   }
 
+  // Looks at all that is there.
+  frame(moment) {
+    const box = new THREE.Box3();
+    for (const seen of moment.b) if (seen) box.expandByPoint(new THREE.Vector3(seen[0], seen[1], seen[2]));
+    if (box.isEmpty()) return;
+    const centre = box.getCenter(new THREE.Vector3()), away = Math.max(4.5, 1.1 * box.getSize(new THREE.Vector3()).length());
+    this.controls.target.copy(centre);
+    this.camera.position.copy(centre).add(new THREE.Vector3(-0.53, -0.66, 0.53).multiplyScalar(away));
+  }
+
   draw(history, index) {
     const moment = history.moments[index];
     if (!moment) return;
