@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -15,6 +16,7 @@
 #include "sightline/base/index.hpp"
 #include "sightline/base/quantile.hpp"
 #include "sightline/base/version.hpp"
+#include "sightline/solver/newton/influence.hpp"
 #include "sightline/world/plant.hpp"
 
 namespace sightline {
@@ -61,6 +63,11 @@ double largest_difference(std::span<const double> a, std::span<const double> b) 
   return worst;
 }
 
+bool has_cycle(const Ocp& ocp) {
+  const int agents = static_cast<int>(ocp.agent_bodies().size());
+  return influence_graph(trace_potentials(ocp), agents).kind == Influence::cyclic;
+}
+
 std::vector<double> plan_of(const NewtonRiccati& solver) {
   const std::size_t nu = at(solver.ocp().nu());
   std::vector<double> u(at(solver.ocp().horizon().N) * nu);
@@ -81,7 +88,9 @@ void judge(const BenchCase& what, const Flight& flight, const BenchOptions& opti
                               .max_krylov = 200,
                               .krylov_stop = 1e-13,
                               .start_steps = 100});
-  IpoptReference ipopt(ocp);
+  // A team with cycles of influence has no one optimum, but the point where none gains by itself.
+  std::optional<IpoptReference> ipopt;
+  if (!is_large && !has_cycle(ocp)) ipopt.emplace(ocp);
   std::vector<double> ipopt_us, before = plan_of(optimum);
   for (int k = 0; k < options.updates; ++k) {
     const double t = bench_horizon.dt * k;
@@ -95,11 +104,11 @@ void judge(const BenchCase& what, const Flight& flight, const BenchOptions& opti
     const double error = largest_difference(u, best.u);
     if (k > 0) row.input_error_transient = std::max(row.input_error_transient, error);
     if (t > settled) row.input_error_max = std::max(row.input_error_max, error);
-    if (!compare || is_large) continue;
+    if (!compare || !ipopt) continue;
     if (options.progress) options.progress(k);
     const std::vector<double> plan = plan_of(optimum);
     try {
-      const Optimum other = ipopt.solve(t, x, k == 0 ? plan : before);
+      const Optimum other = ipopt->solve(t, x, k == 0 ? plan : before);
       ipopt_us.push_back(1e6 * other.seconds);
       row.ipopt_difference = std::max(row.ipopt_difference, largest_difference(plan, other.u));
     } catch (const std::runtime_error&) {
