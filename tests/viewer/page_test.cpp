@@ -20,7 +20,7 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 fs::path page_scenario(const fs::path& folder) {
-  const fs::path file = folder / "page.toml";
+  fs::path file = folder / "page.toml";
   std::string text = view_scenario;
   text.replace(text.rfind("duration = 1.0"), 14, "duration = 9.0");
   std::ofstream(file) << text;
