@@ -21,7 +21,7 @@ constexpr Nanoseconds setpoints_end_most = 50'000'000;  // until they count as e
 constexpr int looks_least = 5;                          // at who is there, a fifth of a second each
 constexpr Nanoseconds takeoff_patience = 2 * crazyflie_second;
 constexpr std::uint32_t remain_valid = 100;         // [ms], which new firmware ignores
-constexpr double landing_pace = 0.3;               // [m/s]
+constexpr double landing_pace = 0.3;                // [m/s]
 constexpr double landing_time_least = 1.0;          // [s]
 constexpr double touchdown_height = 0.02;           // above the ground, where motors stop [m]
 constexpr double descended = 0.1, at_height = 0.1;  // [m]
