@@ -96,7 +96,8 @@ BenchCase grid(std::string name, int robots_in_all) {
   BenchCase c{.name = std::move(name)};
   std::vector<AgentId> robots;
   for (int i = 0; i < robots_in_all; ++i) {
-    const Vec3<double> p = {1.5 * (i % columns), 1.5 * (i / columns), 1.0};
+    const int row = i / columns, column = i % columns;
+    const Vec3<double> p = {1.5 * column, 1.5 * row, 1.0};
     AgentOptions<Multirotor> options{.name = fmt::format("uav{}", i)};
     options.Q = {0.5, 0.5, 1.0, 0.5, 0.5, 0.1, 0.1};
     options.x_ref = Circle{.centre = p, .radius = 0.5, .rate = 0.3 + 0.02 * (i % 5)};
