@@ -23,4 +23,5 @@ for file in report.html run.mcap summary.json; do
     ((code != 0)) || code=1
   fi
 done
+((code != 0)) || printf '\nin a browser   build/release/bin/sightline view %s\n' "$out"
 exit "$code"
