@@ -39,12 +39,13 @@ double meant_speed(const Scenario& scenario, BodyId body) {
 std::vector<ViewAtDistance> rows_of(const ViewFlight& flight, int flights) {
   std::vector<ViewAtDistance> rows;
   for (int k = 1; k <= 400; ++k) {
-    ViewAtDistance row{.distance = band_step * k, .figures = mean_figures(flight, row.distance, flights)};
+    const double distance = band_step * k;
+    const ViewAtDistance row{.distance = distance, .figures = mean_figures(flight, distance, flights)};
     const bool none = row.figures.found < 0.02;
     if (none && !rows.empty()) break;
     if (!none) rows.push_back(row);
     // Below 4 px nothing is read.
-    if (rows.empty() && flight.camera.pixels(flight.tags.size, row.distance) < 4.0) break;
+    if (rows.empty() && flight.camera.pixels(flight.tags.size, distance) < 4.0) break;
   }
   return rows;
 }
