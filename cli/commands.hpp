@@ -4,13 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <list>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "sightline/analysis/identification/excitation.hpp"
-#include "sightline/record/folder_lock.hpp"
+#include "sightline/record/logged_flight.hpp"
 #include "sightline/run/clock.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/scenario.hpp"
@@ -129,19 +128,6 @@ struct CampaignCommand {
 
 /// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.
 int run(const RunOptions& options, const Parts& parts);
-
-/// Where a flight leaves its files, and where its comparisons leave theirs; for this process alone.
-class RunFolder {
- public:
-  /// @param in_parts  whether the flight is compared with that of one solver for the whole team
-  /// @throws std::invalid_argument as FolderLock
-  RunFolder(const std::filesystem::path& folder, const Scenario& scenario, bool in_parts = false);
-
-  const std::filesystem::path& path() const { return locks_.front().folder(); }
-
- private:
-  std::list<FolderLock> locks_;
-};
 
 struct PartitionChoice;
 /// Robots on links, in place of a simulated world.

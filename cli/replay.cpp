@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
@@ -13,33 +12,6 @@
 
 namespace sightline::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-/// Whether what is set is of the solver.
-bool sets_solver(const std::vector<std::string>& assignments) {
-  return std::any_of(assignments.begin(), assignments.end(), [](std::string_view assignment) {
-    const std::string_view key = assignment.substr(0, assignment.find_first_of(".= "));
-    return key == "solver";
-  });
-}
-
-/// The scenario of the log, as it was flown, or with what the command changes.
-Scenario scenario_of(const FlownAs& flown, const std::filesystem::path& log, const ReplayCommand& command,
-                     const Parts& parts) {
-  Scenario scenario = parse_scenario(flown.text, log, parts, {.files = flown.files, .set = command.set});
-  scenario.name = flown.name;
-  const bool in_parts = !flown.partition.empty();
-  if (command.solver) {
-    if (*command.solver != scenario.solver.name) scenario.solver = solver_named(*command.solver);
-  } else if (!in_parts && flown.solver != scenario.solver.name && !sets_solver(command.set)) {
-    scenario.solver = solver_named(flown.solver);
-  }
-  lift_deadline(scenario.solver);
-  scenario.simulation.compare.clear();
-  check_solvers(scenario);
-  return scenario;
-}
 
 /// What the flight was steered by: its subteams' solvers, or as the scenario says.
 class Steering {
@@ -70,37 +42,6 @@ std::string sentence(const FirstDifference& first) {
 std::string sentence(const FirstEstimate& first) {
   return fmt::format("update {} at {:.6g} s: {} of the estimate of {} = {}, recorded {}", first.update,
                      first.time, first.what, first.robot, first.replayed, first.recorded);
-}
-
-Json as_json(const CommandComparison& compared, const Scenario& scenario, const RecordedFlight& flight) {
-  Json json = {{"scenario", scenario.name},
-               {"solver", scenario.solver.name},
-               {"updates", compared.updates()},
-               {"commands", compared.commands()},
-               {"differing", compared.differing()},
-               {"other_status", compared.other_status()},
-               {"complete", !flight.truncated() && !flight.lost_after()}};
-  const auto first = compared.first();
-  json["first"] = !first ? Json() : Json{{"update", first->update},     {"time", first->time},
-                                         {"robot", first->robot},       {"input", first->input},
-                                         {"recorded", first->recorded}, {"replayed", first->replayed}};
-  if (compared.estimates() > 0) {
-    const auto estimate = compared.first_estimate();
-    json["estimates"] = {{"compared", compared.estimates()}, {"differing", compared.differing_estimates()}};
-    json["estimates"]["first"] =
-        !estimate ? Json() : Json{{"update", estimate->update},     {"time", estimate->time},
-                                  {"robot", estimate->robot},       {"what", estimate->what},
-                                  {"recorded", estimate->recorded}, {"replayed", estimate->replayed}};
-  }
-  json["robots"] = Json::array();
-  for (const RobotDifference& robot : compared.robots()) {
-    json["robots"].push_back({{"name", robot.name},
-                              {"differing", robot.differing},
-                              {"largest", robot.largest},
-                              {"largest_at", robot.largest_at},
-                              {"rms", robot.rms}});
-  }
-  return json;
 }
 
 void print_text(const CommandComparison& compared, const Scenario& scenario) {
@@ -135,7 +76,7 @@ int replay(const ReplayCommand& command, const Parts& parts) {
       return 2;
     }
     const FlownAs flown = flown_as(log);
-    const Scenario scenario = scenario_of(flown, log, command, parts);
+    const Scenario scenario = flown_scenario(flown, log, parts, command.solver, command.set);
     RecordedFlight flight(log, scenario.team, scenario.x0, scenario.horizon.dt, goals_of(scenario.fleet));
     if (flown.version != sightline::version || flown.compiler != compiler) {
       say(fmt::format("the log is of sightline {} ({}), this is {} ({}): last bits may differ", flown.version,
@@ -156,7 +97,7 @@ int replay(const ReplayCommand& command, const Parts& parts) {
     (void)loop.fly();
 
     if (command.json) {
-      print("{}\n", as_json(compared, scenario, flight).dump(2));
+      print("{}\n", comparison_json(compared, scenario, flight));
     } else {
       print_text(compared, scenario);
     }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -13,8 +12,8 @@
 #include "cli/partition.hpp"
 #include "cli/progress.hpp"
 #include "sightline/record/folder_lock.hpp"
-#include "sightline/record/log.hpp"
-#include "sightline/record/planned_view.hpp"
+#include "sightline/record/logged_flight.hpp"
+#include "sightline/record/summary.hpp"
 #include "sightline/report/report.hpp"
 #include "sightline/run/realtime.hpp"
 #include "sightline/scenario/closed_loop.hpp"
@@ -22,14 +21,6 @@
 
 namespace sightline::cli {
 namespace {
-
-/// Samples that may wait for the log: a second of flight at 100 Hz and more, within this much memory.
-std::size_t ring_capacity(const Sample& sample) {
-  constexpr std::size_t memory = 256'000'000;  // bytes
-  const std::size_t numbers =
-      2 * sample.x.size() + 2 * sample.u.size() + sample.path.size() + sample.path_u.size();
-  return std::clamp<std::size_t>(memory / (sizeof(Sample) + sizeof(double) * numbers), 8, 1024);
-}
 
 Scenario read(const RunOptions& options, const Parts& parts) {
   Scenario scenario = options.scenario.read(parts);
@@ -48,30 +39,6 @@ void print_table(const std::vector<SummaryLine>& lines) {
   for (const SummaryLine& line : lines) width = std::max(width, line.what.size());
   for (const SummaryLine& line : lines) print("{:{}}  {}\n", line.what, width, line.value);
 }
-
-/// What makes a run a failure, a sentence each.
-std::vector<std::string> faults_of(const LoopOutcome& outcome, const World& world, const Log& log) {
-  std::vector<std::string> faults = log.summary().out_of_view();
-  for (std::string& sentence : log.summary().plans().failures()) faults.push_back(std::move(sentence));
-  for (std::string& sentence : log.summary().safety().broken()) faults.push_back(std::move(sentence));
-  std::string ended = outcome.finite ? "" : world.ended();
-  if ((!outcome.finite && ended.empty()) || log.summary().not_finite() > 0)
-    faults.emplace_back("a state or an input was not finite");
-  if (!ended.empty()) faults.push_back(std::move(ended));
-  if (const std::int64_t beyond = log.summary().applied_violations(); beyond > 0)
-    faults.push_back(fmt::format("{} applied inputs were beyond the limits in force", beyond));
-  if (outcome.dropped > 0)
-    faults.push_back(fmt::format("{} samples were lost, the log could not keep up", outcome.dropped));
-  if (std::string lost = log.error(); !lost.empty()) faults.push_back(std::move(lost));
-  return faults;
-}
-
-/// What a flight left, beside its files.
-struct Flight {
-  std::string summary;
-  std::vector<std::string> faults;
-  bool logged;  // its files are whole
-};
 
 /// From the ground to the ground, by a thread of its own: what it asks of the machine is for no one else.
 LoopOutcome fly_linked(LinkedFlight& linked, ClosedLoop& loop, Sink<Sample>& sink) {
@@ -106,78 +73,53 @@ std::string with_timing(const std::string& summary, const LinkTiming& timing) {
   return json.dump(2, ' ', false, Ordered::error_handler_t::replace) + "\n";
 }
 
-/// Flies the scenario under its controllers; leaves run.mcap, timing.csv and summary.json in the folder.
-Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
-                  const ShowOptions& view, const Controllers& controllers,
-                  TeamSwitcher* team_switcher = nullptr, const McapWords& flown = {},
-                  LinkedFlight* linked = nullptr) {
-  // All memory is taken here, before the first period.
-  const auto simulated = linked == nullptr ? make_world(scenario) : nullptr;
-  World& world = linked == nullptr ? *simulated : linked->world;
-  Sample prototype = sized_sample(world, controllers);
-  make_room_for_plans(scenario, prototype);
-  Ring<Sample> ring(ring_capacity(prototype), prototype);
+/// Flies the scenario under its controllers, as fly_logged() of the library; shows it where that is asked for.
+LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
+                       const ShowOptions& view, const Controllers& controllers,
+                       TeamSwitcher* team_switcher = nullptr, const McapWords& flown = {},
+                       LinkedFlight* linked = nullptr) {
   std::optional<LinkedSink> shown;
-  if (linked != nullptr) shown.emplace(ring, linked->world, linked->stop);
-  Sink<Sample>& kept = shown ? static_cast<Sink<Sample>&>(*shown) : ring;
   std::optional<FlightPage> page;
   std::optional<ShownSink> watched;
-  if (view.show) {
+  Progress progress(scenario.simulation.duration);
+  FlightOptions options{.team_switcher = team_switcher,
+                        .allocations = allocations,
+                        .written = [&](double time) { progress.show(time); },
+                        .flown = flown};
+  options.watched = [&](Sink<Sample>& log, const Sample& prototype) -> Sink<Sample>& {
+    if (linked != nullptr) shown.emplace(log, linked->world, linked->stop);
+    Sink<Sample>& kept = shown ? static_cast<Sink<Sample>&>(*shown) : log;
+    if (!view.show) return kept;
     page.emplace(scenario, prototype, view.serve);
     watched.emplace(kept, *page);
     tell_without_page();
     say(fmt::format("the page is {}", page->url()));
+    return *watched;
+  };
+  if (linked != nullptr) {
+    options.world = &linked->world;
+    options.stop = &linked->stop;
+    options.fly = [linked](ClosedLoop& loop, Sink<Sample>& sink) { return fly_linked(*linked, loop, sink); };
+    options.summarised = [linked](const std::string& summary) {
+      return with_timing(summary, linked->world.timing());
+    };
   }
-  Sink<Sample>& sink = watched ? static_cast<Sink<Sample>&>(*watched) : kept;
-  ClosedLoop loop(scenario, world, controllers, clock, sink, allocations, team_switcher,
-                  linked != nullptr ? &linked->stop : nullptr);
-
-  Progress progress(scenario.simulation.duration);
-  Log log(
-      scenario, folder, controllers, ring, [&](double time) { progress.show(time); }, flown);
-  log.start();
-  const LoopOutcome outcome = linked != nullptr ? fly_linked(*linked, loop, sink) : loop.fly();
-  log.finish();
+  LoggedFlight flight = fly_logged(scenario, folder, clock, controllers, options);
   progress.end();
-
-  std::string summary = log.summary().json();
-  if (linked != nullptr) summary = with_timing(summary, linked->world.timing());
-  Flight flight = {std::move(summary), faults_of(outcome, world, log), log.error().empty()};
   if (shown && shown->too_old())
     flight.faults.emplace_back("what was known of a robot grew too old: all landed");
-  // Beside an earlier log stands its own summary.
-  std::string lost = log.begun() ? write_summary(folder, flight.summary) : "";
-  if (!lost.empty()) {
-    flight.faults.push_back(std::move(lost));
-    flight.logged = false;
-  }
   return flight;
 }
 
-Flight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
-                  const ShowOptions& view, LinkedFlight* linked) {
+LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
+                       const ShowOptions& view, LinkedFlight* linked) {
   const Controls controls(scenario);
   if (const std::string told = controls.kernels().sentence(); !told.empty()) say(told);
-  return fly_logged(scenario, folder, clock, view, controls.controllers(), controls.team_switcher(), {},
-                    linked);
+  return fly_shown(scenario, folder, clock, view, controls.controllers(), controls.team_switcher(), {},
+                   linked);
 }
 
 }  // namespace
-
-RunFolder::RunFolder(const std::filesystem::path& folder, const Scenario& scenario, bool in_parts) {
-  const auto& compare = scenario.simulation.compare;
-  std::vector<std::filesystem::path> folders = {folder};
-  // Of comparisons, those too that an earlier flight left, whose summaries go.
-  const auto add = [&](std::string_view name, bool needed) {
-    if (needed || std::filesystem::is_directory(folder / name)) folders.push_back(folder / name);
-  };
-  for (const std::string_view name : solver_names())
-    add(name, std::find(compare.begin(), compare.end(), name) != compare.end());
-  add("whole", in_parts);
-  for (const std::filesystem::path& one : folders)
-    locks_.emplace_back(one, std::initializer_list<std::string_view>{"run.mcap", "timing.csv", "summary.json",
-                                                                     "report.html", "partition.json"});
-}
 
 int run(const RunOptions& options, const Parts& parts) {
   Scenario scenario;
@@ -215,11 +157,11 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
     lift_deadline(of_whole);
     scenario.solver.name = parts->name();
   }
-  const Flight flight = parts ? fly_logged(scenario, folder, clock, view, {*parts}, nullptr,
-                                           {{"partition", partition->text},
-                                            {"order", std::string(to_string(partition->order))},
-                                            {"exchanges", fmt::format("{}", partition->exchanges)}})
-                              : fly_logged(scenario, folder, clock, view, linked);
+  const LoggedFlight flight = parts ? fly_shown(scenario, folder, clock, view, {*parts}, nullptr,
+                                                {{"partition", partition->text},
+                                                 {"order", std::string(to_string(partition->order))},
+                                                 {"exchanges", fmt::format("{}", partition->exchanges)}})
+                                    : fly_shown(scenario, folder, clock, view, linked);
   for (const std::string& fault : flight.faults) say(fault);
   bool bad = !flight.faults.empty();
 
@@ -228,7 +170,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
   if (parts && flight.logged) {
     SimulatedClock simulated;
     scenario.solver = of_whole;
-    const Flight whole = fly_logged(scenario, folder / "whole", simulated, {}, nullptr);
+    const LoggedFlight whole = fly_shown(scenario, folder / "whole", simulated, {}, nullptr);
     for (const std::string& fault : whole.faults) say(fmt::format("the whole team by one solver: {}", fault));
     bad = bad || !whole.logged;
     summaries.push_back(whole.summary);
@@ -238,7 +180,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
     if (!flight.logged) break;
     SimulatedClock simulated;
     scenario.solver = solver_named(name);
-    const Flight other = fly_logged(scenario, folder / name, simulated, {}, nullptr);
+    const LoggedFlight other = fly_shown(scenario, folder / name, simulated, {}, nullptr);
     for (const std::string& fault : other.faults) say(fmt::format("compared with {}: {}", name, fault));
     bad = bad || !other.logged;
     summaries.push_back(other.summary);

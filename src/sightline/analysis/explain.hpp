@@ -11,6 +11,8 @@
 
 namespace sightline {
 
+struct Scenario;
+
 /// What a limit asks of the distance of its two bodies.
 enum class LimitKind {
   apart,     ///< broken at small distances, in any direction
@@ -74,5 +76,9 @@ Explanation explain(const Team& team, std::span<const double> x0 = {});
 
 /// The same in sentences, one a line.
 std::string to_string(const Explanation& explanation, const Team& team);
+
+/// All that `sightline explain` says of a scenario: the limits, who observes whom in a circle, how cameras see tags, and which robots
+/// their sensors leave without a place. Takes seconds where there are cameras.
+std::string explain_text(const Scenario& scenario);
 
 }  // namespace sightline

@@ -5,6 +5,9 @@
 #include <utility>
 
 #include "sightline/analysis/explain.hpp"
+#include "sightline/analysis/observation.hpp"
+#include "sightline/analysis/view_band.hpp"
+#include "sightline/scenario/scenario.hpp"
 
 namespace sightline {
 namespace {
@@ -150,6 +153,24 @@ std::string to_string(const Explanation& e, const Team& team) {
     if (h.weight || is_weakest(h, e)) text += hit_words(h, team);
   }
   if (e.pairs.empty()) text += "no couplings: each robot flies by its own cost\n";
+  return text;
+}
+
+std::string explain_text(const Scenario& scenario) {
+  const Team& team = scenario.team;
+  std::string text = to_string(explain(team, scenario.x0), team);
+  for (const ObservationCycle& cycle : observation_cycles(scenario)) text += to_string(cycle, team) + "\n";
+  const std::vector<ViewBand> views = view_bands(scenario);
+  for (const ViewBand& view : views) {
+    if (!view.same_as) {
+      text += to_string(view, team);
+      continue;
+    }
+    const ViewBand& other = views[*view.same_as];
+    text += fmt::format("{} sees the tags of {}: as {} those of {}\n", team.name(view.observer),
+                        team.name(view.target), team.name(other.observer), team.name(other.target));
+  }
+  for (const std::string& sentence : unobservable_robots(scenario)) text += sentence + "\n";
   return text;
 }
 

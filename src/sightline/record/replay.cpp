@@ -7,12 +7,14 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "sightline/base/index.hpp"
 #include "sightline/record/mcap.hpp"
+#include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
 
@@ -33,6 +35,14 @@ std::array<double, estimate_words.size()> numbers_of_estimate(const PoseEstimate
     all[place++] = v;
   for (const double v : upper_triangle(e.P)) all[place++] = v;
   return all;
+}
+
+/// Whether what is set is of the solver.
+bool sets_solver(const std::vector<std::string>& assignments) {
+  return std::any_of(assignments.begin(), assignments.end(), [](std::string_view assignment) {
+    const std::string_view key = assignment.substr(0, assignment.find_first_of(".= "));
+    return key == "solver";
+  });
 }
 
 }  // namespace
@@ -169,6 +179,55 @@ std::vector<RobotDifference> CommandComparison::robots() const {
                     .largest_at = robot.largest_at});
   }
   return list;
+}
+
+Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, const Parts& parts,
+                        const std::optional<std::string>& solver, const std::vector<std::string>& set) {
+  Scenario scenario = parse_scenario(flown.text, log, parts, {.files = flown.files, .set = set});
+  scenario.name = flown.name;
+  const bool in_parts = !flown.partition.empty();
+  if (solver) {
+    if (*solver != scenario.solver.name) scenario.solver = solver_named(*solver);
+  } else if (!in_parts && flown.solver != scenario.solver.name && !sets_solver(set)) {
+    scenario.solver = solver_named(flown.solver);
+  }
+  lift_deadline(scenario.solver);
+  scenario.simulation.compare.clear();
+  check_solvers(scenario);
+  return scenario;
+}
+
+std::string comparison_json(const CommandComparison& compared, const Scenario& scenario,
+                            const RecordedFlight& flight) {
+  using Json = nlohmann::ordered_json;
+  Json json = {{"scenario", scenario.name},
+               {"solver", scenario.solver.name},
+               {"updates", compared.updates()},
+               {"commands", compared.commands()},
+               {"differing", compared.differing()},
+               {"other_status", compared.other_status()},
+               {"complete", !flight.truncated() && !flight.lost_after()}};
+  const auto first = compared.first();
+  json["first"] = !first ? Json() : Json{{"update", first->update},     {"time", first->time},
+                                         {"robot", first->robot},       {"input", first->input},
+                                         {"recorded", first->recorded}, {"replayed", first->replayed}};
+  if (compared.estimates() > 0) {
+    const auto estimate = compared.first_estimate();
+    json["estimates"] = {{"compared", compared.estimates()}, {"differing", compared.differing_estimates()}};
+    json["estimates"]["first"] =
+        !estimate ? Json() : Json{{"update", estimate->update},     {"time", estimate->time},
+                                  {"robot", estimate->robot},       {"what", estimate->what},
+                                  {"recorded", estimate->recorded}, {"replayed", estimate->replayed}};
+  }
+  json["robots"] = Json::array();
+  for (const RobotDifference& robot : compared.robots()) {
+    json["robots"].push_back({{"name", robot.name},
+                              {"differing", robot.differing},
+                              {"largest", robot.largest},
+                              {"largest_at", robot.largest_at},
+                              {"rms", robot.rms}});
+  }
+  return json.dump(2);
 }
 
 }  // namespace sightline

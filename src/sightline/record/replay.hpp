@@ -27,6 +27,14 @@ struct FlownAs {
 /// @throws std::runtime_error with a sentence that names the file where it is no log of a run
 FlownAs flown_as(const std::filesystem::path& log);
 
+/// The scenario of a log as it was flown, or with another solver or other values; no deadline acts, and nothing flies beside it.
+/// @param log  its file, for refusals
+/// @param set  as in ScenarioChanges
+/// @throws ScenarioError, and std::invalid_argument as solver_named() and check_solvers()
+Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, const Parts& parts,
+                        const std::optional<std::string>& solver = {},
+                        const std::vector<std::string>& set = {});
+
 /// Where a command first differs from the recorded one.
 struct FirstDifference {
   std::int64_t update = 0;  ///< number of the period since the flight began
@@ -104,5 +112,9 @@ class CommandComparison final : public Sink<Sample> {
   };
   std::optional<Place> first_{};
 };
+
+/// What was compared, as JSON: docs/replay.md has the keys.
+std::string comparison_json(const CommandComparison& compared, const Scenario& scenario,
+                            const RecordedFlight& flight);
 
 }  // namespace sightline

@@ -1,0 +1,89 @@
+#include "sightline/record/logged_flight.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "sightline/record/log.hpp"
+#include "sightline/record/planned_view.hpp"
+
+namespace sightline {
+namespace {
+
+/// Samples that may wait for the log: a second of flight at 100 Hz and more, within this much memory.
+std::size_t ring_capacity(const Sample& sample) {
+  constexpr std::size_t memory = 256'000'000;  // bytes
+  const std::size_t numbers =
+      2 * sample.x.size() + 2 * sample.u.size() + sample.path.size() + sample.path_u.size();
+  return std::clamp<std::size_t>(memory / (sizeof(Sample) + sizeof(double) * numbers), 8, 1024);
+}
+
+/// What makes a run a failure, a sentence each.
+std::vector<std::string> faults_of(const LoopOutcome& outcome, const World& world, const Log& log) {
+  std::vector<std::string> faults = log.summary().out_of_view();
+  for (std::string& sentence : log.summary().plans().failures()) faults.push_back(std::move(sentence));
+  for (std::string& sentence : log.summary().safety().broken()) faults.push_back(std::move(sentence));
+  std::string ended = outcome.finite ? "" : world.ended();
+  if ((!outcome.finite && ended.empty()) || log.summary().not_finite() > 0)
+    faults.emplace_back("a state or an input was not finite");
+  if (!ended.empty()) faults.push_back(std::move(ended));
+  if (const std::int64_t beyond = log.summary().applied_violations(); beyond > 0)
+    faults.push_back(fmt::format("{} applied inputs were beyond the limits in force", beyond));
+  if (outcome.dropped > 0)
+    faults.push_back(fmt::format("{} samples were lost, the log could not keep up", outcome.dropped));
+  if (std::string lost = log.error(); !lost.empty()) faults.push_back(std::move(lost));
+  return faults;
+}
+
+}  // namespace
+
+RunFolder::RunFolder(const std::filesystem::path& folder, const Scenario& scenario, bool in_parts) {
+  const auto& compare = scenario.simulation.compare;
+  std::vector<std::filesystem::path> folders = {folder};
+  // Of comparisons, those too that an earlier flight left, whose summaries go.
+  const auto add = [&](std::string_view name, bool needed) {
+    if (needed || std::filesystem::is_directory(folder / name)) folders.push_back(folder / name);
+  };
+  for (const std::string_view name : solver_names())
+    add(name, std::find(compare.begin(), compare.end(), name) != compare.end());
+  add("whole", in_parts);
+  for (const std::filesystem::path& one : folders)
+    locks_.emplace_back(one, std::initializer_list<std::string_view>{"run.mcap", "timing.csv", "summary.json",
+                                                                     "report.html", "partition.json"});
+}
+
+LoggedFlight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
+                        const Controllers& controllers, const FlightOptions& options) {
+  const auto simulated = options.world == nullptr ? make_world(scenario) : nullptr;
+  World& world = simulated ? *simulated : *options.world;
+  Sample prototype = sized_sample(world, controllers);
+  make_room_for_plans(scenario, prototype);
+  Ring<Sample> ring(ring_capacity(prototype), prototype);
+  Sink<Sample>& sink = options.watched ? options.watched(ring, prototype) : ring;
+  ClosedLoop loop(scenario, world, controllers, clock, sink, options.allocations, options.team_switcher,
+                  options.stop);
+
+  Log log(scenario, folder, controllers, ring, options.written, options.flown);
+  log.start();
+  LoggedFlight flight;
+  flight.outcome = options.fly ? options.fly(loop, sink) : loop.fly();
+  log.finish();
+
+  flight.summary = log.summary().json();
+  if (options.summarised) flight.summary = options.summarised(std::move(flight.summary));
+  flight.faults = faults_of(flight.outcome, world, log);
+  flight.logged = log.error().empty();
+  // Beside an earlier log stands its own summary.
+  std::string lost = log.begun() ? write_summary(folder, flight.summary) : "";
+  if (!lost.empty()) {
+    flight.faults.push_back(std::move(lost));
+    flight.logged = false;
+  }
+  return flight;
+}
+
+}  // namespace sightline

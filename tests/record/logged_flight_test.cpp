@@ -1,0 +1,103 @@
+#include "sightline/record/logged_flight.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <optional>
+
+#include "sightline/record/recording.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/folder.hpp"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+Scenario paper_for(double duration) {
+  Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml");
+  scenario.simulation.duration = duration;
+  scenario.simulation.compare.clear();
+  lift_deadline(scenario.solver);
+  return scenario;
+}
+
+LoggedFlight flown(const Scenario& scenario, const fs::path& folder, const FlightOptions& options = {}) {
+  const Controls controls(scenario);
+  SimulatedClock clock;
+  return fly_logged(scenario, folder, clock, controls.controllers(), options);
+}
+
+/// Passes all samples on, and counts them.
+class CountedSink final : public Sink<Sample> {
+ public:
+  explicit CountedSink(Sink<Sample>& log) : log_(log) {}
+  Sample* claim() noexcept override { return log_.claim(); }
+  void publish() noexcept override { ++samples, log_.publish(); }
+  void close() noexcept override { log_.close(); }
+
+  int samples = 0;
+
+ private:
+  Sink<Sample>& log_;
+};
+
+TEST(LoggedFlight, OfOneScenarioTwiceHasTheSameBytesWhoeverLooksOn) {
+  const Scenario scenario = paper_for(2.0);
+  const test::Folder once("logged_once"), watched("logged_watched");
+  std::optional<CountedSink> counted;
+  double written = 0.0;
+  FlightOptions options;
+  options.watched = [&](Sink<Sample>& log, const Sample& prototype) -> Sink<Sample>& {
+    EXPECT_EQ(prototype.x.size(), static_cast<std::size_t>(scenario.team.nx()));
+    return counted.emplace(log);
+  };
+  options.written = [&](double time) { written = time; };
+  options.summarised = [](std::string summary) { return summary + " "; };
+  const LoggedFlight a = flown(scenario, once.path()), b = flown(scenario, watched.path(), options);
+  EXPECT_TRUE(a.logged && b.logged);
+  EXPECT_EQ(a.outcome.updates, 200);
+  EXPECT_EQ(counted->samples, 200);
+  EXPECT_NEAR(written, 2.0, 0.02);
+  EXPECT_EQ(test::read_file(once.path() / "run.mcap"), test::read_file(watched.path() / "run.mcap"));
+  EXPECT_EQ(test::read_file(watched.path() / "summary.json"), b.summary);
+  EXPECT_EQ(b.summary.back(), ' ');
+}
+
+TEST(LoggedFlight, ThatIsStoppedHasALogUpToThere) {
+  const Scenario scenario = paper_for(60.0);
+  const test::Folder folder("logged_stopped");
+  std::atomic<bool> stop = false;
+  FlightOptions options{.stop = &stop};
+  options.written = [&](double time) { stop = time > 0.5; };
+  const LoggedFlight flight = flown(scenario, folder.path(), options);
+  EXPECT_TRUE(flight.logged);
+  EXPECT_TRUE(flight.outcome.stopped);
+  const Recording recording = read_recording(folder.path());
+  EXPECT_TRUE(recording.complete);
+  EXPECT_EQ(recording.time.size(), static_cast<std::size_t>(flight.outcome.updates));
+  EXPECT_GT(recording.time.back(), 0.5);
+}
+
+TEST(LoggedFlight, TellsWhatWentWrong) {
+  Scenario scenario = paper_for(4.0);
+  scenario.x0[0] = -40.0;  // too far away to come into view
+  const test::Folder folder("logged_lost");
+  const LoggedFlight flight = flown(scenario, folder.path());
+  EXPECT_TRUE(flight.logged);
+  ASSERT_FALSE(flight.faults.empty());
+  EXPECT_THAT(flight.faults.front(), HasSubstr("uav1"));
+}
+
+TEST(RunFolder, IsForOneFlightAtATime) {
+  const Scenario scenario = paper_for(1.0);
+  const test::Folder folder("run_folder");
+  const RunFolder first(folder.path(), scenario);
+  EXPECT_EQ(first.path(), folder.path());
+  EXPECT_THROW(RunFolder(folder.path(), scenario), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sightline
