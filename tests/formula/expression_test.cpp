@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
+#include <vector>
 
 #include "sightline/formula/interpret.hpp"
 #include "tests/support/error.hpp"
@@ -84,6 +86,25 @@ TEST(Expression, WhatIsRecordedGivesWhatIsComputed) {
     const auto v = uniform_array<2>(random, -2, 2);
     EXPECT_LE(relative_error(evaluate(program, v)[0], expression(std::span<const double>(v), 1e-3)), 1e-13);
   }
+}
+
+TEST(Expression, LogisticAndSoftplusAreThoseOfTheRecordingScalarAndStayFinite) {
+  ExpressionBuilder b;
+  const Expression step = b.finish(b.unary(Kind::logistic, b.variable(0)), {}, {}),
+                   ramp = b.finish(b.unary(Kind::softplus, b.variable(0)), {}, {});
+  for (const double x : {-800.0, -3.0, 0.0, 0.5, 40.0, 800.0}) {
+    EXPECT_EQ(at(step, x), logistic(x)) << x;
+    EXPECT_EQ(at(ramp, x), softplus(x)) << x;
+    EXPECT_TRUE(std::isfinite(at(step, x)) && std::isfinite(at(ramp, x))) << x;
+    Graph graph;
+    const std::array<Symbol, 1> z = {Symbol(graph, graph.input(0))};
+    const std::array<Term, 2> out = {step(std::span<const Symbol>(z), 0.0).in(graph),
+                                     ramp(std::span<const Symbol>(z), 0.0).in(graph)};
+    const std::vector<double> values = evaluate(Program(graph, out, 1), std::array{x});
+    EXPECT_EQ(values[0], at(step, x)) << x;
+    EXPECT_EQ(values[1], at(ramp, x)) << x;
+  }
+  EXPECT_EQ(b.value(b.unary(Kind::logistic, b.constant(0.0))), 0.5);
 }
 
 TEST(Expression, FinishKeepsWhatIsNeededAndCopyAddsItOnce) {

@@ -35,6 +35,8 @@ class Expression {
     angle,  ///< atan2(a, b)
     exponential,
     logarithm,
+    logistic,  ///< 1 / (1 + e^-a)
+    softplus,  ///< ln(1 + e^a)
   };
   /// a and b are earlier steps; of a variable, a is its index.
   struct Step {
@@ -118,6 +120,10 @@ class Expression {
         return exp(a());
       case Kind::logarithm:
         return log(a());
+      case Kind::logistic:
+        return logistic(a());
+      case Kind::softplus:
+        return softplus(a());
     }
     return step.value;
   }
@@ -136,7 +142,7 @@ class ExpressionBuilder {
   int constant(double value) { return unique({Kind::constant, -1, -1, value}); }
   /// add, subtract, multiply, divide or angle.
   int binary(Kind kind, int a, int b);
-  /// negate, root, sine, cosine, exponential or logarithm.
+  /// negate, root, sine, cosine, exponential, logarithm, logistic or softplus.
   int unary(Kind kind, int a);
   /// base^n; a power of two of a root is a power of what is under it.
   int power(int base, int n);
