@@ -10,7 +10,7 @@ set(components core)
 install(TARGETS sightline_core EXPORT sightline_core)
 if(TARGET sightline)
   list(APPEND headers analysis/explain.hpp analysis/preflight.hpp campaign/campaign.hpp record/log.hpp
-    record/recording.hpp record/replay.hpp record/summary.hpp report/report.hpp scenario/closed_loop.hpp scenario/scenario.hpp)
+    record/logged_flight.hpp record/recording.hpp record/replay.hpp record/summary.hpp report/report.hpp scenario/closed_loop.hpp scenario/scenario.hpp)
   list(APPEND components sightline)
   install(TARGETS sightline EXPORT sightline_sightline)
 endif()
@@ -106,6 +106,10 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS gnuplot-nox)
+if(TARGET sightline_python)
+  # It imports numpy; the rest of the package does without.
+  string(APPEND CPACK_DEBIAN_PACKAGE_RECOMMENDS ", python3-numpy")
+endif()
 # Who links the libraries needs what they are linked with.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
   "cmake, cyclonedds-dev, g++, libapriltag-dev, libegl-dev, libfmt-dev, libmujoco-dev, libsqlite3-dev, libssl-dev, libtomlplusplus-dev, libzstd-dev, pkg-config, zlib1g-dev")

@@ -3,6 +3,7 @@
 # Blocks opened by "```sh test" run in a shell at the root of the tree, with an out/ of their own (a campaign of an
 # older program would be refused there), build/release/bin in the path; blocks opened
 # by "```sh test mujoco" and "```sh test dds" where the world of MuJoCo and the bridge to DDS were built; blocks opened
+# by "```py test" are whole programs of Python, run where the module was built; blocks opened
 # by "```cpp test" are whole programs, built against an installed sightline, as a user would, and run. So are the examples
 # of one's own potential and one's own robot, with their formulas compiled and without: both print the same.
 set -euo pipefail
@@ -16,11 +17,14 @@ files=("$@")
 mkdir -p "$work/blocks"
 mujoco=$(ls build/release/lib/libsightline_mujoco.* 2>/dev/null || true)
 dds=$(ls build/release/lib/libsightline_dds.* 2>/dev/null || true)
+module=$(ls build/release/python/sightline/_sightline.* 2>/dev/null || true)
+# The python that the module is for.
+python=$(sed -n 's/^Python_EXECUTABLE:[A-Z]*=//p' build/release/CMakeCache.txt 2>/dev/null || true)
 for file in "${files[@]}"; do
   [[ -f $file ]] || continue
   # One file a block, called <document>-<line>.<language>.
-  awk -v to="$work/blocks/$(basename "$file" .md)" -v mujoco="$mujoco" -v dds="$dds" '
-    /^```(sh|cpp) test *$/ || ($0 == "```sh test mujoco" && mujoco) || ($0 == "```sh test dds" && dds) { language = substr($1, 4); block = sprintf("%s-%03d.%s", to, NR, language); next }
+  awk -v to="$work/blocks/$(basename "$file" .md)" -v mujoco="$mujoco" -v dds="$dds" -v module="$module" '
+    /^```(sh|cpp) test *$/ || ($0 == "```py test" && module) || ($0 == "```sh test mujoco" && mujoco) || ($0 == "```sh test dds" && dds) { language = substr($1, 4); block = sprintf("%s-%03d.%s", to, NR, language); next }
     /^```/ { block = "" }
     block { print > block }' "$file"
 done
@@ -70,6 +74,7 @@ run_document() {
     name=$(basename "$block")
     code=0
     case $name in
+      *.py) PYTHONPATH=$root/build/release/python timeout 300 "$python" -B "$block" </dev/null >"$output" 2>&1 || code=$? ;;
       *.sh) timeout 300 bash -euo pipefail "$block" </dev/null >"$output" 2>&1 || code=$? ;;
       *.cpp)
         program=${name%.cpp}
@@ -87,7 +92,7 @@ run_document() {
   return $bad
 }
 
-export PATH=$root/build/release/bin:$PATH root work
+export PATH=$root/build/release/bin:$PATH root work python
 export -f run_document
 documents=("$work"/blocks/*)
 documents=("${documents[@]##*/}")

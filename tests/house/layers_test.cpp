@@ -133,7 +133,23 @@ TEST(Layers, a_dds_header_occurs_in_bridges_and_their_tests_alone) {
   }
 }
 
-// So is a bridge.
+// The module binds the library, and nobody knows of it.
+TEST(Layers, pybind11_occurs_in_the_python_module_alone_and_nobody_includes_that) {
+  int files = 0;
+  for (const fs::path& file : all_files()) {
+    const bool in_module = name(file).starts_with("python/");
+    files += in_module ? 1 : 0;
+    for (const std::string& included : includes(file)) {
+      EXPECT_TRUE(in_module || !(included.starts_with("pybind11/") || included.starts_with("python/")))
+          << name(file) << " includes " << included << ", expected in python/ alone";
+      EXPECT_FALSE(in_module && (included.starts_with("cli/") || included.starts_with("bridges/")))
+          << name(file) << " includes " << included;
+    }
+  }
+  EXPECT_GT(files, 5);
+}
+
+// A bridge is known to programs.
 TEST(Layers, a_bridge_is_known_to_programs_and_to_its_tests_alone) {
   int files = 0;
   for (const fs::path& file : all_files()) {

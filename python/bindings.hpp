@@ -1,0 +1,57 @@
+/// What the Python module is made of: each function adds the names of one subject. Numbers cross as numpy arrays, refusals as
+/// ValueError with the library's sentence.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sightline/base/refuse.hpp"
+
+namespace sightline::python {
+
+namespace py = pybind11;
+
+/// Numbers from Python: an array of doubles as it is, anything else that numpy takes as a copy.
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// The numbers of an array, for as long as it lives.
+inline std::span<const double> view(const Numbers& numbers) {
+  return {numbers.data(), static_cast<std::size_t>(numbers.size())};
+}
+/// @throws std::invalid_argument naming it, unless there are n
+inline std::span<const double> view(const Numbers& numbers, std::string_view what, int n) {
+  if (numbers.size() != n) refuse("{} has {} numbers, expected {}", what, numbers.size(), n);
+  return view(numbers);
+}
+/// A list of numbers from Python; `n` zeros, or what `otherwise` is, where nothing is given.
+inline std::vector<double> list(const py::object& given, const std::vector<double>& otherwise = {}) {
+  if (given.is_none()) return otherwise;
+  const Numbers numbers = Numbers::ensure(given);
+  if (!numbers) throw py::error_already_set();
+  const std::span<const double> all = view(numbers);
+  return {all.begin(), all.end()};
+}
+
+/// A new array of these numbers.
+inline py::array_t<double> array(std::span<const double> numbers) {
+  return py::array_t<double>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
+}
+inline py::array_t<double> array(std::span<const double> numbers, py::ssize_t rows, py::ssize_t columns) {
+  return py::array_t<double>(std::vector<py::ssize_t>{rows, columns}, numbers.data());
+}
+
+void bind_formula(
+    py::module_& module);              ///< the recorder of formulas, and potentials and references made by it
+void bind_parts(py::module_& module);  ///< robots, potentials, references, limits
+void bind_team(py::module_& module);   ///< Team and its bodies
+void bind_solver(py::module_& module);     ///< solvers, and the simulated plant
+void bind_scenario(py::module_& module);   ///< Scenario, check, explain
+void bind_flight(py::module_& module);     ///< run, replay, report
+void bind_recording(py::module_& module);  ///< Log
+
+}  // namespace sightline::python

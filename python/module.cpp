@@ -1,0 +1,19 @@
+// The Python module: `import sightline` is python/sightline/__init__.py, which takes its names from here.
+#include "python/bindings.hpp"
+#include "sightline/base/version.hpp"
+#include "sightline/scenario/scenario_text.hpp"
+
+PYBIND11_MODULE(_sightline, module) {
+  namespace python = sightline::python;
+  module.doc() = "Real-time nonlinear model predictive control of coupled robots.";
+  module.attr("__version__") = std::string(sightline::version);
+  module.attr("compiler") = std::string(sightline::compiler);
+  pybind11::register_exception<sightline::ScenarioError>(module, "ScenarioError", PyExc_ValueError);
+  python::bind_formula(module);
+  python::bind_parts(module);
+  python::bind_team(module);
+  python::bind_solver(module);
+  python::bind_scenario(module);
+  python::bind_flight(module);
+  python::bind_recording(module);
+}

@@ -1,0 +1,201 @@
+// Solvers by their names, and the simulated plant.
+#include "sightline/solver/solver.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+
+#include "python/bindings.hpp"
+#include "sightline/scenario/read_part.hpp"
+#include "sightline/scenario/scenario.hpp"
+#include "sightline/world/plant.hpp"
+
+namespace sightline::python {
+namespace {
+
+/// For one thread at a time: the others are refused, since what they read would change under them.
+class OneAtATime {
+ public:
+  /// @throws std::runtime_error where another thread is in
+  OneAtATime(std::atomic_flag& taken, std::string_view what) : taken_(taken) {
+    if (taken_.test_and_set(std::memory_order_acquire))
+      throw std::runtime_error(
+          fmt::format("the {} is at work in another thread, expected one for each thread", what));
+  }
+  ~OneAtATime() { taken_.clear(std::memory_order_release); }
+  OneAtATime(const OneAtATime&) = delete;
+  OneAtATime& operator=(const OneAtATime&) = delete;
+
+ private:
+  std::atomic_flag& taken_;
+};
+
+/// The options of a solver as [solver] of a scenario has them, and read by that.
+std::string table_of(std::string_view name, const py::kwargs& options) {
+  std::string text = fmt::format("name = \"{}\"\n", name);
+  for (const auto& [key, value] : options) {
+    const std::string shown =
+        py::isinstance<py::str>(value) ? fmt::format("\"{}\"", std::string(py::str(value)))
+        : py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value)
+            ? std::string(py::str(py::repr(value)))
+            : throw py::type_error(fmt::format("{}.{} = {}, expected a number or a word", name,
+                                               std::string(py::str(key)),
+                                               std::string(py::str(py::repr(value)))));
+    text += fmt::format("{} = {}\n", std::string(py::str(key)), shown);
+  }
+  return text;
+}
+
+/// A solver and who is in it.
+struct GuardedSolver {
+  std::unique_ptr<Solver> solver;
+  std::atomic_flag taken{};
+
+  GuardedSolver(const Team& team, const std::string& name, const Horizon& horizon,
+                const py::kwargs& options) {
+    const SolverChoice known = solver_named(name);
+    const std::string text = table_of(known.name, options);
+    const TomlDocument document = parse_toml(text, fmt::format("options of {}", name));
+    const SolverChoice choice = read_solver(TomlTable(document), horizon);
+    const py::gil_scoped_release others_run;
+    solver = make_solver(choice, team, horizon);
+  }
+  int nx() const { return solver->ocp().team().nx(); }
+  int nu() const { return solver->ocp().team().nu(); }
+};
+
+/// Solution with memory of its own.
+struct KeptSolution {
+  py::array_t<double> u, raw_u, x;
+  Status status{};
+  double residual = 0.0, elapsed = 0.0;
+  int iterations = 0;
+};
+
+KeptSolution solve(GuardedSolver& of, double time, const Numbers& states) {
+  const OneAtATime here(of.taken, "solver");
+  const auto x = view(states, "states", of.nx());
+  Solution s;
+  {
+    const py::gil_scoped_release others_run;
+    s = of.solver->solve(time, x);
+  }
+  return {array(s.u),  array(s.raw_u), array(s.x, static_cast<py::ssize_t>(s.x.size()) / of.nx(), of.nx()),
+          s.status,    s.residual,     s.elapsed,
+          s.iterations};
+}
+
+py::array_t<double> step(GuardedSolver& of, double time, const Numbers& states) {
+  const OneAtATime here(of.taken, "solver");
+  const auto x = view(states, "states", of.nx());
+  std::span<const double> u;
+  {
+    const py::gil_scoped_release others_run;
+    u = of.solver->step(time, x);
+  }
+  return array(u);
+}
+
+double kkt(GuardedSolver& of, double time, const Numbers& states) {
+  const OneAtATime here(of.taken, "solver");
+  const auto x = view(states, "states", of.nx());
+  const py::gil_scoped_release others_run;
+  return of.solver->kkt(time, x);
+}
+
+py::array_t<double> planned(GuardedSolver& of, double time) {
+  const OneAtATime here(of.taken, "solver");
+  std::vector<double> u(static_cast<std::size_t>(of.nu()));
+  of.solver->planned(time, u);
+  return array(u);
+}
+
+/// The simulated world, and who is in it.
+struct GuardedPlant {
+  Plant plant;
+  std::atomic_flag taken{};
+
+  GuardedPlant(const Team& team, const Numbers& x0, std::uint64_t seed)
+      : plant(team, {view(x0).begin(), view(x0).end()}, {.seed = seed}) {}
+};
+
+bool advance(GuardedPlant& of, const Numbers& u, double dt) {
+  const OneAtATime here(of.taken, "plant");
+  const auto inputs = view(u, "u", of.plant.team().nu());
+  const py::gil_scoped_release others_run;
+  return of.plant.step(inputs, dt);
+}
+
+void bind_solution(py::module_& module) {
+  py::enum_<Status> statuses(module, "Status", "How an update ended, the better first.");
+  for (int i = 0; i < status_count; ++i) {
+    const auto status = static_cast<Status>(i);
+    statuses.value(std::string(to_string(status)).c_str(), status);
+  }
+  py::class_<KeptSolution>(module, "Solution", "The outcome of one update.")
+      .def_readonly("u", &KeptSolution::u, "Inputs to apply now, of all robots (nu).")
+      .def_readonly("raw_u", &KeptSolution::raw_u, "The same before they were clamped to their limits (nu).")
+      .def_readonly("x", &KeptSolution::x,
+                    "Predicted states of all bodies (N+1 x nx): the trajectory that was linearised.")
+      .def_readonly("status", &KeptSolution::status)
+      .def_readonly("residual", &KeptSolution::residual,
+                    "Infinity norm of the optimality conditions [1/s]; inf: not known.")
+      .def_readonly("iterations", &KeptSolution::iterations, "Of the Krylov method.")
+      .def_readonly("elapsed", &KeptSolution::elapsed, "Wall time of the update [s].");
+}
+
+}  // namespace
+
+void bind_solver(py::module_& module) {
+  bind_solution(module);
+  const auto made = [](const Team& team, const std::string& name, double T, int N, double dt,
+                       const py::kwargs& options) {
+    return std::make_unique<GuardedSolver>(team, name, Horizon{.T = T, .N = N, .dt = dt}, options);
+  };
+  py::class_<GuardedSolver>(
+      module, "Solver",
+      "A solver of a team over a horizon. For one thread; solve, step and kkt let other threads run.")
+      .def(py::init(made), py::arg("team"), py::arg("name") = "newton_riccati", py::kw_only(),
+           py::arg("T") = 1.0, py::arg("N") = 20, py::arg("dt") = 0.01,
+           "T: horizon [s]; N: stages; dt: control period [s]; options as [solver] of a scenario has them")
+      .def_property_readonly("name", [](const GuardedSolver& s) { return std::string(s.solver->name()); })
+      .def("solve", &solve, py::arg("time"), py::arg("states"),
+           "One update: from the measured states of all bodies (nx) at `time` [s] to a Solution.")
+      .def("step", &step, py::arg("time"), py::arg("states"), "solve() for who wants the inputs alone (nu).")
+      .def("kkt", &kkt, py::arg("time"), py::arg("states"),
+           "Projected KKT infinity norm of the present iterate at these states.")
+      .def("planned", &planned, py::arg("time"), "Inputs (nu) that the last good plan has for `time` [s].")
+      .def(
+          "restart",
+          [](GuardedSolver& s) {
+            const OneAtATime here(s.taken, "solver");
+            s.solver->restart();
+          },
+          "Forgets the iterate: the next update starts as the first did.")
+      .def("__repr__", [](const GuardedSolver& s) { return fmt::format("<solver {}>", s.solver->name()); });
+  for (const std::string_view name : solver_names()) {
+    module.attr(std::string(name).c_str()) = py::cpp_function(
+        [name = std::string(name), made](const Team& team, double T, int N, double dt,
+                                         const py::kwargs& options) {
+          return made(team, name, T, N, dt, options);
+        },
+        py::name(std::string(name).c_str()), py::scope(module), py::arg("team"), py::kw_only(),
+        py::arg("T") = 1.0, py::arg("N") = 20, py::arg("dt") = 0.01, "The Solver of this name.");
+  }
+
+  py::class_<GuardedPlant>(module, "Plant",
+                           "The simulated world: the continuous models of all bodies, undisturbed.")
+      .def(py::init<const Team&, const Numbers&, std::uint64_t>(), py::arg("team"), py::arg("x0"),
+           py::arg("seed") = 1, "x0: states of all bodies in the order of the team (nx)")
+      .def("step", &advance, py::arg("u"), py::arg("dt"),
+           "Advances by dt [s] under the inputs u (nu). False where a state is no longer finite.")
+      .def_property_readonly(
+          "x", [](const GuardedPlant& p) { return array(p.plant.x()); }, "States of all bodies (nx), a copy.")
+      .def_property_readonly(
+          "time", [](const GuardedPlant& p) { return p.plant.time(); }, "[s]");
+}
+
+}  // namespace sightline::python

@@ -1,0 +1,387 @@
+"""Potentials and references as Python functions: derivatives, the bits of the same formula as text, and what is refused."""
+
+import inspect
+import math
+
+import numpy as np
+import pytest
+
+import sightline as sl
+
+
+def cone(seen, observer, target, t, reach=4.0):
+    x, y, z = seen
+    off_axis = y**2 + z**2
+    r = target.p - observer.p
+    return (sl.softplus(3.0 * (off_axis - (0.5 * x) ** 2)) + sl.logistic(-x) * (1 + 0.01 * off_axis)
+            + np.sqrt(r @ r) / reach + 0.1 * np.exp(-(t**2)) * sl.cos(target.v[0]) + abs(observer.lean[1]))
+
+
+def drawn(generator):
+    psi = generator.uniform(-math.pi, math.pi)
+    return sl.Sight(p=generator.uniform(-2, 2, 3), d=[math.cos(psi), math.sin(psi)], v=generator.uniform(-1, 1, 3),
+                    lean=generator.uniform(0.05, 0.3, 2))
+
+
+def moved(sight, i, h):
+    z = np.concatenate([sight.p, sight.d, sight.v, sight.lean])
+    z[i] += h
+    return sl.Sight(z[0:3], z[3:5], z[5:8], z[8:10])
+
+
+def test_gradients_are_those_of_finite_differences():
+    potential = sl.potential(cone, reach=3.0)
+    generator = np.random.default_rng(1)
+    h = 1e-6
+    for _ in range(50):
+        a, b, t = drawn(generator), drawn(generator), generator.uniform(0, 2)
+        slopes = potential.gradient(a, b, t)
+        assert slopes.shape == (2, 10)
+        for i in range(10):
+            of_a = (potential(moved(a, i, h), b, t) - potential(moved(a, i, -h), b, t)) / (2 * h)
+            of_b = (potential(a, moved(b, i, h), t) - potential(a, moved(b, i, -h), t)) / (2 * h)
+            np.testing.assert_allclose(slopes[:, i], [of_a, of_b], rtol=2e-5, atol=2e-7)
+
+
+def test_a_recorded_formula_gives_what_its_function_computes_on_numbers():
+    generator = np.random.default_rng(2)
+    functions = [lambda observer, target: (target.p - observer.p) @ observer.v,
+                 lambda observer, target: sl.atan2(target.p[1], target.p[0]) * 2 - 1,
+                 lambda observer, target: np.linalg.norm(target.p - observer.p) ** 3,
+                 lambda observer, target: sl.maximum(observer.p[0], target.p[0]) + np.minimum(observer.p[1], 0.3),
+                 lambda observer, target: (2 + observer.d[0]) ** -1.5 + np.log(3 + target.d[1]),
+                 lambda observer, target: np.hypot(observer.p[0], target.p[1]) + np.sum(np.square(target.v)),
+                 lambda observer, target: 1.5]
+    for function in functions:
+        potential = sl.potential(function)
+        for _ in range(20):
+            a, b = drawn(generator), drawn(generator)
+            assert potential(a, b) == pytest.approx(function(a, b), rel=1e-9, abs=2e-6)
+
+
+def test_what_is_seen_is_the_target_in_the_sensor_frame_of_its_mount():
+    ahead = sl.potential(lambda seen: seen[0], mount=sl.SensorMount(pitch=0.0, offset=0.0))
+    assert ahead(sl.Sight([1, 0, 0]), sl.Sight([3, 0, 0])) == pytest.approx(2.0)
+    assert ahead(sl.Sight([1, 0, 0], [0, 1]), sl.Sight([1, 5, 0])) == pytest.approx(5.0)
+    down = ahead.seen_from(sl.SensorMount(pitch=math.pi / 4, offset=0.0))
+    assert down(sl.Sight([0, 0, 1]), sl.Sight([1, 0, 0])) == pytest.approx(math.sqrt(2.0))
+
+
+def test_a_limit_says_where_it_is_broken():
+    near = sl.potential(lambda observer, target, d: 1.0 / ((target.p - observer.p) @ (target.p - observer.p)),
+                        limit=lambda observer, target, d: d - sl.sqrt((target.p - observer.p) @ (target.p - observer.p)), d=2.0)
+    assert near.violation(sl.Sight([0, 0, 0]), sl.Sight([0.5, 0, 0])) == pytest.approx(1.5)
+    assert near.violation(sl.Sight([0, 0, 0]), sl.Sight([3, 0, 0])) == pytest.approx(-1.0)
+    assert sl.potential(cone).violation(sl.Sight([0, 0, 0]), sl.Sight([9, 0, 0])) == -math.inf
+
+
+def test_it_is_called_once_and_no_python_runs_in_a_flight():
+    calls = 0
+
+    @sl.potential
+    def counted(observer, target):
+        nonlocal calls
+        calls += 1
+        r = target.p - observer.p
+        return sl.softplus(3 * (sl.sqrt(r @ r) - 1.5)) + sl.softplus(3 * (1.2 - sl.sqrt(r @ r)))
+
+    assert calls == 1 and counted.name == "counted" and counted.is_pair
+    fly(pair(counted)[0], 100)
+    assert calls == 1
+
+
+def pair(potential, **given):
+    team = sl.Team()
+    uav0 = team.add(sl.multirotor(), Q=[0, 0, 0, 0, 0, 0.7, 0.7])
+    uav1 = team.add(sl.multirotor(), Q=[1.5, 1.5, 1.6, 1, 1, 0, 0], x_ref=given.get("x_ref", sl.circle(centre=[0, 0, 1])))
+    team.couple(0.4 * potential, (uav0, uav1), felt_by=uav0)
+    return team, uav0
+
+
+def fly(team, periods):
+    mpc = sl.newton_riccati(team)
+    plant = sl.Plant(team, [-1.5, -0.3, 0.6, 1, 0, 0, 0, 0, 0, 0.5, 1, 0, 0, 0])
+    for k in range(periods):
+        solution = mpc.solve(0.01 * k, plant.x)
+        assert solution.status != sl.Status.not_finite
+        assert plant.step(solution.u, 0.01)
+    return plant.x
+
+
+def test_it_keeps_its_target_at_the_distance_that_it_asks_for():
+    def band(observer, target):
+        r = target.p - observer.p
+        d = sl.sqrt(r @ r)
+        return sl.softplus(10 * (d - 1.6)) + sl.softplus(10 * (1.4 - d))
+
+    x = fly(pair(sl.potential(band))[0], 1500)
+    assert 1.2 < np.linalg.norm(x[7:10] - x[0:3]) < 1.8
+
+
+def test_one_robot_and_a_reference_of_one_s_own():
+    def low(robot, t):
+        return sl.softplus(8 * (robot.p[2] - 1.0)) + 0.0 * t
+
+    reference = sl.reference(lambda t: [0.5 * sl.cos(0.3 * t), 0.5 * sl.sin(0.3 * t), 1, 0, 0, 0, 0])
+    x = reference(2.0, sl.multirotor())
+    np.testing.assert_allclose(x, sl.circle(centre=[0, 0, 1], radius=0.5, rate=0.3)(2.0, sl.multirotor()), atol=1e-15)
+    team, uav0 = pair(sl.potential(cone), x_ref=reference)
+    team.constrain(2.0 * sl.potential(low), uav0)
+    assert np.all(np.isfinite(fly(team, 200)))
+    assert not sl.potential(low).is_pair
+
+
+def refused(sentence, function=None, **given):
+    def mark(f):
+        f.given, f.sentence = given, sentence
+        cases.append(f)
+        return f
+
+    return mark if function is None else mark(function)
+
+
+cases = []
+
+
+@refused("compares what is recorded")
+def branches(observer, target):
+    return 1.0 if observer.p[0] > target.p[0] else 0.0
+
+
+@refused("compares what is recorded")
+def takes_the_larger(observer, target):
+    return max(observer.p[0], target.p[0])
+
+
+@refused("decides by what is recorded")
+def takes_the_truth(observer, target):
+    return 1.0 if observer.p[0] else 0.0
+
+
+@refused("decides by what is recorded")
+def takes_and(observer, target):
+    return observer.p[0] and target.p[0]
+
+
+@refused("compares what is recorded")
+def where(observer, target):
+    return np.where(observer.p > 0, 1.0, 0.0)[0]
+
+
+@refused("compares what is recorded")
+def equals(observer, target):
+    return float(observer.p[0] == target.p[0])
+
+
+@refused("compares what is recorded")
+def loops_while(observer, target):
+    d = observer.p[0]
+    while d < 3:
+        d = d + 1
+    return d
+
+
+@refused("compares what is recorded")
+def sorts(observer, target):
+    return sorted(observer.p)[0]
+
+
+@refused("compares what is recorded")
+def clips(observer, target):
+    return np.clip(observer.p, 0, 1)[0]
+
+
+@refused(r"use sl\.sin")
+def sine_of_math(observer, target):
+    return math.sin(observer.p[0])
+
+
+@refused(r"use sl\.cos")
+def cosine_of_math(observer, target):
+    return math.cos(observer.p[0])
+
+
+@refused(r"use sl\.exp")
+def exponential_of_math(observer, target):
+    return math.exp(observer.p[0])
+
+
+@refused(r"use sl\.sqrt")
+def root_of_math(observer, target):
+    return math.sqrt(observer.p[0])
+
+
+@refused(r"use sl\.atan2")
+def angle_of_math(observer, target):
+    return math.atan2(observer.p[0], target.p[0])
+
+
+@refused(r"use sl\.sqrt")
+def hypot_of_math(observer, target):
+    return math.hypot(observer.p[0], target.p[0])
+
+
+@refused(r"use sl\.sin\(x\) / sl\.cos\(x\)")
+def tangent_of_math(observer, target):
+    return math.tan(observer.p[0])
+
+
+@refused(r"use 2 \* sl\.logistic")
+def tanh_of_numpy(observer, target):
+    return np.tanh(observer.p[0])
+
+
+@refused("expected")
+def floor_of_math(observer, target):
+    return math.floor(observer.p[0])
+
+
+@refused("expected")
+def floor_of_numpy(observer, target):
+    return np.floor(observer.p[0])
+
+
+@refused("asks for a number")
+def makes_a_float(observer, target):
+    return float(observer.p[0])
+
+
+@refused("asks for a number")
+def makes_an_int(observer, target):
+    return int(observer.p[0])
+
+
+@refused("asks for a number")
+def makes_a_complex(observer, target):
+    return complex(observer.p[0])
+
+
+@refused("asks for a number")
+def rounds(observer, target):
+    return round(observer.p[0])
+
+
+@refused("asks for a number")
+def counts(observer, target):
+    return sum(1.0 for _ in range(observer.p[0]))
+
+
+@refused("remainder")
+def remainder(observer, target):
+    return observer.p[0] % 2
+
+
+@refused("remainder")
+def whole_part(observer, target):
+    return observer.p[0] // 2
+
+
+@refused("use sl.exp")
+def recorded_power(observer, target):
+    return 2.0 ** observer.p[0]
+
+
+@refused("the power 0.3")
+def odd_power(observer, target):
+    return observer.p[0] ** 0.3
+
+
+@refused("unhashable")
+def looks_up(observer, target):
+    return {observer.p[0]: 1.0}[observer.p[0]]
+
+
+@refused("expected an expression")
+def misspells(observer, target):
+    return observer.q[0]
+
+
+@refused("returns ndarray, expected one number")
+def returns_an_array(observer, target):
+    return observer.p
+
+
+@refused("returns NoneType, expected one number")
+def returns_nothing(observer, target):
+    observer.p[0] + 1
+
+
+@refused("returns bool, expected one number")
+def returns_a_truth(observer, target):
+    return True
+
+
+@refused("expected a finite one")
+def returns_infinity(observer, target):
+    return math.inf
+
+
+@refused("expected one or more of observer")
+def takes_others(a, b):
+    return a.p[0]
+
+
+@refused("the argument gain, expected one of observer")
+def lacks_a_parameter(observer, gain):
+    return gain * observer.p[0]
+
+
+@refused("the argument .*rest, expected arguments with names")
+def takes_any(observer, *rest):
+    return observer.p[0]
+
+
+@refused("no argument for the parameter gain", gain=1.0)
+def lacks_an_argument(observer):
+    return observer.p[0]
+
+
+@refused("more than 1000 operations")
+def is_too_long(observer, target):
+    total = observer.p[0]
+    for k in range(2000):
+        total = total * 1.01 + target.p[1] * float(k + 1)
+    return total
+
+
+@refused("another function recorded")
+def keeps_a_symbol(observer, target):
+    return observer.p[0] + kept[0]
+
+
+kept = []
+sl.potential(lambda observer: (kept.append(observer.p[0]), observer.p[0])[1])
+
+
+@pytest.mark.parametrize("function", cases, ids=lambda f: f.__name__)
+def test_what_cannot_be_recorded_is_refused_with_its_line_and_the_word_to_use(function):
+    with pytest.raises(sl.TraceError, match=function.sentence) as refusal:
+        sl.potential(function, **function.given)
+    lines, first = inspect.getsourcelines(function)
+    place, line = str(refusal.value).split(": ", 1)[0].rsplit(":", 1)
+    assert place.endswith("test_tracing.py")
+    assert first <= int(line) < first + len(lines)
+
+
+def test_there_are_thirty_of_them_and_more():
+    assert len(cases) >= 30
+
+
+def test_a_reference_is_a_list_of_numbers_of_the_time():
+    for function, sentence in [(lambda t: t, "expected a list"), (lambda t: [], "expected 1 to 64"),
+                               (lambda t: [math.sin(t)], r"use sl\.sin"), (lambda x: [x], "expected one of t")]:
+        with pytest.raises(sl.TraceError, match=sentence):
+            sl.reference(function)
+
+
+def test_it_flies_as_the_same_formula_of_the_library():
+    def keep_out(observer, target, d_min=1.0, kappa_H=4.5, kappa_G=0.001, kappa_A=3.0):
+        r = target.p - observer.p
+        d2 = r @ r
+        return sl.logistic(kappa_A * (d_min**2 - d2)) * (kappa_H - kappa_G * d2)
+
+    a, b = sl.potential(keep_out), sl.keep_out(d_min=1, kappa_H=4.5, kappa_G=0.001, kappa_A=3)
+    generator = np.random.default_rng(3)
+    differ = [a(p, q) - b(p, q) for p, q in ((drawn(generator), drawn(generator)) for _ in range(100))]
+    np.testing.assert_allclose(differ, 0.0, atol=1e-9)
+    np.testing.assert_allclose(fly(pair(a)[0], 300), fly(pair(b)[0], 300), atol=1e-6)
