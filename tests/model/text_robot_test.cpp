@@ -156,6 +156,21 @@ TEST(TextRobot, WhatDoesNotFitTogetherIsRefusedWithASentence) {
   EXPECT_TRUE(refused([](TextRobot& r) { r.u_max = {1.0}; }));
 }
 
+TEST(TextRobot, OfRecordedRatesIsTheSameRobot) {
+  const TextRobot& text = unicycle;
+  const Vocabulary names = text.vocabulary();
+  std::vector<Expression> rates;
+  for (const std::string& rate : text.f) rates.push_back(parse_formula(rate, names));
+  const Model read = text.model(), recorded = text.model(rates);
+  const std::vector<double> u(text.inputs.size(), 0.3);
+  std::vector<double> x(text.states.size(), 0.7), y = x;
+  read.step(x.data(), u.data(), 0.1);
+  recorded.step(y.data(), u.data(), 0.1);
+  EXPECT_EQ(x, y);
+  rates.pop_back();
+  EXPECT_THROW((void)text.model(rates), std::invalid_argument);
+}
+
 /// Rates drawn from pieces of the language: what is read flies or is refused, and never harms.
 TEST(TextRobot, AnyTextIsARobotOrIsRefused) {
   Random random(4);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "sightline/base/refuse.hpp"
 
@@ -30,8 +31,8 @@ struct Names {
 };
 
 struct Parsed final : Model::Interface {
-  explicit Parsed(const TextRobot& robot)
-      : title_(robot.name), state_names_(robot.states), input_names_(robot.inputs) {
+  Parsed(const TextRobot& robot, std::vector<Expression> rates)
+      : title_(robot.name), state_names_(robot.states), input_names_(robot.inputs), rates_(std::move(rates)) {
     nx = static_cast<int>(robot.states.size());
     nu = static_cast<int>(robot.inputs.size());
     name = title_;
@@ -46,11 +47,9 @@ struct Parsed final : Model::Interface {
     taken.insert(heading_.begin(), heading_.end());
     if (taken.size() != 3 + heading_.size())
       refuse("a state is twice in position and heading, expected each once");
-    const Vocabulary names = robot.vocabulary();
-    for (const std::string& rate : robot.f) {
-      rates_.push_back(parse_formula(rate, names));
-      assert(rates_.back().steps().size() <= formula_steps_max && "a formula that was read is not longer");
-    }
+    assert(std::all_of(rates_.begin(), rates_.end(),
+                       [](const Expression& rate) { return rate.steps().size() <= formula_steps_max; }) &&
+           "a formula is not longer");
   }
 
   void f(const double* x, const double* u, double* rate) const noexcept override {
@@ -147,20 +146,34 @@ Vocabulary TextRobot::vocabulary() const {
 }
 
 Model TextRobot::model() const {
+  if (f.size() != states.size())
+    refuse("{} rates for {} states, expected one of each", f.size(), states.size());
+  const Vocabulary names = vocabulary();
+  std::vector<Expression> rates;
+  for (const std::string& rate : f) rates.push_back(parse_formula(rate, names));
+  return model(std::move(rates));
+}
+
+Model TextRobot::model(std::vector<Expression> rates) const {
   const auto size_is_within = [](std::string_view what, std::size_t n, std::size_t most) {
     if (n == 0 || n > most) refuse("{} {}, expected 1 to {}", n, what, most);
   };
   size_is_within("states", states.size(), text_states_max);
   size_is_within("inputs", inputs.size(), text_inputs_max);
-  if (f.size() != states.size())
-    refuse("{} rates for {} states, expected one of each", f.size(), states.size());
+  if (rates.size() != states.size())
+    refuse("{} rates for {} states, expected one of each", rates.size(), states.size());
+  (void)vocabulary();
+  for (const Expression& rate : rates) {
+    if (rate.steps().size() > formula_steps_max)
+      refuse("a rate of {} operations, expected at most {}", rate.steps().size(), formula_steps_max);
+  }
   if (heading.size() > 2)
     refuse("a heading of {} states, expected the angle, the two of the direction, or none", heading.size());
   for (const auto* bound : {&u_min, &u_max}) {
     if (!bound->empty() && bound->size() != inputs.size())
       refuse("limits of {} inputs for {}, expected one of each", bound->size(), inputs.size());
   }
-  return Model(std::make_shared<const Parsed>(*this));
+  return Model(std::make_shared<const Parsed>(*this, std::move(rates)));
 }
 
 }  // namespace sightline

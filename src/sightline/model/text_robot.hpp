@@ -40,6 +40,9 @@ struct TextRobot {
   Vocabulary vocabulary() const;
   /// @throws as vocabulary(), FormulaError for a rate, std::invalid_argument for what does not fit together
   Model model() const;
+  /// The same of rates that were recorded elsewhere than from text, over states, then inputs; `f` and `parameters` are not read.
+  /// @throws std::invalid_argument for a name of a state or an input, and for what does not fit together
+  Model model(std::vector<Expression> rates) const;
 };
 
 }  // namespace sightline
