@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -32,7 +33,7 @@ inline std::span<const double> view(const Numbers& numbers, std::string_view wha
 inline std::vector<double> list(const py::object& given, const std::vector<double>& otherwise = {}) {
   if (given.is_none()) return otherwise;
   const Numbers numbers = Numbers::ensure(given);
-  if (!numbers) throw py::error_already_set();
+  if (!numbers) throw py::type_error(std::string(py::str(py::repr(given))) + ", expected a list of numbers");
   const std::span<const double> all = view(numbers);
   return {all.begin(), all.end()};
 }

@@ -2,13 +2,18 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "python/bindings.hpp"
 #include "python/recorded.hpp"
+#include "sightline/model/text_robot.hpp"
 
 namespace sightline::python {
 namespace {
@@ -40,7 +45,6 @@ class Recorder {
   int absolute(int a) { return counted(builder_.absolute(step(a))); }
   int larger(int a, int b) { return counted(builder_.larger(step(a), step(b))); }
   int smaller(int a, int b) { return counted(builder_.smaller(step(a), step(b))); }
-  std::optional<double> value(int a) const { return builder_.value(step(a)); }
   Expression finish(int result) const {
     if (const auto number = builder_.value(step(result)); number && !std::isfinite(*number))
       refuse("the formula is {}, expected a finite one", *number);
@@ -91,7 +95,6 @@ void bind_formula(py::module_& module) {
       .def("absolute", &Recorder::absolute)
       .def("maximum", &Recorder::larger)
       .def("minimum", &Recorder::smaller)
-      .def("value", &Recorder::value)
       .def("finish", &Recorder::finish);
   module.attr("sight_size") = sight_size;
 
@@ -116,6 +119,24 @@ void bind_formula(py::module_& module) {
         return Reference(RecordedReference{std::move(states)});
       },
       py::arg("states"));
+  module.def(
+      "recorded_robot",
+      [](const std::string& name, std::vector<Expression> rates, const std::vector<std::string>& states,
+         const std::vector<std::string>& inputs, const std::array<std::string, 3>& position,
+         const std::vector<std::string>& heading, const py::object& u_min, const py::object& u_max) {
+        return TextRobot{.name = name,
+                         .states = states,
+                         .inputs = inputs,
+                         .f = {},
+                         .position = position,
+                         .heading = heading,
+                         .parameters = {},
+                         .u_min = list(u_min),
+                         .u_max = list(u_max)}
+            .model(std::move(rates));
+      },
+      py::arg("name"), py::arg("rates"), py::arg("states"), py::arg("inputs"), py::arg("position"),
+      py::arg("heading"), py::arg("u_min"), py::arg("u_max"));
 }
 
 }  // namespace sightline::python

@@ -56,12 +56,10 @@ py::object KeywordSource::at(std::string_view key, std::string_view expected) co
 
 Numbers KeywordSource::array_at(std::string_view key, std::string_view expected) const {
   const py::object value = at(key, expected);
-  // A word is no number, though numpy reads one from it.
-  Numbers numbers = py::isinstance<py::str>(value) ? Numbers(py::object()) : Numbers::ensure(value);
-  if (!numbers) {
-    PyErr_Clear();
-    refuse(key, expected);
-  }
+  // Words and truths are no numbers, though numpy reads some from them.
+  const bool is_other = py::isinstance<py::str>(value) || py::isinstance<py::bool_>(value);
+  Numbers numbers = is_other ? py::reinterpret_steal<Numbers>(py::handle()) : Numbers::ensure(value);
+  if (!numbers) refuse(key, expected);
   if (!all_finite(numbers)) refuse(key, expected);
   return numbers;
 }

@@ -193,7 +193,12 @@ void bind_solver(py::module_& module) {
       .def("step", &advance, py::arg("u"), py::arg("dt"),
            "Advances by dt [s] under the inputs u (nu). False where a state is no longer finite.")
       .def_property_readonly(
-          "x", [](const GuardedPlant& p) { return array(p.plant.x()); }, "States of all bodies (nx), a copy.")
+          "x",
+          [](GuardedPlant& p) {
+            const OneAtATime here(p.taken, "plant");
+            return array(p.plant.x());
+          },
+          "States of all bodies (nx), a copy.")
       .def_property_readonly(
           "time", [](const GuardedPlant& p) { return p.plant.time(); }, "[s]");
 }

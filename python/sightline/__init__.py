@@ -23,6 +23,7 @@ from .tracing import (  # noqa: F401
     minimum,
     potential,
     reference,
+    robot,
     sin,
     softplus,
     sqrt,

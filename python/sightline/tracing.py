@@ -1,4 +1,4 @@
-"""Potentials and references of one's own, as Python functions.
+"""Potentials, robots and references of one's own, as Python functions.
 
 A function is called once, with recording scalars in place of numbers; what it computes with them is its formula. Gradients,
 Hessians and kernels follow from that, as for a formula in C++ or in a scenario, and no Python runs in a flight. What has no
@@ -26,7 +26,9 @@ class TraceError(ValueError):
 
 
 def _is_foreign(filename):
-    """Whether a frame is neither ours nor numpy's."""
+    """Whether a frame is neither ours nor numpy's, some of which have no file."""
+    if filename.startswith(("<__array_function__", "<frozen")):
+        return False
     return not os.path.abspath(filename).startswith((_own, _numpy))
 
 
@@ -216,6 +218,8 @@ class Symbol:
             called = f"np.{ufunc.__name__}" + ("" if method == "__call__" else f".{method}")
             use = _words.get(_math_names.get(ufunc.__name__, ufunc.__name__))
             _refuse(f"{called} of what is recorded", f"use {use}" if use else f"expected {_functions}")
+        # A number of numpy's would ask its ufunc again.
+        inputs = [i.item() if isinstance(i, np.generic) else i for i in inputs]
         if not any(isinstance(i, np.ndarray) for i in inputs):
             return made(*inputs)
         objects = [np.asarray(i, dtype=object) for i in inputs]
@@ -499,6 +503,46 @@ def potential(function=None, *, limit=None, mount=None, name=None, **parameters)
     return _sightline.recorded_single(called, formula, of_limit)
 
 
+def _list_of(function, recorder, result):
+    """The formulas of the numbers that a function returned."""
+    if not isinstance(result, (list, tuple, np.ndarray)):
+        raise TraceError(f"{_where(function)}: it returns {type(result).__name__}, expected a list with a number for each state")
+    return [_formula(function, recorder, one) for one in result]
+
+
+def robot(function=None, *, states, inputs, position=("p_x", "p_y", "p_z"), heading=(), u_min=None, u_max=None, name=None,
+          **parameters):
+    """A robot of one's own from a function that gives the rate x' of each state.
+
+    function: takes `x` and `u`, arrays in the order of states and inputs, and parameters
+    states, inputs: their names; at most 16 and 8
+    position: the states that are p_x, p_y, p_z in G [m]; heading: the state psi [rad], or the two of the direction; none: along x
+    u_min, u_max: limits of the inputs; -1 and 1 if not given
+
+    Called once, here. As a decorator, `@sl.robot(states=..., inputs=...)` makes the function a Model.
+
+        @sl.robot(states=["p_x", "p_y", "p_z", "psi", "v"], inputs=["a", "w"], heading=["psi"])
+        def car(x, u, drag=0.5):
+            psi, v = x[3], x[4]
+            return [v * sl.cos(psi), v * sl.sin(psi), 0, u[1], u[0] - drag * v]
+    """
+    if function is None:
+        return lambda f: robot(f, states=states, inputs=inputs, position=position, heading=heading, u_min=u_min, u_max=u_max,
+                               name=name, **parameters)
+    if len(position) != 3:
+        raise TraceError(f"{_where(function)}: position = {position!r}, expected the names of three states")
+    recorder = _sightline.Recorder(len(states) + len(inputs))
+    symbols = [Symbol(recorder, recorder.variable(i)) for i in range(len(states) + len(inputs))]
+    values = {"x": _objects(symbols[:len(states)]), "u": _objects(symbols[len(states):])}
+    taken = _taken(function, ("x", "u"), parameters)
+    rates = _list_of(function, recorder, _called(function, {**parameters, **{word: values[word] for word in taken}}))
+    try:
+        return _sightline.recorded_robot(name or _name(function), rates, list(states), list(inputs), list(position),
+                                         list(heading), u_min, u_max)
+    except ValueError as error:
+        raise TraceError(f"{_where(function)}: {error}") from error
+
+
 def reference(function):
     """A reference of one's own: a function of the time t [s] that gives the state x*(t), a number for each state.
 
@@ -510,9 +554,7 @@ def reference(function):
     recorder = _sightline.Recorder(1)
     _taken(function, ("t",), {})
     result = _called(function, {"t": Symbol(recorder, recorder.variable(0))})
-    if not isinstance(result, (list, tuple, np.ndarray)):
-        raise TraceError(f"{_where(function)}: it returns {type(result).__name__}, expected a list with a number for each state")
-    states = [_formula(function, recorder, one) for one in result]
+    states = _list_of(function, recorder, result)
     try:
         return _sightline.recorded_reference(states)
     except ValueError as error:

@@ -124,6 +124,7 @@ def test_parts_are_all_that_are_registered_with_their_parameters(sightline):
     (lambda: sl.keep_out(d_min="far"), ValueError, r"keep_out\.d_min = 'far', expected a number"),
     (lambda: sl.keep_out(d_min=[1, 2]), ValueError, r"keep_out\.d_min = \[1, 2\], expected a number"),
     (lambda: sl.keep_out(d_min=float("nan")), ValueError, r"keep_out\.d_min = nan"),
+    (lambda: sl.keep_out(d_min=True), ValueError, r"keep_out\.d_min = True, expected a number"),
     (lambda: sl.keep_out(d_mn=1.0), TypeError, r'keep_out\.d_mn = 1\.0, expected a known one, the nearest is "d_min"'),
     (lambda: sl.circle(radius=1.0), ValueError, r"circle\.centre is missing"),
     (lambda: sl.circle(centre=[0, 0]), ValueError, r"circle\.centre = \[0, 0\], expected 3 numbers"),
@@ -137,6 +138,7 @@ def test_parts_are_all_that_are_registered_with_their_parameters(sightline):
     (lambda: sl.Solver(paper_pair(), "newton"), ValueError, "solver = newton, expected one of"),
     (lambda: sl.Plant(paper_pair(), [0.0]), ValueError, ""),
     (lambda: sl.Team().add(sl.multirotor(), Q=[1.0]), ValueError, "Q"),
+    (lambda: sl.Team().add(sl.multirotor(), Q="heavy"), TypeError, "'heavy', expected a list of numbers"),
     (lambda: sl.Team().add(sl.multirotor(), x_ref=lambda t: [0] * 7), TypeError, r"sightline\.reference"),
     (lambda: sl.Team().couple(0.4, (sl.Team().add(sl.multirotor()),) * 2), TypeError, "expected a potential"),
 ])

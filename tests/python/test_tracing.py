@@ -51,6 +51,8 @@ def test_a_recorded_formula_gives_what_its_function_computes_on_numbers():
                  lambda observer, target: sl.maximum(observer.p[0], target.p[0]) + np.minimum(observer.p[1], 0.3),
                  lambda observer, target: (2 + observer.d[0]) ** -1.5 + np.log(3 + target.d[1]),
                  lambda observer, target: np.hypot(observer.p[0], target.p[1]) + np.sum(np.square(target.v)),
+                 lambda observer, target: (np.float64(2.0) * observer.p[0] - np.array([1.0, 2.0]) @ target.d
+                                           + np.pi / (3 + target.d[0])),
                  lambda observer, target: 1.5]
     for function in functions:
         potential = sl.potential(function)
@@ -129,6 +131,48 @@ def test_one_robot_and_a_reference_of_one_s_own():
     team.constrain(2.0 * sl.potential(low), uav0)
     assert np.all(np.isfinite(fly(team, 200)))
     assert not sl.potential(low).is_pair
+
+
+def car(x, u, drag=0.5):
+    psi, v = x[3], x[4]
+    return [v * sl.cos(psi), v * sl.sin(psi), 0, u[1], u[0] - drag * v]
+
+
+car_words = {"states": ["p_x", "p_y", "p_z", "psi", "v"], "inputs": ["a", "w"], "heading": ["psi"]}
+
+
+def test_a_robot_of_one_s_own_moves_as_its_function_says_and_follows_another():
+    model = sl.robot(car, **car_words, u_max=[2.0, 1.0], drag=0.7)
+    assert (model.nx, model.nu, model.name) == (5, 2, "car") and model.u_min.tolist() == [-1.0, -1.0]
+    generator = np.random.default_rng(4)
+    for _ in range(20):
+        x, u = generator.uniform(-1, 1, 5), generator.uniform(-1, 1, 2)
+        np.testing.assert_allclose(model.f(x, u), car(x, u, drag=0.7), rtol=1e-12, atol=1e-14)
+    seen = model.sight([1, 2, 0, math.pi / 2, 0.5], [0, 0])
+    np.testing.assert_allclose([*seen.p, *seen.d, *seen.v], [1, 2, 0, 0, 1, 0, 0.5, 0], atol=1e-12)
+
+    team = sl.Team()
+    follower = team.add(model)
+    leader = team.add(sl.unicycle(), Q=[1, 1, 0, 0, 0, 0], x_ref=sl.circle(centre=[0, 0, 0], radius=1.0, rate=0.3))
+    team.couple(sl.too_far(d_max=1.0), (follower, leader), felt_by=follower)
+    plant = sl.Plant(team, [-3, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0])
+    mpc = sl.newton_riccati(team)
+    for k in range(2000):
+        assert plant.step(mpc.step(0.01 * k, plant.x), 0.01)
+    assert np.linalg.norm(plant.x[0:2] - plant.x[5:7]) < 1.5
+
+
+@pytest.mark.parametrize("given, sentence", [
+    ({"states": ["p_x", "p_y", "p_z", "psi"]}, "out of bounds|IndexError|index 4"),
+    ({"position": ["p_x", "p_y", "q"]}, 'position = "q", expected the name of a state'),
+    ({"heading": ["psi", "v", "p_x"]}, "a heading of 3 states"),
+    ({"inputs": ["sin", "w"]}, 'an input "sin", expected a name of its own'),
+    ({"u_max": [1.0]}, "limits of 1 inputs for 2"),
+    ({"states": ["p_x", "p_y", "p_z", "psi", "v", "z"]}, "5 rates for 6 states"),
+])
+def test_a_robot_that_does_not_fit_together_is_refused(given, sentence):
+    with pytest.raises(sl.TraceError, match=sentence):
+        sl.robot(car, **{**car_words, **given})
 
 
 def refused(sentence, function=None, **given):

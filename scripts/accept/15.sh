@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# The figures of the Python module, section by section:  scripts/accept/15.sh [--short] [SECTION ...]
+# What is finished stays in out/accept/15/ and is not done again; delete it to begin anew. Needs the release preset.
+# --short is for CI: less of each, by wider limits.
+set -uo pipefail
+cd "$(dirname "$0")/../.." || exit 1
+build=build/release
+. scripts/accept/sections.sh
+python=$(sed -n 's/^Python_EXECUTABLE:[A-Z]*=//p' $build/CMakeCache.txt)
+
+figure() {
+  local -a options=()
+  whole || options=(--short)
+  PYTHONPATH=$build/python "$python" -B bench/python_figures.py "$1" "${options[@]}"
+}
+# What an update costs from Python; eight threads; a potential in Python and as text; memory.
+solve() { figure solve; }
+threads() { figure threads; }
+formula() { figure formula; }
+cycles() { figure cycles; }
+
+all=(solve threads formula cycles)
+run_sections "$@"
