@@ -78,7 +78,8 @@ void bind_bodies(py::module_& module) {
           "__eq__", [](const BodyId& a, const BodyId& b) { return a == b; }, py::is_operator())
       .def("__hash__", [](const BodyId& body) { return body.index; })
       .def("__repr__", [](const BodyId& body) { return fmt::format("<body {}>", body.index); });
-  py::class_<AgentId, BodyId>(module, "Agent", "A robot that is controlled.");
+  py::class_<AgentId, BodyId>(module, "Agent", "A robot that is controlled.")
+      .def("__repr__", [](const AgentId& agent) { return fmt::format("<agent {}>", agent.index); });
   py::class_<RelaxedBarrier>(module, "RelaxedBarrier",
                              "The cost of a limit c(x, u) <= 0 (docs/equations.md, 12).")
       .def(

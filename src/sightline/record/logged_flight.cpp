@@ -59,7 +59,7 @@ RunFolder::RunFolder(const std::filesystem::path& folder, const Scenario& scenar
 LoggedFlight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
                         const Controllers& controllers, const FlightOptions& options) {
   const auto simulated = options.world == nullptr ? make_world(scenario) : nullptr;
-  World& world = simulated ? *simulated : *options.world;
+  World& world = options.world == nullptr ? *simulated : *options.world;
   Sample prototype = sized_sample(world, controllers);
   make_room_for_plans(scenario, prototype);
   Ring<Sample> ring(ring_capacity(prototype), prototype);
