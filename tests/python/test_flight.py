@@ -13,7 +13,7 @@ import pytest
 
 import sightline as sl
 
-short = ["simulation.duration=3.0", "simulation.compare=[]"]
+short = ["simulation.duration=3.0"]
 
 
 def flown(scenarios, out, name="paper_7_1", set=(), **given):
@@ -108,7 +108,7 @@ def test_check_and_explain_say_what_the_command_line_says(scenarios, sightline):
     assert sl.explain(file) == sightline("explain", file)
     assert "ok\n" + str(sl.check(file)) in sightline("check", file)
     scenario = sl.Scenario.read(file)
-    assert scenario.name == "cooperative_localization" and scenario.expanded == sightline("check", "--expanded", file)
+    assert scenario.name == "cooperative_localization" and scenario.expanded == sightline("check", "--print", file)
 
 
 def test_a_log_is_arrays_that_look_at_its_memory(scenarios, tmp_path):

@@ -153,7 +153,7 @@ def test_a_robot_of_one_s_own_moves_as_its_function_says_and_follows_another():
 
     team = sl.Team()
     follower = team.add(model)
-    leader = team.add(sl.unicycle(), Q=[1, 1, 0, 0, 0, 0], x_ref=sl.circle(centre=[0, 0, 0], radius=1.0, rate=0.3))
+    leader = team.add(sl.unicycle(), Q=[1, 1, 0, 0, 0, 0], x_ref=sl.circle(centre=[0, 0, 0], radius=1.0, rate=0.1))
     team.couple(sl.too_far(d_max=1.0), (follower, leader), felt_by=follower)
     plant = sl.Plant(team, [-3, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0])
     mpc = sl.newton_riccati(team)
