@@ -1,4 +1,5 @@
-/// Rendered pictures of tags beside the model of their noise: how often tags are found, how far off the pose is, and what the covariance says.
+/// Rendered pictures of tags beside those that are drawn by the model of their noise, at the same places: how often tags are found, how far off
+/// the pose is, and what the covariance says.
 /// Prints a table of Markdown, as docs/localization.md has it:  bench_pictures [PICTURES OF EACH PLACE]
 #include <fmt/format.h>
 
@@ -7,6 +8,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <initializer_list>
+#include <memory>
 #include <numbers>
 #include <vector>
 
@@ -20,107 +23,139 @@ using namespace sightline;
 constexpr double degree = std::numbers::pi / 180;
 
 /// What came of the pictures at one place.
-struct Told {
-  int pictures = 0, found = 0, mirrored = 0;
-  double range = 0.0, bearing = 0.0, yaw = 0.0, bias = 0.0;  // sums, the first three of squares
-  double told_range = 0.0, told_bearing = 0.0, told_yaw = 0.0, nees = 0.0;
+struct Errors {
+  int pictures = 0, seen = 0,
+      right = 0;  // taken; with a detection; of these without the other solution of a tag
+  double bias = 0.0, range = 0.0, bearing = 0.0, yaw = 0.0, nees = 0.0;  // sums, range to yaw of squares
 
   /// @param up  the vertical in S
-  void add(const Detection& seen, const RigidPose& truth, const Vec3<double>& up, double focal) {
-    ++pictures;
-    const Vec3<double> dp = truth.p - seen.p;
-    const Quaternion q = quaternion(compose(truth.R, between(rotation(seen.q), Rotation{})));
+  void add(const Detection& one, const RigidPose& truth, const Vec3<double>& up, double focal) {
+    ++seen;
+    const Vec3<double> dp = truth.p - one.p;
+    const Quaternion q = quaternion(compose(truth.R, between(rotation(one.q), Rotation{})));
     const Vec3<double> turn = 2.0 * Vec3<double>{q.x, q.y, q.z};
-    const Mat<6, 6> P = seen.covariance_matrix();
-    const double length = mahalanobis<6>({{{{dp.x}, {dp.y}, {dp.z}, {turn.x}, {turn.y}, {turn.z}}}}, P);
+    const double length =
+        mahalanobis<6>({{{{dp.x}, {dp.y}, {dp.z}, {turn.x}, {turn.y}, {turn.z}}}}, one.covariance_matrix());
     constexpr double mistaken = 60.0;  // far beyond chance for six numbers: the other solution of a tag
-    if (length > mistaken) {
-      ++mirrored;
-      return;
-    }
-    ++found;
+    if (length > mistaken) return;
+    ++right;
     nees += length;
-    const double r = norm(truth.p);
-    const Vec3<double> l = (1 / r) * truth.p;
-    const Mat<3, 3> of_p = block<3, 3>(P, 0, 0), of_turn = block<3, 3>(P, 3, 3);
-    const double along = dot(dp, l), variance = dot(l, of_p * l);
+    const double r = norm(truth.p), along = dot(dp, (1 / r) * truth.p);
+    bias -= along / r;
     range += square(along / r);
-    bias += -along / r;
-    told_range += variance / square(r);
     bearing += 0.5 * (dot(dp, dp) - square(along)) * square(focal / r);
-    told_bearing += 0.5 * (trace(of_p) - variance) * square(focal / r);
     yaw += square(dot(up, turn));
-    told_yaw += dot(up, of_turn * up);
   }
+  double mean(double sum) const { return sum / std::max(1, right); }
+  double found() const { return static_cast<double>(seen) / pictures; }
+  double other_solution() const { return static_cast<double>(seen - right) / std::max(1, seen); }
+  double range_sigma() const { return std::sqrt(std::max(0.0, mean(range) - square(mean(bias)))); }
+  double bearing_sigma() const { return std::sqrt(mean(bearing)); }
+  double yaw_sigma() const { return std::sqrt(mean(yaw)); }
 };
+
+struct Place {
+  int faces;        // of the body
+  double above;     // angle at which the camera looks down [deg]
+  double turned;    // of the nearest face about the vertical, from showing itself to the camera [deg]
+  double distance;  // [m]
+  Errors rendered{}, drawn{};
+};
+
+/// An observer and a body with that many tags, seen both ways.
+class Stage {
+ public:
+  explicit Stage(int faces) {
+    team_.add(Multirotor{}, {.name = "observer"});
+    team_.add(Multirotor{}, {.name = "target"});
+    options_.cameras = {{.observer = BodyId{0},
+                         .mount = {.pitch = 0, .offset = 0, .frame = MountFrame::body},
+                         .render = true}};
+    options_.tags = {{BodyId{1}, {.faces = faces}}};
+    rendered_ = std::make_unique<mujoco::RenderedDetections>(team_, options_);
+    drawn_ = std::make_unique<SyntheticDetections>(team_, options_);
+  }
+
+  /// One more picture of that place: the body anywhere in the picture, both a little off level.
+  void look(Place& place) {
+    const auto uniform = [&](double low, double high) { return low + (high - low) * chance_.uniform(); };
+    const Rotation eye = compose(turn_by({0, (place.above + 2 * chance_.normal()) * degree, 0}),
+                                 turn_by({3 * chance_.normal() * degree, 0, 0}));
+    const Rotation aside =
+        compose(turn_by({0, 0, uniform(-0.45, 0.45)}), turn_by({0, uniform(-0.3, 0.3), 0}));
+    const Vec3<double> p = {0, 0, 3.2}, other = p + place.distance * eye.to_G(aside.x), back = p - other;
+    const int faces = options_.tags[0].tags.faces;
+    const double side = chance_.uniform() < 0.5 ? 1 : -1, face = std::floor(faces * uniform(0, 0.999));
+    const double heading = std::atan2(back.y, back.x) + side * (place.turned + uniform(-2, 2)) * degree;
+    const Rotation body = compose(turn_by({0, 0, heading + face * 2 * std::numbers::pi / faces}),
+                                  compose(turn_by({0, 2 * chance_.normal() * degree, 0}),
+                                          turn_by({2 * chance_.normal() * degree, 0, 0})));
+    bodies_[0].now = bodies_[0].before = {p, eye};
+    bodies_[1].now = bodies_[1].before = {other, body};
+    const RigidPose S = sensor_pose(options_.cameras[0].mount, bodies_[0].now),
+                    truth = seen_from(S, bodies_[1].now);
+    const auto judge = [&](DetectionSource& source, Errors& errors) {
+      ++errors.pictures;
+      if (source.find({0, 0.0, 0.0, bodies_}, found_) == 1)
+        errors.add(found_[0], truth, S.R.to_B({0, 0, 1}), options_.cameras[0].camera.focal());
+    };
+    judge(*rendered_, place.rendered);
+    judge(*drawn_, place.drawn);
+  }
+
+ private:
+  Team team_;
+  CameraOptions options_;
+  std::unique_ptr<DetectionSource> rendered_, drawn_;
+  RandomStream chance_{7, Chance::run, 0};
+  std::vector<ExposedBody> bodies_ = std::vector<ExposedBody>(2);
+  std::array<Detection, 1> found_;
+};
+
+std::vector<Place> places() {
+  std::vector<Place> all;
+  const auto add = [&](int faces, double above, std::initializer_list<double> angles) {
+    for (const double turned : angles) {
+      for (const double d : {1.0, 1.5, 2.0, 2.5, 3.0}) all.push_back({faces, above, turned, d});
+    }
+  };
+  add(1, 0.0, {0, 15, 30, 45, 55, 65, 72});
+  add(4, 0.0, {0, 30, 45});
+  add(4, 28.0, {0, 30, 45});
+  return all;
+}
+
+void print(const Place& at) {
+  const Errors &r = at.rendered, &d = at.drawn;
+  fmt::print(
+      "| {} | {:.0f}° | {:.0f}° | {} m | {:.0f}, {:.0f} % | {:+.2f}, {:+.2f} % | {:.2f}, {:.2f} % | "
+      "{:.2f}, {:.2f} px | {:.2f}, {:.2f}° | {:.1f}, {:.1f} | {:.0f}, {:.0f} % |\n",
+      at.faces, at.above, at.turned, at.distance, 100 * r.found(), 100 * d.found(), 100 * r.mean(r.bias),
+      100 * d.mean(d.bias), 100 * r.range_sigma(), 100 * d.range_sigma(), r.bearing_sigma(),
+      d.bearing_sigma(), r.yaw_sigma() / degree, d.yaw_sigma() / degree, r.mean(r.nees), d.mean(d.nees),
+      100 * r.other_solution(), 100 * d.other_solution());
+}
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int pictures = argc > 1 ? std::atoi(argv[1]) : 40;
-  Team team;
-  team.add(Multirotor{}, {.name = "observer"});
-  team.add(Multirotor{}, {.name = "target"});
-  CameraOptions options;
-  options.cameras = {
-      {.observer = BodyId{0}, .mount = {.pitch = 0, .offset = 0, .frame = MountFrame::body}, .render = true}};
-  options.tags = {{BodyId{1}, {}}};
-  mujoco::RenderedDetections rendered(team, options);
-  SyntheticDetections synthetic(team, options);
-  const double focal = options.cameras[0].camera.focal();
-
-  RandomStream chance(7, Chance::run, 0);
-  const auto uniform = [&](double low, double high) { return low + (high - low) * chance.uniform(); };
-  std::vector<ExposedBody> bodies(2);
-  std::array<Detection, 1> found;
-  double seconds = 0.0;
-  int frames = 0;
-  fmt::print(
-      "| from above | face turned | distance | found, by the model | range, told | bias of range | bearing, "
-      "told | yaw, told | "
-      "NEES, drawn | other solution, drawn |\n|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const double above : {0.0, 28.0}) {
-    for (const double turned : {0.0, 30.0, 45.0}) {
-      for (const double d : {0.75, 1.0, 1.5, 2.0, 2.5, 3.0}) {
-        Told of_pictures, of_model;
-        for (int k = 0; k < pictures; ++k) {
-          // The camera looks about down by that angle, the body is somewhere in the picture, one face turned by about the other.
-          const Rotation eye = compose(turn_by({0, (above + 2 * chance.normal()) * degree, 0}),
-                                       turn_by({3 * chance.normal() * degree, 0, 0}));
-          const Rotation aside =
-              compose(turn_by({0, 0, uniform(-0.45, 0.45)}), turn_by({0, uniform(-0.3, 0.3), 0}));
-          const Vec3<double> p = {0, 0, 3.2}, other = p + d * eye.to_G(aside.x), back = p - other;
-          const double side = chance.uniform() < 0.5 ? 1 : -1, quarter = std::floor(4 * uniform(0, 0.999));
-          const double heading = std::atan2(back.y, back.x) + side * (turned + uniform(-2, 2)) * degree;
-          const Rotation body = compose(turn_by({0, 0, heading + quarter * std::numbers::pi / 2}),
-                                        compose(turn_by({0, 2 * chance.normal() * degree, 0}),
-                                                turn_by({2 * chance.normal() * degree, 0, 0})));
-          bodies[0].now = bodies[0].before = {p, eye};
-          bodies[1].now = bodies[1].before = {other, body};
-          const RigidPose S = sensor_pose(options.cameras[0].mount, bodies[0].now),
-                          truth = seen_from(S, bodies[1].now);
-          const Vec3<double> up = S.R.to_B({0, 0, 1});
-          const auto begin = std::chrono::steady_clock::now();
-          const bool seen = rendered.find({0, 0.0, 0.0, bodies}, found) == 1;
-          seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-          ++frames;
-          if (seen) of_pictures.add(found[0], truth, up, focal);
-          if (synthetic.find({0, 0.0, 0.0, bodies}, found) == 1) of_model.add(found[0], truth, up, focal);
-        }
-        const Told& o = of_pictures;
-        const double n = std::max(1, o.found), m = std::max(1, of_model.found);
-        const auto root = [n](double sum) { return std::sqrt(sum / n); };
-        fmt::print(
-            "| {:.0f}° | {:.0f}° | {} m | {:.0f} %, {:.0f} % | {:.2f} %, {:.2f} % | {:+.2f} % | {:.2f}, "
-            "{:.2f} px | {:.2f}°, "
-            "{:.2f}° | {:.1f}, {:.1f} | {:.0f} %, {:.0f} % |\n",
-            above, turned, d, 100.0 * o.pictures / pictures, 100.0 * of_model.pictures / pictures,
-            100 * root(o.range), 100 * root(o.told_range), 100 * o.bias / n, root(o.bearing),
-            root(o.told_bearing), root(o.yaw) / degree, root(o.told_yaw) / degree, o.nees / n,
-            of_model.nees / m, 100.0 * o.mirrored / std::max(1, o.pictures),
-            100.0 * of_model.mirrored / std::max(1, of_model.pictures));
-      }
+  const int pictures = argc > 1 ? std::atoi(argv[1]) : 100;
+  std::vector<Place> all = places();
+  const auto begin = std::chrono::steady_clock::now();
+  for (const int faces : {1, 4}) {
+    Stage stage(faces);
+    for (Place& place : all) {
+      if (place.faces != faces) continue;
+      for (int k = 0; k < pictures; ++k) stage.look(place);
     }
   }
-  fmt::print(stderr, "{:.1f} ms a picture of 320 x 240\n", 1e3 * seconds / frames);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  fmt::print(
+      "| plates | from above | turned | distance | found | bias of range | range | bearing | yaw | NEES | "
+      "other solution |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const Place& place : all) print(place);
+  fmt::print(stderr, "{:.1f} ms a picture of 320 x 240\n",
+             1e3 * seconds / (pictures * static_cast<double>(all.size())));
+  return 0;
 }

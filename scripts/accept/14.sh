@@ -173,6 +173,57 @@ flight() {
   grep -q ' commands, 0 differ' <<<"$said" && grep -q 'estimates of poses, 0 differ' <<<"$said"
 }
 
+# Drawn detections beside rendered pictures at the same places, docs/localization.md: how often a single plate is found, the bias and the
+# standard deviation of its range. Whole, it draws docs/noise.svg too.
+noise() {
+  local table=$out/noise.md pictures=100
+  whole || pictures=6
+  [[ -x $build/bin/bench_pictures ]] || { echo 'nothing is rendered here: it needs MuJoCo, EGL and AprilTag when sightline is built'; ! whole; return; }
+  "$build/bin/bench_pictures" "$pictures" >"$table" || return 1
+  # $1: plates, then angle, distance, found, bias, range; rendered and drawn each.
+  awk -F'[|,]' 'NR > 2 { gsub(/[°m%+]/, ""); print $2, $4, $5, $6, $7, $8, $9, $10, $11 }' "$table" >"$out/noise.txt"
+  awk -v whole="$(whole && echo 1 || echo 0)" '
+    { off = $4 - $5; if (off < 0) off = -off; sum += off; n++; if (off > most) { most = off; where = $2 " deg, " $3 " m" } }
+    $4 >= 50 && $5 >= 50 && $1 == 1 { ratio = log($9 / $8); logs += ratio; squares += ratio * ratio; k++; if ($6 < 0) $6 = -$6; if ($6 > bias) bias = $6 }
+    END {
+      mean = exp(logs / k); spread = exp(sqrt(squares / k))
+      printf "%d places: found shares differ by %.1f %% on average, at most %.0f %% (%s); range of a plate, drawn over rendered: %.2f, within a factor %.2f (RMS); bias of range at most %.2f %%\n", n, sum / n, most, where, mean, spread, bias
+      exit !(sum / n <= (whole ? 8 : 15) && mean > (whole ? 0.7 : 0.4) && mean < (whole ? 1.8 : 3) && bias <= (whole ? 1 : 3))
+    }' "$out/noise.txt" || return 1
+  ! whole || plot_noise "$out/noise.txt"
+}
+
+# $1: the table's numbers
+plot_noise() {
+  local angle i=1 found='' range='' bias=''
+  for angle in 0 30 45 55 65 72; do
+    awk -v angle=$angle '$1 == 1 && $2 == angle' "$1" >"$out/noise_$angle.txt"
+    found+="'$out/noise_$angle.txt' using 3:4 with points pointtype 7 linecolor $i title '$angle°', '' using 3:5 with lines linecolor $i notitle, "
+    bias+="'$out/noise_$angle.txt' using (\$4 >= 30 ? \$3 : NaN):6 with points pointtype 7 linecolor $i notitle, '' using (\$5 >= 30 ? \$3 : NaN):7 with lines linecolor $i notitle, "
+    range+="'$out/noise_$angle.txt' using (\$4 >= 30 ? \$3 : NaN):8 with points pointtype 7 linecolor $i notitle, '' using (\$5 >= 30 ? \$3 : NaN):9 with lines linecolor $i notitle, "
+    i=$((i + 1))
+  done
+  gnuplot <<PLOT
+set terminal svg size 1100,420 font "Helvetica,13" background "white"
+set output "docs/noise.svg"
+set multiplot layout 1,3 title "One plate of 0.2 m at 320 x 240, by the angle to its normal: rendered (points), drawn (lines)"
+set xlabel "distance [m]"
+set xrange [0.9:3.1]
+set grid
+set key bottom left
+set ylabel "found [%]"
+set yrange [-3:103]
+plot ${found%, }
+unset key
+set ylabel "bias of range [%]"
+set yrange [-1.5:1.5]
+plot ${bias%, }
+set ylabel "standard deviation of range [%]"
+set yrange [0:*]
+plot ${range%, }
+PLOT
+}
+
 # Rendered pictures: flights of two x500 in wind of 0.5 m/s^2 from four directions, the camera's pictures by MuJoCo at 30 Hz, AprilTag.
 # Each is replayed, the first is flown again to the same bytes, and all take less time than they last.
 rendered() {
@@ -226,5 +277,5 @@ filters() {
   ! whole || jq -e 'all(.cases[]; .allocations == 0 and .median_us <= (if .name | startswith("attitude") then 30 else 10 end))' <<<"$rows" >/dev/null
 }
 
-all=(campaign compass hidden searching chain views sight filters replay flight rendered)
+all=(campaign compass hidden searching chain views sight filters noise replay flight rendered)
 run_sections "$@"

@@ -48,22 +48,22 @@ TEST(TagSize, TagsThatAreSmallAtTheGreatestDistanceAreAWarning) {
   EXPECT_THAT(
       judge_tag_sizes(kept_between(1.0, 3.0)).warnings,
       ElementsAre(
-          "a tag of b has 13.9 px for the camera of a at d_max = 3 m, below 16.3 px it is not read from "
+          "a tag of b has 13.9 px for the camera of a at d_max = 3 m, below 14.4 px it is not read from "
           "every side"));
   EXPECT_THAT(
       judge_tag_sizes(kept_between(1.0, 4.0)).warnings,
-      ElementsAre("a tag of b has 10.4 px for the camera of a at d_max = 4 m, below 11.5 px it is not read"));
+      ElementsAre("a tag of b has 10.4 px for the camera of a at d_max = 4 m, below 10.6 px it is not read"));
   EXPECT_THAT(preflight(kept_between(1.0, 4.0)).warnings,
-              Contains(HasSubstr("below 11.5 px it is not read")));
+              Contains(HasSubstr("below 10.6 px it is not read")));
 }
 
 TEST(TagSize, TagsThatAreTooSmallEverywhereAreRefused) {
   EXPECT_THAT(
       judge_tag_sizes(kept_between(4.0, 5.0)).refusals,
       ElementsAre(
-          "a.toml: a tag of b has 10.4 px for the camera of a at d_min = 4 m, expected at least 11.5 px, "
+          "a.toml: a tag of b has 10.4 px for the camera of a at d_min = 4 m, expected at least 10.6 px, "
           "or it is not read"));
-  EXPECT_THAT(preflight(kept_between(4.0, 5.0)).refusals, Contains(HasSubstr("expected at least 11.5 px")));
+  EXPECT_THAT(preflight(kept_between(4.0, 5.0)).refusals, Contains(HasSubstr("expected at least 10.6 px")));
 }
 
 TEST(TagSize, BeforeAFlightEachDistanceAtWhichTagsAreTooSmallIsRed) {
@@ -73,9 +73,9 @@ TEST(TagSize, BeforeAFlightEachDistanceAtWhichTagsAreTooSmallIsRed) {
   EXPECT_EQ(small[0].aspect, Aspect::tags);
   EXPECT_EQ(
       small[0].sentence,
-      "a tag of b has 13.9 px for the camera of a at d_max = 3 m, below 16.3 px it is not read from every "
+      "a tag of b has 13.9 px for the camera of a at d_max = 3 m, below 14.4 px it is not read from every "
       "side: larger tags, another camera, or nearer");
-  EXPECT_THAT(tag_findings(kept_between(1.0, 4.0))[0].sentence, HasSubstr("below 11.5 px it is not read:"));
+  EXPECT_THAT(tag_findings(kept_between(1.0, 4.0))[0].sentence, HasSubstr("below 10.6 px it is not read:"));
   const std::vector<Finding> large = tag_findings(kept_between(1.0, 2.5));
   ASSERT_EQ(large.size(), 1u);
   EXPECT_EQ(large[0].light, Light::green);

@@ -104,8 +104,8 @@ TEST(ReadCamera, ThePixelsOfATagAreToldAtTheDistancesThatAreKept) {
   EXPECT_EQ(readings[0].key, "d_min");
   EXPECT_NEAR(readings[0].pixels, 41.6, 0.1);
   EXPECT_NEAR(readings[1].pixels, 20.8, 0.1);
-  EXPECT_NEAR(readings[1].from_ahead, 11.5, 1e-12);
-  EXPECT_NEAR(readings[1].from_any_side, 16.26, 0.01)
+  EXPECT_NEAR(readings[1].from_ahead, 10.6, 1e-12);
+  EXPECT_NEAR(readings[1].from_any_side, 14.355, 0.01)
       << "of 4 faces the nearest is turned by up to 45 degrees";
   const std::string said = summary(scenario);
   EXPECT_THAT(said,

@@ -115,8 +115,7 @@ CameraOptions camera_options(const Scenario& scenario) {
 }
 
 std::vector<TagReading> tag_readings(const Scenario& scenario) {
-  // Half of what is shown is found at n cos(incidence) = 11.5 px (SyntheticDetections::probability).
-  constexpr double half_found = 11.5;
+  constexpr double half_found = SyntheticDetections::half_found;
   std::vector<TagReading> all;
   for (const Coupling& coupling : scenario.team.couplings()) {
     const BodyId observer = coupling.between.first, target = coupling.between.second;
@@ -132,7 +131,7 @@ std::vector<TagReading> tag_readings(const Scenario& scenario) {
       if (std::any_of(all.begin(), all.end(), same)) return;
       all.push_back({observer, target, std::string(key), *distance,
                      camera->camera.pixels(tags->tags.size, *distance), half_found,
-                     half_found / cos(between_faces)});
+                     half_found / SyntheticDetections::readable(cos(between_faces))});
     };
     add("d_min", coupling.term.potential.d_min());
     add("d_max", coupling.term.potential.d_max());

@@ -34,14 +34,16 @@ SyntheticDetections::SyntheticDetections(const Team& team, const CameraOptions& 
 
 double SyntheticDetections::probability(double n, double cosine, double smear) {
   if (cosine < cos(incidence_max)) return 0.0;
-  const double n_0 = 11.5 + 8.5 * std::clamp(smear - 1, 0.0, 1.0);
-  return 0.99 / (1 + exp((n_0 - n * cosine) / 0.7));
+  const double n_0 = half_found + 9.4 * std::clamp(smear - 1, 0.0, 1.0);
+  return 0.99 / (1 + exp((n_0 - n * readable(cosine)) / 0.7));
 }
+
+double SyntheticDetections::readable(double cosine) { return sqrt(cosine * sqrt(cosine * sqrt(cosine))); }
 
 double SyntheticDetections::mirror_share(double n, double cosine) {
   constexpr double ahead = 0.35;  // [rad]
   if (cosine < cos(ahead) || n > 22) return 0.0;
-  return n < 16 ? 0.49 : 0.21;
+  return n < 16 ? 0.35 : 0.2;
 }
 
 std::size_t SyntheticDetections::find(const Exposure& exposure, std::span<Detection> found) noexcept {
@@ -103,7 +105,14 @@ bool SyntheticDetections::detect(const Exposure& exposure, std::size_t number, D
   // What is said of it.
   const Column<6> e = Cholesky<6>(*covariance).L * draws.errors;
   RigidPose said = pose;
-  if (seen == 1 && draws.mirror <= mirror_share(n_seen, cos_seen)) said = mirrored(tags, face_seen, pose);
+  if (seen == 1 && draws.mirror <= mirror_share(n_seen, cos_seen)) {
+    // Of both solutions the more upright is taken, by an attitude that is known to about 0.01 rad.
+    constexpr double as_upright = 0.03;  // [rad]
+    const RigidPose image = mirrored(tags, face_seen, pose);
+    const Vec3<double> up = S.R.to_B({0, 0, 1});
+    const auto tilt = [&](const RigidPose& one) { return atan2(norm(cross(one.R.z, up)), dot(one.R.z, up)); };
+    if (tilt(image) <= tilt(pose) + as_upright) said = image;
+  }
   said.p = said.p + vec3(e);
   said.R = compose(turn_by(vec3(e, 3)), said.R);
   if (draws.outlier <= camera.outliers) {

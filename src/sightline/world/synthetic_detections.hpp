@@ -12,11 +12,12 @@ namespace sightline {
 
 /// A tag whose side has n px at its depth, seen at an angle i to its normal, is found with the probability
 ///
-///   0.99 / (1 + exp((n_0 - n cos i) / 0.7)),   i < 65 degrees,   n_0 = 11.5 px sharp, 20 px smeared over 2 px and more,
+///   0.99 / (1 + exp((n_0 - n cos(i)^(7/8)) / 0.7)),   i < 75 degrees,   n_0 = 10.6 px sharp, 20 px smeared over 2 px and more,
 ///
-/// where it is in the picture with its white border, and where no hull hides its middle or one of its corners. The pose over all tags found
-/// has the covariance of PoseInformation with corner_sigma(). One tag alone, within 20 degrees of being seen from ahead, gives its mirror
-/// image (mirrored()) in 49 % of the pictures below 16 px and in 21 % up to 22 px.
+/// where it is in the picture with its white border, and where no hull hides its middle or one of its corners: the logistic curve that is
+/// likeliest for 2197 rendered plates. The pose over all tags found has the covariance of PoseInformation with corner_sigma(). One tag alone,
+/// within 20 degrees of being seen from ahead, gives its mirror image (mirrored()) in 35 % of the pictures below 16 px and in 20 % up to
+/// 22 px, where the body stands as upright in it.
 ///
 /// Camera::outliers puts the body elsewhere, half of them anywhere in the view and half of them 1.1 to 1.5 times as far; Camera::flips turns it by
 /// 0.35 to 1.35 rad about the vertical. Both say the covariance of what is true.
@@ -31,7 +32,11 @@ class SyntheticDetections final : public DetectionSource {
   /// Probability that a tag is found, whose side has n px and which is seen at an angle of that cosine.
   static double probability(double n, double cosine, double smear);
   /// Greatest angle to its normal at which a tag is found [rad].
-  static constexpr double incidence_max = 1.1345;
+  static constexpr double incidence_max = 1.309;
+  /// Of a sharp tag of so many pixels, seen from ahead, half of all are found; seen at an angle, of that many over readable().
+  static constexpr double half_found = 10.6;
+  /// cos(i)^(7/8): as if the tag were smaller by that.
+  static double readable(double cosine);
   /// That a single tag gives its mirror image.
   static double mirror_share(double n, double cosine);
 

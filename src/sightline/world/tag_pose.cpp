@@ -105,7 +105,7 @@ double corner_sigma(double n, double cos_incidence, double noise, double smear) 
   // Beyond 45 degrees the lines of a tag run together.
   const double slant = std::max(1.0, 0.7071 / cos_incidence);
   const double of_noise = 0.65 + 0.0875 * noise, of_smear = 1 + std::clamp(smear - 1, 0.0, 1.0);
-  return of_noise * of_smear * square(slant) * slant * (0.05 + 30 / square(n));
+  return of_noise * of_smear * slant * sqrt(slant) * (0.05 + 30 / square(n));
 }
 
 double cos_incidence(const Tags& tags, int face, const RigidPose& pose) {
