@@ -38,11 +38,7 @@ struct Input {
 Input read(const CampaignCommand& command, const Parts& parts) {
   Input input;
   const Scenario& scenario = input.scenarios.emplace_back(command.scenario.read(parts));
-  if (!scenario.campaign) {
-    throw std::invalid_argument(fmt::format(
-        "{}:1: campaign is missing, expected [campaign] with what is drawn", scenario.file.native()));
-  }
-  input.plan = *scenario.campaign;
+  input.plan = campaign_plan(scenario);
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   input.options = {.runs = command.runs,
                    .seed = command.seed.value_or(scenario.simulation.seed),
@@ -52,14 +48,7 @@ Input read(const CampaignCommand& command, const Parts& parts) {
   input.folder = command.output.empty() ? alone : command.output;
   if (!command.beside.empty())
     input.scenarios.push_back(read_scenario(command.beside, parts, command.scenario.set));
-  for (const Scenario& one : input.scenarios) {
-    if (changes_in_flight(one)) {
-      throw std::invalid_argument(
-          fmt::format("{}: the team changes in flight, expected one that stays: a campaign judges one team",
-                      one.file.native()));
-    }
-    Variants(one, input.plan);
-  }
+  for (const Scenario& one : input.scenarios) check_campaign(one, input.plan);
   return input;
 }
 
@@ -78,26 +67,12 @@ struct Tables {
   std::list<RunTable> runs;
 
  private:
-  /// What goes on must be what it was: the last run that is there is flown again.
   void open(const Input& input, std::size_t i) {
     const Scenario& scenario = input.scenarios[i];
     const fs::path file = input.folder_of(i) / "campaign.sqlite";
     RunTable& table = runs.emplace_back(file, scenario, input.plan, input.options.seed);
     if (table.rows() == 0) return;
-    if (table.rows() > input.options.runs) {
-      throw std::invalid_argument(fmt::format(
-          "{}: holds {} runs of this campaign, expected at most --runs {}: ask for as many, or give "
-          "another folder by -o",
-          file.native(), table.rows(), input.options.runs));
-    }
-    const Variants variants(scenario, input.plan);
-    const RunDraw last = draw_run(input.plan, input.options.seed, table.rows() - 1);
-    if (!table.holds(last, Pilot(variants, input.plan).fly(last))) {
-      throw std::invalid_argument(fmt::format(
-          "{}: holds {} runs, of which number {} flies otherwise now: another program, machine or "
-          "file that the scenario names; give another folder by -o, or move the file away",
-          file.native(), table.rows(), last.index));
-    }
+    check_continues(table, file, scenario, input.plan, input.options);
     if (table.rows() < input.options.runs)
       say(fmt::format("{}: goes on after {} runs", file.native(), table.rows()));
   }

@@ -53,6 +53,8 @@ void bind_team(py::module_& module);   ///< Team and its bodies
 void bind_solver(py::module_& module);     ///< solvers, and the simulated plant
 void bind_scenario(py::module_& module);   ///< Scenario, check, explain
 void bind_flight(py::module_& module);     ///< run, replay, report
+void bind_world(py::module_& module);      ///< World, period by period
+void bind_campaign(py::module_& module);   ///< campaign
 void bind_recording(py::module_& module);  ///< Log
 
 }  // namespace sightline::python

@@ -3,11 +3,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <atomic>
-#include <chrono>
-#include <future>
-
-#include "python/bindings.hpp"
+#include "python/waited.hpp"
 #include "sightline/record/logged_flight.hpp"
 #include "sightline/record/replay.hpp"
 #include "sightline/report/report.hpp"
@@ -17,32 +13,6 @@ namespace sightline::python {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Waits for what flies in a thread of its own, looking for Ctrl-C; where that comes, or `progress` raises, the flight ends at its next
-/// period, with a log up to there, and what was raised goes on.
-/// @param flown     the simulated time [s] up to which the log is written
-/// @param progress  called with it a few times a second; None: nobody is told
-template <class Result>
-Result waited_for(std::future<Result>& flight, std::atomic<bool>& stop, const std::atomic<double>& flown,
-                  const py::object& progress) {
-  constexpr auto interval = std::chrono::milliseconds(50);
-  const auto ended = [&](bool to_the_end) {
-    const py::gil_scoped_release others_run;
-    if (to_the_end) flight.wait();
-    return flight.wait_for(interval) == std::future_status::ready;
-  };
-  while (!ended(false)) {
-    try {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (!progress.is_none()) progress(flown.load());
-    } catch (...) {
-      stop = true;
-      ended(true);
-      throw;
-    }
-  }
-  return flight.get();
-}
 
 /// The scenario as it is flown.
 Scenario prepared(Scenario scenario, const std::optional<std::uint64_t>& seed,

@@ -12,8 +12,10 @@ PYBIND11_MODULE(_sightline, module) {
   python::bind_formula(module);
   python::bind_parts(module);
   python::bind_team(module);
-  python::bind_solver(module);
   python::bind_scenario(module);
+  python::bind_solver(module);
   python::bind_flight(module);
+  python::bind_world(module);
+  python::bind_campaign(module);
   python::bind_recording(module);
 }

@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "python/bindings.hpp"
+#include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/read_part.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/world/plant.hpp"
@@ -62,6 +63,13 @@ struct GuardedSolver {
     const SolverChoice choice = read_solver(TomlTable(document), horizon);
     const py::gil_scoped_release others_run;
     solver = make_solver(choice, team, horizon);
+  }
+  /// That of a scenario, with its options.
+  explicit GuardedSolver(const Scenario& scenario) {
+    const py::gil_scoped_release others_run;
+    SolverChoice choice = scenario.solver;
+    lift_deadline(choice);
+    solver = make_solver(choice, scenario.team, scenario.horizon);
   }
   int nx() const { return solver->ocp().team().nx(); }
   int nu() const { return solver->ocp().team().nu(); }
@@ -161,6 +169,9 @@ void bind_solver(py::module_& module) {
       .def(py::init(made), py::arg("team"), py::arg("name") = "newton_riccati", py::kw_only(),
            py::arg("T") = 1.0, py::arg("N") = 20, py::arg("dt") = 0.01,
            "T: horizon [s]; N: stages; dt: control period [s]; options as [solver] of a scenario has them")
+      .def_static(
+          "of", [](const Scenario& scenario) { return std::make_unique<GuardedSolver>(scenario); },
+          py::arg("scenario"), "The solver of a scenario's team, with its options.")
       .def_property_readonly("name", [](const GuardedSolver& s) { return std::string(s.solver->name()); })
       .def("solve", &solve, py::arg("time"), py::arg("states"),
            "One update: from the measured states of all bodies (nx) at `time` [s] to a Solution.")

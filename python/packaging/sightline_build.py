@@ -92,7 +92,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     if not (package / f"_sightline{suffix}").is_file():
         raise SystemExit(f"sightline: {package} has no _sightline{suffix}, expected a module for this python; {_apt}")
     files = {f"sightline/{file.name}": file.read_bytes() for file in sorted(package.iterdir())
-             if file.suffix == ".py" or file.name.endswith(suffix)}
+             if file.suffix in (".py", ".pyi") or file.name == "py.typed" or file.name.endswith(suffix)}
     info = f"sightline-{_version()}.dist-info"
     files[f"{info}/METADATA"] = _metadata().encode()
     files[f"{info}/WHEEL"] = _wheel().encode()

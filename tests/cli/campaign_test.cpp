@@ -125,7 +125,7 @@ TEST(Campaign, WhatAFolderHoldsIsNeverReplaced) {
   const std::string rows = read_file(table), page = read_file(out / "campaign.html");
   for (const auto& [words, why] :
        {std::pair{campaign + " --runs 8 --seed 77", "holds 8 runs of another campaign: another seed"},
-        {campaign + " --runs 7", "holds 8 runs of this campaign, expected at most --runs 7"},
+        {campaign + " --runs 7", "holds 8 runs of this campaign, expected at most 7"},
         {"campaign scenarios/energy.toml --runs 8 -o " + out.string(), "another scenario, text"}}) {
     const auto refused = sightline(words, folder);
     EXPECT_EQ(refused.code, 2) << words;

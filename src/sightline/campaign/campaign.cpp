@@ -7,6 +7,7 @@
 #include <mutex>
 #include <thread>
 
+#include "sightline/base/refuse.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
@@ -90,6 +91,19 @@ RunResult Pilot::fly(const RunDraw& run) {
   ClosedLoop loop(scenario, *world, controllers, clock, judge);
   const LoopOutcome outcome = loop.fly();
   return judge.result(outcome, outcome.finite ? std::string() : world->ended());
+}
+
+const CampaignPlan& campaign_plan(const Scenario& scenario) {
+  if (scenario.campaign) return *scenario.campaign;
+  refuse("{}:1: campaign is missing, expected [campaign] with what is drawn", scenario.file.native());
+}
+
+void check_campaign(const Scenario& scenario, const CampaignPlan& plan) {
+  if (changes_in_flight(scenario)) {
+    refuse("{}: the team changes in flight, expected one that stays: a campaign judges one team",
+           scenario.file.native());
+  }
+  Variants(scenario, plan);
 }
 
 int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const CampaignOptions& options,

@@ -40,6 +40,14 @@ class Pilot {
   std::vector<std::pair<std::vector<double>, std::unique_ptr<Solver>>> solvers_;  // the oldest first
 };
 
+/// What the scenario draws.
+/// @throws std::invalid_argument where it has no [campaign]
+const CampaignPlan& campaign_plan(const Scenario& scenario);
+
+/// @throws std::invalid_argument where the scenario cannot be judged over many runs of the plan: its team changes in flight
+/// @throws ScenarioError as Variants
+void check_campaign(const Scenario& scenario, const CampaignPlan& plan);
+
 /// Flies runs options.first to options.runs - 1 and hands them over in this order, one at a time.
 /// @param landed  called by one thread at a time; what it throws ends the campaign
 /// @return runs handed over

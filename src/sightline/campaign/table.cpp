@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sightline/base/refuse.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/record/text_file.hpp"
 
@@ -262,6 +263,24 @@ void RunTable::finish() {
   }
   database_.reset();
   std::filesystem::rename(whole, file_);
+}
+
+void check_continues(RunTable& table, const std::filesystem::path& file, const Scenario& scenario,
+                     const CampaignPlan& plan, const CampaignOptions& options) {
+  if (table.rows() == 0) return;
+  if (table.rows() > options.runs) {
+    refuse("{}: holds {} runs of this campaign, expected at most {}: ask for as many, or give another folder",
+           file.native(), table.rows(), options.runs);
+  }
+  const Variants variants(scenario, plan);
+  const RunDraw last = draw_run(plan, options.seed, table.rows() - 1);
+  if (!table.holds(last, Pilot(variants, plan).fly(last))) {
+    refuse(
+        "{}: holds {} runs, of which number {} flies otherwise now: another program, machine or file that "
+        "the scenario "
+        "names; give another folder, or move the file away",
+        file.native(), table.rows(), last.index);
+  }
 }
 
 }  // namespace sightline

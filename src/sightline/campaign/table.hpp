@@ -73,6 +73,12 @@ class RunTable {
   std::jthread thread_;
 };
 
+/// Whether the campaign can go on after the rows that are there: the last of them is flown again. Before the first add().
+/// @param file  of the table
+/// @throws std::invalid_argument where it flies otherwise now, or the table holds more than options.runs
+void check_continues(RunTable& table, const std::filesystem::path& file, const Scenario& scenario,
+                     const CampaignPlan& plan, const CampaignOptions& options);
+
 /// What the column of a robot's energy is called, after its name.
 inline constexpr std::string_view energy_ending = ".energy";
 

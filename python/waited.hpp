@@ -1,0 +1,38 @@
+/// Waiting for what flies in a thread of its own, while other threads of Python run.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <future>
+
+#include "python/bindings.hpp"
+
+namespace sightline::python {
+
+/// Looks for Ctrl-C the while; where that comes, or `progress` raises, `stop` is set, what flies comes to its end, and what was
+/// raised goes on.
+/// @param told      what progress is called with
+/// @param progress  called a few times a second; None: nobody is told
+template <class Result, class Told>
+Result waited_for(std::future<Result>& flight, std::atomic<bool>& stop, const std::atomic<Told>& told,
+                  const py::object& progress) {
+  constexpr auto interval = std::chrono::milliseconds(50);
+  const auto ended = [&](bool to_the_end) {
+    const py::gil_scoped_release others_run;
+    if (to_the_end) flight.wait();
+    return flight.wait_for(interval) == std::future_status::ready;
+  };
+  while (!ended(false)) {
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (!progress.is_none()) progress(told.load());
+    } catch (...) {
+      stop = true;
+      ended(true);
+      throw;
+    }
+  }
+  return flight.get();
+}
+
+}  // namespace sightline::python
