@@ -519,7 +519,7 @@ def robot(function=None, *, states, inputs, position=("p_x", "p_y", "p_z"), head
     position: the states that are p_x, p_y, p_z in G [m]; heading: the state psi [rad], or the two of the direction; none: along x
     u_min, u_max: limits of the inputs; -1 and 1 if not given
 
-    Called once, here. As a decorator, `@sl.robot(states=..., inputs=...)` makes the function a Model.
+    Called once, here. As a decorator, `@sl.robot(states=..., inputs=...)` makes the function a Model::
 
         @sl.robot(states=["p_x", "p_y", "p_z", "psi", "v"], inputs=["a", "w"], heading=["psi"])
         def car(x, u, drag=0.5):
