@@ -199,27 +199,30 @@ Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, 
 
 std::string comparison_json(const CommandComparison& compared, const Scenario& scenario,
                             const RecordedFlight& flight) {
-  using Json = nlohmann::ordered_json;
-  Json json = {{"scenario", scenario.name},
-               {"solver", scenario.solver.name},
-               {"updates", compared.updates()},
-               {"commands", compared.commands()},
-               {"differing", compared.differing()},
-               {"other_status", compared.other_status()},
-               {"complete", !flight.truncated() && !flight.lost_after()}};
+  nlohmann::ordered_json json = {{"scenario", scenario.name},
+                                 {"solver", scenario.solver.name},
+                                 {"updates", compared.updates()},
+                                 {"commands", compared.commands()},
+                                 {"differing", compared.differing()},
+                                 {"other_status", compared.other_status()},
+                                 {"complete", !flight.truncated() && !flight.lost_after()}};
   const auto first = compared.first();
-  json["first"] = !first ? Json() : Json{{"update", first->update},     {"time", first->time},
-                                         {"robot", first->robot},       {"input", first->input},
-                                         {"recorded", first->recorded}, {"replayed", first->replayed}};
+  json["first"] = !first
+                      ? nlohmann::ordered_json()
+                      : nlohmann::ordered_json{{"update", first->update},     {"time", first->time},
+                                               {"robot", first->robot},       {"input", first->input},
+                                               {"recorded", first->recorded}, {"replayed", first->replayed}};
   if (compared.estimates() > 0) {
     const auto estimate = compared.first_estimate();
     json["estimates"] = {{"compared", compared.estimates()}, {"differing", compared.differing_estimates()}};
     json["estimates"]["first"] =
-        !estimate ? Json() : Json{{"update", estimate->update},     {"time", estimate->time},
-                                  {"robot", estimate->robot},       {"what", estimate->what},
-                                  {"recorded", estimate->recorded}, {"replayed", estimate->replayed}};
+        !estimate
+            ? nlohmann::ordered_json()
+            : nlohmann::ordered_json{{"update", estimate->update},     {"time", estimate->time},
+                                     {"robot", estimate->robot},       {"what", estimate->what},
+                                     {"recorded", estimate->recorded}, {"replayed", estimate->replayed}};
   }
-  json["robots"] = Json::array();
+  json["robots"] = nlohmann::ordered_json::array();
   for (const RobotDifference& robot : compared.robots()) {
     json["robots"].push_back({{"name", robot.name},
                               {"differing", robot.differing},
