@@ -139,7 +139,9 @@ Arguments::Arguments()
 
   campaign_command =
       app.add_subcommand("campaign", "Fly a scenario many times with random draws, [campaign]");
-  add_scenario(*campaign_command, campaign.scenario);
+  CLI::Option* drawn =
+      campaign_command->add_option("SCENARIO", campaign.scenario.file, "Scenario file (TOML)");
+  add_set(*campaign_command, campaign.scenario.set);
   campaign_command->add_option("--runs", campaign.runs, "Number of runs")
       ->capture_default_str()
       ->check(CLI::Range(1, runs_max));
@@ -152,6 +154,21 @@ Arguments::Arguments()
       ->check(CLI::Range(0, runs_max - 1));
   campaign_command->add_option("--beside", campaign.beside,
                                "Another scenario of the same robots, flown with the same draws");
+  CLI::Option* shard =
+      campaign_command
+          ->add_option("--shard", campaign.shard, "Fly every N-th run alone, from run I on: \"3/8\"")
+          ->excludes("--only");
+  CLI::Option* resume =
+      campaign_command
+          ->add_flag("--resume", campaign.resume, "Go on with runs that are there; none is an error")
+          ->excludes("--only");
+  campaign_command
+      ->add_option("--merge", campaign.merge, "Make one table and page of the folders of all shards")
+      ->excludes(drawn)
+      ->excludes(shard)
+      ->excludes(resume)
+      ->excludes("--only")
+      ->excludes("--beside");
 
   parts_command = app.add_subcommand(
       "parts", "List the robots, potentials, references and limits that a scenario may use");

@@ -13,6 +13,7 @@
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
+#include "sightline/campaign/merge.hpp"
 #include "sightline/campaign/page.hpp"
 #include "sightline/campaign/paired.hpp"
 #include "sightline/campaign/table.hpp"
@@ -30,6 +31,9 @@ struct Input {
   CampaignPlan plan;
   CampaignOptions options;
   fs::path folder;
+  bool resumes = false;  // there must be runs already
+
+  int runs() const { return options.shard.size(options.runs); }
 
   /// Of one of the scenarios: that beside has a folder within the folder.
   fs::path folder_of(std::size_t i) const { return i == 0 ? folder : folder / scenarios[i].name; }
@@ -37,15 +41,20 @@ struct Input {
 
 Input read(const CampaignCommand& command, const Parts& parts) {
   Input input;
+  if (command.scenario.file.empty())
+    throw std::invalid_argument(
+        "SCENARIO is missing, expected a scenario file (TOML), or --merge and the folders of shards");
   const Scenario& scenario = input.scenarios.emplace_back(command.scenario.read(parts));
   input.plan = campaign_plan(scenario);
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   input.options = {.runs = command.runs,
                    .seed = command.seed.value_or(scenario.simulation.seed),
-                   .threads = command.threads > 0 ? command.threads : cores};
+                   .threads = command.threads > 0 ? command.threads : cores,
+                   .shard = command.shard.empty() ? Shard{} : shard_of(command.shard)};
   const fs::path own = fs::path("out") / scenario.name;
   const fs::path alone = command.only ? own / fmt::format("run_{}", *command.only) : own / "campaign";
   input.folder = command.output.empty() ? alone : command.output;
+  input.resumes = command.resume;
   if (!command.beside.empty())
     input.scenarios.push_back(read_scenario(command.beside, parts, command.scenario.set));
   for (const Scenario& one : input.scenarios) check_campaign(one, input.plan);
@@ -70,10 +79,13 @@ struct Tables {
   void open(const Input& input, std::size_t i) {
     const Scenario& scenario = input.scenarios[i];
     const fs::path file = input.folder_of(i) / "campaign.sqlite";
-    RunTable& table = runs.emplace_back(file, scenario, input.plan, input.options.seed);
+    if (input.resumes && !fs::exists(file))
+      throw std::invalid_argument(fmt::format("{}: is missing, expected runs to --resume", file.native()));
+    RunTable& table = runs.emplace_back(file, scenario, input.plan, input.options.seed, input.options.shard,
+                                        input.options.runs);
     if (table.rows() == 0) return;
     check_continues(table, file, scenario, input.plan, input.options);
-    if (table.rows() < input.options.runs)
+    if (table.rows() < input.runs())
       say(fmt::format("{}: goes on after {} runs", file.native(), table.rows()));
   }
 };
@@ -86,7 +98,7 @@ Counts fly_all(const Scenario& scenario, const Input& input, RunTable& table) {
   CampaignOptions options = input.options;
   options.first = table.rows();
   int done = options.first;
-  CampaignProgress progress(scenario.name, options.runs, done, counts[0]);
+  CampaignProgress progress(scenario.name, input.runs(), done, counts[0]);
   fly_campaign(scenario, input.plan, options, [&](const RunDraw& run, const RunResult& result) {
     table.add(run, result);
     ++counts[static_cast<std::size_t>(result.outcome)];
@@ -150,11 +162,61 @@ int fly_one(const Input& input, int index) {
   return code;
 }
 
+/// One table and page of the folders of all shards, those of scenarios beside too.
+int merge(const CampaignCommand& command, const Parts& parts) {
+  const std::vector<fs::path>& from = command.merge;
+  const auto tables_in = [&](const fs::path& inside) {
+    std::vector<fs::path> tables;
+    for (const fs::path& folder : from) tables.push_back(folder / inside / "campaign.sqlite");
+    return tables;
+  };
+  const CampaignWords about = campaign_words(from.front() / "campaign.sqlite");
+  std::vector<std::string> beside;
+  for (const auto& entry : fs::directory_iterator(from.front()))
+    if (fs::exists(entry.path() / "campaign.sqlite")) beside.push_back(entry.path().filename().native());
+  std::sort(beside.begin(), beside.end());
+
+  const fs::path out =
+      command.output.empty() ? fs::path("out") / about.scenario / "campaign" : command.output;
+  const fs::path scenario_file = out / (about.scenario + ".toml");
+  const FolderLock lock(out, {"campaign.html"});
+  merge_shards(tables_in(""), out / "campaign.sqlite");
+  write_text(scenario_file, about.text);
+  std::vector<CampaignTable> tables = {{about.scenario, out / "campaign.sqlite"}};
+  for (const std::string& name : beside) {
+    fs::create_directories(out / name);
+    merge_shards(tables_in(name), out / name / "campaign.sqlite");
+    tables.push_back({name, out / name / "campaign.sqlite"});
+  }
+  for (const CampaignTable& table : tables) {
+    const CampaignWords words = campaign_words(table.file);
+    print("{}: {} runs of {} shards, seed {}\n", words.scenario, words.runs, from.size(), words.seed);
+    print_lines(campaign_lines(table));
+  }
+  int code = 0;
+  for (const CampaignTable& table : tables)
+    if (const CampaignWords words = campaign_words(table.file); words.recovered < words.runs) code = 1;
+  try {
+    const Scenario scenario =
+        parse_scenario(about.plan.empty() ? about.text : about.plan, scenario_file, parts);
+    const std::string words =
+        fmt::format("sightline campaign {} --seed {}", shell_word(scenario_file.native()), about.seed);
+    write_text(out / "campaign.html", campaign_html(tables, campaign_plan(scenario), words, out));
+    print("{}\n", (out / "campaign.html").native());
+  } catch (const std::exception& error) {  // without gnuplot, say: the table holds all that was flown
+    say(error.what());
+    code = 1;
+  }
+  print("{}\n", (out / "campaign.sqlite").native());
+  return code;
+}
+
 }  // namespace
 
 int campaign(const CampaignCommand& command, const Parts& parts) {
   Input input;
   try {
+    if (!command.merge.empty()) return merge(command, parts);
     input = read(command, parts);
   } catch (const std::exception& error) {
     tell("{}\n", error.what());
@@ -173,15 +235,15 @@ int campaign(const CampaignCommand& command, const Parts& parts) {
       held.runs.pop_front();
       if (i == 0) counts = of_this;
       tables.push_back({scenario.name, input.folder_of(i) / "campaign.sqlite"});
-      print("{}{}: {} runs, seed {}\n", i > 0 ? "\n" : "", scenario.name, input.options.runs,
-            input.options.seed);
+      print("{}{}: {} runs, seed {}{}\n", i > 0 ? "\n" : "", scenario.name, input.runs(), input.options.seed,
+            input.options.shard.is_whole() ? "" : ", shard " + to_string(input.options.shard));
       print_lines(campaign_lines(tables.back()));
       if (i == 0) continue;
       print("\n{}, compared with {}\n", scenario.name, tables[0].name);
       print_lines(energy_lines(tables[0], tables.back()));
     }
     std::vector<EvasionRuns> evasions;
-    for (std::size_t i = 0; input.plan.evasion && i < tables.size(); ++i)
+    for (std::size_t i = 0; input.plan.evasion && input.options.shard.is_whole() && i < tables.size(); ++i)
       evasions.push_back(
           evasion_runs(input.scenarios[i], input.plan, input.options.seed, input.options.runs));
     if (input.plan.evasion) print("\n{}\n", evasion_text(*input.plan.evasion, evasions));
@@ -208,10 +270,10 @@ int campaign(const CampaignCommand& command, const Parts& parts) {
   for (const char* file : {"campaign.html", "campaign.sqlite"})
     if (std::error_code error; fs::exists(input.folder / file, error))
       print("{}\n", (input.folder / file).native());
-  if (counts[0] == input.options.runs) return lost ? 1 : 0;
+  if (counts[0] == input.runs()) return lost ? 1 : 0;
   for (int i = 1; i < outcome_count; ++i) {
     if (const int bad = counts[static_cast<std::size_t>(i)]; bad > 0)
-      say(fmt::format("{} of {} runs: {}", bad, input.options.runs, to_string(static_cast<Outcome>(i))));
+      say(fmt::format("{} of {} runs: {}", bad, input.runs(), to_string(static_cast<Outcome>(i))));
   }
   return 1;
 }

@@ -121,9 +121,12 @@ struct CampaignCommand {
   std::filesystem::path output;  ///< empty: out/NAME/campaign
   std::filesystem::path beside;  ///< another scenario that flies the same draws; empty: none
   int runs = 200;
-  std::optional<std::uint64_t> seed;  ///< none: the scenario's
-  int threads = 0;                    ///< 0: as many as there are cores
-  std::optional<int> only;            ///< one run, into an ordinary run folder
+  std::optional<std::uint64_t> seed;         ///< none: the scenario's
+  int threads = 0;                           ///< 0: as many as there are cores
+  std::optional<int> only;                   ///< one run, into an ordinary run folder
+  std::string shard;                         ///< "I/N": which of the runs; empty: all
+  bool resume = false;                       ///< there must be runs already
+  std::vector<std::filesystem::path> merge;  ///< folders of shards; empty: none
 };
 
 /// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.

@@ -198,6 +198,52 @@ TEST(Campaign, KeepingATargetInASharpConeTakesLessEnergyThanPointingAtItInMostRu
   EXPECT_EQ(leader.less + leader.more, 0) << "who is watched flies the same";
 }
 
+TEST(Campaign, ShardsThatAreMergedAreTheCampaignOfOneProcess) {
+  const fs::path folder = fresh_folder();
+  const std::string campaign = "campaign " + with_runs_of("0.5", folder) + " --seed 5 --runs 10";
+  const auto whole = sightline(campaign + " -o " + (folder / "whole").string(), folder);
+  std::string folders;
+  for (const char* shard : {"1", "2", "3"}) {
+    const fs::path out = folder / shard;
+    (void)sightline(campaign + " --shard " + shard + "/3 -o " + out.string(), folder);
+    folders += " " + out.string();
+  }
+  const auto merged = sightline("campaign --merge" + folders + " -o " + (folder / "merged").string(), folder);
+  EXPECT_EQ(merged.code, whole.code) << merged.err;
+  EXPECT_TRUE(read_file(folder / "merged" / "campaign.sqlite") ==
+              read_file(folder / "whole" / "campaign.sqlite"));
+  EXPECT_THAT(merged.out, HasSubstr("10 runs of 3 shards, seed 5"));
+  EXPECT_GT(read_file(folder / "merged" / "campaign.html").size(), 1000U);
+  // A run of it flies again by the scenario that lies beside.
+  const auto again = sightline("campaign " + (folder / "merged" / "short.toml").string() +
+                                   " --seed 5 --only 4 -o " + (folder / "run_4").string(),
+                               folder);
+  EXPECT_THAT(again.out, HasSubstr("run 4: ")) << again.err;
+}
+
+TEST(Campaign, ShardsThatCannotBeAreRefused) {
+  const fs::path folder = fresh_folder();
+  const std::string campaign =
+      "campaign " + with_runs_of("0.5", folder) + " --runs 6 -o " + (folder / "a").string();
+  for (const auto& [words, why] :
+       {std::pair{campaign + " --shard 4/3", "shard = 4/3, expected I/N"},
+        {campaign + " --resume", "campaign.sqlite: is missing, expected runs to --resume"},
+        {campaign + " --shard 1/2 --only 3", "--only"},
+        {std::string("campaign"), "SCENARIO is missing"},
+        {"campaign --merge " + (folder / "none").string(), "none/campaign.sqlite: is missing"}}) {
+    const auto refused = sightline(words, folder);
+    EXPECT_NE(refused.code, 0) << words;
+    EXPECT_EQ(refused.out, "") << words;
+    EXPECT_THAT(refused.err, HasSubstr(why)) << words;
+  }
+  (void)sightline(campaign + " --shard 1/2", folder);
+  EXPECT_THAT(sightline(campaign + " --shard 2/2", folder).err, HasSubstr("another campaign: another shard"));
+  EXPECT_THAT(sightline(campaign + " --shard 1/2 --resume", folder).err, testing::Not(HasSubstr("missing")));
+  EXPECT_THAT(
+      sightline("campaign --merge " + (folder / "a").string() + " -o " + (folder / "b").string(), folder).err,
+      HasSubstr("of 2 shards 2 is missing"));
+}
+
 TEST(Campaign, BadInputEndsWithTwoAndSaysWhat) {
   const fs::path folder = fresh_folder();
   const auto refused = [&](const std::string& arguments) {

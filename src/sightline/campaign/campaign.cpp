@@ -20,11 +20,11 @@ class Order {
   Order(const Landed& landed, int first) : landed_(landed), first_(first), next_(first) {}
 
   /// Waits while too many are kept: memory must not grow with the runs.
-  void land(RunDraw run, const RunResult& result) {
+  /// @param index  among those that are to land
+  void land(int index, RunDraw run, const RunResult& result) {
     std::unique_lock lock(mutex_);
-    room_.wait(lock, [&] { return kept_.size() < kept_max || run.index == next_ || failure_; });
+    room_.wait(lock, [&] { return kept_.size() < kept_max || index == next_ || failure_; });
     if (failure_) return;
-    const int index = run.index;
     kept_.emplace(index, std::pair(std::move(run), result));
     try {
       for (auto first = kept_.begin(); first != kept_.end() && first->first == next_; first = kept_.begin()) {
@@ -115,10 +115,11 @@ int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const Campa
     try {
       Pilot pilot(variants, plan);
       const auto stopped = [&] { return options.stop != nullptr && options.stop->load(); };
-      for (int i = next++; i < options.runs && !order.failed() && !stopped(); i = next++) {
-        RunDraw run = draw_run(plan, options.seed, i);
+      const int size = options.shard.size(options.runs);
+      for (int i = next++; i < size && !order.failed() && !stopped(); i = next++) {
+        RunDraw run = draw_run(plan, options.seed, options.shard.run(i));
         const RunResult result = pilot.fly(run);
-        order.land(std::move(run), result);
+        order.land(i, std::move(run), result);
       }
     } catch (...) {
       order.fail(std::current_exception());

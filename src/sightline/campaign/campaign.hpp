@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sightline/campaign/judge.hpp"
+#include "sightline/campaign/shard.hpp"
 #include "sightline/campaign/variant.hpp"
 
 namespace sightline {
@@ -17,7 +18,8 @@ struct CampaignOptions {
   int runs = 100;          ///< >= 1
   std::uint64_t seed = 1;  ///< with an index, it determines all draws of a run
   int threads = 1;         ///< >= 1
-  int first = 0;           ///< the runs before this one are known already
+  int first = 0;           ///< so many of the shard's runs are known already
+  Shard shard{};           ///< which of the runs
   /// Ends the campaign after the present runs, once it is true.
   const std::atomic<bool>* stop = nullptr;
 };
@@ -48,7 +50,7 @@ const CampaignPlan& campaign_plan(const Scenario& scenario);
 /// @throws ScenarioError as Variants
 void check_campaign(const Scenario& scenario, const CampaignPlan& plan);
 
-/// Flies runs options.first to options.runs - 1 and hands them over in this order, one at a time.
+/// Flies the runs of options.shard that are not known yet, those below options.runs, and hands them over in this order, one at a time.
 /// @param landed  called by one thread at a time; what it throws ends the campaign
 /// @return runs handed over
 /// @throws ScenarioError where a number drawn is refused, with the run

@@ -102,8 +102,8 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
 }  // namespace
 
 RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, const CampaignPlan& plan,
-                   std::uint64_t seed)
-    : file_(file) {
+                   std::uint64_t seed, const Shard& shard, int runs)
+    : file_(file), shard_(shard) {
   Words about = {{"scenario", scenario.name},
                  {"text", scenario.text},
                  {"seed", static_cast<std::int64_t>(seed)},
@@ -111,6 +111,8 @@ RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, 
                  {"version", std::string(version)},
                  {"compiler", std::string(compiler)}};
   if (!plan.text.empty() && plan.text != scenario.text) about.emplace_back("plan", plan.text);
+  if (!shard.is_whole())
+    about.emplace_back(std::string(shard_key), fmt::format("{} of {}", to_string(shard), runs));
   const std::string columns = columns_of(scenario, plan);
   if (std::filesystem::exists(file_)) go_on(about, columns);
   if (!database_) begin(about, columns);
@@ -163,7 +165,7 @@ void RunTable::go_on(const Words& about, const std::string& columns) {
     }
     Database::Statement keys(*database_, "SELECT count(*) FROM campaign");
     if (keys.step() && keys.integer(0) != static_cast<std::int64_t>(about.size()) && others.empty())
-      others.emplace_back("plan");
+      others.emplace_back("plan or shard");
     Database::Statement made(*database_, "SELECT sql FROM sqlite_master WHERE name = 'runs'");
     if (!(made.step() && made.text(0) == columns)) others.emplace_back("columns");
   } catch (const std::runtime_error& error) {
@@ -172,7 +174,7 @@ void RunTable::go_on(const Words& about, const std::string& columns) {
   if (rows_ == 0) return database_.reset();
   if (!others.empty())
     refuse(fmt::format("holds {} runs of another campaign: another {}", rows_, fmt::join(others, ", ")));
-  if (last != rows_ - 1)
+  if (last != shard_.run(rows_ - 1))
     refuse(fmt::format("holds {} runs up to number {}, not one after another", rows_, last));
 }
 
@@ -268,17 +270,19 @@ void RunTable::finish() {
 void check_continues(RunTable& table, const std::filesystem::path& file, const Scenario& scenario,
                      const CampaignPlan& plan, const CampaignOptions& options) {
   if (table.rows() == 0) return;
-  if (table.rows() > options.runs) {
-    refuse("{}: holds {} runs of this campaign, expected at most {}: ask for as many, or give another folder",
-           file.native(), table.rows(), options.runs);
+  if (table.rows() > options.shard.size(options.runs)) {
+    refuse(
+        "{}: holds {} runs of this campaign, expected at most {}: ask for as many, or give another folder by "
+        "-o",
+        file.native(), table.rows(), options.runs);
   }
   const Variants variants(scenario, plan);
-  const RunDraw last = draw_run(plan, options.seed, table.rows() - 1);
+  const RunDraw last = draw_run(plan, options.seed, options.shard.run(table.rows() - 1));
   if (!table.holds(last, Pilot(variants, plan).fly(last))) {
     refuse(
         "{}: holds {} runs, of which number {} flies otherwise now: another program, machine or file that "
         "the scenario "
-        "names; give another folder, or move the file away",
+        "names; give another folder by -o, or move the file away",
         file.native(), table.rows(), last.index);
   }
 }

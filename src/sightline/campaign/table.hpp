@@ -25,7 +25,7 @@ namespace sightline {
 ///             energy, chatter, drift, longest_without_plan, barrier_conflict, a column status_NAME for each Status, a column for each number drawn, by its name, and
 ///             ROBOT.energy for each robot
 ///   campaign  key, value: scenario, text, plan (the text of the scenario that draws, where that is another), seed,
-///             duration, version, compiler
+///             duration, version, compiler; of a shard "I/N of RUNS" as shard
 ///
 /// Rows come in the order of the index. A thread commits them, each within half a second and the time that takes, so
 /// that a campaign that is killed leaves all rows but those of the last second, and can go on. At its end the file is
@@ -33,15 +33,16 @@ namespace sightline {
 class RunTable {
  public:
   /// Goes on with the rows that are there, where they are of this campaign and this binary.
+  /// @param runs  of the whole campaign; of a shard alone
   /// @throws std::invalid_argument where the file holds something else, with what
   /// @throws std::runtime_error naming the file, here and below, where it cannot be written
   RunTable(const std::filesystem::path& file, const Scenario& scenario, const CampaignPlan& plan,
-           std::uint64_t seed);
+           std::uint64_t seed, const Shard& shard = {}, int runs = 0);
   ~RunTable();  ///< Commits what was added.
   RunTable(const RunTable&) = delete;
   RunTable& operator=(const RunTable&) = delete;
 
-  /// Rows that were there: of runs 0 to rows() - 1.
+  /// Rows that were there: of the shard's runs 0 to rows() - 1.
   int rows() const { return rows_; }
   /// Of them, those of an outcome.
   int rows(Outcome outcome);
@@ -62,6 +63,7 @@ class RunTable {
   void commit(std::vector<Row> rows);
 
   std::filesystem::path file_;
+  Shard shard_;
   std::optional<Database> database_;  // of the constructor, then of the thread, then of finish()
   int rows_ = 0;
 
@@ -78,6 +80,9 @@ class RunTable {
 /// @throws std::invalid_argument where it flies otherwise now, or the table holds more than options.runs
 void check_continues(RunTable& table, const std::filesystem::path& file, const Scenario& scenario,
                      const CampaignPlan& plan, const CampaignOptions& options);
+
+/// The word of `campaign` that tells the shard.
+inline constexpr std::string_view shard_key = "shard";
 
 /// What the column of a robot's energy is called, after its name.
 inline constexpr std::string_view energy_ending = ".energy";

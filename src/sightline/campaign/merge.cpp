@@ -1,0 +1,187 @@
+#include "sightline/campaign/merge.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+
+#include "sightline/base/refuse.hpp"
+#include "sightline/campaign/database.hpp"
+#include "sightline/campaign/shard.hpp"
+#include "sightline/campaign/table.hpp"
+#include "sightline/record/text_file.hpp"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A table, checked by itself.
+struct ShardTable {
+  fs::path file;
+  std::map<std::string, Database::Value> about{};  // without the shard
+  std::string columns{};
+  Shard shard{};
+  int of_runs = 0;  // of the whole campaign
+};
+
+std::map<std::string, Database::Value> about_of(Database& database) {
+  std::map<std::string, Database::Value> about;
+  Database::Statement ask(database, "SELECT key, value FROM campaign");
+  while (ask.step()) about.emplace(ask.text(0), ask.value(1));
+  return about;
+}
+
+ShardTable read_shard(const fs::path& file) {
+  if (!fs::is_regular_file(file)) refuse("{}: is missing, expected the table of a shard", file.native());
+  ShardTable table{.file = file};
+  std::int64_t rows = 0, misplaced = 0, last = 0;
+  try {
+    Database database(file, Database::Open::as_it_is);
+    Database::Statement sound(database, "PRAGMA quick_check");
+    if (!sound.step() || sound.text(0) != "ok") throw std::runtime_error("it is damaged");
+    table.about = about_of(database);
+    if (const auto shard = table.about.find(std::string(shard_key)); shard != table.about.end()) {
+      const std::string words = std::get<std::string>(shard->second);
+      const auto of = words.find(" of ");
+      table.shard = shard_of(words.substr(0, of));
+      table.of_runs = std::stoi(words.substr(of + 4));
+      table.about.erase(shard);
+    }
+    Database::Statement made(database, "SELECT sql FROM sqlite_master WHERE name = 'runs'");
+    if (made.step()) table.columns = made.text(0);
+    Database::Statement count(
+        database,
+        fmt::format(
+            "SELECT count(*), coalesce(sum(\"index\" % {} <> {}), 0), coalesce(max(\"index\"), -1) FROM runs",
+            table.shard.of, table.shard.first()));
+    count.step();
+    rows = count.integer(0), misplaced = count.integer(1), last = count.integer(2);
+  } catch (const std::exception& error) {
+    refuse("{}: holds no sound shard ({})", file.native(), error.what());
+  }
+  if (table.of_runs == 0)
+    refuse("{}: holds a campaign that was not flown by --shard, expected a shard", file.native());
+  const int expected = table.shard.size(table.of_runs);
+  if (rows != expected) {
+    refuse("{}: holds {} of the {} runs of shard {}: fly it to its end by --shard {} --resume", file.native(),
+           rows, expected, to_string(table.shard), to_string(table.shard));
+  }
+  if (misplaced > 0 || (rows > 0 && last != table.shard.run(expected - 1)))
+    refuse("{}: holds runs that are not of shard {}", file.native(), to_string(table.shard));
+  return table;
+}
+
+/// @throws std::invalid_argument unless both are of one campaign
+void check_same_campaign(const ShardTable& one, const ShardTable& other) {
+  std::vector<std::string> others;
+  for (const auto& [key, value] : one.about) {
+    const auto found = other.about.find(key);
+    if (found == other.about.end() || found->second != value) others.push_back(key);
+  }
+  if (one.about.size() != other.about.size() && others.empty()) others.emplace_back("plan");
+  if (one.shard.of != other.shard.of || one.of_runs != other.of_runs)
+    others.emplace_back("number of shards or runs");
+  if (one.columns != other.columns) others.emplace_back("columns");
+  if (others.empty()) return;
+  refuse("{}: holds a shard of another campaign than {}: another {}", other.file.native(), one.file.native(),
+         fmt::join(others, ", "));
+}
+
+/// By their first runs.
+std::map<int, ShardTable> read_all(const std::vector<fs::path>& files) {
+  std::map<int, ShardTable> tables;
+  std::optional<ShardTable> one;
+  for (const fs::path& file : files) {
+    ShardTable table = read_shard(file);
+    if (!one) one = table;
+    check_same_campaign(*one, table);
+    const auto [there, added] = tables.emplace(table.shard.first(), table);
+    if (!added)
+      refuse("{} and {} both hold shard {}", there->second.file.native(), file.native(),
+             to_string(table.shard));
+  }
+  std::vector<std::string> missing;
+  for (int i = 1; i <= one->shard.of; ++i)
+    if (!tables.contains(i % one->shard.of)) missing.push_back(std::to_string(i));
+  if (!missing.empty())
+    refuse("of {} shards {} {} missing", one->shard.of, fmt::join(missing, ", "),
+           missing.size() == 1 ? "is" : "are");
+  return tables;
+}
+
+/// What a folder holds is never replaced, but by the same.
+void check_room(const ShardTable& one, const fs::path& whole) {
+  if (!fs::exists(whole)) return;
+  bool same = false;
+  try {
+    Database database(whole, Database::Open::as_it_is);
+    same = about_of(database) == one.about;
+  } catch (const std::runtime_error&) {  // no campaign
+  }
+  if (!same)
+    refuse(
+        "{}: is there already and is not this campaign as a whole; give another folder by -o, or move the "
+        "file away",
+        whole.native());
+}
+
+}  // namespace
+
+CampaignWords campaign_words(const fs::path& file) {
+  if (!fs::is_regular_file(file)) refuse("{}: is missing, expected the table of a campaign", file.native());
+  try {
+    Database database(file, Database::Open::as_it_is);
+    const auto about = about_of(database);
+    const auto plan = about.find("plan");
+    Database::Statement count(database, "SELECT count(*), coalesce(sum(outcome = 'recovered'), 0) FROM runs");
+    count.step();
+    return {.scenario = std::get<std::string>(about.at("scenario")),
+            .text = std::get<std::string>(about.at("text")),
+            .plan = plan == about.end() ? "" : std::get<std::string>(plan->second),
+            .seed = static_cast<std::uint64_t>(std::get<std::int64_t>(about.at("seed"))),
+            .runs = static_cast<int>(count.integer(0)),
+            .recovered = static_cast<int>(count.integer(1))};
+  } catch (const std::exception& error) {
+    refuse("{}: holds no campaign ({})", file.native(), error.what());
+  }
+}
+
+void merge_shards(const std::vector<fs::path>& shards, const fs::path& whole) {
+  if (shards.empty()) refuse("no shard, expected one or more");
+  const std::map<int, ShardTable> tables = read_all(shards);
+  const ShardTable& one = tables.begin()->second;
+  check_room(one, whole);
+  const fs::path unfinished = beside(whole), clean = whole.native() + ".clean";
+  {
+    Database made(unfinished, Database::Open::anew);
+    made.execute("CREATE TABLE campaign(key TEXT PRIMARY KEY, value) WITHOUT ROWID; " + one.columns);
+    Database::Statement insert(made, "INSERT INTO campaign VALUES(?, ?)");
+    for (const auto& [key, value] : one.about) {
+      insert.reset();
+      insert.bind(0, std::string_view(key));
+      insert.bind(1, value);
+      insert.step();
+    }
+    insert.reset();
+    for (const auto& [first, table] : tables) {
+      {
+        Database::Statement attach(made, "ATTACH DATABASE ? AS shard");
+        attach.bind(0, std::string_view(table.file.native()));
+        attach.step();
+      }
+      made.execute("INSERT INTO runs SELECT * FROM shard.runs; DETACH DATABASE shard");
+    }
+    made.execute("PRAGMA schema_version = 1");
+    fs::remove(clean);
+    Database::Statement copy(made, "VACUUM INTO ?");
+    copy.bind(0, std::string_view(clean.native()));
+    copy.step();
+  }
+  fs::remove(unfinished);
+  fs::rename(clean, whole);
+}
+
+}  // namespace sightline
