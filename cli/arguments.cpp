@@ -67,6 +67,10 @@ Arguments::Arguments()
   fly_command->add_option("-o,--output", fly.output, "Folder for the results [out/NAME]");
   const auto dry_run = fly_command->add_flag("--dry-run", fly.dry_run, "All but arm");
   fly_command->add_flag("--wait", fly.wait, "Take off when the service ~/start is called")->excludes(dry_run);
+  fly_command->add_option("--part", fly.part,
+                          "The part of [partition] that is planned here; all: one solver plans all");
+  fly_command->add_option("--partition", fly.partition,
+                          "Parts in place of those of [partition]: \"front: a,b | back: c,d\"");
   add_show(*fly_command, fly.view);
 
   vehicles_command = app.add_subcommand("vehicles", "Stand in for the robots of a fleet, on their topics");

@@ -74,7 +74,9 @@ struct FlyCommand {
   std::filesystem::path output;  ///< empty: out/NAME
   bool dry_run = false;          ///< all but arm
   ShowOptions view;
-  bool wait = false;  ///< arms when the service ~/start is called
+  bool wait = false;      ///< arms when the service ~/start is called
+  std::string part;       ///< of the scenario's [partition], that is planned here; empty: the scenario says
+  std::string partition;  ///< "front: a,b | back: c,d", in place of the scenario's; empty: the scenario's
 };
 
 struct VehiclesCommand {

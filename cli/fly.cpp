@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,6 +14,7 @@
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/parts.hpp"
+#include "sightline/solver/distributed/partition.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -20,6 +22,35 @@ namespace {
 // Of the process, as signals are.
 Interrupts interrupt_count{0};
 std::atomic<bool> interrupted{false};
+
+/// Other parts, which exchange messages as the scenario says.
+std::string partition_assignment(const FlyCommand& command, const Parts& parts) {
+  const Scenario scenario = read_fleet(command.fleet, parts);
+  const ExchangeOptions exchange = scenario.partition ? scenario.partition->exchange : ExchangeOptions{};
+  std::string words = "partition={";
+  int number = 0;
+  for (const PartInWords& part : parts_in_words(command.partition)) {
+    ++number;
+    words += fmt::format("{}=[", part.name.empty() ? fmt::format("p{}", number) : part.name);
+    for (const std::string& robot : part.robots) words += fmt::format("\"{}\",", robot);
+    words += "],";
+  }
+  return words + fmt::format(
+                     "exchange={{stale_after={},speed_max={},delay={},jitter={},loss={},offset={},flown_by="
+                     "\"{}\"}}}}",
+                     exchange.stale_after, exchange.speed_max, exchange.delay, exchange.jitter, exchange.loss,
+                     exchange.offset, exchange.flown_by == MessagesBy::network ? "network" : "simulation");
+}
+
+/// Which of its parts a computer is to plan, somebody has to say.
+void refuse_without_part(const Scenario& scenario, const FlyCommand& command) {
+  if (!scenario.partition || !scenario.partition->part.empty()) return;
+  std::vector<std::string_view> names;
+  for (const PlannedPart& part : scenario.partition->parts) names.push_back(part.name);
+  throw std::invalid_argument(
+      fmt::format("{}: --part is missing, expected one of {}, or {} where one solver plans all",
+                  command.fleet.file.native(), fmt::join(names, ", "), PartitionPlan::all));
+}
 
 void on_interrupt(int) {
   ++interrupt_count;
@@ -55,12 +86,17 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
   std::optional<RunFolder> folder;
   Scenario scenario;
   try {
-    scenario = read_fleet(command.fleet, parts);
+    NamedScenario fleet = command.fleet;
+    if (!command.partition.empty()) fleet.set.push_back(partition_assignment(command, parts));
+    if (!command.part.empty()) fleet.set.push_back(fmt::format("partition.part=\"{}\"", command.part));
+    scenario = read_fleet(fleet, parts);
+    refuse_without_part(scenario, command);
     scenario.simulation.compare.clear();
     lift_deadline(scenario.solver);  // so that the flight can be replayed: no time of the wall clock decides
     check_solvers(scenario);
-    folder.emplace(command.output.empty() ? std::filesystem::path("out") / scenario.name : command.output,
-                   scenario);
+    std::filesystem::path output = std::filesystem::path("out") / scenario.name;
+    if (scenario.partition) output /= scenario.partition->part;
+    folder.emplace(command.output.empty() ? output : command.output, scenario);
     world = parts.bridge->connect(scenario);
     const auto& localized = scenario.localization.robots;
     if (!localized.empty() && world->measured_max().motions == 0)

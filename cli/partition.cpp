@@ -11,6 +11,7 @@
 #include "sightline/base/quantile.hpp"
 #include "sightline/record/text_file.hpp"
 #include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/read_partition.hpp"
 #include "sightline/solver/distributed/partition_convergence.hpp"
 
 namespace sightline::cli {
@@ -21,12 +22,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t moments_max = 24;
 constexpr std::size_t times_max = 1'000'000;
 constexpr int exchanges_compared = 6;
-
-/// Makes solvers of that choice, for teams of one horizon.
-MakeSolver maker_of(SolverChoice choice, const Horizon& horizon) {
-  return
-      [choice = std::move(choice), horizon](const Team& team) { return make_solver(choice, team, horizon); };
-}
 
 /// Median and greatest of one number of all moments, after so many exchanges.
 struct Spread {
@@ -50,6 +45,10 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
         fmt::format("--partition: solver.name = {}, expected {}, which parts plan with", scenario.solver.name,
                     team_planners()));
   }
+  if (scenario.partition && scenario.partition->apart())
+    throw std::invalid_argument(
+        fmt::format("--partition: partition.part = \"{}\" is planned alone, expected the whole team",
+                    scenario.partition->part));
   if (changes_in_flight(scenario)) {
     throw std::invalid_argument(
         "--partition: the team changes in flight, expected a scenario without events");
@@ -65,16 +64,26 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
   return choice;
 }
 
+std::optional<PartitionChoice> partition_of(const Scenario& scenario) {
+  if (!scenario.partition || !scenario.partition->part.empty()) return std::nullopt;
+  return PartitionChoice{.parts = sightline::partition_of(*scenario.partition, scenario.team),
+                         .order = ExchangeOrder::jacobi,
+                         .messages = scenario.partition->exchange};
+}
+
 PartitionedFlight::PartitionedFlight(const Scenario& scenario, const PartitionChoice& choice)
     : choice_(choice),
       solver_name_(scenario.solver.name),
-      solver_(scenario.team, choice.parts, maker_of(scenario.solver, scenario.horizon),
-              {.order = choice.order, .exchanges = choice.exchanges}),
+      solver_(scenario.team, choice.parts, solver_maker(scenario.solver, scenario.horizon),
+              {.order = choice.order, .exchanges = choice.exchanges, .messages = choice.messages}),
       moments_(moments_max) {
   const auto updates =
       static_cast<std::size_t>(std::llround(scenario.simulation.duration / scenario.horizon.dt));
   stride_ = std::max<std::size_t>(1, updates / moments_max);
   part_us_.reserve(std::min(updates, times_max));
+  each_us_.resize(at(solver_.subteams()));
+  for (std::vector<double>& of_part : each_us_)
+    of_part.reserve(std::min(updates, times_max / each_us_.size()));
   for (Moment& moment : moments_) {
     moment.states.resize(at(ocp().nx()));
     moment.plan.resize(at(ocp().nu()) * at(ocp().horizon().N));
@@ -94,13 +103,17 @@ Solution PartitionedFlight::solve(double time, std::span<const double> states) n
   ++updates_;
   const Solution solution = solver_.solve(time, states);
   if (part_us_.size() < part_us_.capacity()) part_us_.push_back(1e6 * solver_.slowest());
+  for (std::size_t i = 0; i < each_us_.size(); ++i)
+    if (each_us_[i].size() < each_us_[i].capacity())
+      each_us_[i].push_back(1e6 * solver_.elapsed(static_cast<int>(i)));
   return solution;
 }
 
 std::string PartitionedFlight::tell(const std::filesystem::path& folder, const std::string& summary,
                                     const std::string& whole) {
   std::vector<std::vector<FromOptimum>> moments;
-  PartitionedSolver still(ocp().team(), choice_.parts, maker_of(solver_named(solver_name_), ocp().horizon()),
+  PartitionedSolver still(ocp().team(), choice_.parts,
+                          solver_maker(solver_named(solver_name_), ocp().horizon()),
                           {.order = choice_.order});
   const std::unique_ptr<Solver> reference = make_reference_solver(ocp());
   for (std::size_t i = 0; i < kept_; ++i) {
@@ -125,10 +138,19 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
   const int numbers = (ocp().horizon().N + 1) * sight_size;
   json["order"] = to_string(choice_.order);
   json["exchanges"] = choice_.exchanges;
+  if (choice_.messages)
+    json["messages"] = {{"delay", choice_.messages->delay},
+                        {"jitter", choice_.messages->jitter},
+                        {"loss", choice_.messages->loss},
+                        {"offset", choice_.messages->offset},
+                        {"stale_after", choice_.messages->stale_after}};
   json["cost"] = cost;
   json["whole_cost"] = whole_cost;
   json["cost_excess"] = excess;
   json["part_us"] = quantile(part_us_, 0.5);
+  double p99 = 0.0;
+  for (const std::vector<double>& of_part : each_us_) p99 = std::max(p99, quantile(of_part, 0.99));
+  json["part_p99_us"] = p99;
   json["numbers_told"] = numbers;  // by a robot in an exchange
   json["moments"] = moments.size();
   json["sweeps"] = Json::array();
@@ -137,8 +159,11 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
                                  to_string(choice_.order), choice_.exchanges);
   text += fmt::format("cost {:.6g} s, of the whole team's solver {:.6g} s: {:+.4f} %\n", cost, whole_cost,
                       100 * excess);
-  text += fmt::format("slowest subteam {:.1f} us per update, median; a robot sends {} numbers per exchange\n",
-                      quantile(part_us_, 0.5), numbers);
+  text += fmt::format(
+      "slowest subteam {:.1f} us per update, median, each within {:.1f} us in 99 %; a robot sends {} numbers "
+      "per "
+      "exchange\n",
+      quantile(part_us_, 0.5), p99, numbers);
   if (moments.empty()) {
     text += "no moment of the flight has a stationary point to compare with\n";
   } else {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,15 @@ namespace sightline::cli {
 
 /// The words of the command line, read and checked.
 struct PartitionChoice {
-  std::string text;  ///< as it was given
-  Partition parts;
+  std::string text{};  ///< as it was given; empty: by the scenario
+  Partition parts{};
   ExchangeOrder order = ExchangeOrder::gauss_seidel;
   int exchanges = 1;
+  std::optional<ExchangeOptions> messages{};  ///< of the scenario's [partition]
 };
+
+/// What a scenario's [partition] says; none where one solver plans all, or its part.
+std::optional<PartitionChoice> partition_of(const Scenario& scenario);
 
 /// @throws std::invalid_argument with a sentence for words that do not fit the scenario
 PartitionChoice read_partition(const Scenario& scenario, const std::string& parts, const std::string& order,
@@ -37,6 +42,9 @@ class PartitionedFlight final : public Solver {
   }
   void planned(double time, std::span<double> u) const noexcept override { solver_.planned(time, u); }
   void restart() noexcept override { solver_.restart(); }
+  void set_applied(const AppliedInputs& applied) noexcept override { solver_.set_applied(applied); }
+  const Hearing* hearing() const noexcept override { return solver_.hearing(); }
+  bool keeps_apart() const noexcept override { return solver_.keeps_apart(); }
 
   /// After the flight: at the moments kept, how far exchanges are from the optimum of the whole team. Writes
   /// partition.json into the folder.
@@ -54,7 +62,8 @@ class PartitionedFlight final : public Solver {
   std::string solver_name_;  // of the parts
   PartitionedSolver solver_;
   std::vector<Moment> moments_;
-  std::vector<double> part_us_;  // of each update, the slowest part
+  std::vector<double> part_us_;               // of each update, the slowest part
+  std::vector<std::vector<double>> each_us_;  // of each part, its updates
   std::size_t kept_ = 0, updates_ = 0, stride_ = 1;
 };
 

@@ -113,10 +113,25 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
 
 LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
                        const ShowOptions& view, LinkedFlight* linked) {
+  if (PartExchange* const exchange = linked != nullptr ? linked->world.exchange() : nullptr) {
+    PartSolver solver(scenario.team, solver_maker(scenario.solver, scenario.horizon), *exchange);
+    return fly_shown(scenario, folder, clock, view, {solver}, nullptr, {}, linked);
+  }
   const Controls controls(scenario);
   if (const std::string told = controls.kernels().sentence(); !told.empty()) say(told);
   return fly_shown(scenario, folder, clock, view, controls.controllers(), controls.team_switcher(), {},
                    linked);
+}
+
+/// The same, all planned by one solver; its log says so.
+Scenario as_one(const Scenario& scenario) {
+  if (!scenario.partition) return scenario;
+  Scenario one = parse_scenario(
+      scenario.text, scenario.file, *scenario.parts,
+      {.files = scenario.files, .set = {fmt::format("partition.part=\"{}\"", PartitionPlan::all)}});
+  one.solver = scenario.solver;
+  one.simulation.seed = scenario.simulation.seed;
+  return one;
 }
 
 }  // namespace
@@ -129,6 +144,8 @@ int run(const RunOptions& options, const Parts& parts) {
     scenario = read(options, parts);
     if (options.partition)
       partition = read_partition(scenario, *options.partition, options.order, options.exchanges);
+    else
+      partition = partition_of(scenario);
     folder.emplace(options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output,
                    scenario, partition.has_value());
   } catch (const std::exception& error) {
@@ -157,10 +174,12 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
     lift_deadline(of_whole);
     scenario.solver.name = parts->name();
   }
-  const LoggedFlight flight = parts ? fly_shown(scenario, folder, clock, view, {*parts}, nullptr,
-                                                {{"partition", partition->text},
-                                                 {"order", std::string(to_string(partition->order))},
-                                                 {"exchanges", fmt::format("{}", partition->exchanges)}})
+  McapWords words;
+  if (partition != nullptr && !partition->messages)
+    words = {{"partition", partition->text},
+             {"order", std::string(to_string(partition->order))},
+             {"exchanges", fmt::format("{}", partition->exchanges)}};
+  const LoggedFlight flight = parts ? fly_shown(scenario, folder, clock, view, {*parts}, nullptr, words)
                                     : fly_shown(scenario, folder, clock, view, linked);
   for (const std::string& fault : flight.faults) say(fault);
   bool bad = !flight.faults.empty();
@@ -170,7 +189,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
   if (parts && flight.logged) {
     SimulatedClock simulated;
     scenario.solver = of_whole;
-    const LoggedFlight whole = fly_shown(scenario, folder / "whole", simulated, {}, nullptr);
+    const LoggedFlight whole = fly_shown(as_one(scenario), folder / "whole", simulated, {}, nullptr);
     for (const std::string& fault : whole.faults) say(fmt::format("the whole team by one solver: {}", fault));
     bad = bad || !whole.logged;
     summaries.push_back(whole.summary);
@@ -180,7 +199,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
     if (!flight.logged) break;
     SimulatedClock simulated;
     scenario.solver = solver_named(name);
-    const LoggedFlight other = fly_shown(scenario, folder / name, simulated, {}, nullptr);
+    const LoggedFlight other = fly_shown(as_one(scenario), folder / name, simulated, {}, nullptr);
     for (const std::string& fault : other.faults) say(fmt::format("compared with {}: {}", name, fault));
     bad = bad || !other.logged;
     summaries.push_back(other.summary);

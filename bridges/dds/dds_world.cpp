@@ -10,30 +10,10 @@
 #include <limits>
 #include <stdexcept>
 
-#include "bridges/dds/crazyswarm_link.hpp"
-#include "bridges/dds/px4_link.hpp"
-#include "bridges/dds/ros2_flyer_link.hpp"
-#include "bridges/dds/ros2_link.hpp"
 #include "sightline/base/index.hpp"
 
 namespace sightline::dds {
 namespace {
-
-std::unique_ptr<LinkEnd> made_end(Port participant, const Link& link, std::string_view name,
-                                  const Model& model, bool loopback) {
-  if (std::holds_alternative<Px4Link>(link.kind))
-    return std::make_unique<Px4LinkEnd>(participant, link, loopback ? Stamps::of_this_machine : Stamps::none);
-  if (const auto* ros2 = std::get_if<Ros2Link>(&link.kind)) {
-    check_commands(*ros2, name, model);
-    if (ros2->flies()) return std::make_unique<Ros2FlyerLinkEnd>(participant, link);
-    return std::make_unique<Ros2LinkEnd>(participant, link);
-  }
-  if (model.rolls())
-    throw std::invalid_argument(fmt::format(
-        "agent.{}.link.kind = crazyswarm2, behind which a {} does not drive, expected a robot that flies",
-        name, model.name()));
-  return std::make_unique<CrazyswarmLinkEnd>(participant, link);
-}
 
 constexpr std::int64_t looks_each = 200'000'000;  // before a flight
 
@@ -54,8 +34,14 @@ const Scenario& flown(const Scenario& scenario) {
   return scenario;
 }
 
+/// A part waits for robots of others, and for its own to land that fly without it.
+constexpr double ready_of_part = 120.0, begins_together = 20.0;  // [s]
+
+bool is_part(const Scenario& scenario) { return scenario.partition && scenario.partition->apart(); }
+
 LinkTimes times_of_task(LinkTimes times, const Scenario& scenario) {
   times.task = scenario.simulation.duration + 60.0;
+  if (is_part(scenario)) times.ready = std::max(times.ready, ready_of_part);
   return times;
 }
 
@@ -106,6 +92,8 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       bodies_(scenario_, domain_->participant()),
       telemetry_(scenario_, intakes(), domain_->participant()),
       preflight_(scenario_, examined(), bodies_, domain_->participant(), times_.listened) {
+  if (voice == Voice::speaks && is_part(scenario_))
+    talk_ = std::make_unique<PartTalk>(scenario_, domain_->participant());
   if (voice == Voice::speaks)
     services_ = std::make_unique<OperatorServices>(domain_->participant(), node_, calls_);
   if (voice == Voice::speaks && scenario.fleet->network.topics)
@@ -123,12 +111,12 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
 }
 
 std::vector<DdsWorld::Robot> DdsWorld::made_robots(Voice voice) const {
-  const bool loopback = scenario_.fleet->network.interfaces == std::vector<std::string>{"lo"};
   std::vector<Robot> robots;
   for (const Link& link : scenario_.fleet->links) {
     const std::string name(team_.name(link.robot));
     const Model& model = team_.model(link.robot);
-    std::unique_ptr<LinkEnd> end = made_end({domain_->participant(), voice}, link, name, model, loopback);
+    std::unique_ptr<LinkEnd> end =
+        made_end({domain_->participant(), voice}, link, name, model, scenario_.fleet->network);
     robots.push_back({name, std::move(end), RobotState(model), LinkMachine(times_), size(link.robot.index),
                       size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
     robots.back().estimated = link.poses.estimated();
@@ -161,6 +149,7 @@ DdsWorld::~DdsWorld() {
 Measured DdsWorld::measure(double t) noexcept {
   const std::int64_t now = monotonic_now(), due = std::llround(1e9 * t);
   if (!begun_) origin_ = now - due, begun_cpu_ = cpu_seconds(), telemetry_.begin();
+  if (!begun_ && talk_) talk_->begin(origin_);
   for (Robot& robot : robots_) {
     if (!robot.track) continue;
     if (!begun_) robot.track->clear(), robot.goals->forget();
@@ -254,6 +243,8 @@ void DdsWorld::tell_changes(const TellPerson& tell) {
 void DdsWorld::tell_news() {
   const std::scoped_lock lock(news_);
   if (!news_go_to_) return;
+  if (talk_)
+    for (const std::string& sentence : talk_->news()) news_go_to_(sentence);
   for (Robot& robot : robots_) {
     if (!robot.goals) continue;
     for (const std::string& sentence : robot.goals->news())
@@ -280,8 +271,35 @@ void DdsWorld::steps_until(LinkOrder order, const Interrupts& interrupts, const 
        next = std::max(next + period_, monotonic_now() - period_)) {
     sleep_until(next);
     step_all(interrupts >= 2 ? LinkOrder::hand_over : order, {}, {});
+    if (talk_) stand(order);
     tell_changes(tell);
   }
+}
+
+/// Tells other parts where the robots are while they do not fly the task.
+void DdsWorld::stand(LinkOrder order) noexcept {
+  for (Robot& robot : robots_) {
+    SeenMotion seen;
+    if (robot.end->look(seen)) robot.model.write(seen.motion, &measured_[robot.x]);
+  }
+  const bool holds = each_is({LinkState::holding});
+  const PartPhase phase = order == LinkOrder::check  ? PartPhase::ground
+                          : order >= LinkOrder::land ? PartPhase::landing
+                          : holds                    ? PartPhase::holding
+                                                     : PartPhase::rising;
+  talk_->stand(phase, measured_);
+}
+
+/// The parts that are heard begin together, if none lets the others wait for long.
+void DdsWorld::begin_together(const Interrupts& interrupts, const TellPerson& tell) {
+  const std::int64_t until = monotonic_now() + std::llround(1e9 * begins_together);
+  const auto flies = [&] { return each_is({LinkState::holding}) && interrupts == 0 && !calls_.to_land(); };
+  steps_until(LinkOrder::hold, interrupts, tell,
+              [&] { return !flies() || talk_->all_hold() || monotonic_now() > until; });
+  if (flies() && !talk_->all_hold())
+    tell_all(fmt::format("begins without part {}, which does not hold after {} s", talk_->awaited(),
+                         begins_together),
+             tell);
 }
 
 bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellPerson& tell) {
@@ -293,7 +311,17 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
   // The periods of those who wait are long enough to look around: nothing is sent to them.
   std::int64_t looked = 0;
   const auto look_around = [&] {
-    if (monotonic_now() - looked > looks_each) preflight_.clear(), looked = monotonic_now();
+    if (monotonic_now() - looked <= looks_each) return;
+    preflight_.clear(), looked = monotonic_now();
+    if (!talk_) return;
+    for (const std::string& sentence : talk_->news()) tell(sentence);
+    for (Robot& robot : robots_) {
+      if (arming != Arming::real || !robot.end->facts(looked).armed) continue;
+      arming = Arming::on_call;
+      tell_all(fmt::format("{}: it flies already, by nobody of ours: it is waited for until it has landed",
+                           robot.name),
+               tell);
+    }
   };
   steps_until(LinkOrder::check, interrupts, tell, [&] {
     look_around();
@@ -328,6 +356,7 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
     });
     if (!out())
       steps_until(LinkOrder::hold, interrupts, tell, [&] { return out() || each_is({S::holding}); });
+    if (!out() && talk_) begin_together(interrupts, tell);
     if (!out()) {
       calls_.is_at(FlightPhase::task);
       const std::scoped_lock lock(news_);
@@ -423,6 +452,8 @@ std::vector<std::string> DdsWorld::counts() const {
     if (robot.goals) lines.push_back(fmt::format("{}: {}", robot.name, robot.goals->counts()));
   }
   bodies_.counts(lines);
+  if (talk_)
+    for (const std::string& line : talk_->counts()) lines.push_back(line);
   if (topics_ != nullptr) lines.push_back(topics_->counts());
   if (complaints() > 0)
     lines.push_back(fmt::format("{} packets that could not be read: {}", complaints(), last_complaint()));

@@ -14,6 +14,7 @@
 #include "bridges/dds/goal_intake.hpp"
 #include "bridges/dds/link_end.hpp"
 #include "bridges/dds/link_telemetry.hpp"
+#include "bridges/dds/part_talk.hpp"
 #include "bridges/dds/preflight.hpp"
 #include "bridges/dds/seen_bodies.hpp"
 #include "bridges/dds/services.hpp"
@@ -47,6 +48,7 @@ class DdsWorld final : public LinkedWorld {
   std::vector<std::string> faults() const override;
   std::vector<std::string> counts() const override;
   LinkTiming timing() const override;
+  PartExchange* exchange() noexcept override { return talk_.get(); }
 
   /// Before a flight, by the thread that flies: what is found of the robots, and where they say that they are.
   std::vector<Finding> examine() { return preflight_.examine(); }
@@ -80,6 +82,8 @@ class DdsWorld final : public LinkedWorld {
   /// Steps at the period until `done`; at once where that is so.
   template <class Done>
   void steps_until(LinkOrder order, const Interrupts& interrupts, const TellPerson& tell, Done&& done);
+  void stand(LinkOrder order) noexcept;
+  void begin_together(const Interrupts& interrupts, const TellPerson& tell);
   bool each_is(std::initializer_list<LinkState> states) const;
   bool in_our_hands() const;
 
@@ -92,6 +96,7 @@ class DdsWorld final : public LinkedWorld {
   std::shared_ptr<Domain> domain_;
   std::vector<Robot> robots_;  // in the order of the team, whose first bodies they are
   SeenBodies bodies_;
+  std::unique_ptr<PartTalk> talk_;  // of a part of a team
   LinkTelemetry telemetry_;
   Preflight preflight_;
   OperatorCalls calls_;

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "bridges/dds/channel.hpp"
+#include "bridges/dds/part_talk.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -29,11 +30,19 @@ std::vector<std::string> commanded(const Link& link) {
 
 void refuse_second_flyer(const Scenario& scenario, const Domain& domain) {
   if (!scenario.fleet) return;
+  std::string part;  // its topic
+  if (scenario.partition && scenario.partition->apart())
+    part = wire_topic(prediction_topic(scenario.name, scenario.partition->part));
   WriterList list(domain.participant());
   const auto until = std::chrono::steady_clock::now() + acquaintance;
   while (std::chrono::steady_clock::now() < until) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     const std::vector<SeenWriter> writers = list.look();
+    const auto claims = [&](const SeenWriter& writer) { return writer.topic == part; };
+    if (std::any_of(writers.begin(), writers.end(), claims))
+      throw std::runtime_error(fmt::format(
+          "partition.part = \"{}\", which another program plans already, expected one for each part",
+          scenario.partition->part));
     for (const Link& link : scenario.fleet->links) {
       for (const std::string& begin : commanded(link)) {
         const auto other = std::find_if(writers.begin(), writers.end(), [&](const SeenWriter& writer) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -43,5 +44,10 @@ class LinkEnd {
   /// From the stamps of its poses to us, where its clock is ours; none otherwise.
   virtual const DelayHistogram* arrivals() const noexcept { return nullptr; }
 };
+
+/// Of the kind that the link says.
+/// @throws std::invalid_argument for a model that is not flown so, std::runtime_error where a topic cannot be had
+std::unique_ptr<LinkEnd> made_end(const Port& at, const Link& link, std::string_view name, const Model& model,
+                                  const FleetNetwork& network);
 
 }  // namespace sightline::dds

@@ -170,6 +170,7 @@ void Px4Vehicle::move() {
     set_nav(NavState::hold);
   if (arming_ == px4_armed && nav_ == NavState::land && landed_) {
     arming_ = px4_disarmed;
+    failsafe_ = false;
     nav_ = NavState::hold;  // as before: in the mode that lands PX4 would not arm again
     send_slow();
     send_status();

@@ -25,7 +25,13 @@ SeenBodies::SeenBodies(const Scenario& scenario, dds_entity_t participant) {
                      [&](const UncooperativeBody& body) { return body.body == link.body; });
     bodies_.push_back({std::string(team.name(link.body)), size(link.body.index),
                        size(team.state_offset(link.body)), link.poses, uncooperative->velocity,
-                       std::make_unique<PoseIntake>()});
+                       link.robot ? nullptr : std::make_unique<PoseIntake>()});
+    if (link.robot) {
+      // Of a robot of any model its own motion is told; what it is planned by is not ours.
+      bodies_.back().robot = made_end({participant, Voice::silent}, *link.robot, team.name(link.body),
+                                      team.model(link.body), scenario.fleet->network);
+      continue;
+    }
     read_seen_poses(*bodies_.back().poses, participant, link.poses, Attitude::ignored);
   }
 }
@@ -34,7 +40,7 @@ void SeenBodies::measure(Nanoseconds origin, std::span<double> measured, std::sp
   for (Body& body : bodies_) {
     SeenMotion seen;
     stamps[body.index] = -std::numeric_limits<double>::infinity();
-    if (!body.poses->look(seen)) continue;
+    if (!(body.robot ? body.robot->look(seen) : body.poses->look(seen))) continue;
     const Vec3<double>& p = seen.motion.p;
     const Vec3<double> v = body.velocity == SeenVelocity::measured ? seen.motion.v : Vec3<double>{};
     std::copy_n(std::array{p.x, p.y, p.z, v.x, v.y, v.z}.begin(), 6, &measured[body.x]);
@@ -44,21 +50,21 @@ void SeenBodies::measure(Nanoseconds origin, std::span<double> measured, std::sp
 
 bool SeenBodies::are_seen(Nanoseconds now) noexcept {
   return std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
-    return body.poses->is_fresh(now, body_old) && !body.poses->of_second_writer() &&
-           !body.poses->in_other_frames();
+    PoseIntake& poses = body.intake();
+    return poses.is_fresh(now, body_old) && !poses.of_second_writer() && !poses.in_other_frames();
   });
 }
 
 void SeenBodies::examine(std::vector<Finding>& to) const {
   for (const Body& body : bodies_) {
     FindingList found(body.name);
-    body.poses->examine("the frame that is G", other_frames_than(body.from), found);
+    body.intake().examine("the frame that is G", other_frames_than(body.from), found);
     for (Finding& finding : found.take()) to.push_back(std::move(finding));
   }
 }
 
 void SeenBodies::counts(std::vector<std::string>& to) const {
-  for (const Body& body : bodies_) to.push_back(fmt::format("{}: {}", body.name, body.poses->counts()));
+  for (const Body& body : bodies_) to.push_back(fmt::format("{}: {}", body.name, body.intake().counts()));
 }
 
 }  // namespace sightline::dds

@@ -1,4 +1,4 @@
-/// Targets and obstacles that others see, as a part of the world.
+/// Targets and obstacles that others see, and robots of other parts of the team, as a part of the world.
 #pragma once
 
 #include <memory>
@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bridges/dds/link_end.hpp"
 #include "bridges/dds/pose_intake.hpp"
 #include "sightline/scenario/scenario.hpp"
 
@@ -35,6 +36,9 @@ class SeenBodies {
     PosesFrom from;
     SeenVelocity velocity;
     std::unique_ptr<PoseIntake> poses;
+    std::unique_ptr<LinkEnd> robot{};  // of another part: its link, to which we listen; then `poses` is none
+
+    PoseIntake& intake() const { return robot ? robot->intake() : *poses; }
   };
   std::vector<Body> bodies_;
 };

@@ -24,6 +24,8 @@ TEST(EventWords, WhatHappensToABodyNamesIt) {
   EXPECT_EQ(words(EventKind::barrier_conflict, 2), "uav2: barrier conflict");
   EXPECT_EQ(words(EventKind::search, 1), "uav1: searches for what it watches");
   EXPECT_EQ(words(EventKind::found, 1), "uav1: has found it");
+  EXPECT_EQ(words(EventKind::unheard, 1), "uav1: its part is not heard");
+  EXPECT_EQ(words(EventKind::heard, 1), "uav1: its part is heard again");
   EXPECT_EQ(words(EventKind::input_refused, 3), "input_refused uav3");
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -94,6 +96,58 @@ TEST(Guard, TheBarrierKeepsRobotsApartThatAreSentAtEachOther) {
   EXPECT_TRUE(active);
   EXPECT_GE(flight.nearest, 0.8);
   EXPECT_LT(flight.nearest, 1.2) << "and lets them as near as they may";
+}
+
+/// Hears nobody from some time on.
+struct Deaf final : Hearing {
+  bool hears(BodyId, BodyId) const noexcept override { return hearing; }
+  bool is_heard(BodyId body) const noexcept override { return hearing || body.index != 1; }
+  bool hearing = true;
+};
+
+TEST(Guard, WhoIsNotHeardIsUncooperativeAndKeptFartherAway) {
+  std::array<double, 2> nearest{};
+  for (const bool hearing : {true, false}) {
+    GuardedFlight flight({.barrier = BarrierMode::on});
+    Deaf ears;
+    ears.hearing = hearing;
+    flight.guard.set_hearing(&ears);
+    for (int k = 0; k < 400; ++k) flight.step();
+    nearest[hearing] = flight.nearest;
+    const auto tells = [&](EventKind kind) {
+      return std::count_if(flight.events.begin(), flight.events.end(),
+                           [&](const Event& event) { return event.kind == kind; });
+    };
+    EXPECT_EQ(tells(EventKind::unheard), hearing ? 0 : 1);
+    ears.hearing = true;
+    flight.step();
+    EXPECT_EQ(tells(EventKind::heard), hearing ? 0 : 1);
+    EXPECT_GE(flight.nearest, 0.6);
+  }
+  EXPECT_GT(nearest[0], nearest[1] + 0.1);
+}
+
+TEST(Guard, ARobotOfAnotherPartIsAMemberWhileItIsHeard) {
+  Team team;
+  team.add(Multirotor{}, {.name = "a"});
+  team.add(Obstacle{.name = "b"});
+  const Numbers start = {0, 0, 1, 1, 0, 0.8, 0, /**/ 2, 0, 1, -0.8, 0, 0};
+  std::array<bool, 3> active{};
+  for (int which = 0; which < 3; ++which) {
+    Guard guard(team, {.barrier = BarrierMode::on,
+                       .bodies = {{}, {.robot = which == 2 ? "unicycle" : "multirotor"}}});
+    Deaf ears;
+    ears.hearing = which != 1;
+    guard.set_hearing(&ears);
+    const auto x = guard.believe(0.0, start, Numbers(2, 0.0));
+    Numbers u = {1, 0, 0, 0};
+    guard.fall_back(0.0, x, Numbers(2, 0.0), Numbers(4), u);
+    guard.keep_distances(0.0, x, Numbers(4), u);
+    active[at(which)] = guard.barriers()[0].active;
+  }
+  EXPECT_FALSE(active[0]) << "it gives way as well";
+  EXPECT_TRUE(active[1]) << "it is not heard";
+  EXPECT_TRUE(active[2]) << "of another model it never is a member";
 }
 
 TEST(Guard, ABarrierThatOnlyReportsChangesNothing) {

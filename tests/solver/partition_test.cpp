@@ -27,6 +27,12 @@ TEST(Partition, IsReadByTheNamesOfRobots) {
   EXPECT_EQ(two[0], (std::vector{AgentId{{0}}, AgentId{{2}}}));
   EXPECT_EQ(two[1], (std::vector{AgentId{{1}}, AgentId{{3}}}));
   EXPECT_EQ(read_partition("uav0,uav1,uav2,uav3", team).size(), 1u);
+  EXPECT_EQ(read_partition("front: uav0, uav2 | uav1,uav3", team), two);
+  const std::vector<PartInWords> words = parts_in_words("front: uav0 ,uav2|uav1");
+  ASSERT_EQ(words.size(), 2u);
+  EXPECT_EQ(words[0].name, "front");
+  EXPECT_EQ(words[0].robots, (std::vector<std::string>{"uav0", "uav2"}));
+  EXPECT_EQ(words[1].name, "");
 }
 
 TEST(Partition, WhatPutsARobotNowhereOrTwiceIsRefusedInWords) {

@@ -23,7 +23,8 @@ bool is_of_a_body(std::string_view kind) {
   return is_a_level(kind) || kind.starts_with(measurement) ||
          kind == to_string(EventKind::barrier_conflict) || kind == to_string(EventKind::input_refused) ||
          kind == to_string(EventKind::added_too_near) || kind == to_string(EventKind::search) ||
-         kind == to_string(EventKind::found);
+         kind == to_string(EventKind::found) || kind == to_string(EventKind::unheard) ||
+         kind == to_string(EventKind::heard);
 }
 
 bool is_of_the_script(std::string_view kind) {
@@ -53,6 +54,8 @@ std::string event_words(std::string_view kind, double value, const EventNames& n
   }
   if (kind == to_string(EventKind::search)) return fmt::format("{}: searches for what it watches", body);
   if (kind == to_string(EventKind::found)) return fmt::format("{}: has found it", body);
+  if (kind == to_string(EventKind::unheard)) return fmt::format("{}: its part is not heard", body);
+  if (kind == to_string(EventKind::heard)) return fmt::format("{}: its part is heard again", body);
   if (kind == to_string(EventKind::barrier_conflict)) return fmt::format("{}: barrier conflict", body);
   return fmt::format("{}: {}", body, kind);
 }

@@ -185,7 +185,12 @@ Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, 
                         const std::optional<std::string>& solver, const std::vector<std::string>& set) {
   Scenario scenario = parse_scenario(flown.text, log, parts, {.files = flown.files, .set = set});
   scenario.name = flown.name;
-  const bool in_parts = !flown.partition.empty();
+  if (scenario.partition && scenario.partition->apart())
+    throw std::invalid_argument(fmt::format(
+        "{}: flown by part {}, whose commands follow from messages of other parts, which are not in "
+        "the log, expected a flight that one program planned",
+        log.native(), scenario.partition->part));
+  const bool in_parts = !flown.partition.empty() || (scenario.partition && scenario.partition->part.empty());
   if (solver) {
     if (*solver != scenario.solver.name) scenario.solver = solver_named(*solver);
   } else if (!in_parts && flown.solver != scenario.solver.name && !sets_solver(set)) {

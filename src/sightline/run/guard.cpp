@@ -70,6 +70,7 @@ EventKind kind_of(const Notice& notice) {
 Guard::Guard(const Team& team, const GuardOptions& options)
     : team_(team),
       options_(completed(team, options)),
+      unheard_(options_.bodies.size()),
       supervisor_(supervisor_of(team, options)),
       search_(team_, options_.searchers, options_.search),
       searches_(options_.searchers.size()),
@@ -150,6 +151,16 @@ void Guard::look(double t, std::span<const View> views) noexcept {
   }
 }
 
+/// Whose messages are missed somewhere, and whose come again.
+void Guard::tell_unheard(double t) noexcept {
+  for (int i = 0; hearing_ != nullptr && i < team_.bodies(); ++i) {
+    const bool unheard = is_there(BodyId{i}) && !hearing_->is_heard(BodyId{i});
+    if (unheard == (unheard_[at(i)] != 0)) continue;
+    unheard_[at(i)] = unheard;
+    tell({t, unheard ? EventKind::unheard : EventKind::heard, 0, static_cast<double>(i)});
+  }
+}
+
 void Guard::fall_back(double t, std::span<const double> x, std::span<const double> plan_ages,
                       std::span<const double> added, std::span<double> u) noexcept {
   if (supervisor_) {
@@ -163,6 +174,7 @@ void Guard::fall_back(double t, std::span<const double> x, std::span<const doubl
     }
   }
   search_.command(t, x, levels_, added, u);
+  tell_unheard(t);
 }
 
 void Guard::keep_distances(double t, std::span<const double> x, std::span<const double> added,
@@ -202,10 +214,15 @@ Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double
       .age = std::min(ages_[at(other)], oldest_) + (team_.is_agent(other) ? 0.0 : delay_of(robot)),
       .sigma = norm(sigma_of(robot), sigma_of(other)),
       .tie = robot.index < other.index ? 1.0 : -1.0};
-  if (!team_.is_agent(other)) return neighbour;
+  const bool heard = hearing_ == nullptr || hearing_->hears(robot, other);
+  if (!team_.is_agent(other)) {
+    const bool gives_way = heard && hearing_ != nullptr && team_.model(robot).name() == safety.robot;
+    if (gives_way && !robot_of(robot).barrier.climbs_late()) neighbour.conduct = Conduct::member;
+    return neighbour;
+  }
   if (supervisor_ && supervisor_->level(other) == FallbackLevel::grounded) {
     neighbour.speed_max = 0.0;
-  } else if (team_.model(robot).name() == model.name() && !robot_of(robot).barrier.climbs_late()) {
+  } else if (heard && team_.model(robot).name() == model.name() && !robot_of(robot).barrier.climbs_late()) {
     neighbour.conduct = Conduct::member;
     neighbour.part = robot_of(other).part;
   }

@@ -11,12 +11,14 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "sightline/run/sample.hpp"
 #include "sightline/safety/barrier.hpp"
 #include "sightline/safety/search.hpp"
 #include "sightline/safety/supervisor.hpp"
+#include "sightline/solver/distributed/peers.hpp"
 
 namespace sightline {
 
@@ -29,7 +31,9 @@ enum class BarrierMode {
 /// What the robots must keep from a body, and what they assume of it.
 struct BodySafety {
   double d_hard = 0.6;     ///< centre to centre [m], > 0
-  double speed_max = 1.5;  ///< of one that is no robot [m/s], >= 0
+  double speed_max = 1.5;  ///< of one that is no robot, or not heard [m/s], >= 0
+  std::string
+      robot{};  ///< of a robot that another part steers by a barrier of its own: its model's name; empty: it is none
 };
 
 /// Limits that a robot is given in flight.
@@ -87,6 +91,8 @@ class Guard {
   /// The team is another one. Bodies that are absent keep nobody away, and nobody keeps away from them; robots that
   /// sink pass the floor. As Supervisor::follow().
   void follow(const Membership& now, double t, std::span<const double> x) noexcept;
+  /// Robots that do not hear each other are uncooperative to each other. None: all hear. It outlives this.
+  void set_hearing(const Hearing* hearing) noexcept { hearing_ = hearing; }
   /// Of what is believed of each body at the last believe() [s].
   std::span<const double> ages() const noexcept { return ages_; }
 
@@ -123,9 +129,12 @@ class Guard {
                          std::span<const double> u) const noexcept;
   void keep_distance(std::size_t robot, double t, std::span<const double> x, std::span<double> u) noexcept;
   void tell(const Event& event) noexcept;
+  void tell_unheard(double t) noexcept;
 
   Team team_;
   GuardOptions options_;
+  const Hearing* hearing_ = nullptr;
+  std::vector<char> unheard_;  // of each body, as told last
   std::optional<Supervisor> supervisor_;
   Search search_;
   std::vector<char> searches_;  // whether each searcher does, as told last

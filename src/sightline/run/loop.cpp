@@ -116,6 +116,8 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
     follow_team();
     follow_guard(0.0, world.start(), world.start());
   }
+  if (options_.guard != nullptr && controllers.size() == 1)
+    options_.guard->set_hearing(controllers[0].get().hearing());
   check_steered();
   const Sample* item = sink.claim();
   const bool has_room = item == nullptr || item->path_u.empty() ||  // or of each stage

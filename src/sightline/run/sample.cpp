@@ -28,7 +28,9 @@ std::string_view to_string(EventKind kind) {
                                                                "pairs_left_out",
                                                                "added_too_near",
                                                                "search",
-                                                               "found"};
+                                                               "found",
+                                                               "unheard",
+                                                               "heard"};
   return names[static_cast<std::size_t>(kind)];
 }
 

@@ -47,8 +47,10 @@ enum class EventKind : std::uint8_t {
   added_too_near,  ///< a body came to be there nearer to another than it may; value: the body
   search,          ///< a robot that is localized by view searches for what it watches; value: the body
   found,           ///< it has it in view again; value: the body
+  unheard,         ///< a part of the team is not told any more where the robot will be; value: the body
+  heard,           ///< all are told again; value: the body
 };
-inline constexpr int event_kinds = 26;
+inline constexpr int event_kinds = 28;
 std::string_view to_string(EventKind kind);
 
 struct Event {

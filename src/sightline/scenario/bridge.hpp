@@ -12,6 +12,7 @@
 #include "sightline/run/sample.hpp"
 #include "sightline/scenario/finding.hpp"
 #include "sightline/scenario/scenario.hpp"
+#include "sightline/solver/distributed/part_solver.hpp"
 #include "sightline/world/world.hpp"
 
 namespace sightline {
@@ -53,6 +54,8 @@ class LinkedWorld : public World {
   virtual bool asked_to_land() const noexcept = 0;
   /// Shows a period to those who look on. By the thread that flies: allocates nothing, waits for nobody.
   virtual void show(const Sample& sample) noexcept = 0;
+  /// Of a part of a team, what carries predictions to the others and back; none where one solver plans all.
+  virtual PartExchange* exchange() noexcept { return nullptr; }
   /// After the flight: what made it fail, a sentence each.
   virtual std::vector<std::string> faults() const = 0;
   /// After the flight: what was counted, a line each: messages, and those that were refused.

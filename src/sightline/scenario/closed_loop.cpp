@@ -13,7 +13,9 @@
 #include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/read_camera.hpp"
 #include "sightline/scenario/read_estimate.hpp"
+#include "sightline/scenario/read_partition.hpp"
 #include "sightline/scenario/read_safety.hpp"
+#include "sightline/solver/distributed/partition.hpp"
 #include "sightline/world/camera_world.hpp"
 #include "sightline/world/synthetic_detections.hpp"
 
@@ -105,16 +107,33 @@ void lift_deadline(SolverChoice& choice) {
   std::visit(lift, choice.options);
 }
 
+MakeSolver solver_maker(SolverChoice choice, const Horizon& horizon) {
+  return
+      [choice = std::move(choice), horizon](const Team& team) { return make_solver(choice, team, horizon); };
+}
+
 Controls::Controls(const Scenario& scenario) {
   check_solvers(scenario);
+  if (scenario.partition && scenario.partition->part.empty()) {
+    const PartitionPlan& plan = *scenario.partition;
+    talks_ = true;
+    solver_ = std::make_unique<PartitionedSolver>(
+        scenario.team, partition_of(plan, scenario.team), solver_maker(scenario.solver, scenario.horizon),
+        PartitionOptions{.order = ExchangeOrder::jacobi, .messages = plan.exchange});
+    return;
+  }
   if (!changes_in_flight(scenario)) {
     solver_ = make_solver(scenario.solver, scenario.team, scenario.horizon);
     return;
   }
-  team_switcher_ =
-      std::make_unique<TeamSwitcher>(Roster(scenario.team, scenario.presence), scenario.script,
-                                     [choice = scenario.solver, horizon = scenario.horizon](
-                                         const Team& team) { return make_solver(choice, team, horizon); });
+  team_switcher_ = std::make_unique<TeamSwitcher>(Roster(scenario.team, scenario.presence), scenario.script,
+                                                  solver_maker(scenario.solver, scenario.horizon));
+}
+
+bool Controls::restart() {
+  if (team_switcher_ || talks_) return false;
+  solver_->restart();
+  return true;
 }
 
 Controllers Controls::controllers() const {

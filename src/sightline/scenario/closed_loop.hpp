@@ -28,7 +28,10 @@ bool plans_in_a_changing_team(std::string_view solver);
 /// In simulated time no deadline acts: a solver has the time it takes, and a run is the same on any machine.
 void lift_deadline(SolverChoice& choice);
 
-/// Who steers a scenario: a solver of its team, or a TeamSwitcher of them where the team changes in flight.
+/// Makes solvers of that choice, for teams of one horizon.
+MakeSolver solver_maker(SolverChoice choice, const Horizon& horizon);
+
+/// Who steers a scenario: a solver of its team, one of each of its parts, or a TeamSwitcher of them where the team changes in flight.
 class Controls {
  public:
   /// @throws as check_solvers(), and for a script with faults
@@ -40,9 +43,13 @@ class Controls {
   KernelUse kernels() const;
   /// None for a team that stays.
   TeamSwitcher* team_switcher() const { return team_switcher_.get(); }
+  /// Makes ready for the same flight again, with other starts and another seed. @return false: it has to be made anew, since what
+  /// it did, or what becomes of its messages, follows from the flight
+  bool restart();
 
  private:
   std::unique_ptr<Solver> solver_;
+  bool talks_ = false;  // in parts, by messages
   std::unique_ptr<TeamSwitcher> team_switcher_;
 };
 

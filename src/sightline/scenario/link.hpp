@@ -163,10 +163,11 @@ inline constexpr std::array<std::string_view, 6> key_files = {
     "identity_ca.cert.pem",    "cert.pem",       "key.pem",
     "permissions_ca.cert.pem", "governance.p7s", "permissions.p7s"};
 
-/// A target or an obstacle that others say the place of.
+/// A target or an obstacle that others say the place of; or a robot that another part of the team plans.
 struct BodyLink {
   BodyId body{};
   PosesFrom poses{};
+  std::optional<Link> robot{};  ///< to listen to; its id is of the whole team
 };
 
 struct FleetPlan {

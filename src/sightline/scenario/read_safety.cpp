@@ -191,7 +191,7 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
   }
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     options.bodies[static_cast<std::size_t>(uncooperative.body.index)] = {
-        uncooperative.d_hard.value_or(safety.d_hard), uncooperative.speed_max};
+        uncooperative.d_hard.value_or(safety.d_hard), uncooperative.speed_max, uncooperative.robot};
   }
   return options;
 }

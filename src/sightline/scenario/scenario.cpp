@@ -22,6 +22,7 @@
 #include "sightline/scenario/read_link.hpp"
 #include "sightline/scenario/read_motion.hpp"
 #include "sightline/scenario/read_part.hpp"
+#include "sightline/scenario/read_partition.hpp"
 #include "sightline/scenario/read_robot.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/scenario/read_shape.hpp"
@@ -48,7 +49,7 @@ class Reader {
   void read() {
     root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart",
                        "constrain", "event", "world", "simulation", "safety", "log", "fleet", "campaign",
-                       "estimate"});
+                       "estimate", "partition"});
     read_horizon();
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
     read_world();
@@ -77,6 +78,7 @@ class Reader {
     scenario_.script = read_events(root_, scenario_, observers_);
     read_estimates(root_, scenario_);
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
+    read_partition(root_, scenario_);
     // A log is flown again without the world.
     const bool has_cameras = !scenario_.vision.cameras.empty();
     if ((!scenario_.vehicles.empty() || scenario_.model || has_cameras) && root_.from_disk())
@@ -254,7 +256,6 @@ class Reader {
     const bool turns = model.turns();
     if (!turns && heading != 0) at.refuse("heading", fmt::format("0, {} has no heading", model.name()));
     if (!at.has("v")) return x;
-
     // Forward and sideward velocity, where the robot has them as states; of G for one that has no heading.
     const std::string_view forward = turns ? "v_f" : "v_x", sideward = turns ? "v_s" : "v_y";
     if (!has(forward)) at.refuse("v", fmt::format("no velocity, {} has none", model.name()));
@@ -465,6 +466,7 @@ std::string summary(const Scenario& scenario) {
     line("vehicle     {}: feels the wind as air at [{:.2f}, {:.2f}, {:.2f}] m/s", team.name(vehicle.robot),
          air.x, air.y, air.z);
   }
+  if (scenario.partition) text += in_words(*scenario.partition);
   if (scenario.fleet) line("{}", in_words(*scenario.fleet, team));
   text += camera_words(scenario) + localization_words(scenario);
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {

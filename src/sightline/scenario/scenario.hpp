@@ -24,6 +24,7 @@
 #include "sightline/scenario/scenario_text.hpp"
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
+#include "sightline/solver/distributed/simulated_messages.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/camera.hpp"
 #include "sightline/world/fault.hpp"
@@ -87,6 +88,27 @@ struct UncooperativeBody {
   SeenVelocity velocity = SeenVelocity::measured;
   double speed_max = 1.5;          ///< what the robots take to be its top speed [m/s], >= 0
   std::optional<double> d_hard{};  ///< never nearer to a robot [m]; none: as the [safety] section says
+  std::string
+      robot{};  ///< of a robot that another part of the team plans: its model's name; empty: it is none
+};
+
+/// Robots that one solver plans, by name.
+struct PlannedPart {
+  std::string name;
+  std::vector<std::string> robots;
+};
+
+/// Parts of the team that plan by themselves, on one computer each, and tell each other where their robots will be.
+struct PartitionPlan {
+  static constexpr std::string_view all = "all";
+
+  std::vector<PlannedPart> parts{};
+  ExchangeOptions exchange{};
+  std::string
+      part{};  ///< the one that is planned here; `all`: one solver plans all; empty: every part, messages simulated
+
+  /// Whether this computer plans one part alone.
+  bool apart() const { return !part.empty() && part != all; }
 };
 
 struct LogOptions {
@@ -126,7 +148,8 @@ struct Scenario {
   Simulation simulation{};
   std::optional<Safety> safety{};
   LogOptions log{};
-  std::optional<FleetPlan> fleet{};  ///< how its robots are reached, where they are not simulated
+  std::optional<FleetPlan> fleet{};          ///< how its robots are reached, where they are not simulated
+  std::optional<PartitionPlan> partition{};  ///< of the whole team; where it plans apart, `team` is its part
   std::optional<CampaignPlan> campaign{};
 };
 

@@ -59,6 +59,7 @@ struct Solution {
   double elapsed = 0.0;     ///< wall time of the update [s]
 };
 
+class Hearing;
 class TeamPlanner;
 
 /// A solver of one Ocp. `solve` does not throw, allocate, lock or print. One thread at a time.
@@ -91,6 +92,8 @@ class Solver {
 
   /// Its capability to plan in a team that changes (team_planner.hpp); none: it plans for its own team alone.
   virtual TeamPlanner* team_planner() noexcept { return nullptr; }
+  /// Which robots hear each other, where its team plans in parts that exchange messages; none: nobody needs to.
+  virtual const Hearing* hearing() const noexcept { return nullptr; }
   /// Whether it plans for teams with swarms, Team::keep_apart().
   virtual bool keeps_apart() const noexcept { return false; }
   /// Which of its formulas are compiled, for messages; nothing where none is ever looked for.

@@ -71,16 +71,30 @@ ExchangeOrder exchange_order(std::string_view word) {
   refuse("order = \"{}\", expected jacobi or gauss_seidel", word);
 }
 
+std::vector<PartInWords> parts_in_words(std::string_view text) {
+  std::vector<PartInWords> parts;
+  for (std::string_view words : split(text, '|')) {
+    PartInWords& part = parts.emplace_back();
+    if (const auto colon = words.find(':'); colon != words.npos) {
+      part.name = trimmed(words.substr(0, colon));
+      words = trimmed(words.substr(colon + 1));
+    }
+    if (words.empty()) continue;
+    for (const std::string_view word : split(words, ',')) part.robots.emplace_back(word);
+  }
+  return parts;
+}
+
 Partition read_partition(std::string_view text, const Team& team) {
   std::vector<std::string_view> names;
   for (const Agent& agent : team.agents()) names.push_back(agent.name);
   if (names.empty()) refuse("the team has no robot, expected at least one");
   Partition partition;
-  for (const std::string_view words : split(text, '|')) {
-    if (words.empty())
+  for (const PartInWords& part : parts_in_words(text)) {
+    if (part.robots.empty())
       refuse("partition = \"{}\" has a part without robots, expected at least one in each", text);
     std::vector<AgentId>& subteam = partition.emplace_back();
-    for (const std::string_view word : split(words, ',')) {
+    for (const std::string& word : part.robots) {
       const BodyId body = word.empty() ? BodyId{} : team.find(word);
       if (body.index < 0 || !team.is_agent(body)) {
         refuse("partition = \"{}\": \"{}\" is no robot of the team, expected one such as \"{}\"", text, word,
@@ -99,6 +113,9 @@ PartitionedSolver::PartitionedSolver(const Team& whole_team, const Partition& pa
   check(partition, whole_team);
   if (options.exchanges < 1 || options.exchanges > 1000)
     refuse("exchanges = {}, expected 1 to 1000", options.exchanges);
+  if (options.messages && (options.order != ExchangeOrder::jacobi || options.exchanges != 1))
+    refuse("order = {}, exchanges = {}, expected jacobi and 1 where messages take time",
+           to_string(options.order), options.exchanges);
   whole_ = make(whole_team);
   whole_planner_ = &team_planner_of(*whole_, "a team that plans in parts");
   const Team& team = whole_->ocp().team();
@@ -110,6 +127,14 @@ PartitionedSolver::PartitionedSolver(const Team& whole_team, const Partition& pa
     member.lean.resize(at(member.subteam->ocp().team().bodies()));
     members_.push_back(std::move(member));
   }
+  part_of_.resize(at(team.bodies()), -1);
+  std::vector<std::vector<Prediction>> said;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    for (const AgentId robot : partition[i]) part_of_[at(robot.index)] = static_cast<int>(i);
+    const auto predictions = members_[i].subteam->predictions();
+    said.emplace_back(predictions.begin(), predictions.end());
+  }
+  if (options.messages) messages_.emplace(*options.messages, whole_->ocp().horizon(), said);
   x_now_.resize(at(team.nx()));
   for (std::vector<double>* u : {&u_, &raw_u_, &u_stage_}) u->resize(at(team.nu()));
   x_.resize(at(team.nx()) * at(whole_->ocp().horizon().N + 1));
@@ -139,6 +164,50 @@ void PartitionedSolver::send_all(double time, std::span<const double> states) no
   for (const Member& member : members_) send(member);
 }
 
+/// Before the first update the parts have talked for a while: they know each other's clocks, and where all stand.
+void PartitionedSolver::talk_before(double time, std::span<const double> states) noexcept {
+  const double dt = ocp().horizon().dt;
+  for (const Member& member : members_) member.subteam->predict(time, states);
+  for (int k = messages_->talk_periods(); k > 0; --k) {
+    const double t = time - k * dt;
+    messages_->receive(t);
+    for (std::size_t i = 0; i < members_.size(); ++i)
+      messages_->send(static_cast<int>(i), t, members_[i].subteam->predictions());
+  }
+}
+
+/// What has come by now of the others; what is too old is not used any more.
+void PartitionedSolver::receive(double time) noexcept {
+  messages_->receive(time);
+  for (int to = 0; to < static_cast<int>(members_.size()); ++to) {
+    const Clock::time_point begin = Clock::now();
+    Subteam& subteam = *members_[at(to)].subteam;
+    for (int from = 0; from < static_cast<int>(members_.size()); ++from) {
+      if (from == to) continue;
+      const ReceivedMessage news = messages_->news(to, from);
+      if (news.ended)
+        for (const Prediction& prediction : members_[at(from)].subteam->predictions())
+          subteam.forget(prediction.who);
+      if (news.message == nullptr) continue;
+      for (const Prediction& prediction : news.message->predictions) subteam.receive(prediction, news.time);
+    }
+    members_[at(to)].elapsed += seconds_since(begin);
+  }
+}
+
+bool PartitionedSolver::hears(BodyId robot, BodyId other) const noexcept {
+  const int here = part_of(robot), there = part_of(other);
+  return !messages_ || here < 0 || there < 0 || here == there || messages_->hears(here, there);
+}
+
+bool PartitionedSolver::is_heard(BodyId body) const noexcept {
+  const int part = part_of(body);
+  if (!messages_ || part < 0) return true;
+  for (int other = 0; other < static_cast<int>(members_.size()); ++other)
+    if (other != part && !messages_->hears(other, part)) return false;
+  return true;
+}
+
 /// Every subteam once.
 void PartitionedSolver::exchange(double time, std::span<const double> states) noexcept {
   for (Member& member : members_) {
@@ -146,6 +215,11 @@ void PartitionedSolver::exchange(double time, std::span<const double> states) no
     member.solution = member.subteam->solve(time, states);
     member.elapsed += seconds_since(begin);
     if (options_.order == ExchangeOrder::gauss_seidel) send(member);
+  }
+  if (messages_) {
+    for (std::size_t i = 0; i < members_.size(); ++i)
+      messages_->send(static_cast<int>(i), time, members_[i].subteam->predictions());
+    return;
   }
   if (options_.order == ExchangeOrder::gauss_seidel) return;
   for (const Member& member : members_) send(member);
@@ -205,6 +279,10 @@ Solution PartitionedSolver::solve(double time, std::span<const double> states) n
   const bool accepted = accepts(time, states);
   Solution solution{.u = u_, .raw_u = raw_u_, .x = x_, .status = Status::converged};
   for (Member& member : members_) member.elapsed = 0.0;
+  if (messages_ && accepted) {
+    if (!messages_->begun()) talk_before(time, states);
+    receive(time);
+  }
   for (int i = 0; i < (accepted ? options_.exchanges : 1); ++i) {
     exchange(time, accepted ? states : std::span<const double>());
     for (const Member& member : members_) solution.iterations += member.solution.iterations;
@@ -287,6 +365,7 @@ void PartitionedSolver::restart() noexcept {
   whole_->restart();
   has_plan_ = false;
   std::fill(x_.begin(), x_.end(), 0.0);
+  if (messages_) messages_->restart();
   for (Member& member : members_) member.subteam->restart();
 }
 

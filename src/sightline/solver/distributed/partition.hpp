@@ -2,14 +2,19 @@
 ///
 /// An update is one exchange or more. In each, every subteam solves once, given the trajectories it received last, and sends
 /// its own: in Jacobi order when all have solved, so that they could work at one time; in Gauss-Seidel order at once,
-/// so that those after it know. Trajectories of the last update are carried on to the present one. docs/partition.md
+/// so that those after it know. Trajectories of the last update are carried on to the present one. Or each sends once, and the
+/// message comes as the network lets it. docs/partition.md
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "sightline/solver/distributed/peers.hpp"
+#include "sightline/solver/distributed/simulated_messages.hpp"
 #include "sightline/solver/distributed/subteam.hpp"
 
 namespace sightline {
@@ -23,7 +28,15 @@ ExchangeOrder exchange_order(std::string_view word);
 /// Every robot of a team in exactly one subteam.
 using Partition = std::vector<std::vector<AgentId>>;
 
-/// Reads "a,b | c,d": robots by name, subteams in the order in which they solve.
+/// A subteam as a text names it.
+struct PartInWords {
+  std::string name;  ///< empty: none is given
+  std::vector<std::string> robots;
+};
+/// Takes "front: a,b | c,d" apart; whether there are such robots nobody asks.
+std::vector<PartInWords> parts_in_words(std::string_view text);
+
+/// Reads "a,b | c,d": robots by name, subteams in the order in which they solve; a subteam may have a name, "front: a,b".
 /// @throws std::invalid_argument with a sentence for a name that is no robot, a robot named twice or in no subteam, and a
 /// subteam without robots
 Partition read_partition(std::string_view text, const Team& team);
@@ -31,9 +44,12 @@ Partition read_partition(std::string_view text, const Team& team);
 struct PartitionOptions {
   ExchangeOrder order = ExchangeOrder::gauss_seidel;
   int exchanges = 1;  ///< an update, 1..1000
+  /// Messages that take time and get lost, as between computers: then one exchange an update, in Jacobi order. None: what is sent
+  /// is there at once.
+  std::optional<ExchangeOptions> messages{};
 };
 
-class PartitionedSolver : public Solver, public TeamPlanner {
+class PartitionedSolver : public Solver, public TeamPlanner, public Hearing {
  public:
   /// @param make  the solver of each subteam, and that of the whole team, which judges the plan of all
   /// @throws std::invalid_argument for an option out of its range, where a robot is not in exactly one subteam, or where
@@ -51,6 +67,7 @@ class PartitionedSolver : public Solver, public TeamPlanner {
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;
   TeamPlanner* team_planner() noexcept override { return this; }
+  const Hearing* hearing() const noexcept override { return messages_ ? this : nullptr; }
   bool keeps_apart() const noexcept override { return whole_->keeps_apart(); }
 
   void plan(int k, std::span<double> u) const noexcept override;
@@ -61,9 +78,14 @@ class PartitionedSolver : public Solver, public TeamPlanner {
   /// Lets every subteam send where its plan leads from these states.
   void send_all(double time, std::span<const double> states) noexcept;
 
+  bool hears(BodyId robot, BodyId other) const noexcept override;
+  bool is_heard(BodyId body) const noexcept override;
+
   int subteams() const { return static_cast<int>(members_.size()); }
   /// Wall time of the last update's slowest subteam, all its exchanges [s]: what subteams on machines of their own would take.
   double slowest() const noexcept;
+  /// Of one subteam [s].
+  double elapsed(int subteam) const noexcept { return members_[static_cast<std::size_t>(subteam)].elapsed; }
 
  private:
   struct Member {
@@ -75,6 +97,10 @@ class PartitionedSolver : public Solver, public TeamPlanner {
     Solution solution = {};             // of the last exchange
   };
 
+  /// Part of a robot; -1: of none.
+  int part_of(BodyId body) const noexcept { return part_of_[static_cast<std::size_t>(body.index)]; }
+  void talk_before(double time, std::span<const double> states) noexcept;
+  void receive(double time) noexcept;
   bool accepts(double time, std::span<const double> states) noexcept;
   void exchange(double time, std::span<const double> states) noexcept;
   void send(const Member& sender) noexcept;
@@ -89,6 +115,8 @@ class PartitionedSolver : public Solver, public TeamPlanner {
   bool has_plan_ = false;
   PartitionOptions options_;
   std::vector<Member> members_;
+  std::vector<int> part_of_;                   // of each body
+  std::optional<SimulatedMessages> messages_;  // none: what is sent is there at once
   std::vector<double> x_now_, u_, raw_u_, u_stage_, x_;
 };
 

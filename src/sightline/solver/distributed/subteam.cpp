@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "sightline/base/index.hpp"
@@ -25,7 +26,7 @@ std::vector<AgentId> felt_within(const Coupling& coupling, std::span<const Agent
 
 }  // namespace
 
-Team subteam_of(const Team& whole, std::span<const AgentId> own) {
+Team subteam_of(const Team& whole, std::span<const AgentId> own, Others others) {
   if (own.empty()) throw std::invalid_argument("a part has no robot, expected at least one");
   for (const AgentId agent : own) {
     if (agent.index < 0 || agent.index >= whole.bodies() || !whole.is_agent(agent)) {
@@ -33,7 +34,7 @@ Team subteam_of(const Team& whole, std::span<const AgentId> own) {
           fmt::format("a part names body {}, expected a robot of the team", agent.index));
     }
   }
-  std::vector<bool> seen(at(whole.bodies()), false);
+  std::vector<bool> seen(at(whole.bodies()), others == Others::all);
   for (const Coupling& c : whole.couplings()) {
     if (felt_within(c, own).empty()) continue;
     seen[at(c.between.first.index)] = seen[at(c.between.second.index)] = true;
@@ -80,8 +81,8 @@ Team subteam_of(const Team& whole, std::span<const AgentId> own) {
   return subteam;
 }
 
-Subteam::Subteam(const Team& whole, std::span<const AgentId> own, const MakeSolver& make)
-    : whole_(whole), in_subteam_(at(whole.bodies()), -1), solver_(make(subteam_of(whole, own))) {
+Subteam::Subteam(const Team& whole, std::span<const AgentId> own, const MakeSolver& make, Others others)
+    : whole_(whole), in_subteam_(at(whole.bodies()), -1), solver_(make(subteam_of(whole, own, others))) {
   planner_ = &team_planner_of(*solver_, "a team that plans in parts");
   const Team& team = ocp().team();
   const Horizon& horizon = ocp().horizon();
@@ -131,11 +132,12 @@ void Subteam::roll_out(double time) noexcept {
     prediction.sights.clear();
   }
   std::copy(x_.begin(), x_.end(), path_.begin());
+  if (!planned_) std::fill(u_.begin(), u_.end(), 0.0);
   for (const BodyId body : ocp().agent_bodies()) {
     if (!team.model(body).normalise(&path_[at(team.state_offset(body))])) return;
   }
   for (int k = 0; k <= N; ++k) {
-    if (k < N) planner_->plan(k, u_);
+    if (k < N && planned_) planner_->plan(k, u_);
     double* const x = &path_[at(k) * x_.size()];
     if (k < N) std::copy_n(x, x_.size(), x + x_.size());
     for (std::size_t i = 0; i < predictions_.size(); ++i) {
@@ -159,6 +161,7 @@ Solution Subteam::solve(double time, std::span<const double> states) noexcept {
   gather(states);
   const Solution solution = solver_->solve(time, x_);
   if (!gives_plan(solution.status)) return solution;
+  planned_ = true;
   roll_out(time);
   return solution;
 }
@@ -175,25 +178,41 @@ double Subteam::kkt(double time, std::span<const double> states) noexcept {
   return solver_->kkt(time, x_);
 }
 
-void Subteam::receive(const Prediction& prediction) noexcept {
-  if (!prediction.sights.empty()) set_prediction(prediction);
+/// Of a body of the whole team that others plan, its number here; -1: nobody here is coupled with it.
+int Subteam::place_of(BodyId who) const noexcept {
+  const bool known = who.index >= 0 && who.index < whole_.bodies();
+  const int here = known ? in_subteam_[at(who.index)] : -1;
+  return here >= 0 && !ocp().team().is_agent(BodyId{here}) ? here : -1;
 }
 
-void Subteam::set_prediction(const Prediction& prediction) noexcept {
-  const bool known = prediction.who.index >= 0 && prediction.who.index < whole_.bodies();
-  const int here = known ? in_subteam_[at(prediction.who.index)] : -1;
-  if (here < 0 || ocp().team().is_agent(BodyId{here})) return;
+void Subteam::put(const Prediction& prediction, double time) noexcept {
+  const int here = place_of(prediction.who);
   const bool fits = prediction.sights.size() <= received_.sights.capacity() && prediction.h > 0;
-  if (!fits || !prediction.is_finite()) return;
+  if (here < 0 || !fits || !std::isfinite(time) || !prediction.is_finite()) return;
   received_.who = BodyId{here};
-  received_.time = prediction.time;
+  received_.time = time;
   received_.h = prediction.h;
   received_.sights.assign(prediction.sights.begin(), prediction.sights.end());
   planner_->set_prediction(received_);
 }
 
+void Subteam::receive(const Prediction& prediction, double time) noexcept {
+  if (!prediction.sights.empty()) put(prediction, time);
+}
+
+void Subteam::set_prediction(const Prediction& prediction) noexcept { put(prediction, prediction.time); }
+
+void Subteam::forget(BodyId who) noexcept {
+  const int here = place_of(who);
+  if (here < 0) return;
+  received_.who = BodyId{here};
+  received_.sights.clear();
+  planner_->set_prediction(received_);
+}
+
 void Subteam::restart() noexcept {
   solver_->restart();
+  planned_ = false;
   for (Prediction& prediction : predictions_) prediction.sights.clear();
 }
 

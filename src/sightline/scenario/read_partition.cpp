@@ -1,0 +1,217 @@
+#include "sightline/scenario/read_partition.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "sightline/base/index.hpp"
+#include "sightline/base/refuse.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/read_part.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr std::string_view exchange_key = "exchange", part_key = "part";
+constexpr std::size_t parts_max = 1024, part_name_max = 64;
+
+/// What can stand in the name of a topic.
+bool is_part_name(std::string_view name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  return !name.empty() && name.size() <= part_name_max && letter(name[0]) &&
+         std::all_of(name.begin(), name.end(), [&](char c) { return letter(c) || (c >= '0' && c <= '9'); });
+}
+
+PlannedPart read_part_of(const TomlTable& at, const std::string& name, const Team& team,
+                         std::vector<std::string_view>& missing) {
+  if (!is_part_name(name) || name == PartitionPlan::all)
+    at.refuse(name, fmt::format("a name of a part of letters, digits and _, at most {}, which is not \"{}\"",
+                                part_name_max, PartitionPlan::all));
+  PlannedPart part{name, at.texts(name, TomlTable::any_length, "robots by name")};
+  for (std::size_t i = 0; i < part.robots.size(); ++i) {
+    const auto found = std::find(missing.begin(), missing.end(), part.robots[i]);
+    if (found != missing.end()) {
+      missing.erase(found);
+      continue;
+    }
+    const BodyId body = team.find(part.robots[i]);
+    if (body.index >= 0 && team.is_agent(body)) at.refuse(name, i, "a robot that no part has yet");
+    at.refuse(name, i,
+              fmt::format("a robot, the nearest is \"{}\"", nearest(shortened(part.robots[i], name_size_max),
+                                                                    body_names(team, Among::robots))));
+  }
+  return part;
+}
+
+/// Other ids of the same bodies, by name.
+class Renumbered {
+ public:
+  Renumbered(const Team& from, const Team& to) : from_(from), to_(to) {}
+  BodyId operator()(BodyId body) const { return body.index < 0 ? body : to_.find(from_.name(body)); }
+  bool steers(BodyId body) const {
+    const BodyId here = (*this)(body);
+    return here.index >= 0 && to_.is_agent(here);
+  }
+  /// Of a list of things that each belong to a robot: those of own robots alone.
+  template <class List, class Member>
+  void keep_own(List& list, Member member) const {
+    std::erase_if(list, [&](const auto& one) { return !steers(BodyId{one.*member}); });
+    for (auto& one : list) {
+      auto& id = one.*member;
+      id = std::remove_reference_t<decltype(id)>{(*this)(BodyId{id})};
+    }
+  }
+  /// Of things that each belong to a body.
+  template <class List, class Member>
+  void rename(List& list, Member member) const {
+    for (auto& one : list) one.*member = (*this)(one.*member);
+  }
+
+ private:
+  const Team &from_, &to_;
+};
+
+/// Whoever of the team feels it.
+bool is_felt_within(const Coupling& coupling, const Renumbered& here) {
+  return std::any_of(coupling.felt_by.begin(), coupling.felt_by.end(),
+                     [&](AgentId agent) { return here.steers(agent); });
+}
+
+bool follows_a_robot(const Motion& motion) {
+  return std::visit(
+      [](const auto& one) {
+        return requires { one.agent; };
+      },
+      motion);
+}
+
+void check_flown_in_parts(const Scenario& whole) {
+  const std::string& part = whole.partition->part;
+  if (!whole.localization.robots.empty())
+    refuse(
+        "partition.part = \"{}\" beside agent.{}.localized_by = view, expected \"global\": what it sees is "
+        "of "
+        "robots whose poses the part is not told",
+        part, whole.team.name(whole.localization.robots.front().robot));
+  for (const UncooperativeBody& body : whole.uncooperative)
+    if (body.motion && follows_a_robot(*body.motion))
+      refuse("partition.part = \"{}\" beside {}, whose motion is that of a robot, expected one of its own",
+             part, whole.team.name(body.body));
+}
+
+}  // namespace
+
+void read_partition(const TomlTable& root, Scenario& scenario) {
+  if (!root.has("partition")) return;
+  const TomlTable at = root.table("partition");
+  PartitionPlan& plan = scenario.partition.emplace();
+  std::vector<std::string_view> missing = body_names(scenario.team, Among::robots);
+  for (const std::string& key : at.keys()) {
+    if (key == exchange_key || key == part_key) continue;
+    plan.parts.push_back(read_part_of(at, key, scenario.team, missing));
+  }
+  if (plan.parts.empty()) at.refuse("a part, as front = [\"uav0\"]");
+  if (plan.parts.size() > parts_max) at.refuse(fmt::format("at most {} parts", parts_max));
+  if (!missing.empty()) at.refuse(fmt::format("every robot in one part, {} is in none", missing.front()));
+  plan.exchange = read_part<ExchangeOptions>(TableSource(at.table_or_empty(exchange_key)));
+  plan.exchange.seed = scenario.simulation.seed;
+  if (at.has(part_key)) {
+    std::vector<std::string_view> names = {PartitionPlan::all};
+    for (const PlannedPart& part : plan.parts) names.push_back(part.name);
+    plan.part = at.word(part_key, names);
+  }
+  at.checked([&] {
+    if (!plans_in_a_changing_team(scenario.solver.name))
+      refuse("the solver {} cannot plan a part, expected {}", scenario.solver.name, team_planners());
+    if (changes_in_flight(scenario)) refuse("the team changes in flight, expected a scenario without events");
+    for (const std::vector<AgentId>& part : partition_of(plan, scenario.team))
+      (void)subteam_of(scenario.team, part);
+    if (plan.apart()) scenario = part_of(scenario);
+  });
+}
+
+Partition partition_of(const PartitionPlan& plan, const Team& team) {
+  Partition partition;
+  for (const PlannedPart& part : plan.parts) {
+    std::vector<AgentId>& robots = partition.emplace_back();
+    for (const std::string& name : part.robots) robots.push_back(AgentId{team.find(name)});
+  }
+  return partition;
+}
+
+Scenario part_of(const Scenario& whole) {
+  check_flown_in_parts(whole);
+  const auto& parts = whole.partition->parts;
+  const auto own = std::find_if(parts.begin(), parts.end(),
+                                [&](const PlannedPart& part) { return part.name == whole.partition->part; });
+  const auto place = static_cast<std::size_t>(own - parts.begin());
+  Scenario part = whole;
+  part.team = subteam_of(whole.team, partition_of(*whole.partition, whole.team)[place], Others::all);
+  const Team& team = part.team;
+  const Renumbered here(whole.team, team);
+
+  part.coupling_places.clear();
+  for (std::size_t c = 0; c < whole.team.couplings().size() && c < whole.coupling_places.size(); ++c)
+    if (is_felt_within(whole.team.couplings()[c], here))
+      part.coupling_places.push_back(whole.coupling_places[c]);
+  for (BodyId& body : part.targets) body = here(body);
+  for (BodyId& body : part.obstacles) body = here(body);
+  here.rename(part.uncooperative, &UncooperativeBody::body);
+  part.x0.assign(at(team.nx()), 0.0);
+  part.presence.assign(at(team.bodies()), Presence::hold);
+  for (int i = 0; i < whole.team.bodies(); ++i) {
+    const BodyId from{i}, to = here(from);
+    const double* const x = &whole.x0[at(whole.team.state_offset(from))];
+    double* const of_part = &part.x0[at(team.state_offset(to))];
+    part.presence[at(to.index)] = team.is_agent(to) ? Presence::steered : Presence::hold;
+    if (team.is_agent(to) || !whole.team.is_agent(from)) {
+      std::copy_n(x, team.model(to).nx(), of_part);
+      continue;
+    }
+    const Agent& robot = whole.team.agent(from);
+    write_body(robot.model.sight(x, robot.u_ref.data()), {of_part, at(team.model(to).nx())});
+    part.obstacles.push_back(to);
+    part.uncooperative.push_back({.body = to,
+                                  .speed_max = whole.partition->exchange.speed_max,
+                                  .robot = std::string(robot.model.name())});
+  }
+  here.keep_own(part.compensations, &RobotCompensation::robot);
+  here.keep_own(part.vehicles, &RobotVehicle::robot);
+  here.keep_own(part.vision.cameras, &RobotCamera::observer);
+  here.rename(part.vision.tags, &BodyTags::body);
+  here.rename(part.vision.hulls, &BodyHull::body);
+  here.rename(part.simulation.faults, &Fault::body);
+  std::erase_if(part.simulation.faults, [&](const Fault& fault) {
+    return fault.body.index >= 0 && fault.number >= team.model(fault.body).nx();
+  });
+  if (!part.fleet) return part;
+  here.rename(part.fleet->bodies, &BodyLink::body);
+  for (const Link& link : whole.fleet->links) {
+    if (here.steers(link.robot)) continue;
+    part.fleet->bodies.push_back({.body = here(link.robot), .poses = link.poses, .robot = link});
+  }
+  here.keep_own(part.fleet->links, &Link::robot);
+  here.keep_own(part.fleet->faults, &LinkFault::robot);
+  part.fleet->network.node += "/" + part.partition->part;
+  return part;
+}
+
+std::string in_words(const PartitionPlan& plan) {
+  std::string text;
+  const ExchangeOptions& e = plan.exchange;
+  for (const PlannedPart& part : plan.parts)
+    text += fmt::format("part        {}: {}\n", part.name, fmt::join(part.robots, ", "));
+  if (plan.part == PartitionPlan::all) return text + "exchange    none: one solver plans all\n";
+  if (!plan.part.empty())
+    return text + fmt::format("exchange    {} is planned here; a message counts for {} s\n", plan.part,
+                              e.stale_after);
+  return text + fmt::format("exchange    each period, after {} s{}, {} % lost{}; a message counts for {} s\n",
+                            e.delay, e.jitter > 0 ? fmt::format(" to {} s", e.delay + e.jitter) : "",
+                            100 * e.loss, e.offset != 0 ? fmt::format(", clocks {} s apart", e.offset) : "",
+                            e.stale_after);
+}
+
+}  // namespace sightline

@@ -1,0 +1,51 @@
+/// The solver of one part of a team, whose others plan elsewhere: each update takes what they sent last, and sends where its own
+/// robots will be. docs/partition.md
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "sightline/solver/distributed/peers.hpp"
+#include "sightline/solver/distributed/subteam.hpp"
+
+namespace sightline {
+
+/// What carries predictions between parts. By the thread that flies: nothing throws, allocates, locks or prints.
+class PartExchange : public Hearing {
+ public:
+  /// Gives what came of others by t [s] to their receiver, and ends what is too old.
+  virtual void receive(double t, Subteam& receiver) noexcept = 0;
+  /// Sends where the own robots will be from t [s] on.
+  virtual void send(double t, std::span<const Prediction> predictions) noexcept = 0;
+
+ protected:
+  ~PartExchange() = default;
+};
+
+/// Of a team whose robots it all plans, and whose other bodies may be robots of other parts.
+class PartSolver final : public Solver {
+ public:
+  /// @param exchange  outlives this
+  /// @throws std::invalid_argument as Subteam does
+  PartSolver(const Team& team, const MakeSolver& make, PartExchange& exchange);
+
+  std::string_view name() const override { return subteam_.solver().name(); }
+  const Ocp& ocp() const override { return subteam_.ocp(); }
+  Solution solve(double time, std::span<const double> states) noexcept override;
+  void set_applied(const AppliedInputs& applied) noexcept override { subteam_.set_applied(applied); }
+  double kkt(double time, std::span<const double> states) noexcept override {
+    return subteam_.kkt(time, states);
+  }
+  void planned(double time, std::span<double> u) const noexcept override { subteam_.planned(time, u); }
+  void restart() noexcept override { subteam_.restart(); }
+  const Hearing* hearing() const noexcept override { return &exchange_; }
+  bool keeps_apart() const noexcept override { return subteam_.solver().keeps_apart(); }
+  KernelUse kernels() const override { return subteam_.solver().kernels(); }
+
+ private:
+  Subteam subteam_;
+  PartExchange& exchange_;
+};
+
+}  // namespace sightline

@@ -1,0 +1,81 @@
+#include "sightline/solver/distributed/peers.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "sightline/base/index.hpp"
+
+namespace sightline {
+
+void ClockOffsetByEcho::hear(ClockTime now, ClockTime stamp, const Echo& echo) noexcept {
+  if (echo.stamp == 0) return;
+  const ClockTime round_trip = (now - echo.stamp) - echo.held;
+  if (round_trip < 0 || round_trip > kept) return;  // a clock that was set anew
+  if (now - best_[newest_].since > span || best_[newest_].since == 0) {
+    newest_ = (newest_ + 1) % best_.size();
+    best_[newest_] = {.since = now};
+  }
+  Best& best = best_[newest_];
+  if (round_trip > best.round_trip) return;
+  // Theirs: t_2 = stamp - held, when ours came, and t_3 = stamp.
+  best.round_trip = round_trip;
+  best.offset = ((stamp - echo.held - echo.stamp) + (stamp - now)) / 2;
+}
+
+std::optional<ClockTime> ClockOffsetByEcho::offset() const noexcept {
+  const auto best = std::min_element(
+      best_.begin(), best_.end(), [](const Best& a, const Best& b) { return a.round_trip < b.round_trip; });
+  if (best->since == 0 || best->round_trip == std::numeric_limits<ClockTime>::max()) return std::nullopt;
+  return best->offset;
+}
+
+Peers::Peers(int parts, int own, ClockTime stale_after)
+    : peers_(at(parts)), own_(own), stale_after_(stale_after) {}
+
+bool Peers::receive(const PartMessage& message, ClockTime now) noexcept {
+  if (message.part < 0 || message.part >= static_cast<int>(peers_.size()) || message.part == own_)
+    return false;
+  Peer& peer = peers_[at(message.part)];
+  const bool other = peer.counts.sessions == 0 || message.session != peer.session;
+  if (!other && message.sequence <= peer.sequence) {
+    ++peer.counts.late;
+    return false;
+  }
+  if (other) {
+    peer.clock.forget();
+    peer.session = message.session;
+    ++peer.counts.sessions;
+  } else {
+    peer.counts.lost += static_cast<std::int64_t>(message.sequence - peer.sequence - 1);
+  }
+  ++peer.counts.received;
+  peer.sequence = message.sequence;
+  peer.stamp = message.stamp;
+  peer.arrived = now;
+  peer.steers = message.steers;
+  peer.phase = message.phase;
+  if (message.echoes.size() == peers_.size()) peer.clock.hear(now, message.stamp, message.echoes[at(own_)]);
+  return true;
+}
+
+PeerState Peers::state(int part, ClockTime now) const noexcept {
+  const Peer& peer = peers_[at(part)];
+  const std::optional<ClockTime> offset = peer.clock.offset();
+  if (peer.counts.received == 0 || !offset) return PeerState::silent;
+  if (std::abs(*offset) > offset_max) return PeerState::other_time;
+  if (now - (peer.stamp - *offset) > stale_after_) return PeerState::stale;
+  return peer.steers ? PeerState::heard : PeerState::idle;
+}
+
+std::optional<ClockTime> Peers::offset(int part) const noexcept { return peers_[at(part)].clock.offset(); }
+
+void Peers::answer(ClockTime now, std::vector<Echo>& echoes) const noexcept {
+  for (std::size_t i = 0; i < echoes.size() && i < peers_.size(); ++i) {
+    const Peer& peer = peers_[i];
+    echoes[i] = peer.counts.received == 0 ? Echo{} : Echo{peer.stamp, now - peer.arrived};
+  }
+}
+
+void Peers::forget() noexcept { std::fill(peers_.begin(), peers_.end(), Peer{}); }
+
+}  // namespace sightline
