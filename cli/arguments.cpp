@@ -173,6 +173,31 @@ Arguments::Arguments()
       ->excludes(resume)
       ->excludes("--only")
       ->excludes("--beside");
+  CLI::Option* slurm = campaign_command
+                           ->add_flag("--slurm", campaign.slurm.submit,
+                                      "Fly the shards as a job array of Slurm, wait, and merge them")
+                           ->excludes(shard)
+                           ->excludes(resume)
+                           ->excludes("--only")
+                           ->excludes("--threads")
+                           ->excludes("--merge");
+  campaign_command->add_flag("--dry-run", campaign.slurm.dry_run, "Print the job array's script, no more")
+      ->needs(slurm);
+  campaign_command->add_option("--shards", campaign.slurm.shards, "Shards of the job array")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000))
+      ->needs(slurm);
+  campaign_command
+      ->add_option("--cpus", campaign.slurm.cpus, "Processors of each shard [SBATCH_CPUS_PER_TASK, or 1]")
+      ->check(CLI::Range(1, 1024))
+      ->needs(slurm);
+  campaign_command
+      ->add_option("--partition", campaign.slurm.partition, "Of Slurm [SBATCH_PARTITION, or its default]")
+      ->needs(slurm);
+  campaign_command
+      ->add_option("--time", campaign.slurm.time,
+                   "That a shard may take at most, as sbatch reads it [SBATCH_TIMELIMIT, or its default]")
+      ->needs(slurm);
 
   parts_command = app.add_subcommand(
       "parts", "List the robots, potentials, references and limits that a scenario may use");

@@ -13,9 +13,11 @@
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
+#include "cli/slurm.hpp"
 #include "sightline/campaign/merge.hpp"
 #include "sightline/campaign/page.hpp"
 #include "sightline/campaign/paired.hpp"
+#include "sightline/campaign/result_file.hpp"
 #include "sightline/campaign/table.hpp"
 #include "sightline/record/text_file.hpp"
 #include "sightline/studies/evasion_page.hpp"
@@ -67,8 +69,8 @@ using Counts = std::array<int, outcome_count>;
 struct Tables {
   explicit Tables(const Input& input) {
     for (std::size_t i = 0; i < input.scenarios.size(); ++i)
-      locks.emplace_back(input.folder_of(i),
-                         std::initializer_list<std::string_view>{"campaign.sqlite", "campaign.html"});
+      locks.emplace_back(input.folder_of(i), std::initializer_list<std::string_view>{
+                                                 "campaign.sqlite", "campaign.json", "campaign.html"});
     for (std::size_t i = 0; i < input.scenarios.size(); ++i) open(input, i);
   }
 
@@ -179,7 +181,7 @@ int merge(const CampaignCommand& command, const Parts& parts) {
   const fs::path out =
       command.output.empty() ? fs::path("out") / about.scenario / "campaign" : command.output;
   const fs::path scenario_file = out / (about.scenario + ".toml");
-  const FolderLock lock(out, {"campaign.html"});
+  const FolderLock lock(out, {"campaign.json", "campaign.html"});
   merge_shards(tables_in(""), out / "campaign.sqlite");
   write_text(scenario_file, about.text);
   std::vector<CampaignTable> tables = {{about.scenario, out / "campaign.sqlite"}};
@@ -188,6 +190,8 @@ int merge(const CampaignCommand& command, const Parts& parts) {
     merge_shards(tables_in(name), out / name / "campaign.sqlite");
     tables.push_back({name, out / name / "campaign.sqlite"});
   }
+  write_machines(out, machines_of(from));
+  write_text(out / "campaign.json", campaign_json(tables, machines_of({out})));
   for (const CampaignTable& table : tables) {
     const CampaignWords words = campaign_words(table.file);
     print("{}: {} runs of {} shards, seed {}\n", words.scenario, words.runs, from.size(), words.seed);
@@ -207,8 +211,26 @@ int merge(const CampaignCommand& command, const Parts& parts) {
     say(error.what());
     code = 1;
   }
-  print("{}\n", (out / "campaign.sqlite").native());
+  for (const char* file : {"campaign.json", "campaign.sqlite"}) print("{}\n", (out / file).native());
   return code;
+}
+
+/// All shards by Slurm, then one table and page of them.
+int campaign_by_slurm(const CampaignCommand& command, const Input& input, const Parts& parts) {
+  const std::string script =
+      slurm_script(command, input.options.seed, input.scenarios.front().name, input.folder);
+  if (command.slurm.dry_run) {
+    print("{}", script);
+    return 0;
+  }
+  const int shards = command.slurm.shards;
+  outlive_the_terminal();
+  fs::create_directories(input.folder);
+  if (!fly_by_slurm(script, shards, input.folder)) return 1;
+  CampaignCommand of_shards = command;
+  of_shards.output = input.folder;
+  for (int i = 1; i <= shards; ++i) of_shards.merge.push_back(input.folder / fmt::format("shard_{}", i));
+  return merge(of_shards, parts);
 }
 
 }  // namespace
@@ -218,6 +240,7 @@ int campaign(const CampaignCommand& command, const Parts& parts) {
   try {
     if (!command.merge.empty()) return merge(command, parts);
     input = read(command, parts);
+    if (command.slurm.submit) return campaign_by_slurm(command, input, parts);
   } catch (const std::exception& error) {
     tell("{}\n", error.what());
     return 2;
@@ -228,6 +251,7 @@ int campaign(const CampaignCommand& command, const Parts& parts) {
   try {
     if (command.only) return fly_one(input, *command.only);
     Tables held(input);
+    note_machine(input.folder, this_machine());
     std::vector<CampaignTable> tables;
     for (std::size_t i = 0; i < input.scenarios.size(); ++i) {
       const Scenario& scenario = input.scenarios[i];
@@ -247,6 +271,7 @@ int campaign(const CampaignCommand& command, const Parts& parts) {
       evasions.push_back(
           evasion_runs(input.scenarios[i], input.plan, input.options.seed, input.options.runs));
     if (input.plan.evasion) print("\n{}\n", evasion_text(*input.plan.evasion, evasions));
+    write_text(input.folder / "campaign.json", campaign_json(tables, machines_of({input.folder})));
     for (std::size_t i = 0; i < tables.size(); ++i) {
       const std::vector<CampaignTable> shown = i == 0 ? tables : std::vector<CampaignTable>{tables[i]};
       const std::span of_all(evasions);
@@ -267,7 +292,7 @@ int campaign(const CampaignCommand& command, const Parts& parts) {
     tell("{}\n", error.what());
     return 2;
   }
-  for (const char* file : {"campaign.html", "campaign.sqlite"})
+  for (const char* file : {"campaign.html", "campaign.json", "campaign.sqlite"})
     if (std::error_code error; fs::exists(input.folder / file, error))
       print("{}\n", (input.folder / file).native());
   if (counts[0] == input.runs()) return lost ? 1 : 0;

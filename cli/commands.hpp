@@ -118,6 +118,14 @@ struct IdentifyCommand {
   bool json = false;
 };
 
+/// What a job array is to ask for; what is empty or 0 is left to Slurm, and to SBATCH_* of the environment.
+struct SlurmOptions {
+  bool submit = false, dry_run = false;
+  int shards = 8;
+  int cpus = 0;                     ///< of each shard; 0: SBATCH_CPUS_PER_TASK, or 1
+  std::string partition{}, time{};  ///< of Slurm
+};
+
 struct CampaignCommand {
   NamedScenario scenario;        ///< its `set` is of the one beside, too
   std::filesystem::path output;  ///< empty: out/NAME/campaign
@@ -129,6 +137,7 @@ struct CampaignCommand {
   std::string shard;                         ///< "I/N": which of the runs; empty: all
   bool resume = false;                       ///< there must be runs already
   std::vector<std::filesystem::path> merge;  ///< folders of shards; empty: none
+  SlurmOptions slurm;
 };
 
 /// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.

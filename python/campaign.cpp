@@ -36,7 +36,7 @@ fs::path fly(const Scenario& given, const fs::path& out, int runs, const std::op
                           .stop = &stop};
   const FolderLock lock(out.empty() ? fs::path("out") / given.name / "campaign" : out,
                         {"campaign.sqlite", "campaign.html"});
-  const fs::path file = lock.folder() / "campaign.sqlite";
+  fs::path file = lock.folder() / "campaign.sqlite";
   auto flight = std::async(std::launch::async, [&] {
     RunTable table(file, given, plan, options.seed);
     check_continues(table, file, given, plan, options);

@@ -57,6 +57,43 @@ TEST(Campaign, FliesInARegisteredWorldThatGivesDetections) {
   EXPECT_EQ(flown(scenario, 2), flown(small_campaign(), 2));
 }
 
+Scenario shipped_with_campaign(const std::string& name, const std::string& more, const std::string& draw) {
+  const std::string text = test::read_file(SIGHTLINE_SOURCE_DIR "/" + name);
+  return parse_scenario(text + more +
+                            "\n[campaign]\nduration = 12.0\nview_within = 6.0\n[[campaign.draw]]\nkey = \"" +
+                            draw + "\"\nuniform = [-0.2, 0.2]\n",
+                        "a.toml");
+}
+
+TEST(Campaign, ATeamThatChangesIsJudgedByThoseWhoAreThere) {
+  // Others join and leave, and who watches whom changes.
+  const Scenario scenario =
+      shipped_with_campaign("scenarios/join_and_leave.toml", "", "agent.uav1.start.p[1]");
+  const Rows one = flown(scenario, 1, 6);
+  EXPECT_EQ(flown(scenario, 3, 6), one);
+  for (const auto& row : one) {
+    EXPECT_EQ(row[2], static_cast<double>(Outcome::recovered)) << row[0];
+    EXPECT_GE(row[4], 0.0);
+  }
+}
+
+TEST(Campaign, ATeamThatPlansInPartsLosesOtherMessagesInEachRun) {
+  const Scenario lossy = shipped_with_campaign(
+      "scenarios/chain8.toml",
+      "\n[partition]\nfront = [\"uav0\", \"uav1\", \"uav2\", \"uav3\"]\nback = [\"uav4\", "
+      "\"uav5\", \"uav6\", \"uav7\"]\n[partition.exchange]\nloss = 0.5\ndelay = 0.05\n",
+      "agent.uav0.start.p[1]");
+  const Rows one = flown(lossy, 1, 3);
+  EXPECT_EQ(flown(lossy, 2, 3), one);
+  const Scenario clear = shipped_with_campaign("scenarios/chain8.toml", "", "agent.uav0.start.p[1]");
+  const Rows whole = flown(clear, 2, 3);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i][2], static_cast<double>(Outcome::recovered));
+    EXPECT_NE(one[i][7], whole[i][7]);
+    EXPECT_NEAR(one[i][7], whole[i][7], 0.05 * whole[i][7]);
+  }
+}
+
 TEST(Campaign, RunsAreHandedOverInTheirOrder) {
   const Rows rows = flown(small_campaign(), 4, 50);
   ASSERT_EQ(rows.size(), 50U);

@@ -2,49 +2,72 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
+#include <vector>
 
 namespace sightline {
 namespace {
 
-/// P(X >= k), X binomial, summed term by term.
-double at_least(int k, int n, double p) {
-  double sum = 0;
-  for (int i = k; i <= n; ++i) {
-    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) + i * std::log(p) +
-                    (n - i) * std::log1p(-p));
+TEST(Wilson, IsWhatItsFormulaSaysAndHoldsTheShare) {
+  const Interval of_81 = wilson(81, 263);  // Newcombe 1998, Table I
+  EXPECT_NEAR(of_81.low, 0.2553, 5e-5);
+  EXPECT_NEAR(of_81.high, 0.3662, 5e-5);
+  const Interval of_15 = wilson(15, 148);
+  EXPECT_NEAR(of_15.low, 0.0624, 5e-5);
+  EXPECT_NEAR(of_15.high, 0.1605, 5e-5);
+  const Interval none = wilson(0, 20);
+  EXPECT_EQ(none.low, 0.0);
+  EXPECT_NEAR(none.high, 0.1611, 5e-5);
+  EXPECT_EQ(wilson(29, 29).high, 1.0);
+  for (std::int64_t good = 0; good <= 50; ++good) {
+    const Interval one = wilson(good, 50), other = wilson(50 - good, 50);
+    EXPECT_LE(one.low, static_cast<double>(good) / 50);
+    EXPECT_GE(one.high, static_cast<double>(good) / 50);
+    EXPECT_NEAR(one.low, 1 - other.high, 1e-12);
   }
-  return sum;
 }
 
-TEST(Confidence, EachBoundIsWhereTheCountIsAsUnlikelyAsAllowed) {
-  for (const int n : {1, 2, 10, 57, 300}) {
-    for (int k = 0; k <= n; k += 1 + n / 10) {
-      for (const double confidence : {0.9, 0.95, 0.999}) {
-        const Interval bounds = clopper_pearson(k, n, confidence);
-        const double tail = (1 - confidence) / 2;
-        EXPECT_LE(bounds.low, static_cast<double>(k) / n);
-        EXPECT_GE(bounds.high, static_cast<double>(k) / n);
-        if (k > 0) {
-          EXPECT_NEAR(at_least(k, n, bounds.low) / tail, 1.0, 1e-9);
-        } else {
-          EXPECT_EQ(bounds.low, 0.0);
-        }
-        if (k < n) {
-          EXPECT_NEAR((1 - at_least(k + 1, n, bounds.high)) / tail, 1.0, 1e-7);
-        } else {
-          EXPECT_EQ(bounds.high, 1.0);
-        }
-      }
+TEST(Wilson, HoldsTheProbabilityAboutAsOftenAsItSays) {
+  for (const double p : {0.1, 0.5, 0.9}) {
+    const int n = 60;
+    double covered = 0.0;
+    for (int k = 0; k <= n; ++k) {
+      const Interval bounds = wilson(k, n);
+      if (p < bounds.low || p > bounds.high) continue;
+      covered += std::exp(std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1) + k * std::log(p) +
+                          (n - k) * std::log(1 - p));
     }
+    EXPECT_NEAR(covered, 0.95, 0.03) << p;
   }
 }
 
-TEST(Confidence, OfRunsThatAllSucceededTheLowerBoundIsKnownInClosedForm) {
-  for (const int n : {1, 30, 1000, 10'000, 1'000'000}) {
-    EXPECT_NEAR(clopper_pearson(n, n).low, std::pow(0.025, 1.0 / n), 1e-12) << n;
-    EXPECT_NEAR(clopper_pearson(0, n).high, 1 - std::pow(0.025, 1.0 / n), 1e-12) << n;
+TEST(BootstrapMedian, HoldsTheMedianAboutAsOftenAsItSaysAndIsTheSameEachTime) {
+  std::mt19937_64 random(7);
+  std::exponential_distribution<double> waits(1.0);
+  int covered = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::vector<double> values(41);
+    for (double& value : values) value = waits(random);
+    const MedianBounds bounds = bootstrap_median(values, 0.95, 400);
+    std::reverse(values.begin(), values.end());
+    EXPECT_EQ(bootstrap_median(values, 0.95, 400).low, bounds.low);
+    EXPECT_LE(bounds.low, bounds.median);
+    EXPECT_LE(bounds.median, bounds.high);
+    if (bounds.low <= std::log(2.0) && std::log(2.0) <= bounds.high) ++covered;
   }
+  EXPECT_NEAR(covered / 300.0, 0.95, 0.05);
+  EXPECT_EQ(bootstrap_median({4.0}).low, 4.0);
+  EXPECT_EQ(bootstrap_median({1.0, 3.0}).median, 2.0);
+}
+
+TEST(SignTest, IsTheBinomialOfOneHalf) {
+  EXPECT_EQ(sign_test(0, 0), 1.0);
+  EXPECT_EQ(sign_test(4, 4), 1.0);
+  EXPECT_NEAR(sign_test(0, 5), 2.0 / 32, 1e-12);
+  EXPECT_NEAR(sign_test(1, 9), 2.0 * 11 / 1024, 1e-12);
+  EXPECT_EQ(sign_test(3, 12), sign_test(12, 3));
 }
 
 TEST(Confidence, TheIncompleteBetaFunctionIsItsIntegral) {

@@ -104,6 +104,20 @@ TEST(MergeShards, SaysByNameWhatIsMissingDamagedForeignTwiceOrNotWhole) {
               testing::HasSubstr("damaged.sqlite: holds no sound shard"));
 }
 
+TEST(MergeShards, AByteThatChangedAnywhereIsSeen) {
+  const fs::path folder = test::fresh_folder(), to = folder / "merged.sqlite";
+  const std::vector<fs::path> files = shard_files(folder, 2);
+  const std::string bytes = test::read_file(files[1]);
+  for (std::size_t place = 5; place < bytes.size(); place += bytes.size() / 40) {
+    std::string spoilt = bytes;
+    spoilt[place] = static_cast<char>(spoilt[place] ^ 0x10);
+    std::ofstream(folder / "spoilt.sqlite", std::ios::binary) << spoilt;
+    EXPECT_THAT(merge_refusal({files[0], folder / "spoilt.sqlite"}, to),
+                testing::HasSubstr("spoilt.sqlite: holds"))
+        << place;
+  }
+}
+
 TEST(MergeShards, ATableThatIsThereIsNotReplacedByAnotherCampaign) {
   const fs::path folder = test::fresh_folder();
   const std::vector<fs::path> files = shard_files(folder, 2);

@@ -93,16 +93,29 @@ TEST(Pairing, LinesTellAllRobotsAndEach) {
                       b = table_of(folder, "b", 30, [](int i) { return 0.5 * (1.0 + i); });
   EXPECT_THAT(energy_columns(a), testing::ElementsAre("uav0.energy"));
   const auto lines = energy_lines(a, b);
-  ASSERT_EQ(lines.size(), 2U);
-  EXPECT_EQ(lines[0].what, "energy");
-  EXPECT_THAT(lines[0].value, HasSubstr("0.500 of it in the median (95 %: 0.500 to 0.500)"));
-  EXPECT_THAT(lines[0].value, HasSubstr("less in 30 of 30 runs that both recovered"));
-  EXPECT_EQ(lines[1].what, "uav0.energy");
-  EXPECT_EQ(energy_lines(a, a)[0].value, "the same in 30 runs that both recovered");
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(lines[0].value, "alone in 0 of 30 runs, the other alone in 0 (McNemar: p = 1)");
+  EXPECT_EQ(lines[1].what, "energy");
+  EXPECT_THAT(lines[1].value, HasSubstr("0.500 of it in the median (95 %: 0.500 to 0.500)"));
+  EXPECT_THAT(lines[1].value,
+              HasSubstr("less in 30 of 30 runs that both recovered (sign test: p = 1.9e-09)"));
+  EXPECT_EQ(lines[2].what, "uav0.energy");
+  EXPECT_EQ(energy_lines(a, a)[1].value, "the same in 30 runs that both recovered");
   const CampaignTable again = table_of(folder, "again", 30, [](int i) { return (1.0 + i) * (1 + 1e-15); });
-  EXPECT_EQ(energy_lines(a, again)[0].value, "the same in 30 runs that both recovered") << "but for rounding";
+  EXPECT_EQ(energy_lines(a, again)[1].value, "the same in 30 runs that both recovered") << "but for rounding";
   const CampaignTable none = table_of(folder, "none", 30, [](int) { return std::nan(""); });
-  EXPECT_EQ(energy_lines(a, none)[0].value, "no run that both recovered");
+  EXPECT_EQ(energy_lines(a, none)[1].value, "no run that both recovered");
+}
+
+TEST(Pairing, RunsThatOneAloneRecoveredAreCounted) {
+  const auto folder = test::fresh_folder();
+  const double lost = std::nan("");
+  const CampaignTable a = table_of(folder, "a", 40, [&](int i) { return i < 10 ? lost : 1.0; }),
+                      b = table_of(folder, "b", 50, [&](int i) { return i >= 8 && i < 12 ? lost : 1.0; });
+  const OutcomePairing pairing = pair_outcomes(a, b);
+  EXPECT_EQ(pairing.runs, 40);
+  EXPECT_EQ(pairing.only_a, 2);
+  EXPECT_EQ(pairing.only_b, 8);
 }
 
 }  // namespace

@@ -257,7 +257,7 @@ TEST(Campaign, BadInputEndsWithTwoAndSaysWhat) {
   EXPECT_THAT(refused(shipped + " --beside scenarios/yaw_step.toml"),
               HasSubstr("scenarios/yaw_step.toml:1: agent."));
   EXPECT_THAT(refused(shipped + " --beside scenarios/handover.toml"),
-              HasSubstr("scenarios/handover.toml: the team changes in flight"));
+              HasSubstr("scenarios/handover.toml:1: obstacle.uav1.p[0] is missing"));
   EXPECT_THAT(refused("none.toml"), HasSubstr("none.toml:1: cannot be read"));
   for (const char* options : {"--runs 0", "--runs x", "--threads 0", "--only -1", "--seed -1"})
     EXPECT_NE(refused(shipped + " " + options), "");

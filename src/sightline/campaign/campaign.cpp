@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "sightline/base/refuse.hpp"
-#include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
 namespace {
@@ -67,28 +66,27 @@ class Order {
 
 }  // namespace
 
-Solver& Pilot::solver_of(const RunDraw& run, const Scenario& scenario) {
+Controls& Pilot::controls_of(const RunDraw& run, const Scenario& scenario) {
   std::vector<double> values = variants_.team_values(run);
-  const auto known = std::find_if(solvers_.begin(), solvers_.end(),
-                                  [&](const auto& solver) { return solver.first == values; });
-  if (known != solvers_.end()) {
-    known->second->restart();
-    return *known->second;
+  const auto known = std::find_if(controls_.begin(), controls_.end(),
+                                  [&](const auto& controls) { return controls.first == values; });
+  if (known != controls_.end()) {
+    if (known->second->restart()) return *known->second;
+    controls_.erase(known);
   }
-  if (solvers_.size() == solvers_max) solvers_.erase(solvers_.begin());
-  auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
-  return *solvers_.emplace_back(std::move(values), std::move(solver)).second;
+  if (controls_.size() == solvers_max) controls_.erase(controls_.begin());
+  return *controls_.emplace_back(std::move(values), std::make_unique<Controls>(scenario)).second;
 }
 
 RunResult Pilot::fly(const RunDraw& run) {
   Scenario scenario = variants_.of(run);
   scenario.log.paths = 0;
-  Solver& solver = solver_of(run, scenario);
-  const Controllers controllers = {solver};
+  Controls& controls = controls_of(run, scenario);
+  const Controllers controllers = controls.controllers();
   SimulatedClock clock;
   const auto world = make_world(scenario);
   Judge judge(scenario, plan_, sized_sample(*world, controllers));
-  ClosedLoop loop(scenario, *world, controllers, clock, judge);
+  ClosedLoop loop(scenario, *world, controllers, clock, judge, nullptr, controls.team_switcher());
   const LoopOutcome outcome = loop.fly();
   return judge.result(outcome, outcome.finite ? std::string() : world->ended());
 }
@@ -98,13 +96,7 @@ const CampaignPlan& campaign_plan(const Scenario& scenario) {
   refuse("{}:1: campaign is missing, expected [campaign] with what is drawn", scenario.file.native());
 }
 
-void check_campaign(const Scenario& scenario, const CampaignPlan& plan) {
-  if (changes_in_flight(scenario)) {
-    refuse("{}: the team changes in flight, expected one that stays: a campaign judges one team",
-           scenario.file.native());
-  }
-  Variants(scenario, plan);
-}
+void check_campaign(const Scenario& scenario, const CampaignPlan& plan) { Variants(scenario, plan); }
 
 int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const CampaignOptions& options,
                  const std::function<void(const RunDraw&, const RunResult&)>& landed) {

@@ -11,6 +11,7 @@
 #include "sightline/campaign/judge.hpp"
 #include "sightline/campaign/shard.hpp"
 #include "sightline/campaign/variant.hpp"
+#include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
 
@@ -34,20 +35,19 @@ class Pilot {
   RunResult fly(const RunDraw& run);
 
  private:
-  Solver& solver_of(const RunDraw& run, const Scenario& scenario);
+  Controls& controls_of(const RunDraw& run, const Scenario& scenario);
 
   static constexpr std::size_t solvers_max = 8;
   const Variants& variants_;
   CampaignPlan plan_;
-  std::vector<std::pair<std::vector<double>, std::unique_ptr<Solver>>> solvers_;  // the oldest first
+  std::vector<std::pair<std::vector<double>, std::unique_ptr<Controls>>> controls_;  // the oldest first
 };
 
 /// What the scenario draws.
 /// @throws std::invalid_argument where it has no [campaign]
 const CampaignPlan& campaign_plan(const Scenario& scenario);
 
-/// @throws std::invalid_argument where the scenario cannot be judged over many runs of the plan: its team changes in flight
-/// @throws ScenarioError as Variants
+/// @throws ScenarioError where the scenario cannot be judged over many runs of the plan, as Variants
 void check_campaign(const Scenario& scenario, const CampaignPlan& plan);
 
 /// Flies the runs of options.shard that are not known yet, those below options.runs, and hands them over in this order, one at a time.

@@ -1,8 +1,10 @@
 #include "sightline/campaign/confidence.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <initializer_list>
+#include <numbers>
 
 namespace sightline {
 namespace {
@@ -33,14 +35,37 @@ double log_gamma(double x) {
   return ::lgamma_r(x, &sign);
 }
 
-/// The x where I_x(a, b) = p, by halving.
-double beta_quantile(double a, double b, double p) {
-  double low = 0.0, high = 1.0;
+/// Of the standard normal distribution, by its series (Marsaglia 2004): 1/2 + phi(z) (z + z^3/3 + z^5/(3 5) + ...).
+double normal_probability(double z) {
+  double sum = z, term = z;
+  for (int i = 3; i < 1000 && std::abs(term) > 1e-17; i += 2) sum += term *= z * z / i;
+  return 0.5 + sum * std::exp(-0.5 * z * z) / std::sqrt(2 * std::numbers::pi);
+}
+
+/// By halving.
+double normal_quantile(double p) {
+  double low = -8.0, high = 8.0;
   for (int i = 0; i < 100; ++i) {
     const double middle = 0.5 * (low + high);
-    (incomplete_beta(a, b, middle) < p ? low : high) = middle;
+    (normal_probability(middle) < p ? low : high) = middle;
   }
   return 0.5 * (low + high);
+}
+
+/// SplitMix64.
+std::uint64_t next(std::uint64_t& state) {
+  std::uint64_t z = (state += 0x9e3779b97f4a7c15ULL);
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+  return z ^ (z >> 31);
+}
+
+/// Puts its values into another order.
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
 }  // namespace
@@ -54,11 +79,37 @@ double incomplete_beta(double a, double b, double x) {
                                        : 1.0 - front * fraction(b, a, 1.0 - x) / b;
 }
 
-Interval clopper_pearson(std::int64_t good, std::int64_t runs, double confidence) {
-  assert(good >= 0 && good <= runs && "no more successes than trials");
-  const double k = static_cast<double>(good), n = static_cast<double>(runs), tail = (1.0 - confidence) / 2;
-  return {good == 0 ? 0.0 : beta_quantile(k, n - k + 1, tail),
-          good == runs ? 1.0 : beta_quantile(k + 1, n - k, 1.0 - tail)};
+Interval wilson(std::int64_t good, std::int64_t runs, double confidence) {
+  assert(runs > 0 && good >= 0 && good <= runs && "no more successes than trials");
+  const double n = static_cast<double>(runs), p = static_cast<double>(good) / n,
+               z = normal_quantile(0.5 + confidence / 2), z2 = z * z / n;
+  const double centre = p + z2 / 2, half = std::sqrt(z2 * (p * (1 - p) + z2 / 4));
+  return {good == 0 ? 0.0 : std::max(0.0, (centre - half) / (1 + z2)),
+          good == runs ? 1.0 : std::min(1.0, (centre + half) / (1 + z2))};
+}
+
+MedianBounds bootstrap_median(std::vector<double> values, double confidence, int resamples,
+                              std::uint64_t seed) {
+  assert(!values.empty() && resamples > 1 && "there is a median");
+  std::sort(values.begin(), values.end());  // in whatever order they came
+  std::vector<double> drawn(values.size()), medians;
+  for (int i = 0; i < resamples; ++i) {
+    for (double& value : drawn) value = values[next(seed) % values.size()];
+    medians.push_back(median_of(drawn));
+  }
+  std::sort(medians.begin(), medians.end());
+  const auto at_share = [&](double share) {
+    return medians[static_cast<std::size_t>(std::llround(share * static_cast<double>(resamples - 1)))];
+  };
+  const double tail = (1 - confidence) / 2;
+  return {at_share(tail), median_of(values), at_share(1 - tail)};
+}
+
+double sign_test(std::int64_t less, std::int64_t more) {
+  if (less == more) return 1.0;
+  const double n = static_cast<double>(less + more), k = static_cast<double>(std::min(less, more));
+  // P(X <= k), X binomial of 1/2, twice.
+  return std::min(1.0, 2 * incomplete_beta(n - k, k + 1, 0.5));
 }
 
 }  // namespace sightline

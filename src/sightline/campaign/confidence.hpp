@@ -1,7 +1,8 @@
-/// What counted successes say about their probability.
+/// What a paper prints of a campaign: shares and medians with their bounds, and a test of pairs.
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 namespace sightline {
 
@@ -9,14 +10,28 @@ struct Interval {
   double low = 0.0, high = 1.0;
 };
 
-/// Clopper and Pearson's exact bounds of a probability after `good` successes in `runs` independent trials: each end
-/// is wrong with at most half of 1 - confidence,
+/// Wilson's bounds of a probability after `good` successes in `runs` independent trials (Wilson 1927), z the normal quantile:
 ///
-///   P(X >= good | low) = P(X <= good | high) = (1 - confidence) / 2,   X binomial of `runs` trials.
+///   (p + z^2 / (2 n) +- z sqrt(p (1 - p) / n + z^2 / (4 n^2))) / (1 + z^2 / n),   p = good / n
 ///
-/// @param good        0..runs
+/// @param good        0..runs, runs > 0
 /// @param confidence  in (0, 1)
-Interval clopper_pearson(std::int64_t good, std::int64_t runs, double confidence = 0.95);
+Interval wilson(std::int64_t good, std::int64_t runs, double confidence = 0.95);
+
+/// A median and its bounds.
+struct MedianBounds {
+  double low = 0.0, median = 0.0, high = 0.0;
+};
+
+/// A median with the bounds of the percentile bootstrap (Efron 1979): the quantiles of the medians of `resamples` draws with
+/// replacement. The draws follow from the seed.
+/// @param values  not empty
+MedianBounds bootstrap_median(std::vector<double> values, double confidence = 0.95, int resamples = 1000,
+                              std::uint64_t seed = 1);
+
+/// Two-sided p of the sign test, and of McNemar's exact test: of `less` + `more` pairs that differ each way is as likely as the
+/// other. 1 where none differs.
+double sign_test(std::int64_t less, std::int64_t more);
 
 /// I_x(a, b), the regularised incomplete beta function; a, b > 0, x in [0, 1].
 double incomplete_beta(double a, double b, double x);

@@ -34,7 +34,10 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
       drift_(scenario.team, scenario.simulation.settle),
       agents_(static_cast<std::size_t>(scenario.team.bodies())),
       gaps_(sample_.solvers.size()) {
-  for (const Observation& pair : observations(team_.couplings())) views_.push_back({pair});
+  const bool changes = changes_in_flight(scenario);
+  if (changes) present_.emplace(scenario);
+  const std::vector<Coupling> couplings = changes ? all_couplings(scenario) : team_.couplings();
+  for (const Observation& pair : observations(couplings)) views_.push_back({.pair = pair, .asked = !changes});
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
     if (!team_.is_agent(body)) continue;
@@ -56,6 +59,24 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
   result_.min_distance = std::numeric_limits<double>::infinity();
 }
 
+/// What is asked of whom from this sample on. @return whether it is something else than before
+bool Judge::follow() {
+  if (!present_ || (!present_->follow(sample_) && updates_ > 0)) return false;
+  const std::vector<Observation> asked = observations(present_->couplings());
+  for (View& view : views_) {
+    const bool now = std::any_of(asked.begin(), asked.end(), [&](const Observation& one) {
+      return one.observer == view.pair.observer && one.target == view.pair.target;
+    });
+    // Who was not given the time to see it is not blamed.
+    if (view.asked && !now && (view.first < never || sample_.time - view.since > plan_.view_within))
+      view.waited = view.wait();
+    if (now && !view.asked) view.since = sample_.time, view.first = view.last = never;
+    view.asked = now;
+  }
+  for (const BodyId robot : robots_) agents_[at(robot)] = present_->agent(robot);
+  return true;
+}
+
 void Judge::look(std::span<const double> u) noexcept {
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
@@ -69,6 +90,8 @@ void Judge::look(std::span<const double> u) noexcept {
 /// Whether the two of each pair are so far apart that their closing speed can be braked away before d_hard.
 void Judge::look_at_brakes() noexcept {
   for (Pair& pair : pairs_) {
+    if (pair.met || !is_there(pair.robot) || !is_there(pair.other)) continue;
+    pair.met = true;
     const Sight<double>&a = sights_[at(pair.robot)], &b = sights_[at(pair.other)];
     const Vec3<double> r = a.p - b.p;
     const double distance = norm(r);
@@ -81,6 +104,7 @@ void Judge::look_at_brakes() noexcept {
 bool Judge::distances_hold() noexcept {
   bool hold = true;
   for (const Pair& pair : pairs_) {
+    if (!is_there(pair.robot) || !is_there(pair.other)) continue;
     const double distance = norm(sights_[at(pair.robot)].p - sights_[at(pair.other)].p);
     result_.min_distance = std::min(result_.min_distance, distance);
     hold = hold && !(pair.could_brake && distance < pair.d_hard - same_distance);
@@ -91,11 +115,12 @@ bool Judge::distances_hold() noexcept {
 bool Judge::inputs_hold() noexcept {
   for (std::size_t r = 0; r < robots_.size(); ++r) {
     const BodyId robot = robots_[r];
+    if (!is_there(robot)) continue;
     const Agent& agent = team_.agent(robot);
     const std::size_t nu = agent.R.size();
     const double* u = sample_.u.data() + team_.input_offset(robot);
     const auto low = std::span(u_min_).first(nu), high = std::span(u_max_).first(nu);
-    agent.limits.at(sample_.time, low, high);
+    (present_ ? present_->limits(robot) : agent.limits).at(sample_.time, low, high);
     for (std::size_t i = 0; i < nu; ++i) {
       if (!(u[i] >= low[i] && u[i] <= high[i])) return false;  // nor what is not a number
       const double energy = period_ * agent.R[i] * u[i] * u[i];
@@ -109,12 +134,14 @@ bool Judge::inputs_hold() noexcept {
 }
 
 void Judge::publish() noexcept {
+  const bool changed = follow();
   if (updates_ == 0) {
     look(u_rest_);
     look_at_brakes();
   }
   ++updates_;
   look(sample_.u);
+  if (changed) look_at_brakes();
   const bool in_limits = inputs_hold(), finite = all_finite(sample_.x) && all_finite(sample_.u);
   const bool good = in_limits && finite;
   if (!good) blame(finite ? Fault::input : Fault::not_finite);
@@ -124,15 +151,17 @@ void Judge::publish() noexcept {
   too_close_ = too_close_ || !apart;
   if (!good || !apart) ++result_.violations;
 
-  bool all_seen = !views_.empty();
+  bool any_asked = false, all_seen = true;
   for (View& view : views_) {
+    if (!view.asked) continue;
+    any_asked = true;
     const Sight<double>&observer = sights_[at(view.pair.observer)], &target = sights_[at(view.pair.target)];
     view.seen = view.pair.potential.violation(observer, target, sample_.time) <= 0;
     if (view.seen) view.first = std::min(view.first, sample_.time), view.last = sample_.time;
     result_.longest_out_of_view = std::max(result_.longest_out_of_view, sample_.time - view.last);
     all_seen = all_seen && view.seen;
   }
-  if (all_seen) ++seen_;
+  if (any_asked && all_seen) ++seen_;
   if (drift_.due(sample_.time)) drift_.mark(sample_.time, sights_, sample_.presence, agents_);
   for (std::size_t c = 0; c < gaps_.size(); ++c) {
     const SolverRecord& record = sample_.solvers[c];
@@ -172,8 +201,8 @@ RunResult Judge::result(const LoopOutcome& outcome, std::string ended) const {
   double first = views_.empty() ? no_value : 0.0;
   bool at_end = true;
   for (const View& view : views_) {
-    first = std::max(first, view.first);
-    at_end = at_end && view.seen;
+    first = std::max(first, view.wait());
+    at_end = at_end && (view.seen || !view.asked);
   }
   const bool in_time = views_.empty() || first <= plan_.view_within;
   result.time_to_first_view = std::isfinite(first) ? first : no_value;

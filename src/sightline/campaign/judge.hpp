@@ -1,9 +1,11 @@
 /// The outcome of one run.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "sightline/record/chatter.hpp"
 #include "sightline/record/drift.hpp"
 #include "sightline/record/localization_summary.hpp"
+#include "sightline/record/present_team.hpp"
 #include "sightline/record/safety_summary.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/run/loop.hpp"
@@ -33,10 +36,11 @@ std::string_view to_string(Outcome outcome);
 /// A run's row in the table; not a number: there was nothing to compute it from, or it never came.
 struct RunResult {
   Outcome outcome = Outcome::failed;
-  double min_distance = 0.0;        ///< of a robot to any other body, all of the run [m]
-  double time_to_first_view = 0.0;  ///< until each observer had seen its target once [s]
-  double fraction_in_view = 0.0;    ///< of the run, all observers at once
-  bool could_brake = true;          ///< at the start, all pairs in time for d_hard
+  double min_distance = 0.0;  ///< of a robot to any other body, all of the run [m]
+  double time_to_first_view =
+      0.0;                        ///< until each observer had seen its target once, since it was asked to [s]
+  double fraction_in_view = 0.0;  ///< of the run, all observers at once, those that are asked to then
+  bool could_brake = true;        ///< at the start, all pairs in time for d_hard
   std::int64_t violations = 0;  ///< periods with an input beyond its limit, or nearer than d_hard where that
                                 ///< could be kept
   std::array<std::int64_t, status_count> statuses{};
@@ -55,7 +59,8 @@ struct RunResult {
   std::string reason{};  ///< of a failed run: the sentence of what went wrong first; else empty
 };
 
-/// Takes the samples of a loop and judges them as they come; keeps none. The hard distance of a pair is that of
+/// Takes the samples of a loop and judges them as they come; keeps none. Of a team that changes in flight those are judged that
+/// are there, by the couplings and limits in force. The hard distance of a pair is that of
 /// the scenario's [safety], or else of its [campaign].
 class Judge final : public Sink<Sample> {
  public:
@@ -70,17 +75,22 @@ class Judge final : public Sink<Sample> {
   RunResult result(const LoopOutcome& outcome, std::string ended = {}) const;
 
  private:
+  static constexpr double never = std::numeric_limits<double>::infinity();
   struct View {
     Observation pair;
-    bool seen = false;  // in the last sample
-    double first = std::numeric_limits<double>::infinity();
-    double last = first;  // that it was seen [s]
+    bool asked = false;                               // now
+    bool seen = false;                                // in the last sample
+    double since = 0.0, first = never, last = never;  // that it is asked, and seen [s]
+    double waited = 0.0;                              // for the first sight, when it was asked before [s]
+
+    double wait() const { return asked ? std::max(waited, first - since) : waited; }
   };
 
   struct Pair {
     BodyId robot, other;
     double d_hard;            // [m]; 0: nobody asks for one
-    bool could_brake = true;  // at the start
+    bool met = false;         // both were there
+    bool could_brake = true;  // when both were first there
   };
 
   enum class Fault : std::uint8_t { none, not_finite, input, no_plan };
@@ -88,6 +98,10 @@ class Judge final : public Sink<Sample> {
   void blame(Fault fault) noexcept;
   /// Empty where nothing failed. @param whole  the loop flew to the end of the run
   std::string reason(std::string ended, bool whole) const;
+  bool follow();
+  bool is_there(BodyId body) const noexcept {
+    return sample_.presence[static_cast<std::size_t>(body.index)] != Presence::absent;
+  }
   void look(std::span<const double> u) noexcept;
   void look_at_brakes() noexcept;
   bool distances_hold() noexcept;
@@ -98,6 +112,7 @@ class Judge final : public Sink<Sample> {
   double period_, hold_after_;  // [s]
   SafetySummary safety_;
   LocalizationSummary localization_;
+  std::optional<PresentTeam> present_;  // of one that changes in flight
   Sample sample_;
   std::vector<View> views_;
   std::vector<BodyId> robots_;

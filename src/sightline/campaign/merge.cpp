@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <optional>
 
@@ -34,6 +36,29 @@ std::map<std::string, Database::Value> about_of(Database& database) {
   return about;
 }
 
+std::string bytes_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Whether a table that was written to its end has the bytes that its rows give.
+bool is_as_written(const fs::path& file) {
+  const fs::path copy = beside(fs::temp_directory_path() / file.filename()), again = copy.native() + ".clean";
+  fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
+  fs::remove(again);
+  {
+    Database database(copy, Database::Open::as_it_is);
+    database.execute("PRAGMA schema_version = 1");
+    Database::Statement write(database, "VACUUM INTO ?");
+    write.bind(0, std::string_view(again.native()));
+    write.step();
+  }
+  const bool same = bytes_of(again) == bytes_of(file);
+  fs::remove(copy);
+  fs::remove(again);
+  return same;
+}
+
 ShardTable read_shard(const fs::path& file) {
   if (!fs::is_regular_file(file)) refuse("{}: is missing, expected the table of a shard", file.native());
   ShardTable table{.file = file};
@@ -59,6 +84,12 @@ ShardTable read_shard(const fs::path& file) {
             table.shard.of, table.shard.first()));
     count.step();
     rows = count.integer(0), misplaced = count.integer(1), last = count.integer(2);
+    if (const auto digest = table.about.find(std::string(digest_key)); digest != table.about.end()) {
+      if (digest->second != Database::Value(rows_digest(database)))
+        throw std::runtime_error("rows are not as they were written");
+      table.about.erase(digest);
+      if (!is_as_written(file)) throw std::runtime_error("bytes are not as they were written");
+    }
   } catch (const std::exception& error) {
     refuse("{}: holds no sound shard ({})", file.native(), error.what());
   }
@@ -118,7 +149,9 @@ void check_room(const ShardTable& one, const fs::path& whole) {
   bool same = false;
   try {
     Database database(whole, Database::Open::as_it_is);
-    same = about_of(database) == one.about;
+    auto about = about_of(database);
+    about.erase(std::string(digest_key));
+    same = about == one.about;
   } catch (const std::runtime_error&) {  // no campaign
   }
   if (!same)
@@ -174,6 +207,7 @@ void merge_shards(const std::vector<fs::path>& shards, const fs::path& whole) {
       }
       made.execute("INSERT INTO runs SELECT * FROM shard.runs; DETACH DATABASE shard");
     }
+    write_digest(made);
     made.execute("PRAGMA schema_version = 1");
     fs::remove(clean);
     Database::Statement copy(made, "VACUUM INTO ?");

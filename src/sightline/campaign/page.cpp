@@ -48,6 +48,14 @@ class Runs {
     return ask.number(0).value_or(0.0);
   }
 
+  /// Its values, where there are some.
+  std::vector<double> values(std::string_view column) {
+    std::vector<double> all;
+    Database::Statement ask(*database_, fmt::format("SELECT {0} FROM runs WHERE {0} IS NOT NULL", column));
+    while (ask.step()) all.push_back(ask.number(0).value_or(0.0));
+    return all;
+  }
+
   /// Runs in each of `bins` stretches of the column's values between low and high; the ends take what is beyond.
   std::vector<double> histogram(std::string_view column, double low, double high, int bins) {
     std::vector<double> counts(static_cast<std::size_t>(bins));
@@ -105,7 +113,7 @@ std::string percent(double share) { return fmt::format("{:.2f} %", 100 * share);
 /// "9990 of 10000, 99.90 % (95 %: 99.82 % to 99.95 %)".
 std::string share_words(std::int64_t good, std::int64_t runs) {
   if (runs == 0) return "of none";
-  const Interval bounds = clopper_pearson(good, runs);
+  const Interval bounds = wilson(good, runs);
   return fmt::format("{} of {}, {} (95 %: {} to {})", good, runs,
                      percent(static_cast<double>(good) / static_cast<double>(runs)), percent(bounds.low),
                      percent(bounds.high));
@@ -128,26 +136,31 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
   const auto quantile = [&](std::string_view column, double share, std::string_view unit) {
     return in(runs.quantile(column, share), unit);
   };
+  const auto median = [&](std::string_view column, std::string_view unit) -> std::string {
+    std::vector<double> values = runs.values(column);
+    if (values.empty()) return "-";
+    const MedianBounds bounds = bootstrap_median(std::move(values));
+    return fmt::format("{} (95 %: {:.3g} to {})", in(bounds.median, unit), bounds.low, in(bounds.high, unit));
+  };
   lines.push_back(
       {"time to first view",
-       fmt::format("median {}, 95 % within {}, last {}; never in {} runs",
-                   quantile("time_to_first_view", 0.5, "s"), quantile("time_to_first_view", 0.95, "s"),
-                   quantile("time_to_first_view", 1.0, "s"), runs.count("time_to_first_view IS NULL"))});
-  lines.push_back(
-      {"fraction in view", fmt::format("median {}, least {}", quantile("fraction_in_view", 0.5, ""),
-                                       quantile("fraction_in_view", 0.0, ""))});
+       fmt::format("median {}, 95 % within {}, last {}; never in {} runs", median("time_to_first_view", "s"),
+                   quantile("time_to_first_view", 0.95, "s"), quantile("time_to_first_view", 1.0, "s"),
+                   runs.count("time_to_first_view IS NULL"))});
+  lines.push_back({"fraction in view", fmt::format("median {}, least {}", median("fraction_in_view", ""),
+                                                   quantile("fraction_in_view", 0.0, ""))});
   lines.push_back(
       {"least distance", fmt::format("median {}, of all {}; where it could brake at the start {}",
-                                     quantile("min_distance", 0.5, "m"), quantile("min_distance", 0.0, "m"),
+                                     median("min_distance", "m"), quantile("min_distance", 0.0, "m"),
                                      quantile("iif(could_brake, min_distance, NULL)", 0.0, "m"))});
   std::vector<std::string> columns = runs.energies();
   if (columns.size() > robots_max) columns.clear();
   columns.insert(columns.begin(), "energy");
   for (const std::string& column : columns) {
     const std::string quoted = sql_name(column);
-    lines.push_back({column, fmt::format("u'Ru summed over time: median {}, 90 % within {} to {}",
-                                         quantile(quoted, 0.5, "s"), quantile(quoted, 0.05, "s"),
-                                         quantile(quoted, 0.95, "s"))});
+    lines.push_back(
+        {column, fmt::format("u'Ru summed over time: median {}, 90 % within {} to {}", median(quoted, "s"),
+                             quantile(quoted, 0.05, "s"), quantile(quoted, 0.95, "s"))});
   }
   for (const std::string& column : runs.ending_in(localization_endings[0])) {
     const std::string robot = column.substr(0, column.size() - localization_endings[0].size());

@@ -37,10 +37,9 @@ std::string words(const Pairing& p) {
   if (p.less == 0 && p.more == 0) return fmt::format("the same in {} runs that both recovered", p.runs);
   return fmt::format(
       "{:.3f} of it in the median (95 %: {:.3f} to {:.3f}), difference {:+.3g} s ({:+.3g} to {:+.3g} s), "
-      "less in {} "
-      "of {} runs that both recovered",
+      "less in {} of {} runs that both recovered (sign test: p = {:.2g})",
       p.ratio.median, p.ratio.low, p.ratio.high, p.difference.median, p.difference.low, p.difference.high,
-      p.less, p.runs);
+      p.less, p.runs, sign_test(p.less, p.more));
 }
 
 }  // namespace
@@ -77,8 +76,33 @@ Pairing pair_runs(const CampaignTable& a, const CampaignTable& b, std::string_vi
   return pairing;
 }
 
+OutcomePairing pair_outcomes(const CampaignTable& a, const CampaignTable& b) {
+  const auto outcomes = [](const CampaignTable& table) {
+    Database database(table.file, Database::Open::as_it_is);
+    Database::Statement ask(database, "SELECT \"index\", outcome = 'recovered' FROM runs");
+    std::map<std::int64_t, bool> all;
+    while (ask.step()) all[ask.integer(0)] = ask.integer(1) != 0;
+    return all;
+  };
+  const std::map<std::int64_t, bool> of_a = outcomes(a), of_b = outcomes(b);
+  OutcomePairing pairing;
+  for (const auto& [index, good] : of_a) {
+    const auto other = of_b.find(index);
+    if (other == of_b.end()) continue;
+    ++pairing.runs;
+    pairing.only_a += good && !other->second;
+    pairing.only_b += !good && other->second;
+  }
+  return pairing;
+}
+
 std::vector<CampaignLine> energy_lines(const CampaignTable& a, const CampaignTable& b) {
-  std::vector<CampaignLine> lines = {{"energy", words(pair_runs(a, b, "energy"))}};
+  const OutcomePairing outcomes = pair_outcomes(a, b);
+  std::vector<CampaignLine> lines = {
+      {"recovered",
+       fmt::format("alone in {} of {} runs, the other alone in {} (McNemar: p = {:.2g})", outcomes.only_b,
+                   outcomes.runs, outcomes.only_a, sign_test(outcomes.only_a, outcomes.only_b))},
+      {"energy", words(pair_runs(a, b, "energy"))}};
   const std::vector<std::string> of_b = energy_columns(b);
   for (const std::string& column : energy_columns(a)) {
     if (std::find(of_b.begin(), of_b.end(), column) == of_b.end()) continue;

@@ -6,16 +6,12 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/campaign/confidence.hpp"
 #include "sightline/campaign/page.hpp"
 
 namespace sightline {
 
-/// A median with the bounds that hold it with 95 % confidence, whatever the distribution.
-struct MedianBounds {
-  double low = 0.0, median = 0.0, high = 0.0;
-};
-
-/// Of independent values, by order statistics: below the bound of rank k are fewer than k values with the probability
+/// Of independent values, with bounds that hold whatever the distribution, by order statistics: below the bound of rank k are fewer than k values with the probability
 /// P(X < k), X binomial of 1/2, at most (1 - confidence) / 2. Few values have the least and the greatest as bounds.
 /// @param values  not empty
 MedianBounds median_bounds(std::vector<double> values, double confidence = 0.95);
@@ -32,7 +28,15 @@ struct Pairing {
 /// @throws std::runtime_error where a table cannot be read, or has no such column
 Pairing pair_runs(const CampaignTable& a, const CampaignTable& b, std::string_view column);
 
-/// The energies of b compared with those of a, of all robots and of each that both have.
+/// Runs of both that only one recovered.
+struct OutcomePairing {
+  std::int64_t runs = 0;  ///< of both tables
+  std::int64_t only_a = 0, only_b = 0;
+};
+/// @throws std::runtime_error where a table cannot be read
+OutcomePairing pair_outcomes(const CampaignTable& a, const CampaignTable& b);
+
+/// Outcomes of b compared with those of a, by McNemar's exact test; the energies of b compared with those of a, of all robots and of each that both have.
 std::vector<CampaignLine> energy_lines(const CampaignTable& a, const CampaignTable& b);
 
 }  // namespace sightline

@@ -13,7 +13,7 @@ namespace sightline {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double radius = 150, centre = 175;  // of the map, and where its centre is [px]
+constexpr double map_radius = 150, map_centre = 175;  // of the map, and where its centre is [px]
 
 /// From nothing recovered to all, in steps that tell apart for all kinds of sight.
 std::string colour(double share) {
@@ -35,8 +35,8 @@ std::string colour(double share) {
 
 /// A place of the picture: bearing 0 is up, to the left is to the left.
 std::string place(double distance, double bearing) {
-  return fmt::format("{:.2f} {:.2f}", centre - distance * std::sin(bearing),
-                     centre - distance * std::cos(bearing));
+  return fmt::format("{:.2f} {:.2f}", map_centre - distance * std::sin(bearing),
+                     map_centre - distance * std::cos(bearing));
 }
 
 std::string words(const SuccessMap::Cell& cell) {
@@ -70,12 +70,12 @@ std::string to_svg(const SuccessMap& map, const std::string& title) {
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
       "aria-label=\"{2}\" font-family=\"system-ui, sans-serif\" font-size=\"12\" fill=\"currentColor\">\n"
       "<text x=\"{3}\" y=\"12\" text-anchor=\"middle\">{2}</text>\n",
-      2 * centre, 2 * centre + 20, escaped(title), centre);
+      2 * map_centre, 2 * map_centre + 20, escaped(title), map_centre);
   for (int ring = 0; ring < map.rings; ++ring) {
     for (int sector = 0; sector < map.sectors; ++sector) {
       const SuccessMap::Cell& cell = map.cells[cell_of(ring, sector)];
       if (cell.runs == 0) continue;
-      const double inner = radius * ring / map.rings, outer = radius * (ring + 1) / map.rings;
+      const double inner = map_radius * ring / map.rings, outer = map_radius * (ring + 1) / map.rings;
       const double from = 2 * pi * sector / map.sectors - pi, to = 2 * pi * (sector + 1) / map.sectors - pi;
       svg += fmt::format(
           "<path fill=\"{}\" d=\"M {} L {} A {} {} 0 0 0 {} L {} A {} {} 0 0 1 {} Z\">"
@@ -89,18 +89,18 @@ std::string to_svg(const SuccessMap& map, const std::string& title) {
     svg += fmt::format(
         "<path fill=\"none\" stroke=\"{}\" stroke-width=\"5\" d=\"M {} L {}\"><title>exactly behind: "
         "{}</title></path>\n",
-        colour(share(map.behind)), place(0, pi), place(radius + 8, pi), words(map.behind));
+        colour(share(map.behind)), place(0, pi), place(map_radius + 8, pi), words(map.behind));
   }
   for (int ring = 2; ring <= map.rings; ring += 2) {
     svg += fmt::format(
         "<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"#fff\" stroke=\"#000\" stroke-width=\"2.5\" "
         "stroke-opacity=\"0.6\" paint-order=\"stroke\">{:.3g} m</text>\n",
-        centre + 4, centre - radius * ring / map.rings + 13, map.range_max * ring / map.rings);
+        map_centre + 4, map_centre - map_radius * ring / map.rings + 13, map.range_max * ring / map.rings);
   }
   svg += fmt::format(
       "<path d=\"M {} L {} L {} Z\"><title>nose up</title></path>\n"
       "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">behind</text>\n</svg>",
-      place(9, 0), place(7, 2.5), place(7, -2.5), centre, 2 * centre + 4);
+      place(9, 0), place(7, 2.5), place(7, -2.5), map_centre, 2 * map_centre + 4);
   return svg;
 }
 

@@ -101,6 +101,36 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
 
 }  // namespace
 
+void write_digest(Database& database) {
+  Database::Statement insert(database, "INSERT OR REPLACE INTO campaign VALUES(?, ?)");
+  insert.bind(0, digest_key);
+  insert.bind(1, std::string_view(rows_digest(database)));
+  insert.step();
+}
+
+/// FNV-1a, 64 bits, of what each field is and holds.
+std::string rows_digest(Database& database) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  const auto add = [&](const void* data, std::size_t bytes) {
+    for (std::size_t i = 0; i < bytes; ++i)
+      hash = (hash ^ static_cast<const unsigned char*>(data)[i]) * 0x100000001b3ULL;
+  };
+  Database::Statement width(database, "SELECT count(*) FROM pragma_table_info('runs')");
+  width.step();
+  Database::Statement rows(database, "SELECT * FROM runs ORDER BY \"index\"");
+  while (rows.step()) {
+    for (int i = 0; i < static_cast<int>(width.integer(0)); ++i) {
+      const Database::Value value = rows.value(i);
+      const std::size_t kind = value.index();
+      add(&kind, sizeof kind);
+      if (const auto* whole = std::get_if<std::int64_t>(&value)) add(whole, sizeof *whole);
+      if (const auto* real = std::get_if<double>(&value)) add(real, sizeof *real);
+      if (const auto* text = std::get_if<std::string>(&value)) add(text->data(), text->size());
+    }
+  }
+  return fmt::format("{:016x}", hash);
+}
+
 RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, const CampaignPlan& plan,
                    std::uint64_t seed, const Shard& shard, int runs)
     : file_(file), shard_(shard) {
@@ -163,7 +193,8 @@ void RunTable::go_on(const Words& about, const std::string& columns) {
       ask.bind(0, std::string_view(key));
       if (!ask.step() || ask.value(0) != value) others.push_back(key);
     }
-    Database::Statement keys(*database_, "SELECT count(*) FROM campaign");
+    Database::Statement keys(*database_,
+                             fmt::format("SELECT count(*) FROM campaign WHERE key <> '{}'", digest_key));
     if (keys.step() && keys.integer(0) != static_cast<std::int64_t>(about.size()) && others.empty())
       others.emplace_back("plan or shard");
     Database::Statement made(*database_, "SELECT sql FROM sqlite_master WHERE name = 'runs'");
@@ -237,7 +268,7 @@ void RunTable::commit(std::vector<Row> rows) {
   changes_ = true;
   std::string marks = "?";
   for (std::size_t i = 1; i < rows.front().size(); ++i) marks += ", ?";
-  database_->execute("BEGIN");
+  database_->execute(fmt::format("BEGIN; DELETE FROM campaign WHERE key = '{}'", digest_key));
   Database::Statement insert(*database_, fmt::format("INSERT INTO runs VALUES({})", marks));
   for (const Row& row : rows) {
     insert.reset();
@@ -254,6 +285,7 @@ void RunTable::finish() {
   if (failure_) std::rethrow_exception(failure_);
   if (!waiting_.empty()) commit(std::exchange(waiting_, {}));
   if (!std::exchange(changes_, false)) return;
+  write_digest(*database_);
   // How the rows came into the file shows in its bytes; in a new one it does not.
   const std::filesystem::path whole = beside(file_);
   std::filesystem::remove(whole);

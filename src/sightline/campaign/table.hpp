@@ -25,7 +25,7 @@ namespace sightline {
 ///             energy, chatter, drift, longest_without_plan, barrier_conflict, a column status_NAME for each Status, a column for each number drawn, by its name, and
 ///             ROBOT.energy for each robot
 ///   campaign  key, value: scenario, text, plan (the text of the scenario that draws, where that is another), seed,
-///             duration, version, compiler; of a shard "I/N of RUNS" as shard
+///             duration, version, compiler; of a shard "I/N of RUNS" as shard; at its end a digest of all rows
 ///
 /// Rows come in the order of the index. A thread commits them, each within half a second and the time that takes, so
 /// that a campaign that is killed leaves all rows but those of the last second, and can go on. At its end the file is
@@ -80,6 +80,13 @@ class RunTable {
 /// @throws std::invalid_argument where it flies otherwise now, or the table holds more than options.runs
 void check_continues(RunTable& table, const std::filesystem::path& file, const Scenario& scenario,
                      const CampaignPlan& plan, const CampaignOptions& options);
+
+/// Over all rows in their order: of rows that are not as they were written it is another one.
+std::string rows_digest(Database& database);
+/// Puts it into `campaign`.
+void write_digest(Database& database);
+/// The word of `campaign` that tells it, of a table that was written to its end.
+inline constexpr std::string_view digest_key = "digest";
 
 /// The word of `campaign` that tells the shard.
 inline constexpr std::string_view shard_key = "shard";

@@ -1,0 +1,20 @@
+/// A campaign as an array of jobs of Slurm, a shard each.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "cli/commands.hpp"
+
+namespace sightline::cli {
+
+/// The script of the array, as sbatch takes it: task I flies shard I of all into `folder`/shard_I.
+std::string slurm_script(const CampaignCommand& command, std::uint64_t seed, const std::string& name,
+                         const std::filesystem::path& folder);
+
+/// Submits it, waits until none of its tasks is left, and says which shards failed and why.
+/// @return whether all shards are there
+/// @throws std::runtime_error where Slurm does not take it
+bool fly_by_slurm(const std::string& script, int shards, const std::filesystem::path& folder);
+
+}  // namespace sightline::cli

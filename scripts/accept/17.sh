@@ -1,0 +1,238 @@
+#!/usr/bin/env bash
+# The figures of campaigns in shards and of teams that plan apart, section by section:  scripts/accept/17.sh [--short] [SECTION ...]
+# What is finished stays in out/accept/17/ and is not done again; delete it to begin anew. Needs the release preset with Cyclone DDS.
+# --short is for CI: fewer runs and shorter flights, and the limits of a machine that others use too.
+# DOMAIN=226 names another domain of DDS.
+set -uo pipefail
+cd "$(dirname "$0")/../.." || exit 1
+build=build/release
+. scripts/accept/sections.sh
+sightline=$build/bin/sightline
+domain=${DOMAIN:-226}
+fleet=fleets/chain8.toml
+pairs='partition={a=["uav0","uav1"],b=["uav2","uav3"],c=["uav4","uav5"],d=["uav6","uav7"]}'
+lossy=(--set 'partition.exchange.loss=0.2' --set 'partition.exchange.delay=0.03')
+
+# $1: text; $2: condition of awk. Says both, and whether it holds.
+holds() {
+  local verdict=ok
+  awk "BEGIN { exit !($2) }" || verdict=MISSED
+  echo "$1: $verdict"
+  [[ $verdict == ok ]]
+}
+since() { awk "BEGIN { printf \"%.1f\", $(date +%s.%N) - $1 }"; }  # $1: time [s]
+rows() { sqlite3 -csv "$1" 'SELECT * FROM runs ORDER BY "index"'; }  # of a campaign's file
+
+# The same runs in one process and as shards, one of them killed and resumed, one corrupted: one table, row by row.
+shards() {
+  local n=8 runs=10000 bad=0 i began one all daemons
+  local scenario=scenarios/cooperative_localization.toml folder=$out/shards
+  whole || { n=3 runs=60; }
+  local -a flights=("$scenario" --runs "$runs" --seed 1)
+  fly() { "$sightline" campaign "${flights[@]}" "$@" >>"$folder.log" 2>&1; }
+  mkdir -p "$folder"; : >"$folder.log"
+  began=$(date +%s.%N); fly -o "$folder/one" --resume || fly -o "$folder/one" || bad=1
+  one=$(since "$began")
+  began=$(date +%s.%N)
+  for ((i = 0; i < n; ++i)); do fly --shard $i/$n -o "$folder/$i" || bad=1; done
+  all=$(since "$began")
+  "$sightline" campaign --merge "$folder"/[0-9] -o "$folder/merged" >>"$folder.log" 2>&1 || bad=1
+  rows "$folder/one/campaign.sqlite" >"$folder/one.csv"; rows "$folder/merged/campaign.sqlite" >"$folder/merged.csv"
+  cmp "$folder/one.csv" "$folder/merged.csv" && echo "$runs runs in one process and as $n shards: the same rows" || bad=1
+  holds "shards took $all s, one process $one s, $(awk "BEGIN { printf \"%+.1f\", 100*($all/$one-1) }") %" \
+    "$all <= 1.05 * $one || \"$form\" == \"short\"" || bad=1
+
+  # By Slurm, on a cluster of one node.
+  if command -v sbatch >/dev/null && ((EUID == 0)); then
+    daemons=$(pgrep 'slurm|munge' | wc -l)
+    scripts/slurm_local.sh "$sightline" campaign "${flights[@]}" --slurm --shards $n -o "$folder/slurm" >>"$folder.log" 2>&1 || bad=1
+    rows "$folder/slurm/campaign.sqlite" >"$folder/slurm.csv"
+    cmp "$folder/one.csv" "$folder/slurm.csv" && echo "as an array of $n jobs of Slurm: the same rows" || bad=1
+    (($(pgrep 'slurm|munge' | wc -l) <= daemons)) || { pgrep -a 'slurm|munge'; echo 'daemons are left'; bad=1; }
+  else
+    echo 'not by Slurm: no sbatch here, or no root'
+  fi
+
+  # A shard that is killed in its middle and goes on.
+  rm -rf "$folder/killed"
+  if whole; then i=20; else i=0.3; fi
+  timeout -s KILL $i "$sightline" campaign "${flights[@]}" --shard 1/$n -o "$folder/killed" >>"$folder.log" 2>&1
+  echo "killed with $(sqlite3 "$folder/killed/campaign.sqlite" 'SELECT count(*) FROM runs' 2>/dev/null || echo 0) runs"
+  fly --shard 1/$n -o "$folder/killed" --resume || fly --shard 1/$n -o "$folder/killed" || bad=1
+  rows "$folder/killed/campaign.sqlite" >"$folder/killed.csv"; rows "$folder/1/campaign.sqlite" >"$folder/1.csv"
+  cmp "$folder/killed.csv" "$folder/1.csv" && echo 'a shard that was killed and resumed: the same rows' || bad=1
+
+  # One that is not what it was.
+  rm -rf "$folder/bad"
+  cp -r "$folder/1" "$folder/spoilt"
+  printf 'spoilt' | dd of="$folder/spoilt/campaign.sqlite" bs=1 seek=5000 conv=notrunc 2>/dev/null
+  if "$sightline" campaign --merge "$folder"/[02-9] "$folder/spoilt" -o "$folder/bad" 2>"$folder/refusal.txt"; then bad=1; fi
+  cat "$folder/refusal.txt"
+  grep -q spoilt "$folder/refusal.txt" || bad=1
+  rm -rf "$folder/spoilt" "$folder/killed" "$folder/bad"
+  return $bad
+}
+
+# $1: folder; then the fleet's own options. Simulated messages against one solver.
+in_simulation() {
+  local folder=$1
+  "$sightline" run $fleet "${@:2}" -o "$folder" >"$folder.txt" 2>&1 || { cat "$folder.txt"; return 1; }
+}
+# $1: folder; $2: parts, as "front back"; then options. Flies each part in a process of its own, beside vehicles that stand in.
+in_processes() {
+  local folder=$1 part vehicles code=0
+  local -a flyers=()
+  mkdir -p "$folder"
+  "$sightline" vehicles $fleet --set "fleet.domain=$domain" >"$folder/vehicles.txt" 2>&1 </dev/null &
+  vehicles=$!
+  sleep 1
+  for part in $2; do
+    "$sightline" fly $fleet --set "fleet.domain=$domain" "${@:3}" --part "$part" -o "$folder/$part" >"$folder/$part.txt" 2>&1 &
+    flyers+=($!)
+  done
+  for part in "${flyers[@]}"; do wait "$part" || code=1; done
+  kill -INT $vehicles; wait $vehicles
+  ((code == 0)) || tail -n 5 "$folder"/*.txt
+  return $code
+}
+# $1: folder; $2: parts. Their cost together; a coupling that robots of two parts feel is in both, and here it is nothing.
+cost_of() {
+  local part
+  for part in $2; do jq .cost "$1/$part/summary.json"; done | awk '{ sum += $1 } END { print sum }'
+}
+# $1: folder; $2: parts. Of each, how often its updates ended how.
+shares_of() {
+  local part
+  for part in $2; do jq -c .status "$1/$part/summary.json"; done
+}
+least_distance() { for part in $2; do jq .min_distance "$1/$part/summary.json"; done | sort -g | head -1; }
+
+# The chain of eight in 2 and 4 processes, without loss and with 20 % of the messages lost and 30 ms late, against one solver that flies
+# the same vehicles; and what the exchange costs, against what it costs in simulation. Vehicles turn and climb later than the model that
+# a simulation flies: that is in both of the former.
+parts() {
+  local bad=0 seconds=60 part_set parts folder cost simulated flown whole name most d agree=0.005
+  whole || seconds=12 agree=0.03
+  local -a duration=(--set "simulation.duration=$seconds") of_parts network
+  "$sightline" run $fleet "${duration[@]}" --set 'partition.part="all"' -o "$out/central" >"$out/central.txt" 2>&1 || bad=1
+  in_processes "$out/central-flown" all "${duration[@]}" || bad=1
+  whole=$(jq .cost "$out/central/summary.json") flown=$(jq .cost "$out/central-flown/all/summary.json")
+  for part_set in 2 4; do
+    parts='front back' of_parts=()
+    ((part_set == 2)) || { parts='a b c d'; of_parts=(--set "$pairs"); whole || continue; }
+    for name in clear lossy; do
+      network=() most=0.01
+      [[ $name == clear ]] || { network=("${lossy[@]}"); most=0.03; }
+      whole || most=0.03
+      folder=$out/$part_set-$name
+      in_simulation "$folder-simulated" "${duration[@]}" "${of_parts[@]}" "${network[@]}" || bad=1
+      [[ $name == clear ]] || network+=(--set 'partition.exchange.flown_by="simulation"')
+      in_processes "$folder" "$parts" "${duration[@]}" "${of_parts[@]}" "${network[@]}" || bad=1
+      cost=$(cost_of "$folder" "$parts") simulated=$(jq .cost "$folder-simulated/summary.json")
+      d=$(least_distance "$folder" "$parts")
+      holds "$part_set processes, $name: cost $cost, one solver $flown, $(awk "BEGIN { printf \"%+.2f\", 100*($cost/$flown-1) }") %" \
+        "$cost <= (1 + $most) * $flown" || bad=1
+      holds "$part_set processes, $name: in simulation $simulated, one solver $whole, $(awk "BEGIN { printf \"%+.2f\", 100*($simulated/$whole-1) }") %" \
+        "($cost/$flown-$simulated/$whole)^2 <= $agree^2" || bad=1
+      holds "$part_set processes, $name: least distance $d m" "$d >= 0.6" || bad=1
+      grep -h 'predictions,' "$folder"/[a-f]*.txt | sed 's/^sightline: //'
+      shares_of "$folder" "$parts"; jq -c .status "$folder-simulated/summary.json"
+    done
+  done
+  return $bad
+}
+
+# A process that is killed in flight: its robots' autopilots land them, the others keep distance and view; started again it is in the
+# exchange within 2 s, and its robots fly no more before they have landed and somebody calls ~/start.
+killed() {
+  local folder=$out/killed bad=0 seconds=45 vehicles front back second=0 code=0
+  whole || seconds=25
+  rm -rf "$folder"; mkdir -p "$folder"
+  local -a common=($fleet --set "fleet.domain=$domain" --set "simulation.duration=$seconds")
+  "$sightline" vehicles $fleet --set "fleet.domain=$domain" >"$folder/vehicles.txt" 2>&1 </dev/null &
+  vehicles=$!
+  sleep 1
+  "$sightline" fly "${common[@]}" --part front -o "$folder/front" >"$folder/front.txt" 2>&1 & front=$!
+  "$sightline" fly "${common[@]}" --part back -o "$folder/back" >"$folder/back.txt" 2>&1 & back=$!
+  sleep 20
+  "$sightline" fly "${common[@]}" --part back -o "$folder/second" >"$folder/second.txt" 2>&1 || second=$?
+  cat "$folder/second.txt"
+  ((second == 2)) || bad=1
+  kill -KILL $back; wait $back 2>/dev/null
+  sleep 1
+  "$sightline" fly "${common[@]}" --part back -o "$folder/again" >"$folder/again.txt" 2>&1 & back=$!
+  sleep 2
+  # By then the other has heard the new one.
+  grep -c 'part back: it is heard, its robots do not fly' "$folder/front.txt" | grep -qx 2 || { echo 'not heard within 2 s'; bad=1; }
+  wait $front || code=$?
+  kill -INT $back; wait $back
+  kill -INT $vehicles; wait $vehicles
+  grep '^sightline: part back' "$folder/front.txt"
+  grep 'flies already\|lets them' "$folder/again.txt"
+  grep -q 'lets them take off' "$folder/again.txt" || bad=1
+  grep -o 'uav[4-7]: .*failsafe.*\|uav[4-7]: [0-9]* set-points' "$folder/vehicles.txt"
+  [[ $(grep -c failsafe "$folder/vehicles.txt") == 4 ]] || bad=1
+  holds "the others: exit code $code, least distance $(jq .min_distance "$folder/front/summary.json") m" \
+    "$code == 0 && $(jq .min_distance "$folder/front/summary.json") >= 0.6" || bad=1
+  grep 'sees' "$folder/front.txt"
+  return $bad
+}
+
+# $1: robots; $2: duration [s]. A chain, eight after one another a part.
+chain_in_parts() {
+  local n=$1 i to
+  cat <<TOML
+solver = { name = "newton_riccati" }
+shape = [ { chain = ["uav{0..$((n - 1))}"], felt_by = "observer", potentials = [
+  { bearing = { alpha = 0.5, width = 0.1, tilt = 0.2 }, weight = 4.0 },
+  { too_near = { d_min = 1.0, kappa = 10.0 }, weight = 4.0 },
+  { too_far = { d_max = 2.0, kappa = 10.0 }, weight = 8.0 },
+  { relative_velocity = { v_0 = 1.0 }, weight = 0.1 } ] } ]
+[simulation]
+duration = $2
+settle = 4.0
+[log]
+paths = 10.0
+[partition]
+TOML
+  for ((i = 0; i < n; i += 8)); do
+    printf 'p%d = [' $((i / 8))
+    for ((to = i; to < i + 8 && to < n; ++to)); do printf '"uav%d",' $to; done
+    echo ']'
+  done
+  for ((i = 0; i < n; ++i)); do
+    cat <<TOML
+[agent.uav$i]
+robot = "multirotor"
+start = { p = [$((-3 * i / 2)).$((5 * (i % 2))), 0.$((i % 3 * 2)), $((1 + 3 * i / 10)).$((3 * i % 10))], heading = 0.0 }
+sensor = { pitch = 0.3, offset = 0.17 }
+TOML
+    if ((i == 0)); then
+      echo 'Q = [1.5, 1.5, 1.6, 0, 0, 0, 0]
+reference = { circle = { centre = [-1.5, 0.0, 1.0], radius = 1.5, rate = 0.2 } }'
+    else
+      echo 'R = [0.1, 0.1, 0.1, 0.1]'
+    fi
+  done
+}
+
+# Teams of 64, 256 and 1024 in parts of eight: what a part takes, and what it costs against one solver.
+scale() {
+  local n seconds bad=0 excess p99
+  local -a teams=(64 256 1024)
+  whole || teams=(64)
+  for n in "${teams[@]}"; do
+    seconds=$((n > 256 ? 10 : 20))
+    whole || seconds=5
+    chain_in_parts "$n" $seconds >"$out/chain$n.toml"
+    "$sightline" run "$out/chain$n.toml" -o "$out/chain$n" >"$out/chain$n.txt" 2>&1 || { grep "^sightline" "$out/chain$n.txt"; bad=1; }
+    excess=$(jq .cost_excess "$out/chain$n/partition.json") p99=$(jq .part_p99_us "$out/chain$n/partition.json")
+    holds "$n robots in parts of 8: the slowest part takes $(jq .part_us "$out/chain$n/partition.json") us, 99 % within $p99 us" \
+      "$p99 <= 500 || \"$form\" == \"short\"" || bad=1
+    holds "$n robots: cost $(awk "BEGIN { printf \"%+.3f\", 100 * $excess }") % of that of one solver" "$excess <= 0.01" || bad=1
+  done
+  return $bad
+}
+
+all=(shards parts killed scale)
+run_sections "$@"
