@@ -6,6 +6,8 @@
 #include <initializer_list>
 #include <numbers>
 
+#include "sightline/base/split_mix.hpp"
+
 namespace sightline {
 namespace {
 
@@ -52,14 +54,6 @@ double normal_quantile(double p) {
   return 0.5 * (low + high);
 }
 
-/// SplitMix64.
-std::uint64_t next(std::uint64_t& state) {
-  std::uint64_t z = (state += 0x9e3779b97f4a7c15ULL);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
-
 /// Puts its values into another order.
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -94,7 +88,7 @@ MedianBounds bootstrap_median(std::vector<double> values, double confidence, int
   std::sort(values.begin(), values.end());  // in whatever order they came
   std::vector<double> drawn(values.size()), medians;
   for (int i = 0; i < resamples; ++i) {
-    for (double& value : drawn) value = values[next(seed) % values.size()];
+    for (double& value : drawn) value = values[next_split_mix(seed) % values.size()];
     medians.push_back(median_of(drawn));
   }
   std::sort(medians.begin(), medians.end());

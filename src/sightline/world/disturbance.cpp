@@ -6,18 +6,11 @@
 #include <numbers>
 
 #include "sightline/base/same_time.hpp"
+#include "sightline/base/split_mix.hpp"
 #include "sightline/potential/potential.hpp"
 
 namespace sightline {
 namespace {
-
-constexpr std::uint64_t golden = 0x9e3779b97f4a7c15;
-
-std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-  return z ^ (z >> 31);
-}
 
 // Times are sums of steps; two that differ by less are the same.
 
@@ -49,11 +42,13 @@ void Disturbances::check() const {
   expect(measurement_delay >= 0 && measurement_delay <= 1, "delay", measurement_delay, "0 to 1 s");
 }
 
-RandomStream::RandomStream(std::uint64_t seed, Chance purpose, int body)
-    : state_(mix(mix(mix(seed + golden) + static_cast<std::uint64_t>(purpose) + golden) +
-                 static_cast<std::uint64_t>(body) + golden)) {}
+RandomStream::RandomStream(std::uint64_t seed, Chance purpose, int body) : state_(seed) {
+  state_ = next_split_mix(state_) + static_cast<std::uint64_t>(purpose);
+  state_ = next_split_mix(state_) + static_cast<std::uint64_t>(body);
+  state_ = next_split_mix(state_);
+}
 
-std::uint64_t RandomStream::bits() noexcept { return mix(state_ += golden); }
+std::uint64_t RandomStream::bits() noexcept { return next_split_mix(state_); }
 
 double RandomStream::uniform() noexcept { return (static_cast<double>(bits() >> 11) + 1.0) * 0x1p-53; }
 

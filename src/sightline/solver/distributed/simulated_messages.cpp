@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/split_mix.hpp"
 
 namespace sightline {
 namespace {
@@ -13,21 +14,13 @@ constexpr double nanoseconds = 1e9;                       // in a second
 constexpr ClockTime begin_of_clocks = 1'000'000'000'000;  // no stamp is 0
 constexpr double same_instant = 1e-6;                     // [s]
 
-/// SplitMix64.
-std::uint64_t mixed(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15ULL;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
-
 }  // namespace
 
 double chance_of(MessageChance what, std::uint64_t seed, int to, int from, std::uint64_t sequence) noexcept {
-  const std::uint64_t link = (static_cast<std::uint64_t>(to) << 32) | static_cast<std::uint64_t>(from);
-  const std::uint64_t bits =
-      mixed(mixed(mixed(seed ^ (static_cast<std::uint64_t>(what) << 56)) ^ link) ^ sequence);
-  return static_cast<double>(bits >> 11) * 0x1p-53;
+  std::uint64_t state = seed ^ (static_cast<std::uint64_t>(what) << 56);
+  state = next_split_mix(state) ^ (static_cast<std::uint64_t>(to) << 32) ^ static_cast<std::uint64_t>(from);
+  state = next_split_mix(state) ^ sequence;
+  return static_cast<double>(next_split_mix(state) >> 11) * 0x1p-53;
 }
 
 SimulatedMessages::SimulatedMessages(const ExchangeOptions& options, const Horizon& horizon,
