@@ -40,18 +40,14 @@ Json as_json(const Spread& s) { return {{"median", s.median}, {"max", s.greatest
 
 PartitionChoice read_partition(const Scenario& scenario, const std::string& parts, const std::string& order,
                                int exchanges) {
-  if (!plans_in_a_changing_team(scenario.solver.name)) {
-    throw std::invalid_argument(
-        fmt::format("--partition: solver.name = {}, expected {}, which parts plan with", scenario.solver.name,
-                    team_planners()));
-  }
-  if (scenario.partition && scenario.partition->apart())
+  if (plans_apart(scenario))
     throw std::invalid_argument(
         fmt::format("--partition: partition.part = \"{}\" is planned alone, expected the whole team",
                     scenario.partition->part));
-  if (changes_in_flight(scenario)) {
-    throw std::invalid_argument(
-        "--partition: the team changes in flight, expected a scenario without events");
+  try {
+    check_plans_in_parts(scenario);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("--partition: {}", error.what()));
   }
   PartitionChoice choice{.text = parts,
                          .parts = sightline::read_partition(parts, scenario.team),

@@ -37,11 +37,9 @@ const Scenario& flown(const Scenario& scenario) {
 /// A part waits for robots of others, and for its own to land that fly without it.
 constexpr double ready_of_part = 120.0, begins_together = 20.0;  // [s]
 
-bool is_part(const Scenario& scenario) { return scenario.partition && scenario.partition->apart(); }
-
 LinkTimes times_of_task(LinkTimes times, const Scenario& scenario) {
   times.task = scenario.simulation.duration + 60.0;
-  if (is_part(scenario)) times.ready = std::max(times.ready, ready_of_part);
+  if (plans_apart(scenario)) times.ready = std::max(times.ready, ready_of_part);
   return times;
 }
 
@@ -92,7 +90,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       bodies_(scenario_, domain_->participant()),
       telemetry_(scenario_, intakes(), domain_->participant()),
       preflight_(scenario_, examined(), bodies_, domain_->participant(), times_.listened) {
-  if (voice == Voice::speaks && is_part(scenario_))
+  if (voice == Voice::speaks && plans_apart(scenario_))
     talk_ = std::make_unique<PartTalk>(scenario_, domain_->participant());
   if (voice == Voice::speaks)
     services_ = std::make_unique<OperatorServices>(domain_->participant(), node_, calls_);

@@ -31,8 +31,7 @@ std::vector<std::string> commanded(const Link& link) {
 void refuse_second_flyer(const Scenario& scenario, const Domain& domain) {
   if (!scenario.fleet) return;
   std::string part;  // its topic
-  if (scenario.partition && scenario.partition->apart())
-    part = wire_topic(prediction_topic(scenario.name, scenario.partition->part));
+  if (plans_apart(scenario)) part = wire_topic(prediction_topic(scenario.name, scenario.partition->part));
   WriterList list(domain.participant());
   const auto until = std::chrono::steady_clock::now() + acquaintance;
   while (std::chrono::steady_clock::now() < until) {

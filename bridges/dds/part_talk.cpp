@@ -23,19 +23,28 @@ constexpr Quality of_predictions = {false, false, 1};
 /// The difference of the two clocks: realtime minus monotonic.
 Nanoseconds realtime_ahead() noexcept { return realtime_now() - monotonic_now(); }
 
-PartMessage sized_message(std::size_t robots, std::size_t stages, std::size_t parts) {
+/// With all the room that it will ever need; copies of a vector have no room beyond what they hold.
+PartMessage full_message(std::size_t robots, std::size_t stages, std::size_t parts) {
   PartMessage message;
   message.predictions.resize(robots);
-  for (Prediction& prediction : message.predictions) prediction.sights.reserve(stages);
+  for (Prediction& prediction : message.predictions) prediction.sights.resize(stages);
   message.echoes.resize(parts);
   return message;
 }
 
-/// Copies of a vector have no room beyond what they hold.
-PartMessage full_message(std::size_t robots, std::size_t stages, std::size_t parts) {
-  PartMessage message = sized_message(robots, stages, parts);
-  for (Prediction& prediction : message.predictions) prediction.sights.resize(stages);
-  return message;
+int place_of(const std::vector<PlannedPart>& parts, std::string_view name) {
+  const auto found =
+      std::find_if(parts.begin(), parts.end(), [&](const PlannedPart& one) { return one.name == name; });
+  return static_cast<int>(found - parts.begin());
+}
+
+/// Into the room that is there.
+void copy(std::span<const Prediction> from, std::span<Prediction> to) noexcept {
+  for (std::size_t i = 0; i < std::min(from.size(), to.size()); ++i) {
+    to[i].who = from[i].who;
+    to[i].h = from[i].h;
+    to[i].sights.assign(from[i].sights.begin(), from[i].sights.end());
+  }
 }
 
 double in_seconds(Nanoseconds t) { return 1e-9 * static_cast<double>(t); }
@@ -48,12 +57,14 @@ std::string prediction_topic(std::string_view team, std::string_view part) {
 
 PartTalk::PartTalk(const Scenario& scenario, dds_entity_t participant)
     : team_(scenario.team),
+      own_(place_of(scenario.partition->parts, scenario.partition->part)),
       step_(scenario.horizon.h()),
       stages_(size(scenario.horizon.N + 1)),
       part_of_(size(team_.bodies()), -1),
       no_input_(size(std::max(1, team_.nu()))),
       exchange_(scenario.partition->exchange),
-      peers_(static_cast<int>(scenario.partition->parts.size()), 0, 0),
+      peers_(static_cast<int>(scenario.partition->parts.size()), own_,
+             std::llround(1e9 * exchange_.stale_after)),
       session_(static_cast<std::uint64_t>(realtime_now())),
       writer_(participant, sightline_msgs_msg_dds__Prediction__desc,
               prediction_topic(scenario.name, scenario.partition->part), of_predictions),
@@ -62,12 +73,9 @@ PartTalk::PartTalk(const Scenario& scenario, dds_entity_t participant)
   const std::vector<PlannedPart>& parts = scenario.partition->parts;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     parts_.push_back(parts[i].name);
-    if (parts[i].name == scenario.partition->part) own_ = static_cast<int>(i);
     for (const std::string& robot : parts[i].robots)
       part_of_[at(team_.find(robot).index)] = static_cast<int>(i);
   }
-  const auto stale_after = std::llround(1e9 * exchange_.stale_after);
-  peers_ = Peers(static_cast<int>(parts.size()), own_, stale_after);
   for (int i = 0; i < team_.bodies(); ++i)
     if (team_.is_agent(BodyId{i})) robots_.push_back(BodyId{i});
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -77,7 +85,7 @@ PartTalk::PartTalk(const Scenario& scenario, dds_entity_t participant)
     other.name = parts[i].name;
     other.names = parts[i].robots;
     for (const std::string& robot : parts[i].robots) other.robots.push_back(team_.find(robot));
-    other.newest = sized_message(other.robots.size(), stages_, parts.size());
+    other.newest = full_message(other.robots.size(), stages_, parts.size());
     const auto late = static_cast<std::size_t>((exchange_.delay + exchange_.jitter) / scenario.horizon.dt);
     other.came = std::make_unique<Ring<PartMessage>>(
         messages_kept + 2 * late, full_message(other.robots.size(), stages_, parts.size()));
@@ -159,14 +167,8 @@ void PartTalk::drain() noexcept {
       if (late >= 0 && at_realtime > now) break;
       if (late >= 0 && peers_.receive(*message, at_realtime)) {
         other.newest.stamp = message->stamp;
-        for (std::size_t r = 0; r < other.robots.size(); ++r) {
-          const Prediction& from = message->predictions[r];
-          Prediction& to = other.newest.predictions[r];
-          to.who = from.who;
-          to.h = from.h;
-          to.sights.assign(from.sights.begin(), from.sights.end());
-        }
-        other.newest_at = at_realtime;
+        copy(message->predictions, other.newest.predictions);
+        other.has_newest = true;
       }
       other.came->pop();
     }
@@ -185,7 +187,7 @@ void PartTalk::receive(double, Subteam& receiver) noexcept {
     const bool use = state == PeerState::heard || state == PeerState::idle;
     if (!use && other->used)
       for (const BodyId robot : other->robots) receiver.forget(robot);
-    if (use && other->newest_at != 0) {
+    if (use && other->has_newest) {
       const double time = in_seconds(other->newest.stamp - other->offset - ahead - origin_);
       for (const Prediction& prediction : other->newest.predictions) receiver.receive(prediction, time);
     }
@@ -196,7 +198,6 @@ void PartTalk::receive(double, Subteam& receiver) noexcept {
 PartMessage* PartTalk::claim(ClockTime stamp, PartPhase phase, bool steers) noexcept {
   PartMessage* const message = waiting_.claim();
   ++number_;
-  phase_ = phase;
   if (message == nullptr) return nullptr;
   message->part = own_;
   message->session = session_;
@@ -212,10 +213,7 @@ void PartTalk::send(double t, std::span<const Prediction> predictions) noexcept 
   const Nanoseconds stamp = origin_ + std::llround(1e9 * t) + realtime_ahead();
   PartMessage* const message = claim(stamp, PartPhase::task, true);
   if (message == nullptr) return;
-  for (std::size_t i = 0; i < predictions.size() && i < message->predictions.size(); ++i) {
-    message->predictions[i].who = predictions[i].who;
-    message->predictions[i].sights.assign(predictions[i].sights.begin(), predictions[i].sights.end());
-  }
+  copy(predictions, message->predictions);
   waiting_.publish();
 }
 
@@ -237,30 +235,26 @@ void PartTalk::stand(PartPhase phase, std::span<const double> states) noexcept {
   waiting_.publish();
 }
 
-bool PartTalk::all_hold() noexcept {
-  for (int i = 0; i < static_cast<int>(others_.size()); ++i) {
-    const OtherPart& other = *others_[at(i)];
-    if (other.came == nullptr || other.state != PeerState::idle) continue;
-    if (peers_.phase(i) < static_cast<std::uint8_t>(PartPhase::holding)) return false;
-  }
+bool PartTalk::waits_for(int part) const noexcept {
+  const OtherPart& other = *others_[at(part)];
+  return other.came != nullptr && other.state == PeerState::idle &&
+         peers_.phase(part) < static_cast<std::uint8_t>(PartPhase::holding);
+}
+
+bool PartTalk::all_hold() const noexcept {
+  for (int i = 0; i < static_cast<int>(others_.size()); ++i)
+    if (waits_for(i)) return false;
   return true;
 }
 
 std::string PartTalk::awaited() const {
   std::string names;
-  for (int i = 0; i < static_cast<int>(others_.size()); ++i) {
-    const OtherPart& other = *others_[at(i)];
-    const bool waits = other.came != nullptr && other.state == PeerState::idle &&
-                       peers_.phase(i) < static_cast<std::uint8_t>(PartPhase::holding);
-    if (waits) names += fmt::format("{}{}", names.empty() ? "" : ", ", other.name);
-  }
+  for (int i = 0; i < static_cast<int>(others_.size()); ++i)
+    if (waits_for(i)) names += fmt::format("{}{}", names.empty() ? "" : ", ", others_[at(i)]->name);
   return names;
 }
 
-bool PartTalk::hears(BodyId, BodyId other) const noexcept {
-  const int part = part_of_[at(other.index)];
-  return part < 0 || part == own_ || others_[at(part)]->state == PeerState::heard;
-}
+bool PartTalk::hears(BodyId, BodyId other) const noexcept { return is_heard(other); }
 
 bool PartTalk::is_heard(BodyId body) const noexcept {
   const int part = part_of_[at(body.index)];

@@ -40,7 +40,7 @@ class PartTalk final : public PartExchange {
   /// Beside the task: where the own robots are, going on as they move; they keep no distances. Takes what came, too.
   void stand(PartPhase phase, std::span<const double> states) noexcept;
   /// Whether no part that is heard is still on its way to where it holds.
-  bool all_hold() noexcept;
+  bool all_hold() const noexcept;
   /// The parts that it waits for, in words.
   std::string awaited() const;
 
@@ -59,7 +59,7 @@ class PartTalk final : public PartExchange {
     std::vector<std::string> names;
     std::unique_ptr<Ring<PartMessage>> came;  // filled by the thread that receives
     PartMessage newest;
-    Nanoseconds newest_at = 0;
+    bool has_newest = false;
     bool used = false;                                // the planner has it
     std::atomic<PeerState> state{PeerState::silent};  // at the last look
     std::atomic<std::int64_t> offset{0};              // of its clock [ns]
@@ -70,12 +70,13 @@ class PartTalk final : public PartExchange {
 
   void take(OtherPart& from, const void* message, const Arrival& arrival);
   void drain() noexcept;
+  bool waits_for(int part) const noexcept;
   Nanoseconds delay_of(const PartMessage& message) const noexcept;
   PartMessage* claim(ClockTime stamp, PartPhase phase, bool steers) noexcept;
   void write_all();
 
   Team team_;
-  int own_ = 0;
+  int own_;
   double step_;
   std::size_t stages_;
   std::vector<std::string> parts_;
@@ -85,7 +86,6 @@ class PartTalk final : public PartExchange {
   std::vector<double> no_input_;
   ExchangeOptions exchange_;
   Peers peers_;
-  PartPhase phase_ = PartPhase::ground;
   Nanoseconds origin_ = 0;
   std::uint64_t session_, number_ = 0;
   std::atomic<std::int64_t> sent_{0};

@@ -96,7 +96,7 @@ TEST(RunInParts, WordsThatDoNotFitEndWithTwoAndASentence) {
             "order = \"backwards\", expected jacobi or gauss_seidel\n");
   EXPECT_EQ(refusal("--partition '" + halves + "' --exchanges 0"), "exchanges = 0, expected 1 to 1000\n");
   EXPECT_EQ(refusal("--partition '" + halves + "' --solver cgmres"),
-            "--partition: solver.name = cgmres, expected newton_riccati, which parts plan with\n");
+            "--partition: the solver cgmres cannot plan a part, expected newton_riccati\n");
   EXPECT_NE(refusal("--order jacobi").find("--partition"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder / "out")) << "refused before anything is written";
 }

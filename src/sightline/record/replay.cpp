@@ -185,7 +185,7 @@ Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, 
                         const std::optional<std::string>& solver, const std::vector<std::string>& set) {
   Scenario scenario = parse_scenario(flown.text, log, parts, {.files = flown.files, .set = set});
   scenario.name = flown.name;
-  if (scenario.partition && scenario.partition->apart())
+  if (plans_apart(scenario))
     throw std::invalid_argument(fmt::format(
         "{}: flown by part {}, whose commands follow from messages of other parts, which are not in "
         "the log, expected a flight that one program planned",

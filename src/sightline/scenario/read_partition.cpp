@@ -124,13 +124,17 @@ void read_partition(const TomlTable& root, Scenario& scenario) {
     plan.part = at.word(part_key, names);
   }
   at.checked([&] {
-    if (!plans_in_a_changing_team(scenario.solver.name))
-      refuse("the solver {} cannot plan a part, expected {}", scenario.solver.name, team_planners());
-    if (changes_in_flight(scenario)) refuse("the team changes in flight, expected a scenario without events");
+    check_plans_in_parts(scenario);
     for (const std::vector<AgentId>& part : partition_of(plan, scenario.team))
       (void)subteam_of(scenario.team, part);
     if (plan.apart()) scenario = part_of(scenario);
   });
+}
+
+void check_plans_in_parts(const Scenario& scenario) {
+  if (!plans_in_a_changing_team(scenario.solver.name))
+    refuse("the solver {} cannot plan a part, expected {}", scenario.solver.name, team_planners());
+  if (changes_in_flight(scenario)) refuse("the team changes in flight, expected a scenario without events");
 }
 
 Partition partition_of(const PartitionPlan& plan, const Team& team) {

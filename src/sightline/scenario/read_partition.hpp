@@ -13,6 +13,9 @@ namespace sightline {
 /// @throws ScenarioError
 void read_partition(const TomlTable& root, Scenario& scenario);
 
+/// @throws std::invalid_argument where parts of the scenario's team cannot plan by themselves
+void check_plans_in_parts(const Scenario& scenario);
+
 /// The parts as a solver wants them, ids of that team.
 Partition partition_of(const PartitionPlan& plan, const Team& team);
 

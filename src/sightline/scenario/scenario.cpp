@@ -405,6 +405,8 @@ PlantOptions plant_options(const Scenario& scenario) {
   return options;
 }
 
+bool plans_apart(const Scenario& scenario) { return scenario.partition && scenario.partition->apart(); }
+
 bool changes_in_flight(const Scenario& scenario) {
   const auto& presence = scenario.presence;
   return !scenario.script.empty() ||

@@ -177,6 +177,9 @@ const RobotVehicle* vehicle_of(const Scenario& scenario, BodyId body);
 PlantOptions plant_options(const Scenario& scenario);
 SensorOptions sensor_options(const Scenario& scenario);
 
+/// Whether this computer plans one part of its team alone.
+bool plans_apart(const Scenario& scenario);
+
 /// Whether robots come, go or are coupled anew in flight: then a TeamSwitcher steers.
 bool changes_in_flight(const Scenario& scenario);
 
