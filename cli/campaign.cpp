@@ -229,7 +229,7 @@ int campaign_by_slurm(const CampaignCommand& command, const Input& input, const 
   if (!fly_by_slurm(script, shards, input.folder)) return 1;
   CampaignCommand of_shards = command;
   of_shards.output = input.folder;
-  for (int i = 1; i <= shards; ++i) of_shards.merge.push_back(input.folder / fmt::format("shard_{}", i));
+  for (int i = 1; i <= shards; ++i) of_shards.merge.push_back(shard_folder(input.folder, i));
   return merge(of_shards, parts);
 }
 

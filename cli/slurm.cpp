@@ -46,8 +46,6 @@ Said ask_shell(const std::string& command) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 1, text};
 }
 
-fs::path folder_of(const fs::path& folder, int shard) { return folder / fmt::format("shard_{}", shard); }
-
 std::string last_line(const fs::path& file) {
   std::ifstream in(file);
   std::string last;
@@ -99,6 +97,8 @@ void wait_for(const std::string& job, int shards) {
 
 }  // namespace
 
+fs::path shard_folder(const fs::path& folder, int shard) { return folder / fmt::format("shard_{}", shard); }
+
 std::string slurm_script(const CampaignCommand& command, std::uint64_t seed, const std::string& name,
                          const fs::path& folder) {
   const SlurmOptions& options = command.slurm;
@@ -129,8 +129,8 @@ std::string slurm_script(const CampaignCommand& command, std::uint64_t seed, con
 
 bool fly_by_slurm(const std::string& script, int shards, const fs::path& folder) {
   for (int i = 1; i <= shards; ++i) {
-    fs::create_directories(folder_of(folder, i));
-    fs::remove(folder_of(folder, i) / "slurm.txt");  // of an earlier job
+    fs::create_directories(shard_folder(folder, i));
+    fs::remove(shard_folder(folder, i) / "slurm.txt");  // of an earlier job
   }
   const fs::path file = folder / "slurm.sh";
   write_text(file, script);
@@ -147,7 +147,7 @@ bool fly_by_slurm(const std::string& script, int shards, const fs::path& folder)
   wait_for(job, shards);
   bool all = true;
   for (int i = 1; i <= shards; ++i) {
-    const fs::path said = folder_of(folder, i) / "slurm.txt";
+    const fs::path said = shard_folder(folder, i) / "slurm.txt";
     const std::string last = last_line(said);
     // Runs that were not recovered are results as well.
     if (last == "exit 0" || last == "exit 1") continue;

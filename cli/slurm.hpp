@@ -8,7 +8,10 @@
 
 namespace sightline::cli {
 
-/// The script of the array, as sbatch takes it: task I flies shard I of all into `folder`/shard_I.
+/// Where a shard flies.
+std::filesystem::path shard_folder(const std::filesystem::path& folder, int shard);
+
+/// The script of the array, as sbatch takes it: task I flies shard I of all into shard_folder(folder, I).
 std::string slurm_script(const CampaignCommand& command, std::uint64_t seed, const std::string& name,
                          const std::filesystem::path& folder);
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <future>
 #include <stdexcept>
 #include <utility>
 
@@ -116,6 +117,16 @@ TEST(MergeShards, AByteThatChangedAnywhereIsSeen) {
                 testing::HasSubstr("spoilt.sqlite: holds"))
         << place;
   }
+}
+
+TEST(MergeShards, SeveralAtOnceDoNotMeet) {
+  const fs::path folder = test::fresh_folder();
+  const std::vector<fs::path> files = shard_files(folder, 2);
+  std::vector<std::future<void>> merges;
+  for (int i = 0; i < 8; ++i)
+    merges.push_back(std::async(
+        std::launch::async, [&, i] { merge_shards(files, folder / fmt::format("merged_{}.sqlite", i)); }));
+  for (std::future<void>& one : merges) EXPECT_NO_THROW(one.get());
 }
 
 TEST(MergeShards, ATableThatIsThereIsNotReplacedByAnotherCampaign) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "sightline/campaign/runs.hpp"
 #include "sightline/campaign/table.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/random.hpp"
@@ -91,7 +92,7 @@ TEST(Pairing, LinesTellAllRobotsAndEach) {
   const auto folder = test::fresh_folder();
   const CampaignTable a = table_of(folder, "a", 30, [](int i) { return 1.0 + i; }),
                       b = table_of(folder, "b", 30, [](int i) { return 0.5 * (1.0 + i); });
-  EXPECT_THAT(energy_columns(a), testing::ElementsAre("uav0.energy"));
+  EXPECT_THAT(Runs(a).energies(), testing::ElementsAre("uav0.energy"));
   const auto lines = energy_lines(a, b);
   ASSERT_EQ(lines.size(), 3U);
   EXPECT_EQ(lines[0].value, "alone in 0 of 30 runs, the other alone in 0 (McNemar: p = 1)");

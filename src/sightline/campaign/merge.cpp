@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
@@ -23,43 +24,34 @@ namespace fs = std::filesystem;
 /// A table, checked by itself.
 struct ShardTable {
   fs::path file;
-  std::map<std::string, Database::Value> about{};  // without the shard
+  AboutCampaign about{};  // without the shard
   std::string columns{};
   Shard shard{};
   int of_runs = 0;  // of the whole campaign
 };
 
-std::map<std::string, Database::Value> about_of(Database& database) {
-  std::map<std::string, Database::Value> about;
-  Database::Statement ask(database, "SELECT key, value FROM campaign");
-  while (ask.step()) about.emplace(ask.text(0), ask.value(1));
-  return about;
-}
-
-std::string bytes_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+bool same_bytes(const fs::path& one, const fs::path& other) {
+  std::ifstream a(one, std::ios::binary), b(other, std::ios::binary);
+  using Bytes = std::istreambuf_iterator<char>;
+  return a && b && std::equal(Bytes(a), {}, Bytes(b), {});
 }
 
 /// Whether a table that was written to its end has the bytes that its rows give.
-bool is_as_written(const fs::path& file) {
-  const fs::path copy = beside(fs::temp_directory_path() / file.filename()), again = copy.native() + ".clean";
-  fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
-  fs::remove(again);
+/// @param scratch  what is written beside it, and taken away
+bool is_as_written(const fs::path& file, const fs::path& scratch) {
+  const fs::path again = scratch.native() + ".clean";
+  fs::copy_file(file, scratch, fs::copy_options::overwrite_existing);
   {
-    Database database(copy, Database::Open::as_it_is);
-    database.execute("PRAGMA schema_version = 1");
-    Database::Statement write(database, "VACUUM INTO ?");
-    write.bind(0, std::string_view(again.native()));
-    write.step();
+    Database database(scratch, Database::Open::as_it_is);
+    write_clean(database, again);
   }
-  const bool same = bytes_of(again) == bytes_of(file);
-  fs::remove(copy);
+  const bool same = same_bytes(again, file);
+  fs::remove(scratch);
   fs::remove(again);
   return same;
 }
 
-ShardTable read_shard(const fs::path& file) {
+ShardTable read_shard(const fs::path& file, const fs::path& scratch) {
   if (!fs::is_regular_file(file)) refuse("{}: is missing, expected the table of a shard", file.native());
   ShardTable table{.file = file};
   std::int64_t rows = 0, misplaced = 0, last = 0;
@@ -67,7 +59,7 @@ ShardTable read_shard(const fs::path& file) {
     Database database(file, Database::Open::as_it_is);
     Database::Statement sound(database, "PRAGMA quick_check");
     if (!sound.step() || sound.text(0) != "ok") throw std::runtime_error("it is damaged");
-    table.about = about_of(database);
+    table.about = about_campaign(database);
     if (const auto shard = table.about.find(std::string(shard_key)); shard != table.about.end()) {
       const std::string words = std::get<std::string>(shard->second);
       const auto of = words.find(" of ");
@@ -88,7 +80,7 @@ ShardTable read_shard(const fs::path& file) {
       if (digest->second != Database::Value(rows_digest(database)))
         throw std::runtime_error("rows are not as they were written");
       table.about.erase(digest);
-      if (!is_as_written(file)) throw std::runtime_error("bytes are not as they were written");
+      if (!is_as_written(file, scratch)) throw std::runtime_error("bytes are not as they were written");
     }
   } catch (const std::exception& error) {
     refuse("{}: holds no sound shard ({})", file.native(), error.what());
@@ -122,11 +114,11 @@ void check_same_campaign(const ShardTable& one, const ShardTable& other) {
 }
 
 /// By their first runs.
-std::map<int, ShardTable> read_all(const std::vector<fs::path>& files) {
+std::map<int, ShardTable> read_all(const std::vector<fs::path>& files, const fs::path& scratch) {
   std::map<int, ShardTable> tables;
   std::optional<ShardTable> one;
   for (const fs::path& file : files) {
-    ShardTable table = read_shard(file);
+    ShardTable table = read_shard(file, scratch);
     if (!one) one = table;
     check_same_campaign(*one, table);
     const auto [there, added] = tables.emplace(table.shard.first(), table);
@@ -149,7 +141,7 @@ void check_room(const ShardTable& one, const fs::path& whole) {
   bool same = false;
   try {
     Database database(whole, Database::Open::as_it_is);
-    auto about = about_of(database);
+    auto about = about_campaign(database);
     about.erase(std::string(digest_key));
     same = about == one.about;
   } catch (const std::runtime_error&) {  // no campaign
@@ -167,7 +159,7 @@ CampaignWords campaign_words(const fs::path& file) {
   if (!fs::is_regular_file(file)) refuse("{}: is missing, expected the table of a campaign", file.native());
   try {
     Database database(file, Database::Open::as_it_is);
-    const auto about = about_of(database);
+    const auto about = about_campaign(database);
     const auto plan = about.find("plan");
     Database::Statement count(database, "SELECT count(*), coalesce(sum(outcome = 'recovered'), 0) FROM runs");
     count.step();
@@ -184,21 +176,13 @@ CampaignWords campaign_words(const fs::path& file) {
 
 void merge_shards(const std::vector<fs::path>& shards, const fs::path& whole) {
   if (shards.empty()) refuse("no shard, expected one or more");
-  const std::map<int, ShardTable> tables = read_all(shards);
+  const fs::path unfinished = beside(whole), clean = whole.native() + ".clean";
+  const std::map<int, ShardTable> tables = read_all(shards, unfinished);
   const ShardTable& one = tables.begin()->second;
   check_room(one, whole);
-  const fs::path unfinished = beside(whole), clean = whole.native() + ".clean";
   {
     Database made(unfinished, Database::Open::anew);
-    made.execute("CREATE TABLE campaign(key TEXT PRIMARY KEY, value) WITHOUT ROWID; " + one.columns);
-    Database::Statement insert(made, "INSERT INTO campaign VALUES(?, ?)");
-    for (const auto& [key, value] : one.about) {
-      insert.reset();
-      insert.bind(0, std::string_view(key));
-      insert.bind(1, value);
-      insert.step();
-    }
-    insert.reset();
+    create_tables(made, one.about, one.columns);
     for (const auto& [first, table] : tables) {
       {
         Database::Statement attach(made, "ATTACH DATABASE ? AS shard");
@@ -208,11 +192,7 @@ void merge_shards(const std::vector<fs::path>& shards, const fs::path& whole) {
       made.execute("INSERT INTO runs SELECT * FROM shard.runs; DETACH DATABASE shard");
     }
     write_digest(made);
-    made.execute("PRAGMA schema_version = 1");
-    fs::remove(clean);
-    Database::Statement copy(made, "VACUUM INTO ?");
-    copy.bind(0, std::string_view(clean.native()));
-    copy.step();
+    write_clean(made, clean);
   }
   fs::remove(unfinished);
   fs::rename(clean, whole);

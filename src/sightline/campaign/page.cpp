@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numbers>
 
 #include "sightline/campaign/confidence.hpp"
 #include "sightline/campaign/database.hpp"
 #include "sightline/campaign/judge.hpp"
 #include "sightline/campaign/paired.hpp"
+#include "sightline/campaign/runs.hpp"
 #include "sightline/campaign/success_map.hpp"
 #include "sightline/campaign/table.hpp"
 #include "sightline/plot/page.hpp"
@@ -22,91 +22,6 @@ namespace {
 constexpr int worst_runs = 12;
 constexpr int reasons_max = 3;         // told in the lines; the table has all
 constexpr std::size_t robots_max = 8;  // whose energies are told one by one
-
-/// Questions to one table of runs.
-class Runs {
- public:
-  explicit Runs(const CampaignTable& table)
-      : name(table.name), database_(std::make_unique<Database>(table.file, Database::Open::as_it_is)) {}
-
-  std::int64_t count(const std::string& where = "1") {
-    Database::Statement ask(*database_, fmt::format("SELECT count(*) FROM runs WHERE {}", where));
-    ask.step();
-    return ask.integer(0);
-  }
-
-  /// The least of the column's values that this share of them does not exceed; not a number of none.
-  double quantile(std::string_view column, double share) {
-    const std::int64_t known = count(fmt::format("{} IS NOT NULL", column));
-    if (known == 0) return std::numeric_limits<double>::quiet_NaN();
-    const auto rank = std::max<std::int64_t>(
-        0, static_cast<std::int64_t>(std::ceil(share * static_cast<double>(known))) - 1);
-    Database::Statement ask(
-        *database_, fmt::format("SELECT {0} FROM runs WHERE {0} IS NOT NULL ORDER BY {0} LIMIT 1 OFFSET {1}",
-                                column, rank));
-    ask.step();
-    return ask.number(0).value_or(0.0);
-  }
-
-  /// Its values, where there are some.
-  std::vector<double> values(std::string_view column) {
-    std::vector<double> all;
-    Database::Statement ask(*database_, fmt::format("SELECT {0} FROM runs WHERE {0} IS NOT NULL", column));
-    while (ask.step()) all.push_back(ask.number(0).value_or(0.0));
-    return all;
-  }
-
-  /// Runs in each of `bins` stretches of the column's values between low and high; the ends take what is beyond.
-  std::vector<double> histogram(std::string_view column, double low, double high, int bins) {
-    std::vector<double> counts(static_cast<std::size_t>(bins));
-    Database::Statement ask(
-        *database_,
-        fmt::format("SELECT max(0, min({0}, CAST(({1} - {2}) * {3} AS INTEGER))) AS bin, count(*) "
-                    "FROM runs WHERE {1} IS NOT NULL GROUP BY bin",
-                    bins - 1, column, low, bins / (high - low)));
-    while (ask.step()) counts[static_cast<std::size_t>(ask.integer(0))] = static_cast<double>(ask.integer(1));
-    return counts;
-  }
-
-  /// The starts of one robot, by where it saw the other body.
-  SuccessMap map_of(const std::string& agent, double range_max) {
-    SuccessMap map{.range_max = range_max};
-    Database::Statement ask(
-        *database_, fmt::format("SELECT {}, {}, outcome = 'recovered' FROM runs", sql_name(agent + ".range"),
-                                sql_name(agent + ".bearing")));
-    while (ask.step()) map.add(ask.number(0).value_or(0), ask.number(1).value_or(0), {1, ask.integer(2)});
-    return map;
-  }
-
-  /// What went wrong in the first runs that failed, by their indices.
-  std::vector<std::pair<std::int64_t, std::string>> reasons() {
-    std::vector<std::pair<std::int64_t, std::string>> told;
-    Database::Statement ask(*database_,
-                            fmt::format("SELECT \"index\", reason FROM runs WHERE reason IS NOT NULL "
-                                        "ORDER BY \"index\" LIMIT {}",
-                                        reasons_max));
-    while (ask.step()) told.emplace_back(ask.integer(0), ask.text(1));
-    return told;
-  }
-
-  /// The columns of robots' energies.
-  std::vector<std::string> energies() { return ending_in(energy_ending); }
-  std::vector<std::string> ending_in(std::string_view ending) {
-    std::vector<std::string> names;
-    Database::Statement ask(*database_,
-                            fmt::format("SELECT name FROM pragma_table_info('runs') WHERE name LIKE '_%{}' "
-                                        "ORDER BY cid",
-                                        ending));
-    while (ask.step()) names.push_back(ask.text(0));
-    return names;
-  }
-
-  Database& database() { return *database_; }
-  const std::string name;
-
- private:
-  std::unique_ptr<Database> database_;
-};
 
 std::string percent(double share) { return fmt::format("{:.2f} %", 100 * share); }
 
@@ -127,11 +42,11 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
   const std::int64_t all = runs.count();
   std::vector<CampaignLine> lines;
   for (int i = 0; i < outcome_count; ++i) {
-    const std::string outcome(to_string(static_cast<Outcome>(i)));
-    const std::int64_t these = runs.count(fmt::format("outcome = '{}'", outcome));
-    if (these > 0 || i == 0) lines.push_back({outcome, share_words(these, all)});
+    const auto outcome = static_cast<Outcome>(i);
+    const std::int64_t these = runs.count(outcome);
+    if (these > 0 || i == 0) lines.push_back({std::string(to_string(outcome)), share_words(these, all)});
   }
-  for (const auto& [index, reason] : runs.reasons())
+  for (const auto& [index, reason] : runs.reasons(reasons_max))
     lines.push_back({fmt::format("run {} failed", index), reason});
   const auto quantile = [&](std::string_view column, double share, std::string_view unit) {
     return in(runs.quantile(column, share), unit);
@@ -322,8 +237,6 @@ std::vector<CampaignLine> campaign_lines(const CampaignTable& table) {
   Runs runs(table);
   return lines_of(runs);
 }
-
-std::vector<std::string> energy_columns(const CampaignTable& table) { return Runs(table).energies(); }
 
 std::string campaign_html(const std::vector<CampaignTable>& tables, const CampaignPlan& plan,
                           const std::string& command, const std::filesystem::path& folder,

@@ -6,15 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/campaign/runs.hpp"
 #include "sightline/scenario/campaign_plan.hpp"
 
 namespace sightline {
-
-/// A table of runs and how its scenario is called.
-struct CampaignTable {
-  std::string name;
-  std::filesystem::path file;  ///< campaign.sqlite
-};
 
 /// The page of the first table; the others, which flew the same draws, stand beside it.
 /// @param command  what flies a run again, in words of a shell, but for `--only INDEX -o DIR`
@@ -35,8 +30,5 @@ struct CampaignLine {
 
 /// The campaign in a few lines: outcomes with their bounds, times, distances and energies.
 std::vector<CampaignLine> campaign_lines(const CampaignTable& table);
-
-/// The columns of a table that tell the energy of one robot each, in the order of the team.
-std::vector<std::string> energy_columns(const CampaignTable& table);
 
 }  // namespace sightline

@@ -103,8 +103,8 @@ std::vector<CampaignLine> energy_lines(const CampaignTable& a, const CampaignTab
        fmt::format("alone in {} of {} runs, the other alone in {} (McNemar: p = {:.2g})", outcomes.only_b,
                    outcomes.runs, outcomes.only_a, sign_test(outcomes.only_a, outcomes.only_b))},
       {"energy", words(pair_runs(a, b, "energy"))}};
-  const std::vector<std::string> of_b = energy_columns(b);
-  for (const std::string& column : energy_columns(a)) {
+  const std::vector<std::string> of_b = Runs(b).energies();
+  for (const std::string& column : Runs(a).energies()) {
     if (std::find(of_b.begin(), of_b.end(), column) == of_b.end()) continue;
     lines.push_back({column, words(pair_runs(a, b, column))});
   }

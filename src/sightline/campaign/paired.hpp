@@ -11,8 +11,9 @@
 
 namespace sightline {
 
-/// Of independent values, with bounds that hold whatever the distribution, by order statistics: below the bound of rank k are fewer than k values with the probability
-/// P(X < k), X binomial of 1/2, at most (1 - confidence) / 2. Few values have the least and the greatest as bounds.
+/// Of independent values, with bounds that hold whatever the distribution, by order statistics: below the bound of rank k
+/// are fewer than k values with the probability P(X < k), X binomial of 1/2, at most (1 - confidence) / 2. Few values have
+/// the least and the greatest as bounds.
 /// @param values  not empty
 MedianBounds median_bounds(std::vector<double> values, double confidence = 0.95);
 
@@ -36,7 +37,8 @@ struct OutcomePairing {
 /// @throws std::runtime_error where a table cannot be read
 OutcomePairing pair_outcomes(const CampaignTable& a, const CampaignTable& b);
 
-/// Outcomes of b compared with those of a, by McNemar's exact test; the energies of b compared with those of a, of all robots and of each that both have.
+/// Outcomes of b compared with those of a, by McNemar's exact test; the energies of b compared with those of a, of all
+/// robots and of each that both have.
 std::vector<CampaignLine> energy_lines(const CampaignTable& a, const CampaignTable& b);
 
 }  // namespace sightline

@@ -7,12 +7,14 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
+#include <variant>
 
 #include "sightline/base/refuse.hpp"
 #include "sightline/campaign/confidence.hpp"
-#include "sightline/campaign/database.hpp"
 #include "sightline/campaign/judge.hpp"
 #include "sightline/campaign/paired.hpp"
+#include "sightline/campaign/runs.hpp"
 #include "sightline/campaign/table.hpp"
 #include "sightline/record/text_file.hpp"
 
@@ -33,56 +35,45 @@ std::string processor_name() {
   return "";
 }
 
-std::vector<double> values_of(Database& database, const std::string& column) {
-  std::vector<double> values;
-  Database::Statement ask(database, fmt::format("SELECT {0} FROM runs WHERE {0} IS NOT NULL", column));
-  while (ask.step()) values.push_back(ask.number(0).value_or(0.0));
-  return values;
-}
-
 Json as_json(const MedianBounds& bounds) {
   return {{"median", bounds.median}, {"low", bounds.low}, {"high", bounds.high}};
 }
 
+Json as_json(const Database::Value& value) {
+  if (const auto* whole = std::get_if<std::int64_t>(&value)) return *whole;
+  if (const auto* real = std::get_if<double>(&value)) return *real;
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  return nullptr;
+}
+
 Json table_json(const CampaignTable& table) {
-  Database database(table.file, Database::Open::as_it_is);
-  const auto word = [&](std::string_view key) -> Json {
-    Database::Statement ask(database, "SELECT value FROM campaign WHERE key = ?");
-    ask.bind(0, key);
-    if (!ask.step()) return nullptr;
-    const Database::Value value = ask.value(0);
-    if (const auto* whole = std::get_if<std::int64_t>(&value)) return *whole;
-    if (const auto* real = std::get_if<double>(&value)) return *real;
-    return ask.text(0);
-  };
-  Database::Statement count(database, "SELECT count(*) FROM runs");
-  count.step();
-  const std::int64_t runs = count.integer(0);
-  Json json = {{"scenario", word("scenario")}, {"runs", runs},
+  Runs runs(table);
+  const auto word = [&](std::string_view key) { return as_json(runs.word(key)); };
+  const std::int64_t all = runs.count();
+  Json json = {{"scenario", word("scenario")}, {"runs", all},
                {"seed", word("seed")},         {"duration", word("duration")},
                {"version", word("version")},   {"compiler", word("compiler")},
                {"shard", word(shard_key)},     {"digest", word(digest_key)}};
   for (int i = 0; i < outcome_count; ++i) {
-    const std::string outcome(to_string(static_cast<Outcome>(i)));
-    Database::Statement these(database,
-                              fmt::format("SELECT count(*) FROM runs WHERE outcome = '{}'", outcome));
-    these.step();
-    Json& one = json["outcomes"][outcome];
-    one["runs"] = these.integer(0);
-    if (runs == 0) continue;
-    const Interval bounds = wilson(these.integer(0), runs);
-    one["share"] = static_cast<double>(these.integer(0)) / static_cast<double>(runs);
+    const auto outcome = static_cast<Outcome>(i);
+    const std::int64_t these = runs.count(outcome);
+    Json& one = json["outcomes"][std::string(to_string(outcome))];
+    one["runs"] = these;
+    if (all == 0) continue;
+    const Interval bounds = wilson(these, all);
+    one["share"] = static_cast<double>(these) / static_cast<double>(all);
     one["low"] = bounds.low;
     one["high"] = bounds.high;
   }
   std::vector<std::string> columns = {"time_to_first_view", "fraction_in_view", "min_distance", "energy"};
-  for (const std::string& column : energy_columns(table)) columns.push_back(column);
+  for (const std::string& column : runs.energies()) columns.push_back(column);
   for (const std::string& column : columns) {
-    std::vector<double> values = values_of(database, sql_name(column));
+    std::vector<double> values = runs.values(sql_name(column));
+    const std::size_t known = values.size();
     Json& one = json["medians"][column];
     if (values.empty()) continue;
-    one = as_json(bootstrap_median(values));
-    one["runs"] = values.size();
+    one = as_json(bootstrap_median(std::move(values)));
+    one["runs"] = known;
   }
   return json;
 }

@@ -101,6 +101,32 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
 
 }  // namespace
 
+AboutCampaign about_campaign(Database& database) {
+  AboutCampaign about;
+  Database::Statement ask(database, "SELECT key, value FROM campaign");
+  while (ask.step()) about.emplace(ask.text(0), ask.value(1));
+  return about;
+}
+
+void create_tables(Database& database, const AboutCampaign& about, const std::string& runs) {
+  database.execute("CREATE TABLE campaign(key TEXT PRIMARY KEY, value) WITHOUT ROWID; " + runs);
+  Database::Statement insert(database, "INSERT INTO campaign VALUES(?, ?)");
+  for (const auto& [key, value] : about) {
+    insert.reset();
+    insert.bind(0, std::string_view(key));
+    insert.bind(1, value);
+    insert.step();
+  }
+}
+
+void write_clean(Database& database, const std::filesystem::path& file) {
+  std::filesystem::remove(file);
+  database.execute("PRAGMA schema_version = 1");  // counts how often the file was written anew
+  Database::Statement copy(database, "VACUUM INTO ?");
+  copy.bind(0, std::string_view(file.native()));
+  copy.step();
+}
+
 void write_digest(Database& database) {
   Database::Statement insert(database, "INSERT OR REPLACE INTO campaign VALUES(?, ?)");
   insert.bind(0, digest_key);
@@ -134,15 +160,14 @@ std::string rows_digest(Database& database) {
 RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, const CampaignPlan& plan,
                    std::uint64_t seed, const Shard& shard, int runs)
     : file_(file), shard_(shard) {
-  Words about = {{"scenario", scenario.name},
-                 {"text", scenario.text},
-                 {"seed", static_cast<std::int64_t>(seed)},
-                 {"duration", plan.duration},
-                 {"version", std::string(version)},
-                 {"compiler", std::string(compiler)}};
-  if (!plan.text.empty() && plan.text != scenario.text) about.emplace_back("plan", plan.text);
-  if (!shard.is_whole())
-    about.emplace_back(std::string(shard_key), fmt::format("{} of {}", to_string(shard), runs));
+  AboutCampaign about = {{"scenario", scenario.name},
+                         {"text", scenario.text},
+                         {"seed", static_cast<std::int64_t>(seed)},
+                         {"duration", plan.duration},
+                         {"version", std::string(version)},
+                         {"compiler", std::string(compiler)}};
+  if (!plan.text.empty() && plan.text != scenario.text) about.emplace("plan", plan.text);
+  if (!shard.is_whole()) about.emplace(shard_key, fmt::format("{} of {}", to_string(shard), runs));
   const std::string columns = columns_of(scenario, plan);
   if (std::filesystem::exists(file_)) go_on(about, columns);
   if (!database_) begin(about, columns);
@@ -150,19 +175,12 @@ RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, 
 }
 
 // The file appears with its tables.
-void RunTable::begin(const Words& about, const std::string& columns) {
+void RunTable::begin(const AboutCampaign& about, const std::string& columns) {
   const std::filesystem::path unfinished = beside(file_);
   {
     Database made(unfinished, Database::Open::anew);
-    made.execute("BEGIN; CREATE TABLE campaign(key TEXT PRIMARY KEY, value) WITHOUT ROWID; " + columns);
-    Database::Statement insert(made, "INSERT INTO campaign VALUES(?, ?)");
-    for (const auto& [key, value] : about) {
-      insert.reset();
-      insert.bind(0, std::string_view(key));
-      insert.bind(1, value);
-      insert.step();
-    }
-    insert.reset();
+    made.execute("BEGIN");
+    create_tables(made, about, columns);
     made.execute("COMMIT");
   }
   std::filesystem::remove(file_.native() + "-journal");  // of a file that somebody took away
@@ -172,7 +190,7 @@ void RunTable::begin(const Words& about, const std::string& columns) {
 }
 
 // Leaves no database where there is nothing to go on with.
-void RunTable::go_on(const Words& about, const std::string& columns) {
+void RunTable::go_on(const AboutCampaign& about, const std::string& columns) {
   const auto refuse = [&](const std::string& what) {
     throw std::invalid_argument(
         fmt::format("{}: {}, expected runs of this campaign, which would go on, or none: give another folder "
@@ -188,15 +206,12 @@ void RunTable::go_on(const Words& about, const std::string& columns) {
     count.step();
     rows_ = static_cast<int>(count.integer(0));
     last = count.integer(1);
-    for (const auto& [key, value] : about) {
-      Database::Statement ask(*database_, "SELECT value FROM campaign WHERE key = ?");
-      ask.bind(0, std::string_view(key));
-      if (!ask.step() || ask.value(0) != value) others.push_back(key);
-    }
-    Database::Statement keys(*database_,
-                             fmt::format("SELECT count(*) FROM campaign WHERE key <> '{}'", digest_key));
-    if (keys.step() && keys.integer(0) != static_cast<std::int64_t>(about.size()) && others.empty())
-      others.emplace_back("plan or shard");
+    AboutCampaign there = about_campaign(*database_);
+    there.erase(std::string(digest_key));
+    for (const auto& [key, value] : about)
+      if (const auto found = there.find(key); found == there.end() || found->second != value)
+        others.push_back(key);
+    if (there.size() != about.size() && others.empty()) others.emplace_back("plan or shard");
     Database::Statement made(*database_, "SELECT sql FROM sqlite_master WHERE name = 'runs'");
     if (!(made.step() && made.text(0) == columns)) others.emplace_back("columns");
   } catch (const std::runtime_error& error) {
@@ -204,7 +219,7 @@ void RunTable::go_on(const Words& about, const std::string& columns) {
   }
   if (rows_ == 0) return database_.reset();
   if (!others.empty())
-    refuse(fmt::format("holds {} runs of another campaign: another {}", rows_, fmt::join(others, ", ")));
+    refuse(fmt::format("holds {} runs of another campaign: another {}", rows_, fmt::join(others, ", another ")));
   if (last != shard_.run(rows_ - 1))
     refuse(fmt::format("holds {} runs up to number {}, not one after another", rows_, last));
 }
@@ -288,13 +303,7 @@ void RunTable::finish() {
   write_digest(*database_);
   // How the rows came into the file shows in its bytes; in a new one it does not.
   const std::filesystem::path whole = beside(file_);
-  std::filesystem::remove(whole);
-  database_->execute("PRAGMA schema_version = 1");  // counts how often the file was written anew
-  {
-    Database::Statement copy(*database_, "VACUUM INTO ?");
-    copy.bind(0, std::string_view(whole.native()));
-    copy.step();
-  }
+  write_clean(*database_, whole);
   database_.reset();
   std::filesystem::rename(whole, file_);
 }

@@ -5,19 +5,22 @@
 #include <condition_variable>
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "sightline/campaign/campaign.hpp"
 #include "sightline/campaign/database.hpp"
 
 namespace sightline {
+
+/// What a table says of its campaign, by key.
+using AboutCampaign = std::map<std::string, Database::Value>;
 
 /// Writes
 ///
@@ -55,10 +58,9 @@ class RunTable {
 
  private:
   using Row = std::vector<Database::Value>;
-  using Words = std::vector<std::pair<std::string, Database::Value>>;
 
-  void begin(const Words& about, const std::string& columns);
-  void go_on(const Words& about, const std::string& columns);
+  void begin(const AboutCampaign& about, const std::string& columns);
+  void go_on(const AboutCampaign& about, const std::string& columns);
   void keep_committing(const std::stop_token& stop);
   void commit(std::vector<Row> rows);
 
@@ -80,6 +82,13 @@ class RunTable {
 /// @throws std::invalid_argument where it flies otherwise now, or the table holds more than options.runs
 void check_continues(RunTable& table, const std::filesystem::path& file, const Scenario& scenario,
                      const CampaignPlan& plan, const CampaignOptions& options);
+
+/// Of a table that is open.
+AboutCampaign about_campaign(Database& database);
+/// Makes `campaign` with these words, and `runs` by its statement.
+void create_tables(Database& database, const AboutCampaign& about, const std::string& runs);
+/// Writes the rows into a new file, whose bytes follow from them alone. Counts as one change of the database.
+void write_clean(Database& database, const std::filesystem::path& file);
 
 /// Over all rows in their order: of rows that are not as they were written it is another one.
 std::string rows_digest(Database& database);

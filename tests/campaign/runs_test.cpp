@@ -1,0 +1,65 @@
+#include "sightline/campaign/runs.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "sightline/campaign/table.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/small_campaign.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr int runs_flown = 20;
+
+CampaignTable flown_runs() {
+  const Scenario scenario = small_campaign();
+  const auto file = test::fresh_folder() / "runs.sqlite";
+  RunTable table(file, scenario, *scenario.campaign, 9);
+  fly_campaign(scenario, *scenario.campaign, {.runs = runs_flown, .seed = 9, .threads = 2},
+               [&](const RunDraw& run, const RunResult& result) { table.add(run, result); });
+  table.finish();
+  return {scenario.name, file};
+}
+
+TEST(Runs, EachHasOneOutcomeAndAPlaceInTheHistogram) {
+  Runs runs(flown_runs());
+  std::int64_t all = 0;
+  for (int i = 0; i < outcome_count; ++i) all += runs.count(static_cast<Outcome>(i));
+  EXPECT_EQ(all, runs_flown);
+  const double low = runs.quantile("energy", 0.0), high = runs.quantile("energy", 1.0);
+  const std::vector<double> bins = runs.histogram("energy", low, high, 7);
+  EXPECT_EQ(std::accumulate(bins.begin(), bins.end(), 0.0), runs_flown);
+}
+
+TEST(Runs, AQuantileIsOneOfTheValues) {
+  Runs runs(flown_runs());
+  std::vector<double> values = runs.values("energy");
+  ASSERT_EQ(values.size(), static_cast<std::size_t>(runs_flown));
+  std::sort(values.begin(), values.end());
+  EXPECT_EQ(runs.quantile("energy", 0.0), values.front());
+  EXPECT_EQ(runs.quantile("energy", 0.5), values[runs_flown / 2 - 1]);
+  EXPECT_EQ(runs.quantile("energy", 1.0), values.back());
+  EXPECT_TRUE(std::isnan(runs.quantile("NULL", 0.5)));
+}
+
+TEST(Runs, TellWhatTheTableSaysOfItsCampaign) {
+  const CampaignTable table = flown_runs();
+  Runs runs(table);
+  EXPECT_EQ(runs.word("seed"), Database::Value(std::int64_t{9}));
+  EXPECT_EQ(runs.word("scenario"), Database::Value(table.name));
+  EXPECT_EQ(runs.word(shard_key), Database::Value());
+  EXPECT_THAT(runs.energies(), testing::SizeIs(small_campaign().team.agents().size()));
+}
+
+TEST(Runs, AColumnThatIsNotThereIsRefused) {
+  Runs runs(flown_runs());
+  EXPECT_THROW(runs.values("wings"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace sightline
