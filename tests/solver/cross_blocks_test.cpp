@@ -36,7 +36,7 @@ void expect_sums(Random& random) {
     }
     batch->pairs.push_back(&pair);
   }
-  CrossBlocks<W> blocks(batches, layout);
+  CrossBlocks<W> blocks(batches, layout, KernelChoice::interpreted);
   const Surroundings surroundings{Rows(sight_size * n, layout.stages), Rows(1, layout.stages)};
   Rows s(3, layout.s_length);
   for (int i = 0; i < layout.s_length; ++i)

@@ -18,6 +18,7 @@ TEST(Descent, WhatItsUnitsPayDoesNotRiseAndLimitsHold) {
     const Layout& layout = groups.layout();
     const auto couplings = make_couplings(potentials, layout, 2, KernelChoice::compiled_if_there);
     Descent descent(potentials, layout, influence_graph(potentials, 2));
+    Crew crew(1);
     Rows u(5, layout.u_length), s(1, layout.s_length);
     std::fill_n(u[2], layout.u_length, -1.0);
     std::fill_n(u[3], layout.u_length, 1.0);
@@ -38,7 +39,7 @@ TEST(Descent, WhatItsUnitsPayDoesNotRiseAndLimitsHold) {
         u[1][i] = uniform(random, -2, 2);
       }
       const auto before = cost(u[0]);
-      const double alpha = descent.search(groups, *couplings, u[0], u[1], u[2], u[3], u[4], s[0]);
+      const double alpha = descent.search(groups, *couplings, u[0], u[1], u[2], u[3], u[4], s[0], crew);
       const auto after = cost(u[4]);
       EXPECT_GE(alpha, 0.0);
       if (variant == paper::Variant::joint) {

@@ -34,7 +34,8 @@ double defect(const Team& team, Random& random) {
   groups.solve(u[0], u[1], c[0], u[2], u[3], s[1]);
   Krylov krylov(layout, influence_graph(potentials, agents), 60, 1e-13);
   std::copy_n(s[1], layout.s_length, s[2]);
-  krylov.complete(groups, *couplings, u[3], s[2]);
+  Crew alone(1);
+  krylov.complete(groups, *couplings, u[3], s[2], alone);
   // The inputs found are what counts: their Sights follow from the linearised dynamics, by differences.
   const double step = 1e-6;
   Rows moved(2, layout.s_length);

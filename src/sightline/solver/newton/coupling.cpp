@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "sightline/base/index.hpp"
 #include "sightline/formula/derive.hpp"
@@ -29,31 +30,29 @@ template <class L>
   return fma(H[upper(i, 4)], v[4], fma(H[upper(i, 3)], v[3], row_of_three(H, i, v)));
 }
 
-/// Pairs of relative potentials whose agents stand in two groups, each lane used once: one product for all of
-/// them.
+/// Pairs of relative potentials whose agents stand in two groups, each lane used once: their numbers side by side in the lanes of a.
 template <int W>
 struct Slot {
   typename Lane<W>::Bits b_of_a{}, a_of_b{};  // lane of the partner
   Lane<W> a_mask = 0.0, b_mask = 0.0;         // lanes in use
   int group_a = 0, group_b = 0;
   bool a_feels = true, b_feels = true;
-  const PosePotential* potential = nullptr;   // of all pairs, if one
-  Ramp ramp{};                                // of all pairs
-  double part = 1.0;                          // of the weights in force
-  bool in_place = false;                      // evaluated over lanes of agents
-  bool assigns_c = false, assigns_y = false;  // the first to write there
-  std::vector<PackFormula<W>> formulas;       // the potential's derivatives, to be added up
-  Rows H;                                     // [stage][15][lane], zero in lanes not in use
+  const PosePotential* potential = nullptr;  // of all pairs, if one
+  Ramp ramp{};                               // of all pairs
+  double part = 1.0;                         // of the weights in force
+  bool in_place = false;                     // evaluated over lanes of agents
+  std::vector<PackFormula<W>> formulas;      // the potential's derivatives, to be added up
+  Rows out;                                  // [stage][gradient and Hessian][lane], zero in lanes not in use
 };
 
 /// A potential is evaluated in the first of these ways that fits:
 ///
 ///   lone pair   the team's only potential, relative, in one group of two lanes   lanes are stages; nothing to add up
-///   in place    relative, half of its slots' lanes in use                        lanes are agents, as in their groups
-///   gathered    relative, fewer lanes in use                                     lanes are points of a batch, scattered
-///   general     sees velocities, the time or a body that is not controlled       the same, with blocks of its own
+///   in place    half of its slots' lanes in use, of agents alone                 lanes are agents, as in their groups
+///   gathered    anything else                                                    lanes are points of a batch
 ///
-/// and the pairs of a swarm as Neighbourhood does. The first two save the gathering and scattering of the others.
+/// and the pairs of a swarm as Neighbourhood does. Slots, and batches that are gathered, are evaluated independently of each other;
+/// then each group takes what it feels.
 template <int W>
 class LaneCouplings final : public Couplings {
   using L = Lane<W>;
@@ -61,7 +60,7 @@ class LaneCouplings final : public Couplings {
  public:
   LaneCouplings(std::span<const BodyPotential> pairs, const Layout& layout, int bodies, KernelChoice choice,
                 std::span<const SwarmPotential> swarms)
-      : layout_(layout),
+      : Couplings(layout),
         first_(pairs.data()),
         surroundings_{Rows(sight_size * bodies, layout.stages), Rows(1, layout.stages)} {
     for (const BodyPotential& pair : pairs) add(pair, choice);
@@ -70,9 +69,8 @@ class LaneCouplings final : public Couplings {
               [](const Slot<W>& a, const Slot<W>& b) { return a.group_a > b.group_a; });
     for (Slot<W>& slot : slots_) settle(slot, choice);
     for (const SwarmPotential& swarm : swarms) swarms_.emplace_back(swarm, layout_, choice);
-    find_first_writers(swarms);
     find_slots_of_pairs();
-    crosses_.emplace(general_, layout_);
+    crosses_.emplace(general_, layout_, choice);
     find_rows();
     for (PairBatch& b : general_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
     for (PairBatch& b : relative_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
@@ -93,29 +91,44 @@ class LaneCouplings final : public Couplings {
     for (int i = 0; i < sight_size; ++i) surroundings_.bodies[body * sight_size + i][k] = s[at(i)];
   }
 
-  void evaluate(const double* s, double* c) noexcept override {
-    if (lone_pair_) return evaluate_lone_pair(s, c);
-    for (const int g : zeros_in_c_) {
-      const Layout::Part& part = layout_.groups[at(g)];
-      std::fill_n(c + part.c, layout_.stages * part.nc() * W, 0.0);
-    }
-    for (Slot<W>& slot : slots_) {
-      if (slot.in_place) evaluate_in_place(slot, s, c);
-    }
-    for (std::size_t b = 0; b < relative_.size(); ++b) {
-      if (in_place_[b]) continue;
-      relative_[b].gather(layout_, surroundings_, s);
-      relative_[b].points.derive();
-      scatter_relative(relative_[b], slots_of_[b], c);
-    }
-    for (std::size_t b = 0; b < general_.size(); ++b) {
-      PairBatch& batch = general_[b];
-      batch.gather(layout_, surroundings_, s);
-      batch.points.derive();
-      batch.scatter(layout_, c);
-      crosses_->take(b);
-    }
+  void derive(const double* s, double* c, Crew& crew) noexcept override {
+    if (lone_pair_) return derive_lone_pair(s);
+    const int slots = static_cast<int>(slots_.size()), general = crosses_->slots();
+    const int batches = static_cast<int>(relative_.size()),
+              all_batches = batches + static_cast<int>(general_.size());
+    crew.share(all_batches + slots + general, [&](int part, int) noexcept {
+      if (part < batches) {
+        gather_relative(at(part), s);
+      } else if (part < all_batches) {
+        gather_general(at(part - batches), s);
+      } else if (part < all_batches + slots) {
+        if (Slot<W>& slot = slots_[at(part - all_batches)]; slot.in_place) derive_in_place(slot, s);
+      } else {
+        crosses_->derive(part - all_batches - slots, surroundings_, s);
+      }
+    });
+    if (swarms_.empty()) return;
+    std::fill_n(c, layout_.c_length, 0.0);
     for (Neighbourhood& swarm : swarms_) swarm.evaluate(s, c);
+  }
+
+  void take(int group, double* c) const noexcept override {
+    if (lone_pair_) return take_lone_pair(c);
+    const Layout::Part& part = layout_.groups[at(group)];
+    const FeltRows& rows = rows_into_[at(group)];
+    const bool assigns = rows.assigns && swarms_.empty();
+    if (swarms_.empty()) std::fill_n(c, (assigns ? 1 : layout_.stages) * part.nc() * W, 0.0);
+    for (std::size_t i = 0; i < rows.felt.size(); ++i) {
+      const auto& [slot, of_b] = rows.felt[i];
+      if (of_b) {
+        add_to_b(slots_[at(slot)], part, c);
+      } else if (i == 0 && assigns) {
+        write_to_a<true>(slots_[at(slot)], part, c);
+      } else {
+        write_to_a<false>(slots_[at(slot)], part, c);
+      }
+    }
+    crosses_->add(group, c);
   }
 
   void values(const double* s, std::span<double> sums) noexcept override {
@@ -133,26 +146,27 @@ class LaneCouplings final : public Couplings {
     }
   }
 
-  void product(const double* z, double* y) const noexcept override {
-    if (lone_pair_) return product_of_lone_pair(z, y);
-    for (const int g : zeros_in_y_) {
-      const Layout::Part& part = layout_.groups[at(g)];
-      std::fill_n(y + part.s, layout_.stages * part.ns * W, 0.0);
-    }
-    for (const Slot<W>& slot : slots_) product(slot, slot.a_feels, slot.b_feels, z, y);
-    crosses_->product(z, y);
-    for (const Neighbourhood& swarm : swarms_) swarm.product(z, y);
-  }
-
   void product(int group, const double* z, double* y) const noexcept override {
     if (lone_pair_) return product_of_lone_pair(z, y);
     const Layout::Part& part = layout_.groups[at(group)];
-    std::fill_n(y + part.s, layout_.stages * part.ns * W, 0.0);
     const FeltRows& rows = rows_into_[at(group)];
-    for (const int slot : rows.a) product(slots_[at(slot)], true, false, z, y);
-    for (const int slot : rows.b) product(slots_[at(slot)], false, true, z, y);
+    std::fill_n(y + part.s, (rows.assigns ? 1 : layout_.stages) * part.ns * W, 0.0);
+    for (std::size_t i = 0; i < rows.felt.size(); ++i) {
+      const auto& [slot, of_b] = rows.felt[i];
+      if (of_b) {
+        add_product_of_b(slots_[at(slot)], z, y);
+      } else if (i == 0 && rows.assigns) {
+        product_of_a<true>(slots_[at(slot)], z, y);
+      } else {
+        product_of_a<false>(slots_[at(slot)], z, y);
+      }
+    }
     crosses_->product(group, z, y);
   }
+  void add_swarms(const double* z, double* y) const noexcept override {
+    for (const Neighbourhood& swarm : swarms_) swarm.product(z, y);
+  }
+  bool has_swarms() const noexcept override { return !swarms_.empty(); }
 
   void find_neighbours(const double* s) noexcept override {
     for (Neighbourhood& swarm : swarms_) swarm.find(s);
@@ -211,49 +225,6 @@ class LaneCouplings final : public Couplings {
     in_place_.resize(relative_.size());
   }
 
-  /// Where a slot is the first to write, it need not add; other parts that are written to begin as zeros.
-  void find_first_writers(std::span<const SwarmPotential> swarms) {
-    std::vector<bool> in_c(layout_.groups.size(), false), in_y(in_c);
-    const auto begin_as_zeros = [](int group, std::vector<bool>& written, std::vector<int>& zeros) {
-      if (!written[at(group)]) zeros.push_back(group);
-      written[at(group)] = true;
-    };
-    for (const SwarmPotential& swarm : swarms) {
-      for (const int agent : swarm.agents) {
-        begin_as_zeros(layout_.place(agent).group, in_c, zeros_in_c_);
-        begin_as_zeros(layout_.place(agent).group, in_y, zeros_in_y_);
-      }
-    }
-    // Slots leave out stage 0, others do not.
-    const bool slots_alone = general_.empty();
-    const bool all_in_place = std::all_of(in_place_.begin(), in_place_.end(), [](char c) { return c != 0; });
-    for (Slot<W>& slot : slots_) {
-      slot.assigns_y = slots_alone && slot.a_feels && slot.group_a != slot.group_b && !in_y[at(slot.group_a)];
-      if (slot.assigns_y) in_y[at(slot.group_a)] = true;
-      if (slot.a_feels) begin_as_zeros(slot.group_a, in_y, zeros_in_y_);
-      if (slot.b_feels) begin_as_zeros(slot.group_b, in_y, zeros_in_y_);
-      if (!slot.in_place) continue;
-      slot.assigns_c = slots_alone && all_in_place && slot.a_feels && slot.group_a != slot.group_b &&
-                       !in_c[at(slot.group_a)] && layout_.groups[at(slot.group_a)].ns == relative;
-      if (slot.assigns_c) in_c[at(slot.group_a)] = true;
-      if (slot.a_feels) begin_as_zeros(slot.group_a, in_c, zeros_in_c_);
-      if (slot.b_feels) begin_as_zeros(slot.group_b, in_c, zeros_in_c_);
-    }
-    for (const std::vector<PairBatch>* batches : {&relative_, &general_}) {
-      for (const PairBatch& batch : *batches) {
-        for (const BodyPotential* pair : batch.pairs) {
-          for (const int agent : {pair->a, pair->b}) {
-            if (agent < 0) continue;
-            const int group = layout_.place(agent).group;
-            if (batches == &general_ || !in_place_[static_cast<std::size_t>(&batch - batches->data())])
-              begin_as_zeros(group, in_c, zeros_in_c_);
-            begin_as_zeros(group, in_y, zeros_in_y_);
-          }
-        }
-      }
-    }
-  }
-
   void find_slots_of_pairs() {
     for (const PairBatch& batch : relative_) {
       std::vector<int>& list = slots_of_.emplace_back();
@@ -271,7 +242,7 @@ class LaneCouplings final : public Couplings {
   /// Lanes of agents pay where half of them are in use; pairs of one formula are evaluated one way.
   void settle(Slot<W>& slot, KernelChoice choice) {
     const Program& derivatives = slot.potential->derivatives;
-    slot.H = Rows(1, layout_.stages * 15 * W);
+    slot.out = Rows(1, layout_.stages * relative_outputs * W);
     slot.formulas.emplace_back(derivatives, choice);
     for (const Program& p : slot.potential->others) slot.formulas.emplace_back(p, choice);
     for (std::size_t b = 0; b < relative_.size(); ++b) {
@@ -284,39 +255,30 @@ class LaneCouplings final : public Couplings {
     }
   }
 
-  void scatter_relative(const PairBatch& batch, const std::vector<int>& slots, double* c) noexcept {
-    int point = 0;
+  void gather_relative(std::size_t b, const double* s) noexcept {
+    if (in_place_[b]) return;
+    PairBatch& batch = relative_[b];
+    batch.gather(layout_, surroundings_, s);
+    batch.points.derive();
     for (std::size_t p = 0; p < batch.pairs.size(); ++p) {
-      const BodyPotential& pair = *batch.pairs[p];
-      const Layout::View a = layout_.c(pair.a), b = layout_.c(pair.b);
-      const int ns_a = layout_.part(pair.a).ns, ns_b = layout_.part(pair.b).ns;
-      double* const H = slots_[at(slots[p])].H[0] + layout_.place(pair.a).lane;
-      for (int k = 0; k < layout_.stages; ++k, ++point) {
-        const auto out = [&](int i) { return *batch.points.out(point, i); };
-        for (int i = 0; i < 15; ++i) H[(k * 15 + i) * W] = out(relative + i);
-        if (pair.ends.a_feels) {
-          for (int i = 0; i < relative; ++i) {
-            c[a(k, i)] += out(i);
-            for (int j = i; j < relative; ++j)
-              c[a(k, ns_a + upper_index(i, j, ns_a))] += out(relative + upper(i, j));
-          }
-        }
-        if (pair.ends.b_feels) {
-          for (int i = 0; i < 3; ++i) {
-            c[b(k, i)] -= out(i);
-            for (int j = i; j < 3; ++j)
-              c[b(k, ns_b + upper_index(i, j, ns_b))] += out(relative + upper(i, j));
-          }
-        }
+      double* const to = slots_[at(slots_of_[b][p])].out[0] + layout_.place(batch.pairs[p]->a).lane;
+      for (int o = 0; o < relative_outputs; ++o) {
+        batch.points.each_out(static_cast<int>(p) * layout_.stages, layout_.stages, o,
+                              [&](int k, double value) { to[(k * relative_outputs + o) * W] = value; });
       }
     }
   }
+  void gather_general(std::size_t b, const double* s) noexcept {
+    if (crosses_->in_place(b)) return;
+    general_[b].gather(layout_, surroundings_, s);
+    general_[b].points.derive();
+    crosses_->take(b);
+  }
 
-  void evaluate_in_place(Slot<W>& slot, const double* s, double* c) noexcept {
+  void derive_in_place(Slot<W>& slot, const double* s) noexcept {
     const Layout::Part &part_a = layout_.groups[at(slot.group_a)], &part_b = layout_.groups[at(slot.group_b)];
     alignas(row_alignment) std::array<double, relative * W> in;
-    alignas(row_alignment) std::array<double, relative_outputs * W> out, more;
-    const auto add = [](double* to, L value) { (L::load(to) + value).store(to); };
+    alignas(row_alignment) std::array<double, relative_outputs * W> sum, more;
     for (int k = 1; k < layout_.stages; ++k) {
       const double* const a = s + part_a.s + k * part_a.ns * W;
       const double* const b = s + part_b.s + k * part_b.ns * W;
@@ -324,68 +286,92 @@ class LaneCouplings final : public Couplings {
         (L::load(a + i * W) - permuted(L::load(b + i * W), slot.b_of_a)).store(&in[at(i * W)]);
       }
       for (int i = 3; i < relative; ++i) L::load(a + i * W).store(&in[at(i * W)]);
-      slot.formulas[0].run(in.data(), out.data());
+      slot.formulas[0].run(in.data(), sum.data());
       for (std::size_t o = 1; o < slot.formulas.size(); ++o) {
         slot.formulas[o].run(in.data(), more.data());
-        for (int i = 0; i < relative_outputs; ++i) add(&out[at(i * W)], L::load(&more[at(i * W)]));
+        for (int i = 0; i < relative_outputs; ++i)
+          (L::load(&sum[at(i * W)]) + L::load(&more[at(i * W)])).store(&sum[at(i * W)]);
       }
       if (slot.part != 1.0) {
         for (int i = 0; i < relative_outputs; ++i)
-          (L(slot.part) * L::load(&out[at(i * W)])).store(&out[at(i * W)]);
+          (L(slot.part) * L::load(&sum[at(i * W)])).store(&sum[at(i * W)]);
       }
-      double* const c_a = c + part_a.c + k * part_a.nc() * W;
-      double* const c_b = c + part_b.c + k * part_b.nc() * W;
-      double* const H = slot.H[0] + k * 15 * W;
-      const auto to_a = [&](double* to, L value) { slot.assigns_c ? value.store(to) : add(to, value); };
+      double* const out = slot.out[0] + k * relative_outputs * W;
+      for (int i = 0; i < relative_outputs; ++i)
+        masked(slot.a_mask, L::load(&sum[at(i * W)])).store(out + i * W);
+    }
+  }
+
+  template <bool assigns>
+  void write_to_a(const Slot<W>& slot, const Layout::Part& part, double* c) const noexcept {
+    const auto write = [](double* to, L value) { (assigns ? value : L::load(to) + value).store(to); };
+    for (int k = 1; k < layout_.stages; ++k) {
+      const double* const out = slot.out[0] + k * relative_outputs * W;
+      double* const c_k = c + k * part.nc() * W;
       for (int i = 0; i < relative; ++i) {
-        const L g = L::load(&out[at(i * W)]) * slot.a_mask;
-        if (slot.a_feels) to_a(c_a + i * W, g);
-        if (slot.b_feels && i < 3) add(c_b + i * W, -(permuted(g, slot.a_of_b) * slot.b_mask));
-        for (int j = i; j < relative; ++j) {
-          const L h = L::load(&out[at((relative + upper(i, j)) * W)]) * slot.a_mask;
-          h.store(H + upper(i, j) * W);
-          if (slot.a_feels) to_a(c_a + (part_a.ns + upper_index(i, j, part_a.ns)) * W, h);
-          if (slot.b_feels && j < 3) {
-            add(c_b + (part_b.ns + upper_index(i, j, part_b.ns)) * W, permuted(h, slot.a_of_b) * slot.b_mask);
-          }
+        write(c_k + i * W, L::load(out + i * W));
+        for (int j = i; j < relative; ++j)
+          write(c_k + (part.ns + upper_index(i, j, part.ns)) * W,
+                L::load(out + (relative + upper(i, j)) * W));
+      }
+    }
+  }
+  void add_to_b(const Slot<W>& slot, const Layout::Part& part, double* c) const noexcept {
+    const auto of_b = [&](const double* from) {
+      return masked(slot.b_mask, permuted(L::load(from), slot.a_of_b));
+    };
+    for (int k = 1; k < layout_.stages; ++k) {
+      const double* const out = slot.out[0] + k * relative_outputs * W;
+      double* const c_k = c + k * part.nc() * W;
+      for (int i = 0; i < 3; ++i) {
+        (L::load(c_k + i * W) - of_b(out + i * W)).store(c_k + i * W);
+        for (int j = i; j < 3; ++j) {
+          double* const to = c_k + (part.ns + upper_index(i, j, part.ns)) * W;
+          (L::load(to) + of_b(out + (relative + upper(i, j)) * W)).store(to);
         }
       }
     }
   }
 
-  /// Into the rows of a, of b, or of both.
-  void product(const Slot<W>& slot, bool of_a, bool of_b, const double* z, double* y) const noexcept {
+  template <bool assigns>
+  void product_of_a(const Slot<W>& slot, const double* z, double* y) const noexcept {
     const Layout::Part &part_a = layout_.groups[at(slot.group_a)], &part_b = layout_.groups[at(slot.group_b)];
     for (int k = 1; k < layout_.stages; ++k) {
       const std::ptrdiff_t at_a = part_a.s + k * part_a.ns * W, at_b = part_b.s + k * part_b.ns * W;
       std::array<L, 15> H;
-      for (int i = 0; i < 15; ++i) H[at(i)] = L::load(slot.H[0] + (k * 15 + i) * W);
-      if (of_a) {
-        std::array<L, 3> b;
-        for (int i = 0; i < 3; ++i) b[at(i)] = permuted(L::load(z + at_b + i * W), slot.b_of_a);
-        for (int i = 0; i < relative; ++i) {
-          double* const to = y + at_a + i * W;
-          const L row = row_of_three(H.data(), i, b.data());
-          (slot.assigns_y ? -row : L::load(to) - row).store(to);
-        }
+      for (int i = 0; i < 15; ++i)
+        H[at(i)] = L::load(slot.out[0] + (k * relative_outputs + relative + i) * W);
+      std::array<L, 3> b;
+      for (int i = 0; i < 3; ++i) b[at(i)] = permuted(L::load(z + at_b + i * W), slot.b_of_a);
+      for (int i = 0; i < relative; ++i) {
+        double* const to = y + at_a + i * W;
+        const L row = row_of_three(H.data(), i, b.data());
+        (assigns ? -row : L::load(to) - row).store(to);
       }
-      if (of_b) {
-        std::array<L, relative> a;
-        for (int i = 0; i < relative; ++i) a[at(i)] = L::load(z + at_a + i * W);
-        for (int i = 0; i < 3; ++i) {
-          double* const to = y + at_b + i * W;
-          (L::load(to) - permuted(row_of_five(H.data(), i, a.data()), slot.a_of_b) * slot.b_mask).store(to);
-        }
+    }
+  }
+  void add_product_of_b(const Slot<W>& slot, const double* z, double* y) const noexcept {
+    const Layout::Part &part_a = layout_.groups[at(slot.group_a)], &part_b = layout_.groups[at(slot.group_b)];
+    for (int k = 1; k < layout_.stages; ++k) {
+      const std::ptrdiff_t at_a = part_a.s + k * part_a.ns * W, at_b = part_b.s + k * part_b.ns * W;
+      std::array<L, 15> H;
+      for (int i = 0; i < 15; ++i)
+        H[at(i)] = L::load(slot.out[0] + (k * relative_outputs + relative + i) * W);
+      std::array<L, relative> a;
+      for (int i = 0; i < relative; ++i) a[at(i)] = L::load(z + at_a + i * W);
+      for (int i = 0; i < 3; ++i) {
+        double* const to = y + at_b + i * W;
+        (L::load(to) - masked(slot.b_mask, permuted(row_of_five(H.data(), i, a.data()), slot.a_of_b)))
+            .store(to);
       }
     }
   }
 
   // One pair alone in one group of two lanes: nothing to add up, both directions in one product.
-  void evaluate_lone_pair(const double* s, double* c) noexcept {
+  void derive_lone_pair(const double* s) noexcept {
     constexpr int M = native_width;
     const BodyPotential& pair = *relative_[0].pairs[0];
     Points& points = relative_[0].points;
-    const Slot<W>& slot = slots_[0];
     const Layout::View a = layout_.s(pair.a), b = layout_.s(pair.b);
     for (int k = 0; k < layout_.stages; k += M) {
       std::array<std::ptrdiff_t, M> stage;  // the last pack repeats the last stage
@@ -397,6 +383,12 @@ class LaneCouplings final : public Couplings {
       }
     }
     points.derive();
+  }
+  void take_lone_pair(double* c) const noexcept {
+    constexpr int M = native_width;
+    const BodyPotential& pair = *relative_[0].pairs[0];
+    const Points& points = relative_[0].points;
+    const Slot<W>& slot = slots_[0];
     const L none = 0.0;
     const L a_row = pair.ends.a_feels ? slot.a_mask : none, b_row = pair.ends.b_feels ? slot.b_mask : none;
     const L both = a_row + b_row, difference = a_row - b_row;
@@ -440,19 +432,26 @@ class LaneCouplings final : public Couplings {
     }
   }
 
-  /// What is felt in one group: slots by their a and by their b.
+  /// What is felt in one group: slots, by their a or by their b. The first need not add where it writes all there is.
   struct FeltRows {
-    std::vector<int> a{}, b{};
+    std::vector<std::pair<int, bool>> felt{};
+    bool assigns = false;
   };
   void find_rows() {
     rows_into_.resize(layout_.groups.size());
     for (std::size_t i = 0; i < slots_.size(); ++i) {
-      if (slots_[i].a_feels) rows_into_[at(slots_[i].group_a)].a.push_back(static_cast<int>(i));
-      if (slots_[i].b_feels) rows_into_[at(slots_[i].group_b)].b.push_back(static_cast<int>(i));
+      const int slot = static_cast<int>(i);
+      if (slots_[i].a_feels) rows_into_[at(slots_[i].group_a)].felt.emplace_back(slot, false);
+      if (slots_[i].b_feels) rows_into_[at(slots_[i].group_b)].felt.emplace_back(slot, true);
+    }
+    for (std::size_t g = 0; g < rows_into_.size(); ++g) {
+      FeltRows& rows = rows_into_[g];
+      std::stable_partition(rows.felt.begin(), rows.felt.end(),
+                            [](const auto& felt) { return !felt.second; });
+      rows.assigns = !rows.felt.empty() && !rows.felt[0].second && layout_.groups[g].ns == relative;
     }
   }
 
-  const Layout layout_;
   const BodyPotential* first_;
   Surroundings surroundings_;
   std::vector<PairBatch> general_, relative_;
@@ -467,6 +466,22 @@ class LaneCouplings final : public Couplings {
 };
 
 }  // namespace
+
+void Couplings::evaluate(const double* s, double* c, Crew& crew) noexcept {
+  derive(s, c, crew);
+  crew.share(static_cast<int>(layout_.groups.size()),
+             [&](int g, int) noexcept { take(g, c + layout_.groups[at(g)].c); });
+}
+
+void Couplings::evaluate(const double* s, double* c) noexcept {
+  Crew alone(1);
+  evaluate(s, c, alone);
+}
+
+void Couplings::product(const double* z, double* y) const noexcept {
+  for (int g = 0; g < static_cast<int>(layout_.groups.size()); ++g) product(g, z, y);
+  add_swarms(z, y);
+}
 
 std::unique_ptr<Couplings> make_couplings(std::span<const BodyPotential> pairs, const Layout& layout,
                                           int bodies, KernelChoice choice,

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 
+#include "sightline/math/crew.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/solver/kernels/kernel_table.hpp"
 #include "sightline/solver/kernels/pose_potential.hpp"
@@ -31,17 +32,29 @@ class Couplings {
   /// Pairs that count, and pairs that should but found no room.
   virtual Neighbours neighbours() const noexcept = 0;
 
-  /// Gradients and Hessians of all potentials, times h, at s; c is overwritten.
-  virtual void evaluate(const double* s, double* c) noexcept = 0;
+  /// Evaluates all potentials at s. With swarms c, of the whole team, holds what these give, else it is not touched.
+  virtual void derive(const double* s, double* c, Crew& crew) noexcept = 0;
+  /// Gradients and Hessians of what one group feels, times h, of the last `derive`. Without swarms c, the group's own numbers, is
+  /// overwritten; with them, it is the group's part of what `derive` was given.
+  virtual void take(int group, double* c) const noexcept = 0;
+  /// Both, for all groups.
+  void evaluate(const double* s, double* c, Crew& crew) noexcept;
+  void evaluate(const double* s, double* c) noexcept;
   /// Each potential's sum along the horizon, times h, at s; one number for each entry of the list it was made
   /// of.
   virtual void values(const double* s, std::span<double> sums) noexcept = 0;
   /// of_agents += what the pairs of each agent's swarms cost along the horizon, times h, at s.
   virtual void swarm_values(const double* s, std::span<double> of_agents) noexcept = 0;
-  /// y = C z, with the Hessian blocks of the last `evaluate`.
-  virtual void product(const double* z, double* y) const noexcept = 0;
-  /// The rows of one group alone, of a team without swarms.
+  /// y = C z, with the Hessian blocks of the last `derive`.
+  void product(const double* z, double* y) const noexcept;
+  /// The rows of one group alone; `add_swarms` adds what swarms give, in all rows at once.
   virtual void product(int group, const double* z, double* y) const noexcept = 0;
+  virtual void add_swarms(const double* z, double* y) const noexcept = 0;
+  virtual bool has_swarms() const noexcept = 0;
+
+ protected:
+  explicit Couplings(const Layout& layout) : layout_(layout) {}
+  const Layout layout_;
 };
 
 std::unique_ptr<Couplings> make_couplings(std::span<const BodyPotential> pairs, const Layout& layout,

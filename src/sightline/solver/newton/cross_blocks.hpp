@@ -1,102 +1,211 @@
-/// The blocks of the Hessian that couple two agents by potentials that are not relative, over lanes.
+/// What potentials that are not relative give, over lanes: gradients and Hessians of each agent, and the blocks that couple two.
 #pragma once
 
 #include <algorithm>
-#include <utility>
+#include <array>
 #include <vector>
 
 #include "sightline/base/index.hpp"
+#include "sightline/formula/derive.hpp"
 #include "sightline/solver/newton/pair_batch.hpp"
 
 namespace sightline {
 
-/// Of pairs whose agents stand in two groups, each lane used once, the blocks are side by side: one product for all of them. Arrays
-/// z, y are those of the layout.
+/// x where the mask is 1, else 0, whatever x is there.
+template <int W>
+Lane<W> masked(Lane<W> mask, Lane<W> x) {
+  return Lane<W>(mask.v > 0.5 ? x.v : typename Lane<W>::Vector{});
+}
+
+/// Pairs whose agents stand in two groups, each lane used once, are one slot: its numbers are side by side in the lanes of a, or of b
+/// where a is not controlled. Arrays s, c, z, y are those of the layout.
 template <int W>
 class CrossBlocks {
  public:
   /// @param batches, layout  outlive it; their pairs do not change
-  CrossBlocks(const std::vector<PairBatch>& batches, const Layout& layout)
+  CrossBlocks(const std::vector<PairBatch>& batches, const Layout& layout, KernelChoice choice)
       : batches_(batches), layout_(layout), slots_of_(batches.size()), into_(layout.groups.size()) {
     for (std::size_t b = 0; b < batches.size(); ++b) {
-      if (cross(b).empty()) continue;
-      for (const BodyPotential* pair : batches[b].pairs) slots_of_[b].push_back(add(*pair, b));
+      const std::size_t before = slots_.size();
+      for (const BodyPotential* pair : batches[b].pairs) slots_of_[b].push_back(add(*pair, b, choice));
+      in_place_.push_back(fills_lanes(batches[b], slots_.size() - before));
     }
   }
 
-  /// Those of the batch's last `derive`.
+  /// Whether the pairs of a batch are evaluated in the lanes of their agents; the others are gathered.
+  bool in_place(std::size_t batch) const { return in_place_[batch] != 0; }
+  int slots() const { return static_cast<int>(slots_.size()); }
+
+  /// Evaluates a slot that is in place at s.
+  void derive(int slot, const Surroundings& surroundings, const double* s) noexcept {
+    Slot& its = slots_[at(slot)];
+    if (!in_place(its.batch)) return;
+    const PosePotential& potential = potential_of(its);
+    const double part = batches_[its.batch].points.part();
+    alignas(row_alignment) std::array<double, (PosePotential::time_variable + 1) * W> in;
+    for (int k = 0; k < layout_.stages; ++k) {
+      double* to = in.data();
+      for (const int v : potential.variables) {
+        L number;
+        if (v == PosePotential::time_variable) {
+          number = surroundings.time[0][k];
+        } else if (v >= sight_size) {
+          const Layout::Part& of = layout_.groups[at(its.group_b)];
+          number = permuted(L::load(s + of.s + (k * of.ns + v - sight_size) * W), its.b_of_a);
+        } else {
+          const Layout::Part& of = layout_.groups[at(its.group_a)];
+          number = L::load(s + of.s + (k * of.ns + v) * W);
+        }
+        number.store(to);
+        to += W;
+      }
+      double* const out = its.out[0] + k * its.outputs * W;
+      its.formula.run(in.data(), out);
+      for (int o = 0; o < its.outputs; ++o)
+        masked(its.mask, L(part) * L::load(out + o * W)).store(out + o * W);
+    }
+  }
+  /// Takes over what a batch that is gathered came to in its last `derive`.
   void take(std::size_t batch) noexcept {
     const std::vector<int>& slots = slots_of_[batch];
-    const int N = layout_.stages, stage = static_cast<int>(cross(batch).size()) * W;
+    const int N = layout_.stages;
     for (std::size_t p = 0; p < slots.size(); ++p) {
-      double* H = slots_[at(slots[p])].H[0] + layout_.place(batches_[batch].pairs[p]->a).lane;
-      for (const PosePotential::Second& entry : cross(batch)) {
-        const double sign = entry.negative ? -1.0 : 1.0;
-        batches_[batch].points.each_out(static_cast<int>(p) * N, N, entry.output,
-                                        [&](int k, double value) { H[k * stage] = sign * value; });
-        H += W;
+      Slot& slot = slots_[at(slots[p])];
+      const BodyPotential& pair = *batches_[batch].pairs[p];
+      double* const to = slot.out[0] + layout_.place(pair.a >= 0 ? pair.a : pair.b).lane;
+      for (int o = 0; o < slot.outputs; ++o) {
+        batches_[batch].points.each_out(static_cast<int>(p) * N, N, o,
+                                        [&](int k, double value) { to[(k * slot.outputs + o) * W] = value; });
+      }
+    }
+  }
+
+  /// c += gradients and own Hessians of the agents of one group, which begin at c.
+  void add(int group, double* c) const noexcept {
+    const int stage = layout_.groups[at(group)].nc() * W;
+    for (const Felt& felt : into_[at(group)]) {
+      const Slot& slot = slots_[at(felt.slot)];
+      const double* out = slot.out[0];
+      for (int k = 0; k < layout_.stages; ++k, out += slot.outputs * W) {
+        for (const Own& own : felt.own) {
+          double* const to = c + k * stage + own.entry * W;
+          L number = L(own.sign) * L::load(out + own.output * W);
+          if (felt.of_b) number = masked(slot.b_mask, permuted(number, slot.lead_of_b));
+          (L::load(to) + number).store(to);
+        }
       }
     }
   }
 
   /// y += C z, all rows.
   void product(const double* z, double* y) const noexcept {
-    for (const Slot& slot : slots_) product(slot, feels(slot).a_feels, feels(slot).b_feels, z, y);
+    for (int g = 0; g < static_cast<int>(into_.size()); ++g) product(g, z, y);
   }
   /// The rows of one group.
   void product(int group, const double* z, double* y) const noexcept {
-    for (const auto& [slot, of_b] : into_[at(group)]) product(slots_[at(slot)], !of_b, of_b, z, y);
+    for (const Felt& felt : into_[at(group)]) product(slots_[at(felt.slot)], felt.of_b, z, y);
   }
 
  private:
   using L = Lane<W>;
 
   struct Slot {
-    typename L::Bits b_of_a{}, a_of_b{};  // lane of the partner
-    L a_mask = 0.0, b_mask = 0.0;         // lanes in use
-    int group_a = 0, group_b = 0;
+    typename L::Bits b_of_a{}, lead_of_b{};  // lane of the partner; of b's numbers
+    L mask = 0.0, b_mask = 0.0;              // lanes in use
+    int group_a = -1, group_b = -1;          // -1: not controlled
     std::size_t batch = 0;
-    Rows H{};  // [stage][entry][lane], zero in lanes not in use
+    int outputs = 0;
+    PackFormula<W> formula;
+    Rows out{};  // [stage][output][lane], zero in lanes not in use
+  };
+  /// One number of c from one output.
+  struct Own {
+    int entry, output;
+    double sign;
+  };
+  /// A slot that is felt in a group, by its a or its b.
+  struct Felt {
+    int slot;
+    bool of_b;
+    std::vector<Own> own;
   };
 
-  const std::vector<PosePotential::Second>& cross(std::size_t batch) const {
-    return batches_[batch].pairs[0]->potential.cross;
+  const PosePotential& potential_of(const Slot& slot) const {
+    return batches_[slot.batch].pairs[0]->potential;
   }
-  const Ends& feels(const Slot& slot) const { return batches_[slot.batch].pairs[0]->ends; }
+
+  /// Half of the lanes in use pay; and nothing of bodies that are not controlled is seen.
+  static bool fills_lanes(const PairBatch& batch, std::size_t slots) {
+    const BodyPotential& first = *batch.pairs[0];
+    const bool agents_alone =
+        std::all_of(first.potential.variables.begin(), first.potential.variables.end(), [&](int v) {
+          return v == PosePotential::time_variable || (v >= sight_size ? first.b >= 0 : first.a >= 0);
+        });
+    return W >= 4 && agents_alone && 2 * batch.pairs.size() >= static_cast<std::size_t>(W) * slots;
+  }
 
   /// @return its slot
-  int add(const BodyPotential& pair, std::size_t batch) {
-    const Layout::Place a = layout_.place(pair.a), b = layout_.place(pair.b);
+  int add(const BodyPotential& pair, std::size_t batch, KernelChoice choice) {
+    const Layout::Place none{-1, 0};
+    const Layout::Place a = pair.a >= 0 ? layout_.place(pair.a) : none,
+                        b = pair.b >= 0 ? layout_.place(pair.b) : none;
+    const int lead = pair.a >= 0 ? a.lane : b.lane;
     auto slot = std::find_if(slots_.begin(), slots_.end(), [&](const Slot& s) {
-      return s.batch == batch && s.group_a == a.group && s.group_b == b.group && s.a_mask[a.lane] == 0 &&
-             s.b_mask[b.lane] == 0;
+      return s.batch == batch && s.group_a == a.group && s.group_b == b.group && s.mask[lead] == 0 &&
+             (pair.b < 0 || s.b_mask[b.lane] == 0);
     });
     if (slot == slots_.end()) {
-      const int numbers = layout_.stages * static_cast<int>(cross(batch).size()) * W;
-      slot = slots_.insert(slot,
-                           {.group_a = a.group, .group_b = b.group, .batch = batch, .H = Rows(1, numbers)});
+      const Program& derivatives = batches_[batch].pairs[0]->potential.derivatives;
+      slot = slots_.insert(slot, {.group_a = a.group,
+                                  .group_b = b.group,
+                                  .batch = batch,
+                                  .outputs = derivatives.outputs(),
+                                  .formula = {derivatives, choice},
+                                  .out = Rows(1, layout_.stages * derivatives.outputs() * W)});
       const int made = static_cast<int>(slot - slots_.begin());
-      if (pair.ends.a_feels) into_[at(a.group)].emplace_back(made, false);
-      if (pair.ends.b_feels) into_[at(b.group)].emplace_back(made, true);
+      if (pair.a >= 0 && pair.ends.a_feels) feel(made, pair, false);
+      if (pair.b >= 0 && pair.ends.b_feels) feel(made, pair, true);
     }
-    slot->b_of_a[a.lane] = b.lane;
-    slot->a_of_b[b.lane] = a.lane;
-    slot->a_mask.v[a.lane] = 1.0;
-    slot->b_mask.v[b.lane] = 1.0;
+    slot->mask.v[lead] = 1.0;
+    if (pair.b >= 0) {
+      slot->b_of_a[lead] = b.lane;
+      slot->lead_of_b[b.lane] = lead;
+      slot->b_mask.v[b.lane] = 1.0;
+    }
     return static_cast<int>(slot - slots_.begin());
   }
 
-  void product(const Slot& slot, bool of_a, bool of_b, const double* z, double* y) const noexcept {
+  void feel(int slot, const BodyPotential& pair, bool of_b) {
+    const int group = layout_.place(of_b ? pair.b : pair.a).group, ns = layout_.groups[at(group)].ns;
+    const int from = of_b ? sight_size : 0;
+    const PosePotential& potential = potential_of(slots_[at(slot)]);
+    Felt felt{slot, of_b, {}};
+    for (const auto& g : potential.gradient)
+      if ((g.variable >= sight_size) == of_b)
+        felt.own.push_back({g.variable - from, g.output, g.negative ? -1.0 : 1.0});
+    for (const auto& h : potential.own)
+      if ((h.row >= sight_size) == of_b)
+        felt.own.push_back(
+            {ns + upper_index(h.row - from, h.column - from, ns), h.output, h.negative ? -1.0 : 1.0});
+    into_[at(group)].push_back(std::move(felt));
+  }
+
+  void product(const Slot& slot, bool of_b, const double* z, double* y) const noexcept {
+    const std::vector<PosePotential::Second>& cross = potential_of(slot).cross;
+    if (cross.empty()) return;
     const Layout::Part &part_a = layout_.groups[at(slot.group_a)], &part_b = layout_.groups[at(slot.group_b)];
-    const double* H = slot.H[0];
-    for (int k = 0; k < layout_.stages; ++k) {
+    const double* out = slot.out[0];
+    for (int k = 0; k < layout_.stages; ++k, out += slot.outputs * W) {
       const std::ptrdiff_t a = part_a.s + k * part_a.ns * W, b = part_b.s + k * part_b.ns * W;
-      for (const PosePotential::Second& entry : cross(slot.batch)) {
-        double *const of_i = y + a + entry.row * W, *const of_j = y + b + (entry.column - sight_size) * W;
-        const L block = L::load(H), z_a = L::load(z + (of_i - y)), z_b = L::load(z + (of_j - y));
-        H += W;
-        if (of_a) (L::load(of_i) + block * permuted(z_b, slot.b_of_a)).store(of_i);
-        if (of_b) (L::load(of_j) + permuted(block * z_a, slot.a_of_b) * slot.b_mask).store(of_j);
+      for (const PosePotential::Second& entry : cross) {
+        const std::ptrdiff_t i = a + entry.row * W, j = b + (entry.column - sight_size) * W;
+        const L block = L(entry.negative ? -1.0 : 1.0) * L::load(out + entry.output * W);
+        if (of_b) {
+          (L::load(y + j) + masked(slot.b_mask, permuted(block * L::load(z + i), slot.lead_of_b)))
+              .store(y + j);
+        } else {
+          (L::load(y + i) + block * permuted(L::load(z + j), slot.b_of_a)).store(y + i);
+        }
       }
     }
   }
@@ -104,8 +213,9 @@ class CrossBlocks {
   const std::vector<PairBatch>& batches_;
   const Layout& layout_;
   std::vector<Slot> slots_;
-  std::vector<std::vector<int>> slots_of_;               // [batch][pair]
-  std::vector<std::vector<std::pair<int, bool>>> into_;  // [group]: slots, and whether it is by their b
+  std::vector<std::vector<int>> slots_of_;  // [batch][pair]
+  std::vector<char> in_place_;              // [batch]
+  std::vector<std::vector<Felt>> into_;     // [group]
 };
 
 }  // namespace sightline

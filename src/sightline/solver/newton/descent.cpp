@@ -54,8 +54,9 @@ void Descent::move(const Unit& unit, double alpha, const double* start, const do
   }
 }
 
-void Descent::evaluate_costs(Groups& groups, Couplings& couplings, const double* u, double* s) noexcept {
-  groups.roll_out(u, s);
+void Descent::evaluate_costs(Groups& groups, Couplings& couplings, const double* u, double* s,
+                             Crew& crew) noexcept {
+  groups.roll_out(u, s, crew);
   couplings.values(s, values_);
   std::fill(of_swarms_.begin(), of_swarms_.end(), 0.0);
   couplings.swarm_values(s, of_swarms_);
@@ -68,7 +69,7 @@ void Descent::evaluate_costs(Groups& groups, Couplings& couplings, const double*
 }
 
 double Descent::search(Groups& groups, Couplings& couplings, const double* start, const double* d,
-                       const double* low, const double* high, double* u, double* s) noexcept {
+                       const double* low, const double* high, double* u, double* s, Crew& crew) noexcept {
   std::copy_n(start, layout_.u_length, u);
   double smallest = 1.0;
   fell_ = false;
@@ -82,9 +83,9 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
       each([&](Unit& unit) {
         if (!unit.settled) move(unit, alpha, start, d, low, high, u);
       });
-      evaluate_costs(groups, couplings, u, s);
+      evaluate_costs(groups, couplings, u, s, crew);
     };
-    evaluate_costs(groups, couplings, u, s);
+    evaluate_costs(groups, couplings, u, s, crew);
     each([](Unit& unit) {
       unit.before = unit.best = unit.cost;
       unit.alpha = 0.0;

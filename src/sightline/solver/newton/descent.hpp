@@ -18,7 +18,7 @@ class Descent {
   /// u <- start + alpha d within the limits, alpha of each unit such that its cost does not rise.
   /// @return the smallest alpha; 0 where a cost rises along d from the start
   double search(Groups& groups, Couplings& couplings, const double* start, const double* d, const double* low,
-                const double* high, double* u, double* s) noexcept;
+                const double* high, double* u, double* s, Crew& crew) noexcept;
   /// Whether costs are sure to lead on: one cost for all, or agents in order. Not where all search at once.
   bool sure() const { return sure_; }
   /// Whether a cost fell in the last search, beyond what rounding does to it.
@@ -35,7 +35,7 @@ class Descent {
 
   void move(const Unit& unit, double alpha, const double* start, const double* d, const double* low,
             const double* high, double* u) const noexcept;
-  void evaluate_costs(Groups& groups, Couplings& couplings, const double* u, double* s) noexcept;
+  void evaluate_costs(Groups& groups, Couplings& couplings, const double* u, double* s, Crew& crew) noexcept;
 
   Layout layout_;
   std::vector<Unit> units_;

@@ -113,13 +113,14 @@ void Group::copy_states(double* const* to, std::ptrdiff_t stage, int n) const no
   }
 }
 
-void Groups::copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept {
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
+void Groups::copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at,
+                         Crew& crew) const noexcept {
+  each(crew, [&](int g, int) noexcept {
     std::array<double*, native_width> to{};
-    const std::vector<int>& members = members_[g];
+    const std::vector<int>& members = members_[at(g)];
     for (std::size_t lane = 0; lane < members.size(); ++lane) to[lane] = x + x_at[at(members[lane])];
-    groups_[g]->copy_states(to.data(), stage, static_cast<int>(members.size()));
-  }
+    groups_[at(g)]->copy_states(to.data(), stage, static_cast<int>(members.size()));
+  });
 }
 
 Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice,
@@ -205,14 +206,14 @@ void Groups::rest_at(const double* x, std::span<const int> x_at) noexcept {
   }
 }
 
-void Groups::roll_out(const double* u, double* s) noexcept {
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    groups_[g]->roll_out(u + layout_.groups[g].u, s + layout_.groups[g].s);
-  }
+void Groups::roll_out(int g, const double* u, double* s) noexcept {
+  const Layout::Part& part = layout_.groups[at(g)];
+  groups_[at(g)]->roll_out(u + part.u, s + part.s);
   constexpr int first = seen_size(Seen::pose_and_motion);
-  for (int a = 0; a < static_cast<int>(lean_.size()); ++a) {
+  if (part.ns < seen_size(Seen::leaning)) return;
+  for (const int a : members_[at(g)]) {
     const Vec2<double>& lean = lean_[at(a)];
-    if ((lean.x == 0 && lean.y == 0) || layout_.part(a).ns < seen_size(Seen::leaning)) continue;
+    if (lean.x == 0 && lean.y == 0) continue;
     const Layout::View of = layout_.s(a);
     for (int k = 0; k < layout_.stages; ++k) s[of(k, first)] += lean.x, s[of(k, first + 1)] += lean.y;
   }
@@ -243,36 +244,31 @@ double Groups::own_cost(const double* u, int agent) noexcept {
   return cost;
 }
 
-int Groups::solve(const double* u, const double* active, const double* c, double* H_u, double* du,
+int Groups::solve(int g, const double* u, const double* active, const double* c, double* H_u, double* du,
                   double* ds) noexcept {
   constexpr int attempts = 10;    // the damping has grown a thousand million times by then
   constexpr double first = 0.02;  // of 2 R h where R = 1 in an input's scale: no more than it takes
   int repeated = 0;
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const Layout::Part& part = layout_.groups[g];
-    Group& group = *groups_[g];
-    for (int lane = 0; lane < layout_.width; ++lane) group.rho(lane) = 0.0;
-    for (int attempt = 0; attempt < attempts; ++attempt) {
-      if (group.backward(u + part.u, active + part.u, c + part.c, H_u + part.u)) break;
-      ++repeated;
-      for (int lane = 0; lane < layout_.width; ++lane) {
-        if (group.doubtful(lane)) group.rho(lane) = group.rho(lane) > 0 ? 10.0 * group.rho(lane) : first * h_;
-      }
+  const Layout::Part& part = layout_.groups[at(g)];
+  Group& group = *groups_[at(g)];
+  for (int lane = 0; lane < layout_.width; ++lane) group.rho(lane) = 0.0;
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    if (group.backward(u + part.u, active + part.u, c, H_u + part.u)) break;
+    ++repeated;
+    for (int lane = 0; lane < layout_.width; ++lane) {
+      if (group.doubtful(lane)) group.rho(lane) = group.rho(lane) > 0 ? 10.0 * group.rho(lane) : first * h_;
     }
-    group.forward(du + part.u, ds + part.s);
   }
+  group.forward(du + part.u, ds + part.s);
   return repeated;
 }
 
-void Groups::differentiate(const double* u, const double* active, const double* c, double* H_u) noexcept {
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const Layout::Part& part = layout_.groups[g];
-    groups_[g]->backward(u + part.u, active + part.u, c + part.c, H_u + part.u);
-  }
-}
-
-void Groups::precondition(const double* r, double* du, double* ds) noexcept {
-  for (int g = 0; g < static_cast<int>(groups_.size()); ++g) precondition(g, r, du, ds);
+int Groups::solve(const double* u, const double* active, const double* c, double* H_u, double* du,
+                  double* ds) noexcept {
+  int repeated = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    repeated += solve(static_cast<int>(g), u, active, c + layout_.groups[g].c, H_u, du, ds);
+  return repeated;
 }
 
 }  // namespace sightline

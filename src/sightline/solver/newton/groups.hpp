@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sightline/math/crew.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/solver/kernels/kernel_table.hpp"
 #include "sightline/solver/kernels/kernel_use.hpp"
@@ -40,26 +41,48 @@ class Groups {
   /// Lanes without an agent begin where one of their like does, a state that exists.
   /// @param x_at  where each agent's states are in x
   void rest_at(const double* x, std::span<const int> x_at) noexcept;
-  void roll_out(const double* u, double* s) noexcept;
+  void roll_out(const double* u, double* s, Crew& crew) noexcept {
+    each(crew, [&](int g, int) noexcept { roll_out(g, u, s); });
+  }
+  void roll_out(const double* u, double* s) noexcept {
+    for (int g = 0; g < static_cast<int>(groups_.size()); ++g) roll_out(g, u, s);
+  }
   /// States of the last roll-out, agent a of stage k at x + k stage + x_at[a].
-  void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept;
+  void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at, Crew& crew) const noexcept;
   /// Tracking cost, barriers and the inputs' rates of one agent along the last roll-out, times h.
   double own_cost(const double* u, int agent) noexcept;
-  /// The step of each agent by itself: factorises at the last roll-out, and goes forward while the gains are near.
+  /// The step of each agent of a group by itself: factorises at the last roll-out, and goes forward while the gains are near.
   /// Where a pivot is not sound, the lane is damped (Levenberg) until all are.
+  /// @param c  of the group alone
   /// @return factorisations beyond the first
+  int solve(int group, const double* u, const double* active, const double* c, double* H_u, double* du,
+            double* ds) noexcept;
+  /// The same of all, c of the layout.
   int solve(const double* u, const double* active, const double* c, double* H_u, double* du,
             double* ds) noexcept;
-  /// One backward sweep, for H_u alone.
-  void differentiate(const double* u, const double* active, const double* c, double* H_u) noexcept;
-  void precondition(const double* r, double* du, double* ds) noexcept;
-  /// Of one group alone.
+  /// One backward sweep of a group, for H_u alone.
+  void differentiate(int group, const double* u, const double* active, const double* c,
+                     double* H_u) noexcept {
+    const Layout::Part& part = layout_.groups[static_cast<std::size_t>(group)];
+    groups_[static_cast<std::size_t>(group)]->backward(u + part.u, active + part.u, c, H_u + part.u);
+  }
   void precondition(int group, const double* r, double* du, double* ds) noexcept {
     const Layout::Part& part = layout_.groups[static_cast<std::size_t>(group)];
     groups_[static_cast<std::size_t>(group)]->precondition(r + part.s, du + part.u, ds + part.s);
   }
+  void precondition(const double* r, double* du, double* ds) noexcept {
+    for (int g = 0; g < static_cast<int>(groups_.size()); ++g) precondition(g, r, du, ds);
+  }
+  /// work(group, thread) for each, shared out.
+  template <class Work>
+  void each(Crew& crew, Work&& work) const noexcept {
+    crew.share(static_cast<int>(groups_.size()), work);
+  }
+  /// The agents of a group, lane by lane.
+  std::span<const int> members(int group) const { return members_[static_cast<std::size_t>(group)]; }
 
  private:
+  void roll_out(int group, const double* u, double* s) noexcept;
   /// What the barriers of an agent are evaluated with, and the cost of its inputs' rates.
   struct Limited {
     Model model;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "sightline/base/index.hpp"
@@ -17,9 +18,10 @@ double sum(L a) {
   return s;
 }
 
-template <class F>
-void each_pack(int n, F&& f) {
-  for (int i = 0; i < n; i += L::width) f(i);
+/// f(place) for each pack of a group's rows.
+template <class GroupRows, class F>
+void each_pack(const GroupRows& rows, F&& f) {
+  for (std::ptrdiff_t i = rows.first; i < rows.first + rows.length; i += L::width) f(i);
 }
 
 double dot_packs(const double* a, const double* b, int n) {
@@ -33,16 +35,6 @@ double dot_packs(const double* a, const double* b, int n) {
   return sum(even + odd);
 }
 
-void negate(double* a, int n) {
-  each_pack(n, [&](int i) { (-L::load(a + i)).store(a + i); });
-}
-
-/// a += f b
-void add(double* a, double f, const double* b, int n) {
-  const L factor = f;
-  each_pack(n, [&](int i) { fma(factor, L::load(b + i), L::load(a + i)).store(a + i); });
-}
-
 constexpr int generous = 4;  // a team that is not mutual is worth more iterations
 // A sweep leaves an error of the size of the next; an iteration of conjugate gradients leaves a far smaller one.
 constexpr double sharper = 0.01;
@@ -53,10 +45,12 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterat
                bool has_swarms)
     : layout_(layout),
       kind_(graph.kind),
+      of_groups_(layout.groups.size()),
+      changes_(layout.groups.size() * at(layout.width)),
       max_iterations_(max_iterations),
       stop_(stop),
       gmres_(graph.kind == Influence::cyclic ? layout.s_length : 1, generous * std::max(max_iterations, 1)),
-      s_vectors_(6, std::max(layout.s_length, gmres_.length())),
+      s_vectors_(5, std::max(layout.s_length, gmres_.length())),
       u_vectors_(2, layout.u_length) {
   if (kind_ == Influence::none || kind_ == Influence::mutual || has_swarms) return;
   for (std::size_t g = 0; g < layout.groups.size(); ++g) {
@@ -79,30 +73,54 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterat
   }
 }
 
-int Krylov::complete(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept {
+Krylov::Span Krylov::s_of(int group) const noexcept {
+  const Layout::Part& part = layout_.groups[at(group)];
+  return {part.s, padded(layout_.stages * part.ns * layout_.width)};
+}
+
+Krylov::Span Krylov::u_of(int group) const noexcept {
+  const Layout::Part& part = layout_.groups[at(group)];
+  return {part.u, padded(layout_.stages * part.nu * layout_.width)};
+}
+
+double Krylov::sum_of_groups() const noexcept {
+  return std::accumulate(of_groups_.begin(), of_groups_.end(), 0.0);
+}
+
+int Krylov::complete(Groups& groups, const Couplings& couplings, double* du, double* ds,
+                     Crew& crew) noexcept {
+  const Work work{groups, couplings, du, ds, crew};
   switch (kind_) {
     case Influence::none:
       return 0;
     case Influence::mutual:
-      return conjugate_gradients(groups, couplings, du, ds);
+      return conjugate_gradients(work);
     case Influence::cascade:
     case Influence::cyclic:
-      return turns_.empty() ? general(groups, couplings, du, ds) : substitute(groups, couplings, du, ds);
+      return turns_.empty() ? general(work) : substitute(work);
   }
   return 0;
 }
 
-int Krylov::conjugate_gradients(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept {
-  const int ns = layout_.s_length, nu = layout_.u_length;
+/// Phase by phase over the groups: a product needs what all groups came to before.
+int Krylov::conjugate_gradients(const Work& work) noexcept {
+  Groups& groups = work.groups;
+  const Couplings& couplings = work.couplings;
   double *r = s_vectors_[0], *w = s_vectors_[1], *z = s_vectors_[2], *p = s_vectors_[3];
   double* const Cp = s_vectors_[4];
   double *z_u = u_vectors_[0], *p_u = u_vectors_[1];
-  couplings.product(ds, r);  // for the negative of the correction
+  const bool swarms = couplings.has_swarms();
+  if (swarms) couplings.product(work.ds, r);  // for the negative of the correction
   double rho = 0.0;
   int k = 0;
   while (k < max_iterations_) {
-    groups.precondition(r, z_u, z);
-    const double next_rho = dot_packs(r, z, ns);
+    groups.each(work.crew, [&](int g, int) noexcept {
+      if (k == 0 && !swarms) couplings.product(g, work.ds, r);
+      groups.precondition(g, r, z_u, z);
+      const Span s = s_of(g);
+      of_groups_[at(g)] = dot_packs(r + s.first, z + s.first, s.length);
+    });
+    const double next_rho = sum_of_groups();
     if (!(next_rho > 1e-28)) break;  // solved already, or not a number
     const L beta = k > 0 ? next_rho / rho : 0.0;
     rho = next_rho;
@@ -111,33 +129,44 @@ int Krylov::conjugate_gradients(Groups& groups, const Couplings& couplings, doub
     if (k == 0) {
       w = r;
     } else {
-      each_pack(ns, [&](int i) {
-        fma(beta, L::load(p + i), L::load(z + i)).store(z + i);
-        fma(beta, L::load(w + i), L::load(r + i)).store(w + i);
+      groups.each(work.crew, [&](int g, int) noexcept {
+        const Span s = s_of(g), u = u_of(g);
+        each_pack(s, [&](std::ptrdiff_t i) {
+          fma(beta, L::load(p + i), L::load(z + i)).store(z + i);
+          fma(beta, L::load(w + i), L::load(r + i)).store(w + i);
+        });
+        each_pack(u, [&](std::ptrdiff_t i) { fma(beta, L::load(p_u + i), L::load(z_u + i)).store(z_u + i); });
       });
     }
-    couplings.product(z, Cp);
-    L even = 0.0, odd = 0.0;
-    const auto image = [&](int i) { return L::load(w + i) + L::load(Cp + i); };
-    for (int i = 0; i < ns; i += 2 * L::width) {
-      even = fma(image(i), L::load(z + i), even);
-      if (i + L::width < ns) odd = fma(image(i + L::width), L::load(z + i + L::width), odd);
-    }
-    const double curvature = sum(even + odd);
+    if (swarms) couplings.product(z, Cp);
+    const auto image = [&](std::ptrdiff_t i) { return L::load(w + i) + L::load(Cp + i); };
+    groups.each(work.crew, [&](int g, int) noexcept {
+      if (!swarms) couplings.product(g, z, Cp);
+      const Span s = s_of(g);
+      L even = 0.0, odd = 0.0;
+      for (int i = 0; i < s.length; i += 2 * L::width) {
+        const std::ptrdiff_t at_i = s.first + i;
+        even = fma(image(at_i), L::load(z + at_i), even);
+        if (i + L::width < s.length) odd = fma(image(at_i + L::width), L::load(z + at_i + L::width), odd);
+      }
+      of_groups_[at(g)] = sum(even + odd);
+    });
+    const double curvature = sum_of_groups();
     if (!(curvature > 1e-14 * rho)) break;  // along this direction the team's cost has no minimum
     const L alpha = rho / curvature;
-    each_pack(nu, [&](int i) {
-      L direction = L::load(z_u + i);
-      if (k > 0) {
-        direction = fma(beta, L::load(p_u + i), direction);
-        direction.store(z_u + i);
-      }
-      subtract_product(alpha, direction, L::load(du + i)).store(du + i);
-    });
     ++k;
-    if (k == max_iterations_ || std::sqrt(rho) < stop_) break;
+    const bool last = k == max_iterations_ || std::sqrt(rho) < stop_;
     double* const next_r = k == 1 ? s_vectors_[1] : r;  // r lives on as w
-    each_pack(ns, [&](int i) { subtract_product(alpha, image(i), L::load(r + i)).store(next_r + i); });
+    groups.each(work.crew, [&](int g, int) noexcept {
+      each_pack(u_of(g), [&](std::ptrdiff_t i) {
+        subtract_product(alpha, L::load(z_u + i), L::load(work.du + i)).store(work.du + i);
+      });
+      if (last) return;
+      each_pack(s_of(g), [&](std::ptrdiff_t i) {
+        subtract_product(alpha, image(i), L::load(r + i)).store(next_r + i);
+      });
+    });
+    if (last) break;
     r = next_r;
     std::swap(z, p);
     std::swap(z_u, p_u);
@@ -147,13 +176,13 @@ int Krylov::conjugate_gradients(Groups& groups, const Couplings& couplings, doub
 
 /// Each turn sees what those before it came to. Who changed by little wakes nobody, so a cascade is exact to that, and the
 /// parts of a team with cycles go on alone.
-int Krylov::substitute(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept {
+int Krylov::substitute(const Work& work) noexcept {
   const int most = generous * max_iterations_;
   const bool may_fail = kind_ == Influence::cyclic;
   double *const ds_alone = s_vectors_[4], *const du_alone = u_vectors_[1];
   if (may_fail) {
-    std::copy_n(ds, layout_.s_length, ds_alone);
-    std::copy_n(du, layout_.u_length, du_alone);
+    std::copy_n(work.ds, layout_.s_length, ds_alone);
+    std::copy_n(work.du, layout_.u_length, du_alone);
   }
   std::fill_n(s_vectors_[1], layout_.s_length, 0.0);
   for (std::size_t t = 0; t < turns_.size(); ++t) due_[t] = turns_[t].feels;
@@ -167,67 +196,86 @@ int Krylov::substitute(Groups& groups, const Couplings& couplings, double* du, d
     for (std::size_t t = 0; t < turns_.size(); ++t) {
       if (due_[t] == 0) continue;
       due_[t] = 0;
-      last = std::max(last, take_turn(static_cast<int>(t), groups, couplings, du, ds));
+      last = std::max(last, take_turn(static_cast<int>(t), work));
     }
     if (pass == 0) first = last;
   }
   if (!may_fail || (last <= first && first < 1e300)) return pass;
-  std::copy_n(ds_alone, layout_.s_length, ds);
-  std::copy_n(du_alone, layout_.u_length, du);
-  return pass + general(groups, couplings, du, ds);
+  std::copy_n(ds_alone, layout_.s_length, work.ds);
+  std::copy_n(du_alone, layout_.u_length, work.du);
+  return pass + general(work);
 }
 
 /// @return the greatest change of a robot's own cost
-double Krylov::take_turn(int turn, Groups& groups, const Couplings& couplings, double* du,
-                         double* ds) noexcept {
+double Krylov::take_turn(int turn, const Work& work) noexcept {
   const Turn& its = turns_[at(turn)];
   const double stop = square(sharper * stop_);
   double *const r = s_vectors_[0], *const before = s_vectors_[1], *const z = s_vectors_[2];
   double* const z_u = u_vectors_[0];
-  for (const int g : its.groups) couplings.product(g, ds, r);
-  double largest = 0.0;
-  for (std::size_t i = 0; i < its.groups.size(); ++i) {
-    const int g = its.groups[i];
-    const Layout::Part& part = layout_.groups[at(g)];
-    const int ns = padded(layout_.stages * part.ns * layout_.width);
-    const int nu = padded(layout_.stages * part.nu * layout_.width);
-    each_pack(ns, [&](int k) {
-      const L now = L::load(r + part.s + k);
-      (now - L::load(before + part.s + k)).store(r + part.s + k);
-      now.store(before + part.s + k);
+  const int groups = static_cast<int>(its.groups.size());
+  // Groups of one turn see each other as they were before it.
+  work.crew.share(groups, [&](int i, int) noexcept {
+    const int g = its.groups[at(i)];
+    work.couplings.product(g, work.ds, r);
+    each_pack(s_of(g), [&](std::ptrdiff_t k) {
+      const L now = L::load(r + k);
+      (now - L::load(before + k)).store(r + k);
+      now.store(before + k);
     });
-    groups.precondition(g, r, z_u, z);
-    add(du + part.u, -1.0, z_u + part.u, nu);
-    if (!its.is_felt) continue;
-    add(ds + part.s, -1.0, z + part.s, ns);
+    work.groups.precondition(g, r, z_u, z);
+    each_pack(u_of(g),
+              [&](std::ptrdiff_t k) { (L::load(work.du + k) - L::load(z_u + k)).store(work.du + k); });
+    if (!its.is_felt) return;
     L change = 0.0;
-    each_pack(ns, [&](int k) { change = fma(L::load(r + part.s + k), L::load(z + part.s + k), change); });
+    each_pack(s_of(g), [&](std::ptrdiff_t k) { change = fma(L::load(r + k), L::load(z + k), change); });
     for (int lane = 0; lane < layout_.width; ++lane) {
-      double of_robot = 0.0;
+      double& of_robot = changes_[at(g * layout_.width + lane)];
+      of_robot = 0.0;
       for (int k = lane; k < L::width; k += layout_.width) of_robot += change[k];
+    }
+  });
+  double largest = 0.0;
+  if (!its.is_felt) return largest;
+  for (int i = 0; i < groups; ++i) {
+    const int g = its.groups[at(i)];
+    each_pack(s_of(g), [&](std::ptrdiff_t k) { (L::load(work.ds + k) - L::load(z + k)).store(work.ds + k); });
+    for (int lane = 0; lane < layout_.width; ++lane) {
+      const double of_robot = changes_[at(g * layout_.width + lane)];
       largest = std::max(largest, of_robot);
       if (!(of_robot > stop)) continue;
-      for (const int woken : its.wakes[i][at(lane)]) due_[at(woken)] = 1;
+      for (const int woken : its.wakes[at(i)][at(lane)]) due_[at(woken)] = 1;
     }
   }
   return largest;
 }
 
-int Krylov::general(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept {
-  const int ns = layout_.s_length, nu = layout_.u_length;
+int Krylov::general(const Work& work) noexcept {
+  const int ns = layout_.s_length;
   double *const image = s_vectors_[0], *const b = s_vectors_[1], *const y = s_vectors_[2];
-  const auto product = [&](const double* v, double* out) {
-    couplings.product(v, image);
-    groups.precondition(image, u_vectors_[0], out);
-    add(out, 1.0, v, ns);
+  const bool swarms = work.couplings.has_swarms();
+  const auto coupled = [&](const double* v, auto&& use) {
+    if (swarms) work.couplings.product(v, image);
+    work.groups.each(work.crew, [&](int g, int) noexcept {
+      if (!swarms) work.couplings.product(g, v, image);
+      use(g);
+    });
   };
-  std::copy_n(ds, ns, b);
-  std::copy_n(ds, ns, y);
+  const auto product = [&](const double* v, double* out) {
+    coupled(v, [&](int g) {
+      work.groups.precondition(g, image, u_vectors_[0], out);
+      each_pack(s_of(g), [&](std::ptrdiff_t i) { (L::load(out + i) + L::load(v + i)).store(out + i); });
+    });
+  };
+  std::copy_n(work.ds, ns, b);
+  std::copy_n(work.ds, ns, y);
   const Gmres::Outcome outcome = gmres_.solve(product, b, y, 0.1 * stop_);
-  couplings.product(y, image);
-  negate(image, ns);
-  groups.precondition(image, u_vectors_[0], ds);
-  add(du, 1.0, u_vectors_[0], nu);
+  coupled(y, [&](int g) {
+    each_pack(s_of(g), [&](std::ptrdiff_t i) { (-L::load(image + i)).store(image + i); });
+    work.groups.precondition(g, image, u_vectors_[0], work.ds);
+    each_pack(u_of(g), [&](std::ptrdiff_t i) {
+      (L::load(work.du + i) + L::load(u_vectors_[0] + i)).store(work.du + i);
+    });
+  });
   return outcome.iterations;
 }
 

@@ -23,13 +23,29 @@ class Krylov {
          bool has_swarms = false);
 
   /// Completes a step of all agents by themselves, du and ds, to the team's. @return iterations
-  int complete(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept;
+  int complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew) noexcept;
 
  private:
-  int conjugate_gradients(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept;
-  int substitute(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept;
-  double take_turn(int turn, Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept;
-  int general(Groups& groups, const Couplings& couplings, double* du, double* ds) noexcept;
+  /// What a step is made of and by whom.
+  struct Work {
+    Groups& groups;
+    const Couplings& couplings;
+    double *du, *ds;
+    Crew& crew;
+  };
+  /// One group's rows in the arrays, whole packs.
+  struct Span {
+    std::ptrdiff_t first;
+    int length;
+  };
+
+  int conjugate_gradients(const Work& work) noexcept;
+  int substitute(const Work& work) noexcept;
+  double take_turn(int turn, const Work& work) noexcept;
+  int general(const Work& work) noexcept;
+  Span s_of(int group) const noexcept;
+  Span u_of(int group) const noexcept;
+  double sum_of_groups() const noexcept;
 
   /// Groups whose robots take their turn together.
   struct Turn {
@@ -43,6 +59,8 @@ class Krylov {
   Influence kind_;
   std::vector<Turn> turns_;
   std::vector<char> due_;
+  std::vector<double> of_groups_;  // summands, which are added in order
+  std::vector<double> changes_;    // of each robot's own cost, [group][lane]
   int max_iterations_;
   double stop_;
   Gmres gmres_;

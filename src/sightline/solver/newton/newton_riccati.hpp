@@ -12,6 +12,7 @@
 
 namespace sightline {
 
+class Crew;
 enum class KernelChoice;
 
 struct NewtonRiccatiOptions {
@@ -25,6 +26,9 @@ struct NewtonRiccatiOptions {
   double deadline = 0.0;   ///< an update takes about this time [s] at most, and at least one step; 0: none
   int start_steps = 10;    ///< Newton steps of the first update at most, >= 1
   KernelChoice kernels{};  ///< compiled where they are there; kernels/kernel_table.hpp
+  /// Threads that teams of at least `shared_from` robots are shared over; none: that of the caller alone. The result is the same.
+  std::shared_ptr<Crew> crew{};
+  static constexpr int shared_from = 128;
 };
 
 class NewtonUpdate;

@@ -13,8 +13,6 @@
 namespace sightline {
 namespace {
 
-using L = NativeLane;
-
 void check(bool holds, std::string_view option, double value, std::string_view expected) {
   if (holds && std::isfinite(value)) return;
   throw std::invalid_argument(fmt::format("solver.{} = {}, expected {}", option, value, expected));
@@ -32,16 +30,20 @@ NewtonRiccatiOptions checked(const NewtonRiccatiOptions& o) {
   return o;
 }
 
-L absolute(L a) { return maximum(a, -a); }
-
-double largest(L a) {
-  double m = 0.0;
-  for (int i = 0; i < L::width; ++i) m = std::max(m, a[i]);
-  return m;
+/// Threads pay from some size on; below it all is done by the caller's.
+std::shared_ptr<Crew> crew_for(const Ocp& ocp, const NewtonRiccatiOptions& options) {
+  const bool pays = static_cast<int>(ocp.agent_bodies().size()) >= NewtonRiccatiOptions::shared_from;
+  return options.crew != nullptr && pays ? options.crew : std::make_shared<Crew>(1);
 }
 
-L minimum(L a, L b) { return -maximum(-a, -b); }
-L within(L x, L low, L high) { return minimum(maximum(x, low), high); }
+/// Numbers of c that are needed at a time.
+Rows room_for_c(const Layout& layout, const Crew& crew, bool has_swarms) {
+  if (has_swarms) return {1, layout.c_length};
+  int longest = 0;
+  for (const Layout::Part& part : layout.groups)
+    longest = std::max(longest, padded(layout.stages * part.nc() * layout.width));
+  return {crew.threads(), longest};
+}
 
 }  // namespace
 
@@ -70,11 +72,12 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       groups_(ocp_, potentials_, options_.kernels, influence_.order),
       couplings_(
           make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels, swarms_)),
+      crew_(crew_for(ocp_, options_)),
       krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop, !swarms_.empty()),
       descent_(potentials_, groups_.layout(), influence_),
       u_vectors_(11, groups_.layout().u_length),
       s_vectors_(2, groups_.layout().s_length),
-      c_(1, groups_.layout().c_length),
+      c_(room_for_c(groups_.layout(), *crew_, !swarms_.empty())),
       u_(u_vectors_[0]),
       du_(u_vectors_[1]),
       active_(u_vectors_[2]),
@@ -93,6 +96,8 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       u_out_(at(ocp_.nu())),
       raw_u_(at(ocp_.nu())),
       x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)) {
+  repeated_.resize(groups_.layout().groups.size());
+  proposals_.resize(groups_.layout().groups.size());
   before_.reserve(u_out_.size());
   added_.reserve(u_out_.size());
   for (const BodyId body : ocp_.agent_bodies()) x_at_.push_back(ocp_.team().state_offset(body));
@@ -148,15 +153,11 @@ void NewtonUpdate::set_time(double time) noexcept {
   const Team& team = ocp_.team();
   const int N = ocp_.horizon().N;
   const double h = ocp_.horizon().h();
+  groups_.each(*crew_, [&](int g, int) noexcept { refer(g, time); });
   for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
+    if (started_ && !limits_move_) break;
     const Agent& agent = team.agents()[at(a)];
-    Group& group = groups_.group_of(a);
-    const int lane = groups_.layout().place(a).lane, nx = group.sizes().nx, nu = group.sizes().nu;
-    if (!started_ || !agent.x_ref.is_constant()) {
-      const std::ptrdiff_t lanes = groups_.layout().width;
-      agent.x_ref.along(time, h, N + 1, agent.model, &group.x_ref(0, 0, lane), nx * lanes, lanes);
-    }
-    if (started_ && !limits_move_) continue;
+    const int nu = groups_.layout().part(a).nu;
     const Layout::View u = groups_.layout().u(a);
     const std::size_t input = at(team.input_offset(ocp_.agent_bodies()[at(a)]));
     for (int k = 0; k < N; ++k) {
@@ -186,6 +187,18 @@ void NewtonUpdate::set_time(double time) noexcept {
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     u_[i] = clamp(u_[i], low_[i], high_[i]);
     if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 0.0;
+  }
+}
+
+/// What the robots of a group are to follow.
+void NewtonUpdate::refer(int g, double time) noexcept {
+  const std::ptrdiff_t lanes = groups_.layout().width;
+  for (const int a : groups_.members(g)) {
+    const Agent& agent = ocp_.team().agents()[at(a)];
+    if (started_ && agent.x_ref.is_constant()) continue;
+    Group& group = groups_.group_of(a);
+    agent.x_ref.along(time, ocp_.horizon().h(), ocp_.horizon().N + 1, agent.model,
+                      &group.x_ref(0, 0, groups_.layout().place(a).lane), group.sizes().nx * lanes, lanes);
   }
 }
 
@@ -223,158 +236,6 @@ void NewtonUpdate::restart() noexcept {
   plan_time_ = 0.0;
 }
 
-NewtonUpdate::Proposal NewtonUpdate::examine() const noexcept {
-  const double per_h = 1.0 / ocp_.horizon().h();
-  L step = 0.0, residual = 0.0, beyond = 0.0, not_finite = 0.0;
-  for (int i = 0; i < groups_.layout().u_length; i += L::width) {
-    const L u = L::load(u_ + i), du = L::load(du_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
-    const L next = u + du, per_scale = L::load(per_scale_ + i);
-    step = maximum(absolute(du) * per_scale, step);
-    beyond = maximum(maximum(next - high, low - next), beyond);
-    not_finite = fma(du, L(0.0), not_finite);
-    const L H_u = L(per_h) * L::load(H_u_ + i);
-    not_finite = fma(H_u, L(0.0), not_finite);
-    const L gap = u - within(u - H_u * L::load(scale_2_ + i), low, high);
-    residual = maximum(absolute(gap) * per_scale, residual);
-  }
-  double nan = 0.0;
-  for (int i = 0; i < L::width; ++i) nan += not_finite[i];
-  return {largest(step), largest(residual), nan == 0.0, !(largest(beyond) > 0.0)};
-}
-
-bool NewtonUpdate::slope_is_finite() const noexcept {
-  return std::all_of(H_u_, H_u_ + groups_.layout().u_length, [](double g) { return std::isfinite(g); });
-}
-
-/// Inputs that want to leave their limits are put on them and become active; active ones that want back are freed.
-/// @return whether the set changed
-bool NewtonUpdate::update_active_set() noexcept {
-  bool changed = false;
-  all_free_ = true;
-  for (int i = 0; i < groups_.layout().u_length; ++i) {
-    const double next = u_[i] + du_[i];
-    double active = 0.0;
-    if (active_[i] == 0.0) {
-      if (next > high_[i] || next < low_[i]) {
-        active = infinity;
-        u_[i] = next > high_[i] ? high_[i] : low_[i];
-      }
-    } else {
-      const bool at_high = u_[i] - low_[i] > high_[i] - u_[i];
-      active = (at_high ? H_u_[i] < 0 : H_u_[i] > 0) ? infinity : 0.0;
-    }
-    changed |= active != active_[i];
-    active_[i] = active;
-    if (active != 0.0) {
-      all_free_ = false;
-      du_[i] = 0.0;
-    }
-  }
-  return changed;
-}
-
-/// u <- u + du, within the limits.
-void NewtonUpdate::take() noexcept {
-  std::swap(u_, u_before_);
-  for (int i = 0; i < groups_.layout().u_length; i += L::width) {
-    const L u = L::load(u_before_ + i) + L::load(du_ + i);
-    within(u, L::load(low_ + i), L::load(high_ + i)).store(u_ + i);
-  }
-}
-
-/// Goes from u_start towards the step only as far as costs fall. Where that is not far, on by projected
-/// Newton (Bertsekas 1982): inputs that are pushed against a limit nearby become active, which makes the
-/// step one of descent. Where even that fails, down the gradient.
-/// @return whether the step could be taken as it was
-bool NewtonUpdate::descend(bool settled) noexcept {
-  constexpr double far_enough = 0.25;  // of the step
-  constexpr double nearby = 0.05;      // of an input's scale
-  const int n = groups_.layout().u_length;
-  const auto search = [&] {
-    return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_);
-  };
-  for (int i = 0; i < n; ++i) du_[i] = u_[i] + du_[i] - u_start_[i];
-  const double alpha = search();
-  if ((alpha < far_enough || !settled || (descent_.sure() && !descent_.fell())) && !late()) {
-    // Inputs that the gradient holds near a limit go there, the others by a step of their own.
-    std::copy_n(u_, n, u_start_);
-    groups_.roll_out(u_, s_);
-    couplings_->evaluate(s_, c_[0]);
-    groups_.differentiate(u_, active_, c_[0], H_u_);
-    const auto at_low = [&](int i) { return u_[i] < low_[i] + nearby / per_scale_[i] && H_u_[i] > 0; };
-    const auto at_high = [&](int i) { return u_[i] > high_[i] - nearby / per_scale_[i] && H_u_[i] < 0; };
-    for (int i = 0; i < n; ++i) active_[i] = at_low(i) || at_high(i) ? infinity : 0.0;
-    groups_.solve(u_, active_, c_[0], H_u_, du_, ds_);
-    krylov_.complete(groups_, *couplings_, du_, ds_);
-    for (int i = 0; i < n; ++i) {
-      if (at_low(i)) du_[i] = low_[i] - u_[i];
-      if (at_high(i)) du_[i] = high_[i] - u_[i];
-    }
-    if (search() == 0.0) {
-      for (int i = 0; i < n; ++i) du_[i] = -0.5 / ocp_.horizon().h() * H_u_[i] * scale_2_[i];
-      search();
-    }
-  }
-  all_free_ = true;
-  for (int i = 0; i < n; ++i) {
-    if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 0.0;
-    all_free_ &= active_[i] == 0.0;
-    du_[i] = 0.0;
-  }
-  std::copy_n(u_, n, u_before_);
-  return alpha >= 1.0 && settled;
-}
-
-NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
-  constexpr int attempts = 3;
-  Step result;
-  Proposal proposal;
-  bool damped = false, settled = false;
-  bool started_from = false;  // u_start is known
-  const auto keep_start = [&] {
-    if (!started_from) std::copy_n(u_, groups_.layout().u_length, u_start_);
-    started_from = true;
-  };
-  for (int attempt = 0; attempt < attempts; ++attempt) {
-    groups_.roll_out(u_, s_);
-    if (attempt == 0) couplings_->find_neighbours(s_);
-    couplings_->evaluate(s_, c_[0]);
-    damped = groups_.solve(u_, active_, c_[0], H_u_, du_, ds_) > 0;
-    if (!late()) result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_);
-    proposal = examine();
-    result.residual = proposal.residual;
-    result.finite = proposal.finite;
-    if (!proposal.finite) break;
-    settled = proposal.within_limits && all_free_;
-    if (settled) break;
-    keep_start();
-    settled = !update_active_set();
-    if (settled || late()) break;
-  }
-  if (!proposal.finite) {
-    if (!slope_is_finite()) {
-      result.residual = infinity;
-      return result;
-    }
-    std::fill_n(du_, groups_.layout().u_length, 0.0);  // the gradient is left
-    result.finite = true;
-  }
-  constexpr double near = 0.02;  // residual from which on steps are trusted again
-  globalising_ |=
-      !proposal.finite || damped || std::max(proposal.largest, proposal.residual) > options_.step_cap;
-  if (globalising_) {
-    keep_start();
-    const bool whole = descend(settled);
-    globalising_ = descent_.sure() && proposal.residual > near && !whole;
-    result.whole = whole && !damped && proposal.finite;
-  } else {
-    take();
-    result.whole = settled;
-  }
-  result.in_time = !late();
-  return result;
-}
-
 void NewtonUpdate::write_inputs() noexcept {
   for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
     const Layout::View u = groups_.layout().u(a);
@@ -389,7 +250,7 @@ void NewtonUpdate::write_inputs() noexcept {
 void NewtonUpdate::write_states() noexcept {
   const Team& team = ocp_.team();
   const int N = ocp_.horizon().N;
-  groups_.copy_states(x_out_.data(), ocp_.nx(), x_at_);
+  groups_.copy_states(x_out_.data(), ocp_.nx(), x_at_, *crew_);
   for (int b = 0; b < team.bodies(); ++b) {
     if (team.is_agent(BodyId{b})) continue;
     const std::size_t from = at(team.state_offset(BodyId{b}));
@@ -474,10 +335,9 @@ double NewtonUpdate::kkt(double time, std::span<const double> states) noexcept {
     start();
     has_plan_ = planned;
   }
-  groups_.roll_out(u_, s_);
+  groups_.roll_out(u_, s_, *crew_);
   couplings_->find_neighbours(s_);
-  couplings_->evaluate(s_, c_[0]);
-  groups_.differentiate(u_, active_, c_[0], H_u_);
+  linearise([&](int g, const double* c) { groups_.differentiate(g, u_, active_, c, H_u_); });
   const Proposal at_u = examine();
   return slope_is_finite() ? at_u.residual : infinity;
 }

@@ -50,10 +50,15 @@ class NewtonUpdate {
 
   bool accept(std::span<const double> states) noexcept;
   void set_time(double time) noexcept;
+  void refer(int group, double time) noexcept;
   void find_limits(const Agent& agent, std::size_t input, double time, double ahead) noexcept;
   void start() noexcept;
   Step newton_step() noexcept;
-  Proposal examine() const noexcept;
+  template <class PerGroup>
+  void linearise(PerGroup&& per_group) noexcept;
+  int solve_alone() noexcept;
+  Proposal examine() noexcept;
+  Proposal examine(int group) const noexcept;
   bool slope_is_finite() const noexcept;
   bool update_active_set() noexcept;
   void take() noexcept;
@@ -71,6 +76,7 @@ class NewtonUpdate {
   InfluenceGraph influence_;
   Groups groups_;
   std::unique_ptr<Couplings> couplings_;
+  std::shared_ptr<Crew> crew_;
   Krylov krylov_;
   Descent descent_;
 
@@ -80,7 +86,8 @@ class NewtonUpdate {
   bool globalising_ = false;  // costs are watched until a step could be taken whole, or the optimum is near
   double time_ = 0.0;
   Clock::time_point begin_{};
-  Rows u_vectors_, s_vectors_, c_;
+  Rows u_vectors_, s_vectors_;
+  Rows c_;  // of the team with swarms, else of the one group that each thread is at
   double *u_, *du_, *active_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
   double *per_scale_, *scale_2_;  // of each input, for what is compared with a threshold
   double *s_, *ds_;
@@ -89,6 +96,21 @@ class NewtonUpdate {
   std::vector<Prediction> predictions_;  // of each body; room for N + 1 sights of those not controlled
   std::vector<double> x_now_, limits_, u_out_, raw_u_, x_out_;
   std::vector<double> before_, added_;  // AppliedInputs; empty: never told
+  std::vector<int> repeated_;           // of each group: factorisations beyond the first
+  std::vector<Proposal> proposals_;     // of each group
 };
+
+/// The potentials along s; then per_group(group, what it feels) while that is near in the cache.
+template <class PerGroup>
+void NewtonUpdate::linearise(PerGroup&& per_group) noexcept {
+  couplings_->derive(s_, c_[0], *crew_);
+  groups_.each(*crew_, [&](int g, int thread) noexcept {
+    double* const c = couplings_->has_swarms()
+                          ? c_[0] + groups_.layout().groups[static_cast<std::size_t>(g)].c
+                          : c_[thread];
+    couplings_->take(g, c);
+    per_group(g, c);
+  });
+}
 
 }  // namespace sightline

@@ -88,6 +88,7 @@ class Points {
 
   /// The part of the weights that is in force.
   void set_part(double part) noexcept { part_ = part; }
+  double part() const noexcept { return part_; }
 
  private:
   int inputs() const { return potential_.derivatives.inputs(); }

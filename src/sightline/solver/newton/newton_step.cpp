@@ -1,0 +1,203 @@
+// The step of a NewtonUpdate: linearised, solved, examined, taken or searched along.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "sightline/base/index.hpp"
+#include "sightline/base/no_value.hpp"
+#include "sightline/solver/newton/newton_update.hpp"
+
+namespace sightline {
+namespace {
+
+using L = NativeLane;
+
+L absolute(L a) { return maximum(a, -a); }
+
+double largest(L a) {
+  double m = 0.0;
+  for (int i = 0; i < L::width; ++i) m = std::max(m, a[i]);
+  return m;
+}
+
+L minimum(L a, L b) { return -maximum(-a, -b); }
+L within(L x, L low, L high) { return minimum(maximum(x, low), high); }
+
+}  // namespace
+
+/// The step of each robot by itself. @return factorisations beyond the first
+int NewtonUpdate::solve_alone() noexcept {
+  linearise(
+      [&](int g, const double* c) { repeated_[at(g)] = groups_.solve(g, u_, active_, c, H_u_, du_, ds_); });
+  return std::accumulate(repeated_.begin(), repeated_.end(), 0);
+}
+
+NewtonUpdate::Proposal NewtonUpdate::examine() noexcept {
+  groups_.each(*crew_, [&](int g, int) noexcept { proposals_[at(g)] = examine(g); });
+  Proposal all;
+  for (const Proposal& p : proposals_) {
+    all.largest = std::max(all.largest, p.largest);
+    all.residual = std::max(all.residual, p.residual);
+    all.finite &= p.finite;
+    all.within_limits &= p.within_limits;
+  }
+  return all;
+}
+
+NewtonUpdate::Proposal NewtonUpdate::examine(int g) const noexcept {
+  const double per_h = 1.0 / ocp_.horizon().h();
+  L step = 0.0, residual = 0.0, beyond = 0.0, not_finite = 0.0;
+  const Layout::Part& part = groups_.layout().groups[at(g)];
+  const std::ptrdiff_t end = part.u + padded(groups_.layout().stages * part.nu * groups_.layout().width);
+  for (std::ptrdiff_t i = part.u; i < end; i += L::width) {
+    const L u = L::load(u_ + i), du = L::load(du_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
+    const L next = u + du, per_scale = L::load(per_scale_ + i);
+    step = maximum(absolute(du) * per_scale, step);
+    beyond = maximum(maximum(next - high, low - next), beyond);
+    not_finite = fma(du, L(0.0), not_finite);
+    const L H_u = L(per_h) * L::load(H_u_ + i);
+    not_finite = fma(H_u, L(0.0), not_finite);
+    const L gap = u - within(u - H_u * L::load(scale_2_ + i), low, high);
+    residual = maximum(absolute(gap) * per_scale, residual);
+  }
+  double nan = 0.0;
+  for (int i = 0; i < L::width; ++i) nan += not_finite[i];
+  return {largest(step), largest(residual), nan == 0.0, !(largest(beyond) > 0.0)};
+}
+
+bool NewtonUpdate::slope_is_finite() const noexcept {
+  return std::all_of(H_u_, H_u_ + groups_.layout().u_length, [](double g) { return std::isfinite(g); });
+}
+
+/// Inputs that want to leave their limits are put on them and become active; active ones that want back are freed.
+/// @return whether the set changed
+bool NewtonUpdate::update_active_set() noexcept {
+  bool changed = false;
+  all_free_ = true;
+  for (int i = 0; i < groups_.layout().u_length; ++i) {
+    const double next = u_[i] + du_[i];
+    double active = 0.0;
+    if (active_[i] == 0.0) {
+      if (next > high_[i] || next < low_[i]) {
+        active = infinity;
+        u_[i] = next > high_[i] ? high_[i] : low_[i];
+      }
+    } else {
+      const bool at_high = u_[i] - low_[i] > high_[i] - u_[i];
+      active = (at_high ? H_u_[i] < 0 : H_u_[i] > 0) ? infinity : 0.0;
+    }
+    changed |= active != active_[i];
+    active_[i] = active;
+    if (active != 0.0) {
+      all_free_ = false;
+      du_[i] = 0.0;
+    }
+  }
+  return changed;
+}
+
+/// u <- u + du, within the limits.
+void NewtonUpdate::take() noexcept {
+  std::swap(u_, u_before_);
+  groups_.each(*crew_, [&](int g, int) noexcept {
+    const Layout::Part& part = groups_.layout().groups[at(g)];
+    const std::ptrdiff_t end = part.u + padded(groups_.layout().stages * part.nu * groups_.layout().width);
+    for (std::ptrdiff_t i = part.u; i < end; i += L::width) {
+      const L u = L::load(u_before_ + i) + L::load(du_ + i);
+      within(u, L::load(low_ + i), L::load(high_ + i)).store(u_ + i);
+    }
+  });
+}
+
+/// Goes from u_start towards the step only as far as costs fall. Where that is not far, on by projected
+/// Newton (Bertsekas 1982): inputs that are pushed against a limit nearby become active, which makes the
+/// step one of descent. Where even that fails, down the gradient.
+/// @return whether the step could be taken as it was
+bool NewtonUpdate::descend(bool settled) noexcept {
+  constexpr double far_enough = 0.25;  // of the step
+  constexpr double nearby = 0.05;      // of an input's scale
+  const int n = groups_.layout().u_length;
+  const auto search = [&] {
+    return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_, *crew_);
+  };
+  for (int i = 0; i < n; ++i) du_[i] = u_[i] + du_[i] - u_start_[i];
+  const double alpha = search();
+  if ((alpha < far_enough || !settled || (descent_.sure() && !descent_.fell())) && !late()) {
+    // Inputs that the gradient holds near a limit go there, the others by a step of their own.
+    std::copy_n(u_, n, u_start_);
+    groups_.roll_out(u_, s_, *crew_);
+    linearise([&](int g, const double* c) { groups_.differentiate(g, u_, active_, c, H_u_); });
+    const auto at_low = [&](int i) { return u_[i] < low_[i] + nearby / per_scale_[i] && H_u_[i] > 0; };
+    const auto at_high = [&](int i) { return u_[i] > high_[i] - nearby / per_scale_[i] && H_u_[i] < 0; };
+    for (int i = 0; i < n; ++i) active_[i] = at_low(i) || at_high(i) ? infinity : 0.0;
+    solve_alone();
+    krylov_.complete(groups_, *couplings_, du_, ds_, *crew_);
+    for (int i = 0; i < n; ++i) {
+      if (at_low(i)) du_[i] = low_[i] - u_[i];
+      if (at_high(i)) du_[i] = high_[i] - u_[i];
+    }
+    if (search() == 0.0) {
+      for (int i = 0; i < n; ++i) du_[i] = -0.5 / ocp_.horizon().h() * H_u_[i] * scale_2_[i];
+      search();
+    }
+  }
+  all_free_ = true;
+  for (int i = 0; i < n; ++i) {
+    if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 0.0;
+    all_free_ &= active_[i] == 0.0;
+    du_[i] = 0.0;
+  }
+  std::copy_n(u_, n, u_before_);
+  return alpha >= 1.0 && settled;
+}
+
+NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
+  constexpr int attempts = 3;
+  Step result;
+  Proposal proposal;
+  bool damped = false, settled = false;
+  bool started_from = false;  // u_start is known
+  const auto keep_start = [&] {
+    if (!started_from) std::copy_n(u_, groups_.layout().u_length, u_start_);
+    started_from = true;
+  };
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    groups_.roll_out(u_, s_, *crew_);
+    if (attempt == 0) couplings_->find_neighbours(s_);
+    damped = solve_alone() > 0;
+    if (!late()) result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_, *crew_);
+    proposal = examine();
+    result.residual = proposal.residual;
+    result.finite = proposal.finite;
+    if (!proposal.finite) break;
+    settled = proposal.within_limits && all_free_;
+    if (settled) break;
+    keep_start();
+    settled = !update_active_set();
+    if (settled || late()) break;
+  }
+  if (!proposal.finite) {
+    if (!slope_is_finite()) {
+      result.residual = infinity;
+      return result;
+    }
+    std::fill_n(du_, groups_.layout().u_length, 0.0);  // the gradient is left
+    result.finite = true;
+  }
+  constexpr double near = 0.02;  // residual from which on steps are trusted again
+  globalising_ |=
+      !proposal.finite || damped || std::max(proposal.largest, proposal.residual) > options_.step_cap;
+  if (globalising_) {
+    keep_start();
+    const bool whole = descend(settled);
+    globalising_ = descent_.sure() && proposal.residual > near && !whole;
+    result.whole = whole && !damped && proposal.finite;
+  } else {
+    take();
+    result.whole = settled;
+  }
+  result.in_time = !late();
+  return result;
+}
+
+}  // namespace sightline
