@@ -36,11 +36,12 @@ Flight fly(const BenchCase& what, Solver& solver, const BenchOptions& options) {
   const std::size_t nx = at(what.team.nx()), nu = at(what.team.nu()), n = at(options.updates);
   const double dt = bench_horizon.dt;
   const auto count = [&] { return options.allocations == nullptr ? 0 : options.allocations(); };
+  const std::size_t kept = options.judged ? n : 0;
   Flight flight{
-      .x = std::vector<double>(n * nx), .u = std::vector<double>(n * nu), .us = std::vector<double>(n)};
+      .x = std::vector<double>(kept * nx), .u = std::vector<double>(kept * nu), .us = std::vector<double>(n)};
   Plant plant(what.team, what.x0, {.period = dt});
   for (std::size_t k = 0; k < n; ++k) {
-    std::copy(plant.x().begin(), plant.x().end(), &flight.x[k * nx]);
+    if (options.judged) std::copy(plant.x().begin(), plant.x().end(), &flight.x[k * nx]);
     const std::int64_t allocated = count();
     const Clock::time_point begin = Clock::now();
     const Solution solution = solver.solve(dt * static_cast<double>(k), plant.x());
@@ -48,7 +49,7 @@ Flight fly(const BenchCase& what, Solver& solver, const BenchOptions& options) {
     flight.allocations = std::max(flight.allocations, count() - allocated);
     flight.us[k] = std::chrono::duration<double, std::micro>(end - begin).count();
     flight.krylov_sum += solution.iterations;
-    std::copy(solution.u.begin(), solution.u.end(), &flight.u[k * nu]);
+    if (options.judged) std::copy(solution.u.begin(), solution.u.end(), &flight.u[k * nu]);
     if (!plant.step(solution.u, dt)) {
       throw std::runtime_error(fmt::format("{}: not finite after {:.2f} s of flight with {}", what.name,
                                            dt * static_cast<double>(k + 1), solver.name()));
@@ -153,9 +154,11 @@ BenchRow run_bench(const BenchCase& what, SolverChoice choice, const BenchOption
                .median_us = quantile(flight.us, 0.5),
                .p99_us = quantile(flight.us, 0.99),
                .max_us = quantile(flight.us, 1.0),
+               .first_us = flight.us[0],
+               .p9999_us = quantile(flight.us, 0.9999),
                .allocations = flight.allocations,
                .krylov_mean = flight.krylov_sum / options.updates};
-  judge(what, flight, options, row);
+  if (options.judged) judge(what, flight, options, row);
   return row;
 }
 
@@ -179,6 +182,8 @@ std::string bench_json(const std::vector<BenchRow>& rows) {
                                                    {"median_us", row.median_us},
                                                    {"p99_us", row.p99_us},
                                                    {"max_us", row.max_us},
+                                                   {"first_us", row.first_us},
+                                                   {"p9999_us", row.p9999_us},
                                                    {"input_error_max", row.input_error_max},
                                                    {"input_error_transient", row.input_error_transient},
                                                    {"cost", row.cost},

@@ -17,6 +17,7 @@ struct BenchOptions {
   int ipopt_every = 50;                        ///< updates between two problems that IPOPT solves too, >= 1
   std::int64_t (*allocations)() = nullptr;     ///< counter of this thread's allocations; null: not counted
   std::function<void(int update)> progress{};  ///< told now and then how far the comparison is; may be empty
+  bool judged = true;  ///< compared with the optimum; else times alone, of as many updates as one likes
 };
 
 struct BenchRow {
@@ -24,6 +25,7 @@ struct BenchRow {
   int agents = 0;
   bool masked = false;
   double median_us = 0.0, p99_us = 0.0, max_us = 0.0;  ///< wall time of an update, the first included
+  double first_us = 0.0, p9999_us = 0.0;               ///< the cold start; the longest of ten thousand
   double input_error_max = 0.0;                        ///< |u - u*|, infinity norm, from 2 s on
   double input_error_transient = 0.0;                  ///< of all updates after the first
   double cost = 0.0;                                   ///< sum over the updates of l dt

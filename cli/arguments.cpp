@@ -1,5 +1,7 @@
 #include "cli/arguments.hpp"
 
+#include "sightline/math/crew.hpp"
+
 namespace sightline::cli {
 namespace {
 
@@ -36,6 +38,11 @@ void add_show(CLI::App& command, ShowOptions& view) {
   add_serve(command, view.serve, command.add_flag("--view", view.show, "Show the flight in the browser"));
 }
 
+void add_threads(CLI::App& command, int& threads) {
+  command.add_option("--threads", threads, "Threads that share each update of a large team [1]")
+      ->check(CLI::Range(1, Crew::most));
+}
+
 }  // namespace
 
 Arguments::Arguments()
@@ -52,6 +59,7 @@ Arguments::Arguments()
   run_command->add_option("--seed", run.seed, "Seed of all random numbers, instead of the scenario's")
       ->check(CLI::Range(std::uint64_t{0}, seed_max));
   run_command->add_flag("--realtime", run.realtime, "Run in real time; missed periods are events");
+  add_threads(*run_command, run.threads);
   add_show(*run_command, run.view);
 
   CLI::Option* partition = run_command->add_option("--partition", run.partition,
@@ -71,6 +79,7 @@ Arguments::Arguments()
                           "The part of [partition] that is planned here; all: one solver plans all");
   fly_command->add_option("--partition", fly.partition,
                           "Parts in place of those of [partition]: \"front: a,b | back: c,d\"");
+  add_threads(*fly_command, fly.threads);
   add_show(*fly_command, fly.view);
 
   vehicles_command = app.add_subcommand("vehicles", "Stand in for the robots of a fleet, on their topics");
@@ -209,6 +218,11 @@ Arguments::Arguments()
   bench_command->add_option("--case", bench.name, "One case, instead of all");
   bench_command->add_option("--solver", bench.solver, "Solver [newton_riccati]");
   bench_command->add_flag("--json", bench.json, "JSON instead of a table");
+  add_threads(*bench_command, bench.threads);
+  bench_command->add_option("--updates", bench.updates, "Updates of each case")
+      ->capture_default_str()
+      ->check(CLI::Range(100, 10'000'000));
+  bench_command->add_flag("--times", bench.times_only, "Times alone, not compared with the optimum");
 }
 
 }  // namespace sightline::cli

@@ -6,6 +6,7 @@
 #include "cli/allocations.hpp"
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
+#include "sightline/scenario/closed_loop.hpp"
 #ifdef SIGHTLINE_BENCH
 #include "bench/barrier.hpp"
 #include "bench/bench.hpp"
@@ -23,6 +24,7 @@ int bench(const BenchCommand& command) {
   SolverChoice solver;
   try {
     solver = solver_named(command.solver);
+    share_updates(solver, command.threads);
     for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names())
       if (!is_barrier_case(name) && name != swarm_case_name && name != event_case_name &&
           name != estimate_case_name)
@@ -32,7 +34,7 @@ int bench(const BenchCommand& command) {
     return 2;
   }
 
-  pin_to_core();
+  if (command.threads == 1) pin_to_core();
   std::vector<BenchRow> rows;
   if (command.name && is_barrier_case(*command.name)) {
     rows.push_back(run_barrier_bench(
@@ -53,9 +55,14 @@ int bench(const BenchCommand& command) {
   }
   for (const BenchCase& what : cases) {
     tell("{}: ", what.name);
-    rows.push_back(run_bench(what, solver, {.allocations = allocations, .progress = [](int update) {
-                                              if (update % 500 == 0) tell(".");
-                                            }}));
+    rows.push_back(run_bench(what, solver,
+                             {.updates = command.updates,
+                              .allocations = allocations,
+                              .progress =
+                                  [](int update) {
+                                    if (update % 500 == 0) tell(".");
+                                  },
+                              .judged = !command.times_only}));
     const BenchRow& row = rows.back();
     tell(" {:.2f} us\n", row.median_us);
     if (row.unconverged > 0)

@@ -50,6 +50,7 @@ struct RunOptions {
   std::optional<std::string> solver;
   std::optional<std::uint64_t> seed;
   bool realtime = false;
+  int threads = 1;  ///< that share each update of a large team
   ShowOptions view;
   std::optional<std::string>
       partition;  ///< "a,b | c,d": the parts that plan by themselves; none: one solver for all
@@ -61,6 +62,9 @@ struct BenchCommand {
   std::optional<std::string> name;  ///< of one case; none: all
   std::string solver = "newton_riccati";
   bool json = false;
+  int threads = 1;          ///< that share each update of a large team
+  int updates = 6000;       ///< of the closed loop
+  bool times_only = false;  ///< not compared with the optimum
 };
 
 struct PotentialOptions {
@@ -74,6 +78,7 @@ struct FlyCommand {
   std::filesystem::path output;  ///< empty: out/NAME
   bool dry_run = false;          ///< all but arm
   ShowOptions view;
+  int threads = 1;        ///< that share each update of a large team
   bool wait = false;      ///< arms when the service ~/start is called
   std::string part;       ///< of the scenario's [partition], that is planned here; empty: the scenario says
   std::string partition;  ///< "front: a,b | back: c,d", in place of the scenario's; empty: the scenario's

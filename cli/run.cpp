@@ -30,6 +30,7 @@ Scenario read(const RunOptions& options, const Parts& parts) {
     scenario.solver = solver_named(*options.solver);
   std::erase(scenario.simulation.compare, scenario.solver.name);
   if (!options.realtime) lift_deadline(scenario.solver);
+  share_updates(scenario.solver, options.threads);
   check_solvers(scenario);
   return scenario;
 }

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "sightline/base/refuse.hpp"
+#include "sightline/math/crew.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/read_camera.hpp"
@@ -105,6 +106,14 @@ void lift_deadline(SolverChoice& choice) {
     if constexpr (requires { options.deadline; }) options.deadline = 0.0;
   };
   std::visit(lift, choice.options);
+}
+
+void share_updates(SolverChoice& choice, int threads) {
+  const auto share = [&](auto& options) {
+    if constexpr (requires { options.crew; })
+      options.crew = threads > 1 ? std::make_shared<Crew>(threads) : nullptr;
+  };
+  std::visit(share, choice.options);
 }
 
 MakeSolver solver_maker(SolverChoice choice, const Horizon& horizon) {

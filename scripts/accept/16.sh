@@ -1,0 +1,105 @@
+#!/usr/bin/env bash
+# The figures of large teams, section by section:  scripts/accept/16.sh [--short] [SECTION ...]
+# What is finished stays in out/accept/16/ and is not done again; delete it to begin anew. Needs the release preset. One pinned core (CORE, else 1).
+# --short is for CI: few robots and few updates, no limits of time.
+set -uo pipefail
+cd "$(dirname "$0")/../.." || exit 1
+build=build/release
+. scripts/accept/sections.sh
+sightline=$build/bin/sightline
+core=${CORE:-1}
+
+# $1: file of JSON; $2: key of its first case.
+number() { sed -nE "s/.*\"$2\": ([-0-9.e+]+),?/\1/p" "$1" | head -n 1; }
+# $1: case; the rest: options. Its JSON, where it is told to be.
+flown() {
+  local file
+  file=$out/$(tr -c 'a-z0-9_\n' _ <<<"$*").json
+  [[ -s $file ]] || { taskset -c "$core" "$sightline" bench --case "$@" --json >"$file.part" 2>"$file.log" && mv "$file.part" "$file"; } || return 1
+  echo "$file"
+}
+# $1: what; $2: had; $3: at most. A row, and in the whole form whether it holds.
+asked() {
+  local verdict=ok
+  awk "BEGIN { exit !(\"$2\" != \"\" && $2 + 0 <= $3) }" || verdict=missed
+  printf '| %s | %s | %s | %s |\n' "$1" "$2" "$3" "$verdict"
+  [[ $verdict == ok ]] || ! whole
+}
+# $1: file of "robots time"; $2, $3: from, to. The exponent of time over robots.
+exponent() {
+  awk -v from="$2" -v to="$3" '$1 >= from && $1 <= to { x = log($1); y = log($2); n++; sx += x; sy += y; sxx += x * x; sxy += x * y }
+    END { if (n > 1) printf "%.2f\n", (n * sxy - sx * sy) / (n * sxx - sx * sx) }' "$1"
+}
+
+# Medians, 99th percentiles, cold starts and errors of each family, and how they grow.
+times() {
+  local bad=0 family n file sizes='8 16 32 64 128 256 512 1024'
+  local -a short=()
+  whole || { sizes='8 16'; short=(--updates 200 --times); }
+  for family in chain cascade strong_chain mutual_chain grid; do
+    : >"$out/$family.txt"
+    for n in $sizes; do
+      file=$(flown ${family}_$n "${short[@]}") || { echo "${family}_$n: failed"; return 1; }
+      echo "$n $(number "$file" median_us) $(number "$file" p99_us) $(number "$file" first_us) $(number "$file" input_error_max) $(number "$file" allocations)" >>"$out/$family.txt"
+    done
+    awk -v f=$family '{ printf "%s_%s: median %s us, p99 %s us, first %s us, error after 2 s %s, allocations %s\n", f, $1, $2, $3, $4, $5, $6; bad += $6 } END { exit bad > 0 }' \
+      "$out/$family.txt" || bad=1
+  done
+  whole || return $bad
+  had() { awk -v n="$2" -v column="$3" '$1 == n { print $column }' "$out/$1.txt"; }
+  printf '\n| what | had | at most | |\n|---|---|---|---|\n'
+  asked 'cascade_64, median us' "$(had cascade 64 2)" 110 || bad=1
+  asked 'cascade_64, p99 us' "$(had cascade 64 3)" 250 || bad=1
+  asked 'cascade_64, error after 2 s' "$(had cascade 64 5)" 1e-5 || bad=1
+  asked 'strong_chain_64, median us' "$(had strong_chain 64 2)" 250 || bad=1
+  asked 'strong_chain_64, p99 us' "$(had strong_chain 64 3)" 700 || bad=1
+  asked 'strong_chain_64, first update us' "$(had strong_chain 64 4)" 5000 || bad=1
+  asked 'strong_chain_1024, median us' "$(had strong_chain 1024 2)" 6000 || bad=1
+  asked 'strong_chain_1024, p99 us' "$(had strong_chain 1024 3)" 9500 || bad=1
+  asked 'strong_chain_1024, first update us' "$(had strong_chain 1024 4)" 300000 || bad=1
+  asked 'mutual_chain_64, median us' "$(had mutual_chain 64 2)" 150 || bad=1
+  asked 'mutual_chain_64, p99 us' "$(had mutual_chain 64 3)" 400 || bad=1
+  asked 'chain_1024, median us' "$(had chain 1024 2)" 1600 || bad=1
+  for family in chain cascade strong_chain mutual_chain grid; do
+    asked "$family, exponent 8 to 512" "$(exponent "$out/$family.txt" 8 512)" 1.1 || bad=1
+    asked "$family, exponent 64 to 1024" "$(exponent "$out/$family.txt" 64 1024)" 1.2 || bad=1
+  done
+  return $bad
+}
+
+# One update over several threads: the same commands, and how much sooner.
+threads() {
+  local bad=0 n one two sizes='256 512 1024'
+  local -a short=(--updates 2000 --times)
+  whole || { sizes=128; short=(--updates 200 --times); }
+  for n in $sizes; do
+    one=$(number "$(flown chain_$n "${short[@]}" --threads 1)" median_us)
+    two=$("$sightline" bench --case chain_$n "${short[@]}" --threads 2 --json 2>/dev/null | sed -nE 's/.*"median_us": ([-0-9.e+]+),?/\1/p' | head -n 1)
+    echo "chain_$n: $one us by one thread, $two us by two"
+    asked "chain_$n, time of two threads over one" "$(awk -v a="$two" -v b="$one" 'BEGIN { printf "%.2f", a / b }')" 0.588 || bad=1
+  done
+  tests solver_test 'Crews.*' || bad=1
+  return $bad
+}
+
+# Teams of any graph: the converged solve is stationary, and real-time steps stay near their task.
+graphs() { tests solver_campaign_test 'RandomGraphs.*'; }
+
+# The longest of ten thousand, beside a second core that is busy.
+tails() {
+  local name updates=1000000 busy priority=(chrt -f 50)
+  whole || updates=2000
+  "${priority[@]}" true 2>/dev/null || { echo 'no right to SCHED_FIFO here: times of an ordinary process'; priority=(); }
+  taskset -c $((1 - core)) bash -c 'while :; do :; done' &
+  busy=$!
+  for name in pair strong_chain_64; do
+    taskset -c "$core" "${priority[@]}" "$sightline" bench --case $name --updates "$updates" --times --json >"$out/tail_$name.json" 2>/dev/null || echo "$name: failed"
+    echo "$name: median $(number "$out/tail_$name.json" median_us) us, p99 $(number "$out/tail_$name.json" p99_us) us, p99.99 $(number "$out/tail_$name.json" p9999_us) us, longest $(number "$out/tail_$name.json" max_us) us of $updates; allocations $(number "$out/tail_$name.json" allocations)"
+  done
+  kill "$busy"; wait "$busy" 2>/dev/null
+  [[ $(number "$out/tail_pair.json" allocations) == 0 && $(number "$out/tail_strong_chain_64.json" allocations) == 0 ]]
+}
+
+all=()
+all+=(times threads graphs tails)
+run_sections "$@"

@@ -1,0 +1,73 @@
+// Teams of 2 to 200 robots of any graph, strongly coupled: the converged solve is stationary, and real-time steps do not diverge.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/world/plant.hpp"
+#include "tests/support/campaign.hpp"
+#include "tests/support/random_graph.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr Horizon of_graphs{.T = 1.0, .N = 20, .dt = 0.01};
+
+int drawn_size(Random& random, int most) {
+  return static_cast<int>(std::lround(2.0 * std::pow(most / 2.0, uniform(random, 0.0, 1.0))));
+}
+
+TEST(RandomGraphs, TheConvergedSolveIsStationaryOrSaysThatItIsNot) {
+  const int graphs = whole_campaign() ? 1000 : 12, largest = whole_campaign() ? 200 : 40;
+  Random random(21);
+  int missed = 0;
+  for (int trial = 0; trial < graphs; ++trial) {
+    const test::GraphTeam drawn = test::random_graph(random, drawn_size(random, largest));
+    NewtonRiccati solver(drawn.team, of_graphs,
+                         {.max_newton_steps = 60,
+                          .tolerance = 1e-9,
+                          .max_krylov = 200,
+                          .krylov_stop = 1e-12,
+                          .start_steps = 200});
+    Solution s = solver.solve(0.0, drawn.x0);
+    for (int more = 0; more < 5 && s.status != Status::converged; ++more) s = solver.solve(0.0, drawn.x0);
+    const double kkt = solver.kkt(0.0, drawn.x0);
+    if (s.status == Status::converged) {
+      EXPECT_LE(kkt, 1e-8) << "graph " << trial;
+    } else {
+      ++missed;
+      EXPECT_GT(s.residual, 1e-9) << "graph " << trial;
+    }
+  }
+  std::printf("%d of %d graphs converged, the others say that they did not\n", graphs - missed, graphs);
+  EXPECT_LE(missed, graphs / 10);
+}
+
+TEST(RandomGraphs, RealTimeStepsDoNotDiverge) {
+  const int graphs = whole_campaign() ? 1000 : 4, largest = whole_campaign() ? 200 : 30;
+  Random random(22);
+  double farthest = 0.0;
+  for (int trial = 0; trial < graphs; ++trial) {
+    const test::GraphTeam drawn = test::random_graph(random, drawn_size(random, largest));
+    NewtonRiccati solver(drawn.team, of_graphs);
+    Plant plant(drawn.team, drawn.x0, {.period = of_graphs.dt});
+    for (int k = 0; k < 2000; ++k) {
+      const Solution s = solver.solve(of_graphs.dt * k, plant.x());
+      ASSERT_TRUE(gives_plan(s.status))
+          << "graph " << trial << ", update " << k << ": " << to_string(s.status);
+      ASSERT_EQ(s.status == Status::converged, s.residual <= solver.tolerance());
+      ASSERT_TRUE(plant.step(s.u, of_graphs.dt)) << "graph " << trial << ", update " << k;
+    }
+    for (int b = 0; b < drawn.team.bodies(); ++b) {
+      const std::size_t at = static_cast<std::size_t>(drawn.team.state_offset(BodyId{b}));
+      for (std::size_t i = at; i < at + 3; ++i)
+        farthest = std::fmax(farthest, std::fabs(plant.x()[i] - drawn.x0[i]));
+    }
+  }
+  std::printf("%d graphs, 20 s each: at most %.1f m from the start\n", graphs, farthest);
+  EXPECT_LE(farthest, 6.0);
+}
+
+}  // namespace
+}  // namespace sightline
