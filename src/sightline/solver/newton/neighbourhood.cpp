@@ -29,13 +29,13 @@ std::array<L, n> multiplied(const std::array<L, entries_of(n)>& H, const std::ar
   return out;
 }
 
-/// y_a -= H z_b, y_b -= H z_a over all packs of two agents' rows.
+/// y_a -= H z_b, y_b -= H z_a over a stretch of two agents' rows.
 template <int n>
 void subtract_products(const double* H, const double* z_a, const double* z_b, double* y_a, double* y_b,
-                       std::ptrdiff_t H_row, std::ptrdiff_t row, int length) {
+                       std::ptrdiff_t row, int length) {
   for (int k = 0; k < length; k += L::width) {
     std::array<L, entries_of(n)> block;
-    for (int e = 0; e < entries_of(n); ++e) block[at(e)] = L::load(H + e * H_row + k);
+    for (int e = 0; e < entries_of(n); ++e) block[at(e)] = L::load(H + e * length + k);
     const auto pass = [&](const double* from, double* to) {
       std::array<L, n> v;
       for (int i = 0; i < n; ++i) v[at(i)] = L::load(from + i * row + k);
@@ -75,7 +75,8 @@ Neighbourhood::Neighbourhood(const SwarmPotential& swarm, const Layout& layout, 
       cost_(1, rows_) {
   const int all = agents() * (agents() - 1) / 2;
   pairs_.reserve(at(std::min(swarm.capacity, all)));
-  H_ = Rows(entries_of(n_) * static_cast<int>(pairs_.capacity()), rows_);
+  stretches_.reserve(pairs_.capacity() * at(rows_ / stretch));
+  H_ = Rows(entries_of(n_) * static_cast<int>(stretches_.capacity()), stretch);
 }
 
 /// Each agent's numbers of s in rows along the horizon; behind its end the last go on.
@@ -91,9 +92,9 @@ void Neighbourhood::collect(const double* s, Rows& rows) const noexcept {
   }
 }
 
-double Neighbourhood::least_distance_2(int a, int b) noexcept {
+double Neighbourhood::least_distance_2(int a, int b, int begin, int end) const noexcept {
   L nearest = std::numeric_limits<double>::max();
-  for (int k = 0; k < rows_; k += W) {
+  for (int k = begin; k < end; k += W) {
     L sum = 0.0;
     for (int q = 0; q < 3; ++q) {
       const L r = L::load(poses_[a * n_ + q] + k) - L::load(poses_[b * n_ + q] + k);
@@ -146,19 +147,41 @@ void Neighbourhood::find(const double* s) noexcept {
   grid_.each_pair(centres_, swarm_.radius + 2 * widest, [&](int a, int b) {
     const double apart = norm(centres_[at(a)] - centres_[at(b)]) - extents_[at(a)] - extents_[at(b)];
     if (apart >= swarm_.radius) return;
-    const double distance_2 = least_distance_2(a, b);
+    const double distance_2 = least_distance_2(a, b, 0, rows_);
     if (distance_2 < radius_2) offer({a, b, distance_2});
   });
-  if (left_out_ == 0) return;
-  std::sort(pairs_.begin(), pairs_.end(),
-            [](const Pair& p, const Pair& q) { return std::tie(p.a, p.b) < std::tie(q.a, q.b); });
+  if (left_out_ > 0) {
+    std::sort(pairs_.begin(), pairs_.end(),
+              [](const Pair& p, const Pair& q) { return std::tie(p.a, p.b) < std::tie(q.a, q.b); });
+  }
+  find_stretches();
 }
 
-void Neighbourhood::take_differences(const Pair& pair) noexcept {
-  for (int k = 0; k < rows_; k += W) {
-    double* const pack = in_[0] + k * inputs;
-    for (int q = 0; q < n_; ++q)
-      (L::load(poses_[pair.a * n_ + q] + k) - L::load(poses_[pair.b * n_ + q] + k)).store(pack + q * W);
+void Neighbourhood::find_stretches() noexcept {
+  stretches_.clear();
+  const double radius_2 = square(swarm_.radius);
+  for (const Pair& pair : pairs_) {
+    for (int k = 0; k < rows_; k += stretch) {
+      if (least_distance_2(pair.a, pair.b, k, k + stretch) < radius_2)
+        stretches_.push_back({pair.a, pair.b, k});
+    }
+  }
+}
+
+/// f(first, count) of the stretches of each pair, with its differences of poses in in_.
+template <class F>
+void Neighbourhood::each_pair_of_stretches(F&& f) noexcept {
+  for (std::size_t first = 0, next = 0; first < stretches_.size(); first = next) {
+    const Stretch& pair = stretches_[first];
+    double* pack = in_[0];
+    for (; next < stretches_.size() && stretches_[next].a == pair.a && stretches_[next].b == pair.b; ++next) {
+      const int stage = stretches_[next].stage;
+      for (int k = stage; k < stage + stretch; k += W, pack += W * inputs) {
+        for (int q = 0; q < n_; ++q)
+          (L::load(poses_[pair.a * n_ + q] + k) - L::load(poses_[pair.b * n_ + q] + k)).store(pack + q * W);
+      }
+    }
+    f(first, next - first);
   }
 }
 
@@ -166,32 +189,33 @@ void Neighbourhood::evaluate(const double* s, double* c) noexcept {
   collect(s, poses_);
   const int entries = n_ + entries_of(n_);
   std::fill(sums_.all().begin(), sums_.all().end(), 0.0);
-  for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    const Pair& pair = pairs_[p];
-    take_differences(pair);
-    derivatives_.run(in_[0], out_[0], packs());
-    double* const of_a = sums_[pair.a * entries];
-    double* const of_b = sums_[pair.b * entries];
-    double* const H = H_[static_cast<int>(p) * entries_of(n_)];
-    for (int k = 0; k < rows_; k += W) {
-      const double* const out = out_[0] + k * outputs;
-      const auto add = [&](double* to, L value) { (L::load(to) + value).store(to); };
-      int entry = 0;
-      for (int q = 0; q < n_; ++q, ++entry) {
-        const L g = L::load(out + q * W);
-        add(of_a + entry * sums_.stride() + k, g);
-        add(of_b + entry * sums_.stride() + k, -g);
-      }
-      for (int q = 0; q < n_; ++q) {
-        for (int r = q; r < n_; ++r, ++entry) {
-          const L h = L::load(out + (inputs + upper_index(q, r, inputs)) * W);
-          add(of_a + entry * sums_.stride() + k, h);
-          add(of_b + entry * sums_.stride() + k, h);
-          h.store(H + (entry - n_) * H_.stride() + k);
+  each_pair_of_stretches([&](std::size_t first, std::size_t count) {
+    derivatives_.run(in_[0], out_[0], static_cast<int>(count) * stretch / W);
+    const double* out = out_[0];
+    for (std::size_t i = first; i < first + count; ++i) {
+      const Stretch& its = stretches_[i];
+      double* const of_a = sums_[its.a * entries] + its.stage;
+      double* const of_b = sums_[its.b * entries] + its.stage;
+      double* const H = H_[static_cast<int>(i) * entries_of(n_)];
+      for (int k = 0; k < stretch; k += W, out += W * outputs) {
+        const auto add = [&](double* to, L value) { (L::load(to) + value).store(to); };
+        int entry = 0;
+        for (int q = 0; q < n_; ++q, ++entry) {
+          const L g = L::load(out + q * W);
+          add(of_a + entry * sums_.stride() + k, g);
+          add(of_b + entry * sums_.stride() + k, -g);
+        }
+        for (int q = 0; q < n_; ++q) {
+          for (int r = q; r < n_; ++r, ++entry) {
+            const L h = L::load(out + (inputs + upper_index(q, r, inputs)) * W);
+            add(of_a + entry * sums_.stride() + k, h);
+            add(of_b + entry * sums_.stride() + k, h);
+            h.store(H + (entry - n_) * stretch + k);
+          }
         }
       }
     }
-  }
+  });
   for (int i = 0; i < agents(); ++i) {
     const int agent = swarm_.agents[at(i)], ns = layout_.part(agent).ns;
     const Layout::View to = layout_.c(agent);
@@ -211,12 +235,12 @@ void Neighbourhood::product(const double* z, double* y) const noexcept {
   if (pairs_.empty()) return;
   collect(z, z_);
   std::fill(y_.all().begin(), y_.all().end(), 0.0);
-  for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    const Pair& pair = pairs_[p];
-    const double* const H = H_[static_cast<int>(p) * entries_of(n_)];
-    const auto subtract = n_ == 3 ? subtract_products<3> : subtract_products<inputs>;
-    subtract(H, z_[pair.a * n_], z_[pair.b * n_], y_[pair.a * n_], y_[pair.b * n_], H_.stride(), z_.stride(),
-             rows_);
+  const auto subtract = n_ == 3 ? subtract_products<3> : subtract_products<inputs>;
+  for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    const Stretch& its = stretches_[i];
+    const double* const H = H_[static_cast<int>(i) * entries_of(n_)];
+    const auto of = [&](Rows& rows, int agent) { return rows[agent * n_] + its.stage; };
+    subtract(H, of(z_, its.a), of(z_, its.b), of(y_, its.a), of(y_, its.b), z_.stride(), stretch);
   }
   for (int i = 0; i < agents(); ++i) {
     const Layout::View to = layout_.s(swarm_.agents[at(i)]);
@@ -229,13 +253,16 @@ void Neighbourhood::product(const double* z, double* y) const noexcept {
 
 void Neighbourhood::values(const double* s, std::span<double> of_agents) noexcept {
   collect(s, poses_);
-  for (const Pair& pair : pairs_) {
-    take_differences(pair);
-    value_.run(in_[0], cost_[0], packs());
+  each_pair_of_stretches([&](std::size_t first, std::size_t count) {
+    value_.run(in_[0], cost_[0], static_cast<int>(count) * stretch / W);
     double sum = 0.0;
-    for (int k = 0; k < layout_.stages; ++k) sum += cost_[0][k];
+    for (std::size_t i = 0; i < count; ++i) {
+      const int begin = stretches_[first + i].stage, length = std::min(stretch, layout_.stages - begin);
+      for (int k = 0; k < length; ++k) sum += cost_[0][static_cast<int>(i) * stretch + k];
+    }
+    const Stretch& pair = stretches_[first];
     for (const int i : {pair.a, pair.b}) of_agents[at(swarm_.agents[at(i)])] += sum;
-  }
+  });
 }
 
 }  // namespace sightline

@@ -1,8 +1,9 @@
 /// The pairs of a swarm that come near each other, and their potential along the horizon.
 ///
 /// A pair counts where the present plan brings it nearer than the radius at any stage, not only where it is so now:
-/// the potential is negligible at the radius, so a pair that appears or disappears causes no jump. Numbers of an
-/// agent stand in rows along the horizon, so lanes are stages and nothing is gathered pair by pair.
+/// the potential is negligible at the radius, so a pair that appears or disappears causes no jump. Of a pair those
+/// stretches of eight stages count in which it comes nearer than the radius. Numbers of an agent stand in rows along the
+/// horizon, so lanes are stages and nothing is gathered pair by pair.
 #pragma once
 
 #include <span>
@@ -45,12 +46,20 @@ class Neighbourhood {
   static constexpr int W = L::width;
   static constexpr int inputs = PosePotential::relative_size, outputs = inputs + inputs * (inputs + 1) / 2;
 
+  static constexpr int stretch = row_quantum;  // stages, whatever the width of a lane
+
+  /// Eight stages of a pair.
+  struct Stretch {
+    int a, b, stage;
+  };
+
   int agents() const { return static_cast<int>(swarm_.agents.size()); }
-  int packs() const { return rows_ / W; }
   void collect(const double* s, Rows& rows) const noexcept;
-  void take_differences(const Pair& pair) noexcept;
-  double least_distance_2(int a, int b) noexcept;
+  double least_distance_2(int a, int b, int begin, int end) const noexcept;
   void offer(const Pair& pair) noexcept;
+  void find_stretches() noexcept;
+  template <class F>
+  void each_pair_of_stretches(F&& f) noexcept;
 
   const SwarmPotential& swarm_;
   const Layout& layout_;
@@ -62,12 +71,13 @@ class Neighbourhood {
   std::vector<Vec3<double>> centres_;
   std::vector<double> extents_;
   std::vector<Pair> pairs_;
+  std::vector<Stretch> stretches_;  // of one pair after the other
   int left_out_ = 0;
 
   Rows poses_;            // (n x agents)  [stage]
   mutable Rows z_, y_;    // (n x agents)  [stage], of the product
   Rows sums_;             // (n + n (n + 1) / 2 x agents)  [stage]
-  Rows H_;                // (n (n + 1) / 2 x capacity)  [stage]
+  Rows H_;                // [stretch][entry][stage]
   Rows in_, out_, cost_;  // of one pair, [pack][entry][lane]
 };
 
