@@ -57,6 +57,26 @@ TEST(Peers, AClockThatIsTooFarAwayIsNotHeard) {
   EXPECT_FALSE(far.second.hears(0, far.now - 21 * ms));
 }
 
+TEST(Peers, AClockThatIsSetAnewIsKnownSoonAndNotTrustedBefore) {
+  for (const ClockTime step : {-700 * ms, -8 * ms, 8 * ms, 700 * ms}) {
+    Talk talk{.ahead = 0, .there = 2 * ms, .back = 2 * ms};
+    for (int i = 0; i < 300; ++i) talk.period();
+    talk.ahead += step;
+    for (int i = 0; i < 3; ++i) {
+      talk.period();
+      const bool far = std::abs(step) > Peers::offset_max;
+      EXPECT_FALSE(far && talk.first.hears(1, talk.now)) << step << ' ' << i;
+    }
+    ASSERT_TRUE(talk.first.offset(1).has_value());
+    EXPECT_EQ(*talk.first.offset(1), step);
+    EXPECT_EQ(*talk.second.offset(0), -step);
+    EXPECT_EQ(talk.first.hears(1, talk.now), std::abs(step) <= Peers::offset_max);
+    talk.ahead = 0;  // and back
+    for (int i = 0; i < 3; ++i) talk.period();
+    EXPECT_TRUE(talk.first.hears(1, talk.now)) << step;
+  }
+}
+
 TEST(Peers, NothingCountsBeforeItIsAnsweredAndNoLongerThanItIsYoung) {
   Talk talk{.ahead = 0, .there = 2 * ms, .back = 2 * ms};
   EXPECT_EQ(talk.first.state(1, talk.now), PeerState::silent);

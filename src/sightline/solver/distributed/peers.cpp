@@ -11,15 +11,20 @@ void ClockOffsetByEcho::hear(ClockTime now, ClockTime stamp, const Echo& echo) n
   if (echo.stamp == 0) return;
   const ClockTime round_trip = (now - echo.stamp) - echo.held;
   if (round_trip < 0 || round_trip > kept) return;  // a clock that was set anew
+  // Theirs: t_2 = stamp - held, when ours came, and t_3 = stamp. Right to half the round trip, whatever the two ways take.
+  const ClockTime offset = ((stamp - echo.held - echo.stamp) + (stamp - now)) / 2;
+  const bool agree = std::all_of(best_.begin(), best_.end(), [&](const Best& best) {
+    return best.since == 0 || std::abs(best.offset - offset) <= (best.round_trip + round_trip) / 2 + drift;
+  });
+  if (!agree) forget();  // a clock was set anew: what it was before says nothing
   if (now - best_[newest_].since > span || best_[newest_].since == 0) {
     newest_ = (newest_ + 1) % best_.size();
     best_[newest_] = {.since = now};
   }
   Best& best = best_[newest_];
   if (round_trip > best.round_trip) return;
-  // Theirs: t_2 = stamp - held, when ours came, and t_3 = stamp.
   best.round_trip = round_trip;
-  best.offset = ((stamp - echo.held - echo.stamp) + (stamp - now)) / 2;
+  best.offset = offset;
 }
 
 std::optional<ClockTime> ClockOffsetByEcho::offset() const noexcept {
@@ -63,7 +68,9 @@ PeerState Peers::state(int part, ClockTime now) const noexcept {
   const std::optional<ClockTime> offset = peer.clock.offset();
   if (peer.counts.received == 0 || !offset) return PeerState::silent;
   if (std::abs(*offset) > offset_max) return PeerState::other_time;
-  if (now - (peer.stamp - *offset) > stale_after_) return PeerState::stale;
+  // From later than now it is where a clock was set anew, until the next answer.
+  if (const ClockTime age = now - (peer.stamp - *offset); age > stale_after_ || age < -offset_max)
+    return PeerState::stale;
   return peer.steers ? PeerState::heard : PeerState::idle;
 }
 

@@ -5,7 +5,8 @@
 ///
 ///   offset = ((t_2 - t_1) + (t_3 - t_4)) / 2,   round trip = (t_4 - t_1) - (t_3 - t_2)
 ///
-/// with t_1, t_4 by its own clock and t_2, t_3 by the other's. The offset of the least round trip of the last 10 s counts.
+/// with t_1, t_4 by its own clock and t_2, t_3 by the other's. The offset of the least round trip of the last 10 s counts. Each is right
+/// to half its round trip; two that cannot both be tell that a clock was set anew, and the later one counts alone.
 #pragma once
 
 #include <array>
@@ -57,6 +58,7 @@ struct PartMessage {
 class ClockOffsetByEcho {
  public:
   static constexpr ClockTime kept = 10'000'000'000;  // [ns]
+  static constexpr ClockTime drift = 2'000'000;      // of two clocks in this time at most, 200 ppm [ns]
 
   /// A message came at `now` that was sent at `stamp` by the other clock, and answers ours.
   void hear(ClockTime now, ClockTime stamp, const Echo& echo) noexcept;
