@@ -34,8 +34,10 @@ void add_serve(CLI::App& command, ServeOptions& serve, CLI::Option* needed = nul
   address->needs(needed);
 }
 
-void add_show(CLI::App& command, ShowOptions& view) {
-  add_serve(command, view.serve, command.add_flag("--view", view.show, "Show the flight in the browser"));
+CLI::Option* add_show(CLI::App& command, ShowOptions& view) {
+  CLI::Option* show = command.add_flag("--view", view.show, "Show the flight in the browser");
+  add_serve(command, view.serve, show);
+  return show;
 }
 
 void add_threads(CLI::App& command, int& threads) {
@@ -73,14 +75,14 @@ Arguments::Arguments()
   fly_command = app.add_subcommand("fly", "Fly a fleet of real robots; write log, summary and report");
   add_fleet(*fly_command, fly.fleet);
   fly_command->add_option("-o,--output", fly.output, "Folder for the results [out/NAME]");
-  const auto dry_run = fly_command->add_flag("--dry-run", fly.dry_run, "All but arm");
+  const auto dry_run = fly_command->add_flag("--dry-run", fly.dry_run, "All but arm; writes nothing");
   fly_command->add_flag("--wait", fly.wait, "Take off when the service ~/start is called")->excludes(dry_run);
   fly_command->add_option("--part", fly.part,
                           "The part of [partition] that is planned here; all: one solver plans all");
   fly_command->add_option("--partition", fly.partition,
                           "Parts in place of those of [partition]: \"front: a,b | back: c,d\"");
   add_threads(*fly_command, fly.threads);
-  add_show(*fly_command, fly.view);
+  add_show(*fly_command, fly.view)->excludes(dry_run);
 
   vehicles_command = app.add_subcommand("vehicles", "Stand in for the robots of a fleet, on their topics");
   add_fleet(*vehicles_command, vehicles.fleet);

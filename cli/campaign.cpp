@@ -153,7 +153,7 @@ int fly_one(const Input& input, int index) {
   for (std::size_t i = 0; i < input.scenarios.size(); ++i) {
     const Variants variants(input.scenarios[i], input.plan);
     const RunResult result = Pilot(variants, input.plan).fly(run);
-    Scenario scenario = variants.of(run);
+    Scenario scenario = variants.of(run, folders.front().path());
     write_text(folders.front().path() / (scenario.name + ".toml"), scenario.text);
     print("{}", words_of(run, result, input.plan));
     SimulatedClock clock;

@@ -57,6 +57,24 @@ void on_interrupt(int) {
   interrupted = true;
 }
 
+/// What the robots said of the flight; whether it is a fault.
+bool say_end(const LinkedWorld& world) {
+  for (const std::string& line : world.counts()) say(line);
+  const std::vector<std::string> faults = world.faults();
+  for (const std::string& fault : faults) say(fault);
+  return !faults.empty();
+}
+
+/// All before a flight but arming. Nothing is written: a folder keeps the flight that it has.
+int fly_dry(const Scenario& scenario, LinkedWorld& world) {
+  if (world.exchange() == nullptr) (void)Controls(scenario);  // its refusals
+  std::thread([&] {
+    offer_sentence(become_realtime(control_priority).sentence());
+    (void)world.take_off(Arming::dry_run, interrupts(), offer_sentence);
+  }).join();
+  return say_end(world) ? 1 : 0;
+}
+
 }  // namespace
 
 Interrupts& interrupts() { return interrupt_count; }
@@ -88,6 +106,10 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
   try {
     NamedScenario fleet = command.fleet;
     if (!command.partition.empty()) fleet.set.push_back(partition_assignment(command, parts));
+    if (!command.part.empty() && command.partition.empty() && !read_fleet(fleet, parts).partition)
+      throw std::invalid_argument(
+          fmt::format("{}: --part = {}, expected a fleet with [partition], or --partition",
+                      fleet.file.native(), command.part));
     if (!command.part.empty()) fleet.set.push_back(fmt::format("partition.part=\"{}\"", command.part));
     scenario = read_fleet(fleet, parts);
     refuse_without_part(scenario, command);
@@ -97,7 +119,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
     check_solvers(scenario);
     std::filesystem::path output = std::filesystem::path("out") / scenario.name;
     if (scenario.partition) output /= scenario.partition->part;
-    folder.emplace(command.output.empty() ? output : command.output, scenario);
+    if (!command.dry_run) folder.emplace(command.output.empty() ? output : command.output, scenario);
     world = parts.bridge->connect(scenario);
     const auto& localized = scenario.localization.robots;
     if (!localized.empty() && world->measured_max().motions == 0)
@@ -111,19 +133,16 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
   outlive_the_terminal();
   listen_to_interrupts();
   SteadyClock clock;
-  const Arming arming = command.dry_run ? Arming::dry_run : command.wait ? Arming::on_call : Arming::real;
-  LinkedFlight linked{*world, arming, interrupts(), stop_flight()};
+  LinkedFlight linked{*world, command.wait ? Arming::on_call : Arming::real, interrupts(), stop_flight()};
   int code = 2;
   try {
+    if (!folder) return fly_dry(scenario, *world);
     code = fly(std::move(scenario), *folder, clock, command.view, nullptr, &linked);
   } catch (const std::invalid_argument& error) {  // of what is built before the flight
     tell("{}: {}\n", command.fleet.file.native(), error.what());
     return 2;
   }
-  for (const std::string& line : world->counts()) say(line);
-  const std::vector<std::string> faults = world->faults();
-  for (const std::string& fault : faults) say(fault);
-  return code == 0 && !faults.empty() ? 1 : code;
+  return say_end(*world) && code == 0 ? 1 : code;
 }
 
 FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const ExcitationOptions& options,
@@ -148,11 +167,8 @@ FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const Excitat
   FlownMotion motion;
   std::string why = "it did not take off";
   std::thread([&] {
-    const TellPerson tell_person = [](std::string_view sentence) {
-      offer_message(fmt::format("sightline: {}\n", sentence));
-    };
-    tell_person(become_realtime(control_priority).sentence());
-    if (!world->take_off(Arming::real, interrupts(), tell_person)) return;
+    offer_sentence(become_realtime(control_priority).sentence());
+    if (!world->take_off(Arming::real, interrupts(), offer_sentence)) return;
     SteadyClock clock;
     try {
       motion = fly_excitation(alone, robot, options, *world, clock, stop_flight());
@@ -160,10 +176,9 @@ FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const Excitat
     } catch (const std::exception& error) {
       why = error.what();
     }
-    world->land(interrupts(), tell_person);
+    world->land(interrupts(), offer_sentence);
   }).join();
-  for (const std::string& line : world->counts()) say(line);
-  for (const std::string& fault : world->faults()) say(fault);
+  (void)say_end(*world);
   if (!why.empty()) throw std::invalid_argument(why);
   return motion;
 }

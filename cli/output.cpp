@@ -111,6 +111,7 @@ void write_message(std::string_view text) noexcept { (void)streams().messages.wr
 void offer_message(std::string_view text) noexcept { (void)streams().messages.write(text, false); }
 
 void say(std::string_view sentence) { tell("sightline: {}\n", sentence); }
+void offer_sentence(std::string_view sentence) { offer_message(fmt::format("sightline: {}\n", sentence)); }
 
 int finish(int code) {
   const int lost = streams().lost;

@@ -45,13 +45,10 @@ void print_table(const std::vector<SummaryLine>& lines) {
 LoopOutcome fly_linked(LinkedFlight& linked, ClosedLoop& loop, Sink<Sample>& sink) {
   LoopOutcome outcome;
   std::thread([&] {
-    const TellPerson tell = [](std::string_view sentence) {
-      offer_message(fmt::format("sightline: {}\n", sentence));
-    };
-    tell(become_realtime(control_priority).sentence());
-    if (linked.world.take_off(linked.arming, linked.interrupts, tell)) {
+    offer_sentence(become_realtime(control_priority).sentence());
+    if (linked.world.take_off(linked.arming, linked.interrupts, offer_sentence)) {
       outcome = loop.fly();
-      linked.world.land(linked.interrupts, tell);
+      linked.world.land(linked.interrupts, offer_sentence);
     } else {
       sink.close();
     }

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -99,6 +100,24 @@ TEST(Campaign, OneRunAloneIsTheRowOfTheTable) {
   (void)sightline("run " + (folder / "one" / "short.toml").string() + " -o " + (folder / "again").string(),
                   folder);
   EXPECT_TRUE(read_file(folder / "again" / "run.mcap") == read_file(folder / "one" / "run.mcap"));
+}
+
+// Its scenario lies in another folder than the one that it was read from, which has no seed and a file beside it.
+TEST(Campaign, TheScenarioOfARunAloneFindsTheFilesThatItNames) {
+  const fs::path folder = fresh_folder();
+  fs::create_directory(folder / "sensors");
+  fs::copy_file("scenarios/sensors/camera.toml", folder / "sensors" / "camera.toml");
+  std::ofstream(folder / "pyramid.toml")
+      << std::regex_replace(read_file("scenarios/pyramid_camera.toml"), std::regex("\nseed = .*\n"), "\n")
+      << "\n[campaign]\nduration = 1.0\n"
+         "[[campaign.draw]]\nkey = \"agent.uav0.start.p[0]\"\nuniform = [-2.0, -1.0]\n";
+  const fs::path one = folder / "one", again = folder / "again";
+  const auto alone =
+      sightline("campaign " + (folder / "pyramid.toml").string() + " --only 3 -o " + one.string(), folder);
+  EXPECT_LE(alone.code, 1) << alone.err;
+  const auto flown = sightline("run " + (one / "pyramid.toml").string() + " -o " + again.string(), folder);
+  EXPECT_LE(flown.code, 1) << flown.err;
+  EXPECT_TRUE(read_file(again / "run.mcap") == read_file(one / "run.mcap"));
 }
 
 TEST(Campaign, TheSameAgainIsWhatIsThereAndMoreRunsGoOn) {

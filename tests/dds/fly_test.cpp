@@ -72,10 +72,11 @@ TEST_F(Fly, VehiclesThatRestartInFlightAreNeitherArmedNorSteeredAgain) {
 TEST_F(Fly, ADryRunArmsNothingAndIsNoFailure) {
   const fs::path fleet = desk("10.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
-  const auto dry =
-      test::sightline("fly --dry-run " + fleet.string() + " -o " + (folder / "flown").string(), folder);
+  const fs::path flown = folder / "flown";
+  const auto dry = test::sightline("fly --dry-run " + fleet.string() + " -o " + flown.string(), folder);
   EXPECT_EQ(dry.code, 0) << dry.err;
   EXPECT_THAT(dry.err, HasSubstr("all are ready, none is armed: a dry run"));
+  EXPECT_FALSE(fs::exists(flown)) << "a folder keeps the flight that it has";
   vehicles->end(SIGINT);
   EXPECT_THAT(said("vehicles.out"), HasSubstr(" 0 requests to arm"));
   EXPECT_THAT(said("vehicles.out"), Not(HasSubstr(" 1 requests to arm")));

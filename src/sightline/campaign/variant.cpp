@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/layers.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {
@@ -134,10 +135,20 @@ Scenario Variants::of(const RunDraw& run) const {
   for (std::size_t i = 0; i < starts_.size(); ++i) place_start(plan_.starts[i], starts_[i], value, changes);
   if (duration_) changes.emplace_back(*duration_, plan_.duration);
   if (seed_) changes.emplace_back(*seed_, static_cast<double>(run.seed));  // below 2^53
-  std::string text = with_numbers(text_, changes);
+  return flown(with_numbers(text_, changes), file_, std::move(added), run);
+}
 
-  Scenario scenario = parse_scenario(std::move(text), file_, parts_ ? *parts_ : parts_of_sightline(),
-                                     {.files = {}, .set = std::move(added)});
+Scenario Variants::of(const RunDraw& run, const std::filesystem::path& folder) const {
+  std::vector<std::string> set;
+  if (!duration_) set.push_back(fmt::format("simulation.duration={}", plan_.duration));
+  if (!seed_) set.push_back(fmt::format("simulation.seed={}", run.seed));
+  return flown(text_seen_from(folder, of(run).text, file_), folder / (name_ + ".toml"), std::move(set), run);
+}
+
+Scenario Variants::flown(std::string text, const std::filesystem::path& file, std::vector<std::string> set,
+                         const RunDraw& run) const {
+  Scenario scenario = parse_scenario(std::move(text), file, parts_ ? *parts_ : parts_of_sightline(),
+                                     {.files = {}, .set = std::move(set)});
   scenario.name = name_;
   scenario.solver = solver_;
   scenario.simulation.duration = plan_.duration;

@@ -1,6 +1,7 @@
 /// Scenarios that differ from one in the numbers drawn for each run.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ class Variants {
 
   /// @throws ScenarioError where a number drawn is refused
   Scenario of(const RunDraw& run) const;
+  /// The same with a text that may be written into a folder and flown from there: it has duration and seed, and names
+  /// files as they are seen from there.
+  Scenario of(const RunDraw& run, const std::filesystem::path& folder) const;
 
   /// The drawn values that an Ocp depends on; runs alike in these share a solver.
   std::vector<double> team_values(const RunDraw& run) const;
@@ -32,6 +36,8 @@ class Variants {
   };
   using Changes = std::vector<std::pair<NumberInText, double>>;
 
+  Scenario flown(std::string text, const std::filesystem::path& file, std::vector<std::string> set,
+                 const RunDraw& run) const;
   /// What is to be added must be something that may be added, which a run shows.
   void try_additions() const;
   void place_start(const StartDraw& draw, const Start& at, const double*& value, Changes& changes) const;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sightline/scenario/set_value.hpp"
+#include "sightline/scenario/templates.hpp"
 
 namespace sightline {
 namespace {
@@ -41,19 +42,23 @@ void put_over(toml::table& into, toml::table&& upper) {
 }
 
 /// The names of files, relative to `folder`, as seen from where that is relative to.
-void name_files_from(toml::node& node, const fs::path& folder) {
+/// @return whether there are any
+bool name_files_from(toml::node& node, const fs::path& folder) {
+  bool named = false;
   if (toml::table* table = node.as_table()) {
     for (auto&& [key, inner] : *table) {
       auto* name = inner.as_string();
       if (name != nullptr && std::find(file_keys.begin(), file_keys.end(), key.str()) != file_keys.end()) {
         name->get() = (folder / name->get()).lexically_normal().native();
+        named = true;
       } else {
-        name_files_from(inner, folder);
+        named |= name_files_from(inner, folder);
       }
     }
   } else if (toml::array* array = node.as_array()) {
-    for (toml::node& item : *array) name_files_from(item, folder);
+    for (toml::node& item : *array) named |= name_files_from(item, folder);
   }
+  return named;
 }
 
 /// Puts the file's text onto the layers, behind those of the files it is based on.
@@ -97,7 +102,7 @@ toml::table root_of(const TomlDocument& document) {
                                 .lexically_normal()
                                 .parent_path()
                                 .lexically_relative(fs::path(document.file).lexically_normal().parent_path());
-    if (folder != "." && !folder.empty()) name_files_from(upper, folder);
+    if (folder != "." && !folder.empty()) (void)name_files_from(upper, folder);
     put_over(root, std::move(upper));
   }
   return root;
@@ -118,6 +123,12 @@ TomlDocument layered(std::string_view text, std::string file, std::span<const st
 TomlDocument as_written(const TomlDocument& document) {
   if (document.layers.empty()) return parse_toml(document.text, document.file);
   return {document.file, root_of(document), document.text, document.layers};
+}
+
+std::string text_seen_from(const fs::path& folder, const std::string& text, const fs::path& file) {
+  TomlDocument document = parse_toml(text, file.native());
+  const fs::path there = file.has_parent_path() ? file.parent_path() : ".";
+  return name_files_from(document.root, fs::relative(there, folder)) ? printed(document) : text;
 }
 
 }  // namespace sightline

@@ -10,6 +10,7 @@
 /// docs/templates.md has the whole.
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,5 +27,12 @@ TomlDocument layered(std::string_view text, std::string file, std::span<const st
 
 /// The document as it was made, whatever became of its root.
 TomlDocument as_written(const TomlDocument& document);
+
+/// The text of a scenario of one folder, to be written into another: what it says of files is seen from there. One that
+/// names none stays as it is.
+/// @param file  that the text is of
+/// @throws ScenarioError as parse_toml()
+std::string text_seen_from(const std::filesystem::path& folder, const std::string& text,
+                           const std::filesystem::path& file);
 
 }  // namespace sightline
