@@ -26,7 +26,8 @@ void add_fleet(CLI::App& command, NamedScenario& fleet) {
 }
 
 void add_serve(CLI::App& command, ServeOptions& serve, CLI::Option* needed = nullptr) {
-  CLI::Option* port = command.add_option("--port", serve.port, "Port of the page; 0: a free one [8765]");
+  CLI::Option* port = command.add_option("--port", serve.port, "Port of the page; 0: a free one [8765]")
+                          ->check(CLI::Range(0, 65535));
   CLI::Option* address = command.add_option(
       "--listen", serve.address, "IPv4 address to be reached at from other machines, by a token [127.0.0.1]");
   if (needed == nullptr) return;

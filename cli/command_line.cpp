@@ -1,18 +1,42 @@
 #include "sightline/command_line.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <exception>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "cli/arguments.hpp"
 #include "cli/output.hpp"
+#include "sightline/base/nearest.hpp"
 
 namespace sightline {
 namespace {
+
+/// The names of all commands, as they are told.
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
 
 int execute(int argc, char** argv, const Parts& parts) {
   using namespace cli;
 
   Arguments words;
+  const std::vector<std::string> commands = command_names(words.app);
+  const std::string_view first = argc > 1 ? argv[1] : "";
+  if (!first.starts_with('-') && std::find(commands.begin(), commands.end(), first) == commands.end()) {
+    const std::vector<std::string_view> known(commands.begin(), commands.end());
+    say(first.empty() ? fmt::format("the command is missing, expected one of {}", fmt::join(commands, ", "))
+                      : fmt::format("{} is no command, expected one of {}, the nearest is {}", first,
+                                    fmt::join(commands, ", "), nearest(first, known)));
+    return 2;
+  }
   try {
     words.app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

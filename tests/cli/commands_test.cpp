@@ -327,6 +327,22 @@ TEST(Check, SaysOkAndDescribesEachShippedScenario) {
   }
 }
 
+TEST(Commands, ACommandThatIsNoneOrMissingEndsWithTwoAndTheNamesThatThereAre) {
+  const fs::path folder = fresh_folder();
+  const auto unknown = sightline("chekc scenarios/paper_7_1.toml", folder);
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_TRUE(std::regex_match(
+      unknown.err,
+      std::regex("sightline: chekc is no command, expected one of run, .*, the nearest is check\n")))
+      << unknown.err;
+  const auto missing = sightline("", folder);
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_TRUE(std::regex_match(
+      missing.err, std::regex("sightline: the command is missing, expected one of run, .*, bench\n")))
+      << missing.err;
+  EXPECT_EQ(sightline("--version", folder).code, 0);
+}
+
 TEST(Check, EachRefusedScenarioEndsWithTwoAndOneLine) {
   const fs::path folder = fresh_folder();
   for (const test::RefusedScenario& c : test::refused_scenarios()) {

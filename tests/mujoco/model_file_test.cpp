@@ -248,8 +248,12 @@ TEST_F(ModelFiles, WhatIsBrokenEndsInOneLineWithFileLineAndKey) {
     EXPECT_THAT(refusal(broken.vehicle.empty() ? "model = \"room.xml\"" : "", broken.vehicle),
                 HasSubstr(broken.said));
   }
-  EXPECT_THAT(refusal("model = \"missing.xml\""), HasSubstr("missing.xml"));
-  EXPECT_THAT(refusal("model = 3"), HasSubstr("a.toml:3: world.model = 3, expected the name of a file"));
+  EXPECT_THAT(refusal("model = \"missing.xml\""),
+              HasSubstr("a.toml:3: world.model = \"missing.xml\", expected the name of a model file, "
+                        "relative to this one ("));
+  EXPECT_THAT(
+      refusal("model = 3"),
+      HasSubstr("a.toml:3: world.model = 3, expected the name of a model file, relative to this one"));
   EXPECT_THAT(refusal("modell = \"a.xml\""), HasSubstr("the nearest is \"model\""));
 }
 
@@ -263,9 +267,9 @@ TEST_F(ModelFiles, AnotherWorldKnowsNoModels) {
     return refusal_of<ScenarioError>([&] { parse_scenario(text, folder_ / "a.toml", with_mujoco()); });
   };
   EXPECT_THAT(refused("model = \"room.xml\"", ""),
-              HasSubstr("world.model = \"room.xml\", expected a known key"));
+              HasSubstr("world.model = \"room.xml\", expected no such key in the world \"rotors\""));
   EXPECT_THAT(refused("", "model = \"room.xml\""),
-              HasSubstr("vehicle.model = \"room.xml\", expected a known key"));
+              HasSubstr("vehicle.model = \"room.xml\", expected no such key in the world \"rotors\""));
   EXPECT_THAT(refusal_of<ScenarioError>([] { parse_scenario(base, "a.toml"); }),
               HasSubstr("a.toml:2: world.kind = \"mujoco\", expected one of \"model\", \"rotors\""));
 }

@@ -71,7 +71,7 @@ const std::string by_view =
     "= [\"uav1\"]\nsensor = {}\ncamera = {}\n[agent.uav1]\nrobot = \"multirotor\"\nstart = { p = [2, 0, 1] "
     "}\ntags "
     "= {}\n[agent.uav1.link]\n" +
-    px4 + "[agent.uav0.link]\nkind = \"px4\"\nrelease = \"1.16\"\n";
+    px4 + "[agent.uav0.link]\nkind = \"px4\"\nrelease = \"1.16\"\nnamespace = \"/px4_1\"\n";
 
 TEST(ReadLink, ARobotThatIsLocalizedByViewHasItsPosesByEstimate) {
   for (const std::string poses : {"", "poses = \"estimate\"\n"}) {
@@ -199,6 +199,21 @@ TEST(ReadLink, WithoutAFleetAScenarioIsWhatItWas) {
   EXPECT_FALSE(scenario_of(agent).fleet);
   EXPECT_THAT(scenario_refusal(agent + "[agent.uav0.link]\n" + px4),
               EndsWith("expected no such table without a [fleet]"));
+}
+
+// Two robots would obey one stream of commands.
+TEST(ReadLink, TwoRobotsWithTheTopicsOfOneAreRefused) {
+  const auto another = [](const std::string& link) {
+    return "[agent.uav1]\nrobot = \"multirotor\"\nstart = { p = [3, 0, 1] }\n[agent.uav1.link]\n" + link;
+  };
+  const std::string one = px4 + "namespace = \"/px4_1\"\n";
+  EXPECT_EQ(scenario_of(fleet(one) + another(px4)).fleet->links.size(), 2U);
+  EXPECT_THAT(
+      scenario_refusal(fleet(one) + another(one)),
+      HasSubstr(
+          "agent.uav1.link.namespace = \"/px4_1\", expected topics of its own: another robot has these"));
+  EXPECT_THAT(scenario_refusal(fleet(px4) + another(px4)),
+              HasSubstr("agent.uav1.link.namespace is missing, expected"));
 }
 
 TEST(ReadLink, WhatDoesNotHoldIsRefusedWithItsPlace) {

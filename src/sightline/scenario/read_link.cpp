@@ -6,6 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <numbers>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <variant>
 
 #include "sightline/model/state_roles.hpp"
 #include "sightline/scenario/goal_track.hpp"
@@ -188,6 +192,18 @@ std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
   return network;
 }
 
+namespace {
+
+/// The key and the topic, or what topics begin with, by which a robot is commanded.
+std::pair<std::string_view, std::string_view> commanded_by(const Link& link) {
+  if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) return {"namespace", px4->name_space};
+  if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind))
+    return {"namespace", crazyflie->name_space};
+  return {"cmd_vel", std::get<Ros2Link>(link.kind).cmd_vel};
+}
+
+}  // namespace
+
 void read_link(const TomlTable& agent, const std::string& name, BodyId robot, GoalsFrom goals,
                std::optional<FleetPlan>& fleet) {
   if (agent.has("link") && !fleet) agent.refuse("link", "no such table without a [fleet]");
@@ -198,6 +214,9 @@ void read_link(const TomlTable& agent, const std::string& name, BodyId robot, Go
   link.robot = robot;
   link.goals = std::move(goals);
   link.kind = find(link_kinds, at.word("kind", names(link_kinds)))(at, name);
+  for (const Link& other : std::span(fleet->links).first(fleet->links.size() - 1))
+    if (other.kind.index() == link.kind.index() && commanded_by(other) == commanded_by(link))
+      at.refuse(commanded_by(link).first, "topics of its own: another robot has these");
   link.has_camera = agent.has("camera");
   const bool by_view = agent.has("localized_by") && agent.text("localized_by", "a word") == "view";
   link.poses = read_poses(at, by_view ? PoseSource::estimate : PoseSource::odometry);

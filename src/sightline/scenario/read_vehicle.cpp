@@ -50,6 +50,7 @@ std::optional<RobotVehicle> read_vehicle(const TomlTable& agent, const Model& mo
   const TomlTable at = agent.table_or_empty(key);
   const VehicleOfModel of_model = agent.parts().worlds.of_model(world);
   const std::array<std::string_view, 3> beside = {"imu", "model", "body"};
+  refuse_without_models(at, std::span(beside).last(2), world);
   RobotVehicle read;
   read.vehicle = read_part<Vehicle>(TableSource(at), std::span(beside).first(of_model ? 3 : 1));
   if (at.has("imu")) read.vehicle.imu = read_part<Imu>(TableSource(at.table("imu")));
@@ -68,9 +69,25 @@ std::optional<RobotVehicle> read_vehicle(const TomlTable& agent, const Model& mo
 }
 
 ModelFile read_model_file(const TomlTable& at) {
-  const std::string name = at.text("model", "the name of a file");
-  if (name.empty()) at.refuse("model", "the name of a file");
-  return {.name = name, .text = at.file_text(name), .folder = at.file_folder(name)};
+  constexpr std::string_view expected = "the name of a model file, relative to this one";
+  const std::string name = at.text("model", expected);
+  if (name.empty()) at.refuse("model", expected);
+  try {
+    return {.name = name, .text = at.file_text(name), .folder = at.file_folder(name)};
+  } catch (const ScenarioError& error) {
+    at.refuse("model", fmt::format("{} ({})", expected, error.what()));
+  }
+}
+
+void refuse_without_models(const TomlTable& at, std::span<const std::string_view> keys,
+                           std::string_view world) {
+  if (at.parts().worlds.of_model(world)) return;
+  for (const std::string_view key : keys)
+    if (at.has(key))
+      at.refuse(key,
+                fmt::format(
+                    "no such key in the world \"{}\", only in one that reads model files, as \"mujoco\" does",
+                    world));
 }
 
 }  // namespace sightline

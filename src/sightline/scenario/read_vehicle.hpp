@@ -13,6 +13,9 @@ namespace sightline {
 
 /// The file that `model` names, in a world that reads such files.
 ModelFile read_model_file(const TomlTable& at);
+/// @throws ScenarioError for one of the keys, of model files, in a world that reads none
+void refuse_without_models(const TomlTable& at, std::span<const std::string_view> keys,
+                           std::string_view world);
 
 /// What [world] says of the vehicles' downwash, refused in a world without vehicles.
 /// @param kind    what the scenario flies in

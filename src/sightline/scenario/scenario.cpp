@@ -101,6 +101,7 @@ class Reader {
     if (at.has("kind")) scenario_.world = at.word("kind", worlds.names());
     const std::array<std::string_view, 2> beside = {"kind", "model"};
     const bool reads_models = static_cast<bool>(worlds.of_model(scenario_.world));
+    refuse_without_models(at, std::span(beside).last(1), scenario_.world);
     scenario_.downwash = read_downwash(at, scenario_.world, std::span(beside).first(reads_models ? 2 : 1));
     if (at.has("model")) scenario_.model = read_model_file(at);
   }
