@@ -8,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -19,6 +20,7 @@
 #include "bridges/dds/ros_words.hpp"
 #include "bridges/dds/scene.hpp"
 #include "sightline/base/index.hpp"
+#include "sightline/record/camera_log.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/event_words.hpp"
 #include "sightline/run/ring.hpp"
@@ -44,6 +46,7 @@ struct Moment {
   SolverRecord solver{};
   double update_us = 0.0;
   std::vector<FallbackLevel> levels;
+  std::vector<PoseEstimate> estimates;  // of each body
   int event_count = 0;
   std::array<Event, std::tuple_size_v<decltype(Sample::events)>> events{};
 };
@@ -53,6 +56,7 @@ Moment sized_moment(const Scenario& scenario) {
   m.x = scenario.x0;
   m.path.resize(size(scenario.horizon.N + 1) * m.x.size());
   m.levels.resize(size(scenario.team.bodies()), FallbackLevel::valid);
+  m.estimates.resize(size(scenario.team.bodies()));
   return m;
 }
 
@@ -116,6 +120,11 @@ class TopicsOut::Thread {
     Outlet<geometry_msgs_msg_dds__PoseStamped_> pose;
     Outlet<nav_msgs_msg_dds__Path_> path;
     std::string frame;  // of /tf
+    // Of one that is localized by view, and of one with a camera.
+    std::optional<Outlet<geometry_msgs_msg_dds__PoseWithCovarianceStamped_>> estimate{};
+    double estimated = 0.0;  // stamp of the last [s]
+    std::optional<Outlet<sensor_msgs_msg_dds__CameraInfo_>> camera_info{};
+    RobotCamera camera{};
   };
   std::vector<std::unique_ptr<RobotTopics>> robots_;
   Ring<Moment> moments_;
@@ -125,6 +134,8 @@ class TopicsOut::Thread {
   void take(const Moment& moment);
   void take_event(const Event& event);
   void send_poses();
+  void send_estimate(std::size_t robot);
+  void send_cameras();
   void send_paths();
   void send_markers();
   void send_diagnostics();
@@ -188,8 +199,16 @@ TopicsOut::Thread::Thread(const Scenario& scenario, dds_entity_t participant, Co
       throw std::invalid_argument(fmt::format(
           "agent.{}.link.pose_name = \"{}\", the frame that this program itself sends, expected another one",
           name, link.poses.name));
-    robots_.push_back(
+    RobotTopics& its = *robots_.emplace_back(
         std::make_unique<RobotTopics>(participant, name, begin, size(team_.state_offset(link.robot))));
+    if (link.poses.estimated())
+      its.estimate.emplace(participant, ROS_TYPE(geometry_msgs_msg_dds__PoseWithCovarianceStamped_),
+                           begin + "/estimate", of_shown);
+    if (const RobotCamera* camera = scenario.vision.camera_of(link.robot)) {
+      its.camera = *camera;
+      its.camera_info.emplace(participant, ROS_TYPE(sensor_msgs_msg_dds__CameraInfo_), begin + "/camera_info",
+                              of_shown);
+    }
   }
   thread_ = std::thread([this] { run(); });
 }
@@ -230,13 +249,21 @@ void TopicsOut::Thread::tick(std::int64_t number) {
     said_.clear();
   }
   send_poses();
+  for (std::size_t i = 0; i < robots_.size(); ++i) send_estimate(i);
   if (number % ticks_of_scene == 0) {
     send_paths();
     send_markers();
   }
-  if (number % ticks_of_diagnostics == 0) send_diagnostics();
+  if (number % ticks_of_diagnostics == 0) {
+    send_diagnostics();
+    send_cameras();
+  }
   std::int64_t written = markers_.written + transforms_.written + diagnostics_.written + log_.written;
-  for (const auto& robot : robots_) written += robot->pose.written + robot->path.written;
+  for (const auto& robot : robots_) {
+    written += robot->pose.written + robot->path.written;
+    if (robot->estimate) written += robot->estimate->written;
+    if (robot->camera_info) written += robot->camera_info->written;
+  }
   written_ = written;
 }
 
@@ -247,7 +274,7 @@ void TopicsOut::Thread::take(const Moment& moment) {
     last_.path_time = moment.path_time, last_.path_step = moment.path_step;
   }
   last_.t = moment.t, last_.shown_at = moment.shown_at;
-  last_.x = moment.x, last_.levels = moment.levels;
+  last_.x = moment.x, last_.levels = moment.levels, last_.estimates = moment.estimates;
   loop_.begun = true;
   loop_.last = moment.solver;
   loop_.solve_us_most = std::max(loop_.solve_us_most, moment.solver.solve_us);
@@ -309,6 +336,44 @@ void TopicsOut::Thread::send_poses() {
   tf2_msgs_msg_dds__TFMessage_ message{};
   set_sequence(message.transforms, transforms);
   transforms_.write(message);
+}
+
+/// Upright: nothing is said of roll and pitch, whose variances are 0.
+void TopicsOut::Thread::send_estimate(std::size_t robot) {
+  RobotTopics& its = *robots_[robot];
+  const PoseEstimate& now = last_.estimates[robot];
+  if (!its.estimate || !now.known || now.stamp == its.estimated) return;
+  its.estimated = now.stamp;
+  constexpr std::array<std::size_t, 4> row = {0, 1, 2, 5};  // x, y, z, turn about z
+  const SinCos<double> heading = sincos(now.psi);
+  Words words;
+  geometry_msgs_msg_dds__PoseWithCovarianceStamped_ message{};
+  message.header = header(last_.shown_at + std::llround(1e9 * (now.stamp - last_.t)), words);
+  message.pose.pose = ros_pose(now.p, upright({heading.cos, heading.sin}));
+  for (std::size_t i = 0; i < row.size(); ++i)
+    for (std::size_t j = 0; j < row.size(); ++j)
+      message.pose.covariance[6 * row[i] + row[j]] = now.P(static_cast<int>(i), static_cast<int>(j));
+  its.estimate->write(message);
+}
+
+void TopicsOut::Thread::send_cameras() {
+  for (auto& robot : robots_) {
+    if (!robot->camera_info) continue;
+    const Camera& camera = robot->camera.camera;
+    const std::array<double, 9> K = intrinsics(camera);
+    Words words;
+    std::vector<double> distortion(5);  // none
+    sensor_msgs_msg_dds__CameraInfo_ message{};
+    message.header = {stamp_of(realtime_now()), words(robot->camera.frame)};
+    message.height = static_cast<std::uint32_t>(camera.height);
+    message.width = static_cast<std::uint32_t>(camera.width);
+    message.distortion_model = words("plumb_bob");
+    set_sequence(message.d, distortion);
+    std::copy(K.begin(), K.end(), std::begin(message.k));
+    for (std::size_t i = 0; i < 9; i += 4) message.r[i] = 1.0;
+    for (std::size_t i = 0; i < 12; ++i) message.p[i] = i % 4 == 3 ? 0.0 : K[3 * (i / 4) + i % 4];
+    robot->camera_info->write(message);
+  }
 }
 
 void TopicsOut::Thread::send_paths() {
@@ -430,6 +495,7 @@ void TopicsOut::show(const Sample& sample) noexcept {
   if (!sample.solvers.empty()) m->solver = sample.solvers.front();
   m->update_us = sample.update_us;
   copy_what_fits(sample.levels, m->levels);
+  copy_what_fits(sample.estimates, m->estimates);
   m->event_count = sample.event_count;
   m->events = sample.events;
   thread_->moments_.publish();

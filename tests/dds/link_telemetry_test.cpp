@@ -3,10 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 
+#include "bridges/dds/channel.hpp"
 #include "tests/dds/rig.hpp"
 #include "tests/support/command.hpp"
+
+extern "C" {
+#include "ros.h"
+}
 
 namespace sightline::dds {
 namespace {
@@ -55,6 +61,23 @@ TEST(LinkTelemetry, AFilterThatNoLinkServesIsRefused) {
 TEST(LinkTelemetry, ARobotFliesByWhatItSees) {
   const Scenario scenario = localized(4.0);
   Rig rig(scenario);
+  // Others see how well it knows where it is, and by what camera.
+  const dds_entity_t at = rig.domain->another_participant();
+  std::atomic<int> estimates{0}, sure{0}, cameras{0};
+  const Quality quality{.reliable = true, .depth = 100};
+  RawReader of_estimates(
+      at, geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc, "/sightline/uav0/estimate", quality,
+      std::nullopt, Writers::all, [&](const void* told, const Arrival&) {
+        const auto& m = *static_cast<const geometry_msgs_msg_dds__PoseWithCovarianceStamped_*>(told);
+        ++estimates;
+        const double variance = m.pose.covariance[0] + m.pose.covariance[7];
+        if (variance > 0 && variance < 0.02 && m.pose.covariance[35] > 0) ++sure;
+      });
+  RawReader of_cameras(at, sensor_msgs_msg_dds__CameraInfo__desc, "/sightline/uav0/camera_info", quality,
+                       std::nullopt, Writers::all, [&](const void* told, const Arrival&) {
+                         const auto& m = *static_cast<const sensor_msgs_msg_dds__CameraInfo_*>(told);
+                         if (m.width == 320 && m.k[0] > 200 && m.k[2] == 160.0) ++cameras;
+                       });
   double distance = -1.0;
   const LoopOutcome outcome = rig.fly(3.5, [&] {
     // Both are where they are at about the same time.
@@ -62,6 +85,9 @@ TEST(LinkTelemetry, ARobotFliesByWhatItSees) {
     distance = norm(own.p - seen.p);
   });
   EXPECT_EQ(outcome.updates, 400) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_GT(estimates, 50);
+  EXPECT_GT(sure, 0.9 * estimates);
+  EXPECT_GT(cameras, 3);
   EXPECT_GT(distance, 1.2);
   EXPECT_LT(distance, 1.8);
   EXPECT_THAT(rig.counted("pictures with tags"), HasSubstr("0 tags not finite or no poses, 0 of no body"));

@@ -16,6 +16,7 @@
 #include "sightline/base/index.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/base/version.hpp"
+#include "sightline/record/camera_log.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/localization_log.hpp"
 #include "sightline/record/log_text.hpp"
@@ -108,6 +109,7 @@ class Log::Files {
   McapWriter mcap_;
   std::optional<MeasurementLog> measurements_;
   std::optional<LocalizationLog> localization_;
+  std::optional<CameraLog> cameras_;
   TextFile timing_;
 
   struct Schemas {
@@ -202,6 +204,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
   events_ = open(schemas_.event, "/events", "json");
   measurements_.emplace(team_, mcap_, goals_of(scenario.fleet));
   localization_.emplace(scenario, mcap_);
+  cameras_.emplace(scenario, mcap_);
   begin();
 }
 
@@ -277,6 +280,7 @@ void Log::Files::add(const Sample& sample) {
   }
   measurements_->add(sample);
   localization_->add(sample);
+  cameras_->add(sample.time);
   add_records(sample);
   add_timing(sample);
   if (chunk == chunk_) return;

@@ -22,6 +22,7 @@ namespace sightline {
 ///                   /BODY/measured             the pose the controllers saw, where noise or delay change it
 ///                   /AGENT/attitude            the true one, of vehicles; by the model of other robots with a camera
 ///                                              that is fixed to the body
+///                   /AGENT/camera_info         sensor_msgs/CameraInfo of a camera, once
 ///                   /AGENT/input               {time, u, raw}: applied, and before the solver's clamp
 ///                   /AGENT/path                the prediction, where the sample has one
 ///                   /AGENT/reference           {time, p, d}, each 0.1 s; without p or d where that is free

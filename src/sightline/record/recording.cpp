@@ -18,6 +18,7 @@
 
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
+#include "sightline/record/camera_log.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/localization_log.hpp"
 #include "sightline/record/localization_summary.hpp"
@@ -53,6 +54,12 @@ void read_team(const json& team, Recording& run) {
       body.u_min = entry.at("limits").at("u_min").at(0).get<std::vector<double>>();
       body.u_max = entry.at("limits").at("u_max").at(0).get<std::vector<double>>();
       body.u.resize(body.u_min.size());
+    }
+    if (const auto tags = entry.find("tags"); tags != entry.end()) {
+      body.tags = Tags{.size = tags->at("size"),
+                       .faces = tags->at("faces"),
+                       .distance = tags->at("distance"),
+                       .height = tags->at("height")};
     }
     run.bodies.push_back(std::move(body));
   }
@@ -118,6 +125,8 @@ class RowReader {
       places_[topic + "path"] = [&body](const McapMessage& m) { path(body, m); };
       places_[topic + "input"] = [&body](const McapMessage& m) { input(body, m); };
       places_[topic + "barrier"] = [&body](const McapMessage& m) { barrier(body, m); };
+      places_[topic + "camera_info"] = [&body](const McapMessage& m) { camera(body, m); };
+      places_[topic + "detection"] = [this, &body](const McapMessage& m) { detection(body, m); };
       places_[topic + "localization"] = [&body](const McapMessage& m) { localization(body, m); };
       places_[topic + "innovation"] = [&body](const McapMessage& m) { innovation(body, m); };
       places_[topic + "reference"] = [&body](const McapMessage& m) { reference(body, m); };
@@ -239,6 +248,23 @@ class RowReader {
       body.reference_heading.push_back(
           std::atan2(or_no_value(values["d"].at(1)), or_no_value(values["d"].at(0))));
     }
+  }
+  static void camera(Recording::Body& body, const McapMessage& message) {
+    body.camera = decode_camera_info(message.bytes);
+    if (!body.camera) refuse("a message of {} is no camera", message.topic);
+  }
+  void detection(Recording::Body& body, const McapMessage& message) const {
+    const json values = parsed(message);
+    const std::string& target = values.at("target").get_ref<const std::string&>();
+    const auto seen = std::find_if(run_.bodies.begin(), run_.bodies.end(),
+                                   [&](const Recording::Body& one) { return one.name == target; });
+    if (seen == run_.bodies.end()) refuse("{} names {}, expected a body of the team", message.topic, target);
+    const json& q = values.at("q");
+    body.sighted.push_back(
+        {or_no_value(values.at("stamp")),
+         static_cast<std::size_t>(seen - run_.bodies.begin()),
+         point(values.at("p")),
+         {or_no_value(q.at(0)), or_no_value(q.at(1)), or_no_value(q.at(2)), or_no_value(q.at(3))}});
   }
   static void localization(Recording::Body& body, const McapMessage& message) {
     if (body.p.empty()) refuse("a message of {} comes before any state", message.topic);

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sightline/model/frames.hpp"
+#include "sightline/world/camera.hpp"
 
 namespace sightline {
 
@@ -19,6 +21,13 @@ struct Recording {
     std::vector<double> time, error, sigma, nees;  ///< [s]; of the position [m]; of position and heading
     std::vector<double> believed_time, believed;   ///< of the exposures [s]; y^T S^-1 y
     std::vector<double> refused_time, refused;     ///< likewise
+  };
+  /// What a camera said of a body with tags (Detection).
+  struct Sighted {
+    double stamp = 0.0;      ///< of the exposure [s]
+    std::size_t target = 0;  ///< in `bodies`
+    Vec3<double> p{};        ///< in S [m]
+    Quaternion q{};          ///< no_attitude where the position alone is known
   };
   struct Body {
     std::string name;
@@ -40,6 +49,9 @@ struct Recording {
     std::vector<Vec3<double>> reference_p;  ///< empty where the place is free
     std::vector<double> reference_heading;  ///< psi [rad], unwrapped; empty where the heading is free
     std::vector<double> barrier;            ///< 1 where the barrier acted, one a period; empty without one
+    std::optional<Camera> camera{};         ///< its size and focal length
+    std::optional<Tags> tags{};             ///< of its body
+    std::vector<Sighted> sighted{};         ///< by its camera, in the order of arrival
     Localization localization{};            ///< empty of one that is not localized by view
     std::vector<double> reserve;            ///< the barrier's [m], one a period; not a number: nobody near
   };

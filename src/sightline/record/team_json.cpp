@@ -48,6 +48,11 @@ std::string team_json(const Scenario& scenario) {
       entry["inputs"] = std::vector<std::string>(inputs.begin(), inputs.end());
       entry["limits"] = {{"times", limits.times()}, {"u_min", limits.u_min()}, {"u_max", limits.u_max()}};
     }
+    if (const BodyTags* its = scenario.vision.tags_of(body))
+      entry["tags"] = {{"size", its->tags.size},
+                       {"faces", its->tags.faces},
+                       {"distance", its->tags.distance},
+                       {"height", its->tags.height}};
     json["bodies"].push_back(std::move(entry));
   }
   const std::vector<Coupling> couplings = all_couplings(scenario);

@@ -23,6 +23,7 @@
 #include "sightline/record/planned_view.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/record/text_file.hpp"
+#include "sightline/report/camera_figure.hpp"
 #include "sightline/report/curves.hpp"
 #include "sightline/report/flown_figure.hpp"
 #include "sightline/report/graph_figure.hpp"
@@ -470,6 +471,7 @@ std::string report_html(const Recording& recording, std::string_view summary, st
   page += comparison_table(r, summary);
   page += partition_table(summary, partition);
   for (const Figure& figure : graph_figures(r)) page += page_figure(figure);
+  for (const Figure& figure : camera_figures(r)) page += page_figure(figure);
   page += notes_of(r);
   for (const Figure& figure : draw(drawings_of(r))) page += page_figure(figure);
   page += event_table(r);

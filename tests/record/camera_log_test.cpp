@@ -1,0 +1,69 @@
+#include "sightline/record/camera_log.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "tests/support/folder.hpp"
+
+namespace sightline {
+namespace {
+
+TEST(CameraLog, ACameraIsReadBackAndAMessageWithoutItsNumbersIsNone) {
+  const Camera camera{.width = 640, .height = 480, .field_of_view = 0.9};
+  std::vector<std::byte> bytes;
+  encode_camera_info(bytes, "uav0_camera_optical_frame", 1'500'000'000, camera);
+  const auto read = decode_camera_info(bytes);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->width, 640);
+  EXPECT_EQ(read->height, 480);
+  EXPECT_NEAR(read->focal(), camera.focal(), 1e-9);
+  EXPECT_NEAR(camera.focal(), 240 / std::tan(0.45), 1e-9);
+  constexpr std::size_t numbers_end = 4 + 40 + 4 + 48 + 9 * 8;
+  for (std::size_t size = 0; size < numbers_end; ++size)
+    EXPECT_FALSE(decode_camera_info(std::span(bytes).first(size))) << size;
+}
+
+// The layout of ROS 2: what is in a header with a frame of 3 letters, and then the numbers of the pinhole on multiples of 8.
+TEST(CameraLog, TheNumbersStandWhereRosHasThem) {
+  const Camera camera{};
+  std::vector<std::byte> bytes;
+  encode_camera_info(bytes, "cam", 0, camera);
+  const auto number_at = [&](std::size_t place) {
+    double value = 0.0;
+    std::memcpy(&value, bytes.data() + 4 + place, sizeof(value));
+    return value;
+  };
+  // stamp 8, frame 4 + 4, height 4, width 4, model 4 + 10, to 40: length 4, to 48: five of distortion.
+  constexpr std::size_t k = 48 + 40;
+  EXPECT_EQ(number_at(k), camera.focal());
+  EXPECT_EQ(number_at(k + 16), 160.0);
+  EXPECT_EQ(number_at(k + 40), 120.0);
+  EXPECT_EQ(number_at(k + 64), 1.0);
+  EXPECT_EQ(bytes.size(), 4 + k + (9 + 9 + 12) * 8 + 6 * 4 + 1);
+}
+
+TEST(CameraLog, EachCameraIsSaidOnceInItsOpticalFrame) {
+  const Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml");
+  const test::Folder folder("camera_log_test");
+  const std::filesystem::path file = folder.path() / "log.mcap";
+  {
+    McapWriter mcap(file, "ros2", "test");
+    CameraLog log(scenario, mcap);
+    for (const double time : {0.0, 0.01, 0.02}) log.add(time);
+  }
+  int messages = 0;
+  McapReader reader(file.string());
+  reader.visit([&](const McapMessage& message) {
+    ++messages;
+    EXPECT_EQ(message.topic, "/uav0/camera_info");
+    const auto camera = decode_camera_info(message.bytes);
+    ASSERT_TRUE(camera);
+    EXPECT_NEAR(camera->focal(), scenario.vision.cameras.at(0).camera.focal(), 1e-9);
+  });
+  EXPECT_EQ(messages, 1);
+}
+
+}  // namespace
+}  // namespace sightline
