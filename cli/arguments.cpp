@@ -42,7 +42,9 @@ CLI::Option* add_show(CLI::App& command, ShowOptions& view) {
 }
 
 void add_threads(CLI::App& command, int& threads) {
-  command.add_option("--threads", threads, "Threads that share each update of a large team [1]")
+  command
+      .add_option("--threads", threads,
+                  "Threads that share each update of a large team, or of many parts [1]")
       ->check(CLI::Range(1, Crew::most));
 }
 

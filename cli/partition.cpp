@@ -39,7 +39,7 @@ Json as_json(const Spread& s) { return {{"median", s.median}, {"max", s.greatest
 }  // namespace
 
 PartitionChoice read_partition(const Scenario& scenario, const std::string& parts, const std::string& order,
-                               int exchanges) {
+                               int exchanges, int threads) {
   if (plans_apart(scenario))
     throw std::invalid_argument(
         fmt::format("--partition: partition.part = \"{}\" is planned alone, expected the whole team",
@@ -52,26 +52,25 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
   PartitionChoice choice{.text = parts,
                          .parts = sightline::read_partition(parts, scenario.team),
                          .order = exchange_order(order),
-                         .exchanges = exchanges};
+                         .exchanges = exchanges,
+                         .threads = threads};
   for (const std::vector<AgentId>& part : choice.parts) (void)subteam_of(scenario.team, part);
-  if (exchanges < 1 || exchanges > 1000) {
-    throw std::invalid_argument(fmt::format("exchanges = {}, expected 1 to 1000", exchanges));
-  }
+  check_options(choice.options());
   return choice;
 }
 
-std::optional<PartitionChoice> partition_of(const Scenario& scenario) {
+std::optional<PartitionChoice> partition_of(const Scenario& scenario, int threads) {
   if (!scenario.partition || !scenario.partition->part.empty()) return std::nullopt;
   return PartitionChoice{.parts = sightline::partition_of(*scenario.partition, scenario.team),
                          .order = ExchangeOrder::jacobi,
-                         .messages = scenario.partition->exchange};
+                         .messages = scenario.partition->exchange,
+                         .threads = threads};
 }
 
 PartitionedFlight::PartitionedFlight(const Scenario& scenario, const PartitionChoice& choice)
     : choice_(choice),
       solver_name_(scenario.solver.name),
-      solver_(scenario.team, choice.parts, solver_maker(scenario.solver, scenario.horizon),
-              {.order = choice.order, .exchanges = choice.exchanges, .messages = choice.messages}),
+      solver_(scenario.team, choice.parts, solver_maker(scenario.solver, scenario.horizon), choice.options()),
       moments_(moments_max) {
   const auto updates =
       static_cast<std::size_t>(std::llround(scenario.simulation.duration / scenario.horizon.dt));

@@ -19,14 +19,17 @@ struct PartitionChoice {
   ExchangeOrder order = ExchangeOrder::gauss_seidel;
   int exchanges = 1;
   std::optional<ExchangeOptions> messages{};  ///< of the scenario's [partition]
+  int threads = 1;
+
+  PartitionOptions options() const { return {order, exchanges, messages, threads}; }
 };
 
 /// What a scenario's [partition] says; none where one solver plans all, or its part.
-std::optional<PartitionChoice> partition_of(const Scenario& scenario);
+std::optional<PartitionChoice> partition_of(const Scenario& scenario, int threads = 1);
 
 /// @throws std::invalid_argument with a sentence for words that do not fit the scenario
 PartitionChoice read_partition(const Scenario& scenario, const std::string& parts, const std::string& order,
-                               int exchanges);
+                               int exchanges, int threads = 1);
 
 /// Steers as its partitioned solver does, and keeps some moments of the flight, evenly spread, to look at them later.
 /// Its memory is taken before the flight.

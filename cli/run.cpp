@@ -30,7 +30,6 @@ Scenario read(const RunOptions& options, const Parts& parts) {
     scenario.solver = solver_named(*options.solver);
   std::erase(scenario.simulation.compare, scenario.solver.name);
   if (!options.realtime) lift_deadline(scenario.solver);
-  share_updates(scenario.solver, options.threads);
   check_solvers(scenario);
   return scenario;
 }
@@ -141,9 +140,12 @@ int run(const RunOptions& options, const Parts& parts) {
   try {
     scenario = read(options, parts);
     if (options.partition)
-      partition = read_partition(scenario, *options.partition, options.order, options.exchanges);
+      partition =
+          read_partition(scenario, *options.partition, options.order, options.exchanges, options.threads);
     else
-      partition = partition_of(scenario);
+      partition = partition_of(scenario, options.threads);
+    if (!partition)
+      share_updates(scenario.solver, options.threads);  // else parts are solved at the same time
     folder.emplace(options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output,
                    scenario, partition.has_value());
   } catch (const std::exception& error) {

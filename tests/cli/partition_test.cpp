@@ -80,6 +80,22 @@ TEST(RunInParts, TellsHowFarItIsFromTheOptimumOfTheWholeSweepBySweep) {
       << "what it is compared with is the flight without --partition";
 }
 
+TEST(RunInParts, LogsTheSameBytesWhateverTheNumberOfThreads) {
+  const fs::path folder = fresh_folder();
+  std::vector<std::string> logs;
+  for (const char* threads : {"1", "2", "3"}) {
+    const auto run = sightline(std::string("run fleets/chain8.toml --set simulation.duration=2.0 "
+                                           "--set partition.exchange.loss=0.2 --threads ") +
+                                   threads + " -o " + (folder / threads).string(),
+                               folder);
+    EXPECT_LE(run.code, 1) << run.err;
+    logs.push_back(read_file(folder / threads / "run.mcap"));
+    EXPECT_EQ(json::parse(read_file(folder / threads / "summary.json")).at("allocations_per_update"), 0);
+  }
+  EXPECT_GT(logs[0].size(), 10'000u);
+  EXPECT_TRUE(logs[1] == logs[0] && logs[2] == logs[0]);
+}
+
 TEST(RunInParts, WordsThatDoNotFitEndWithTwoAndASentence) {
   const fs::path folder = fresh_folder();
   const std::string run = "run scenarios/chain8.toml -o " + (folder / "out").string() + " ";
@@ -97,6 +113,9 @@ TEST(RunInParts, WordsThatDoNotFitEndWithTwoAndASentence) {
   EXPECT_EQ(refusal("--partition '" + halves + "' --exchanges 0"), "exchanges = 0, expected 1 to 1000\n");
   EXPECT_EQ(refusal("--partition '" + halves + "' --solver cgmres"),
             "--partition: the solver cgmres cannot plan a part, expected newton_riccati\n");
+  EXPECT_EQ(refusal("--partition '" + halves + "' --threads 2"),
+            "threads = 2, expected 1 in gauss_seidel order, where each part waits for the one before, or "
+            "jacobi\n");
   EXPECT_NE(refusal("--order jacobi").find("--partition"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder / "out")) << "refused before anything is written";
 }

@@ -1,5 +1,6 @@
 #include "sightline/solver/distributed/partition.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,6 +34,8 @@ TEST(Partition, IsReadByTheNamesOfRobots) {
   EXPECT_EQ(words[0].name, "front");
   EXPECT_EQ(words[0].robots, (std::vector<std::string>{"uav0", "uav2"}));
   EXPECT_EQ(words[1].name, "");
+  EXPECT_EQ(refusal_of([] { (void)parts_in_words("a: uav0 | a: uav1"); }),
+            "partition = \"a: uav0 | a: uav1\" has part \"a\" twice, expected each name once");
 }
 
 TEST(Partition, WhatPutsARobotNowhereOrTwiceIsRefusedInWords) {
@@ -69,6 +72,15 @@ TEST(Partition, OptionsOutOfRangeAreRefusedInWords) {
   EXPECT_EQ(make({{AgentId{{0}}}, {}}, 1),
             "the partition has a part without robots, expected at least one in each");
   EXPECT_EQ(make({{AgentId{{2}}}}, 1), "the partition names body 2, expected a robot of the team");
+  const auto threads = [&](int number, ExchangeOrder order) {
+    return refusal_of(
+        [&] { PartitionedSolver(team, all, make_newton, {.order = order, .threads = number}); });
+  };
+  EXPECT_EQ(threads(0, ExchangeOrder::jacobi), "threads = 0, expected 1 to 64");
+  EXPECT_EQ(threads(65, ExchangeOrder::jacobi), "threads = 65, expected 1 to 64");
+  EXPECT_EQ(threads(2, ExchangeOrder::jacobi), "");
+  EXPECT_THAT(threads(2, ExchangeOrder::gauss_seidel),
+              testing::HasSubstr("expected 1 in gauss_seidel order"));
   EXPECT_EQ(refusal_of([] { (void)exchange_order("gauss"); }),
             "order = \"gauss\", expected jacobi or gauss_seidel");
   for (const ExchangeOrder order : orders) EXPECT_EQ(exchange_order(to_string(order)), order);
@@ -163,6 +175,30 @@ TEST(Partition, APlanPutInIsThePlanAndTheNextUpdateBeginsThere) {
   EXPECT_LE(parts.kkt(0.0, x), 1e-8);
   parts.send_all(0.0, x);
   EXPECT_LE(parts.solve(0.0, x).residual, 1e-8) << "nothing is left to better";
+}
+
+TEST(Partition, OfPartsOfAnySizeTheBitsAreTheSameWhateverTheNumberOfThreads) {
+  const Team team = chain(8, paper::Variant::joint);
+  const std::vector<double> x = chain_start(8);
+  for (const std::optional<ExchangeOptions>& messages :
+       {std::optional<ExchangeOptions>(), std::optional(ExchangeOptions{.delay = 0.02, .loss = 0.2})}) {
+    for (const int parts : {8, 4, 2, 1}) {
+      std::vector<std::vector<double>> flown;
+      for (const int number : {1, 2, 3, 8}) {
+        PartitionedSolver solver(team, even_parts(team, parts), make_newton,
+                                 {.order = ExchangeOrder::jacobi,
+                                  .exchanges = messages ? 1 : 2,
+                                  .messages = messages,
+                                  .threads = number});
+        std::vector<double>& u = flown.emplace_back();
+        for (int k = 0; k < 12; ++k) {
+          const Solution solution = solver.solve(0.01 * k, x);
+          u.insert(u.end(), solution.u.begin(), solution.u.end());
+        }
+        EXPECT_EQ(u, flown.front()) << parts << " parts, " << number << " threads";
+      }
+    }
+  }
 }
 
 TEST(Partition, NoUpdateAllocates) {

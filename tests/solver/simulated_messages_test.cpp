@@ -34,7 +34,7 @@ Flown flown(const ExchangeOptions& options, int periods) {
   Flown all;
   for (int k = 0; k < periods; ++k) {
     const double t = k * default_horizon.dt;
-    messages.receive(t);
+    for (int part = 0; part < 2; ++part) messages.receive(part, t);
     const ReceivedMessage news = messages.news(0, 1);
     all.sent_at.push_back(news.message != nullptr ? news.time : -1.0);
     all.heard.push_back(messages.hears(0, 1));

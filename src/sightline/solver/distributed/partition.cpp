@@ -1,6 +1,7 @@
 #include "sightline/solver/distributed/partition.hpp"
 
 #include <fmt/format.h>
+#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -16,6 +17,13 @@ namespace sightline {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// Processor time of this thread [s]: on a computer of its own a part would not wait for others.
+double processor_time() noexcept {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
 
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -74,13 +82,17 @@ ExchangeOrder exchange_order(std::string_view word) {
 std::vector<PartInWords> parts_in_words(std::string_view text) {
   std::vector<PartInWords> parts;
   for (std::string_view words : split(text, '|')) {
-    PartInWords& part = parts.emplace_back();
+    PartInWords part;
     if (const auto colon = words.find(':'); colon != words.npos) {
-      part.name = trimmed(words.substr(0, colon));
+      const std::string_view name = trimmed(words.substr(0, colon));
+      if (std::any_of(parts.begin(), parts.end(), [&](const PartInWords& one) { return one.name == name; }))
+        refuse("partition = \"{}\" has part \"{}\" twice, expected each name once", text, name);
+      part.name = name;
       words = trimmed(words.substr(colon + 1));
     }
-    if (words.empty()) continue;
-    for (const std::string_view word : split(words, ',')) part.robots.emplace_back(word);
+    if (!words.empty())
+      for (const std::string_view word : split(words, ',')) part.robots.emplace_back(word);
+    parts.push_back(std::move(part));
   }
   return parts;
 }
@@ -107,15 +119,24 @@ Partition read_partition(std::string_view text, const Team& team) {
   return partition;
 }
 
-PartitionedSolver::PartitionedSolver(const Team& whole_team, const Partition& partition,
-                                     const MakeSolver& make, const PartitionOptions& options)
-    : options_(options) {
-  check(partition, whole_team);
+void check_options(const PartitionOptions& options) {
   if (options.exchanges < 1 || options.exchanges > 1000)
     refuse("exchanges = {}, expected 1 to 1000", options.exchanges);
   if (options.messages && (options.order != ExchangeOrder::jacobi || options.exchanges != 1))
     refuse("order = {}, exchanges = {}, expected jacobi and 1 where messages take time",
            to_string(options.order), options.exchanges);
+  if (options.threads < 1 || options.threads > Crew::most)
+    refuse("threads = {}, expected 1 to {}", options.threads, Crew::most);
+  if (options.threads > 1 && options.order == ExchangeOrder::gauss_seidel)
+    refuse(
+        "threads = {}, expected 1 in gauss_seidel order, where each part waits for the one before, or jacobi",
+        options.threads);
+}
+
+PartitionedSolver::PartitionedSolver(const Team& whole_team, const Partition& partition,
+                                     const MakeSolver& make, const PartitionOptions& options)
+    : options_((check_options(options), options)), crew_(options.threads) {
+  check(partition, whole_team);
   whole_ = make(whole_team);
   whole_planner_ = &team_planner_of(*whole_, "a team that plans in parts");
   const Team& team = whole_->ocp().team();
@@ -170,28 +191,24 @@ void PartitionedSolver::talk_before(double time, std::span<const double> states)
   for (const Member& member : members_) member.subteam->predict(time, states);
   for (int k = messages_->talk_periods(); k > 0; --k) {
     const double t = time - k * dt;
-    messages_->receive(t);
+    for (int to = 0; to < static_cast<int>(members_.size()); ++to) messages_->receive(to, t);
     for (std::size_t i = 0; i < members_.size(); ++i)
       messages_->send(static_cast<int>(i), t, members_[i].subteam->predictions());
   }
 }
 
 /// What has come by now of the others; what is too old is not used any more.
-void PartitionedSolver::receive(double time) noexcept {
-  messages_->receive(time);
-  for (int to = 0; to < static_cast<int>(members_.size()); ++to) {
-    const Clock::time_point begin = Clock::now();
-    Subteam& subteam = *members_[at(to)].subteam;
-    for (int from = 0; from < static_cast<int>(members_.size()); ++from) {
-      if (from == to) continue;
-      const ReceivedMessage news = messages_->news(to, from);
-      if (news.ended)
-        for (const Prediction& prediction : members_[at(from)].subteam->predictions())
-          subteam.forget(prediction.who);
-      if (news.message == nullptr) continue;
-      for (const Prediction& prediction : news.message->predictions) subteam.receive(prediction, news.time);
-    }
-    members_[at(to)].elapsed += seconds_since(begin);
+void PartitionedSolver::receive(int to, double time) noexcept {
+  messages_->receive(to, time);
+  Subteam& subteam = *members_[at(to)].subteam;
+  for (int from = 0; from < static_cast<int>(members_.size()); ++from) {
+    if (from == to) continue;
+    const ReceivedMessage news = messages_->news(to, from);
+    if (news.ended)
+      for (const Prediction& prediction : members_[at(from)].subteam->predictions())
+        subteam.forget(prediction.who);
+    if (news.message == nullptr) continue;
+    for (const Prediction& prediction : news.message->predictions) subteam.receive(prediction, news.time);
   }
 }
 
@@ -208,21 +225,34 @@ bool PartitionedSolver::is_heard(BodyId body) const noexcept {
   return true;
 }
 
+template <class Of>
+void PartitionedSolver::for_each(Of&& of) noexcept {
+  crew_.share(static_cast<int>(members_.size()), [&](int i, int) noexcept { timed(i, of); });
+}
+
+template <class Of>
+void PartitionedSolver::timed(int subteam, Of&& of) noexcept {
+  const FlushSubnormals guard;  // of each thread
+  const double begin = processor_time();
+  of(subteam);
+  members_[at(subteam)].elapsed += processor_time() - begin;
+}
+
 /// Every subteam once.
 void PartitionedSolver::exchange(double time, std::span<const double> states) noexcept {
-  for (Member& member : members_) {
-    const Clock::time_point begin = Clock::now();
-    member.solution = member.subteam->solve(time, states);
-    member.elapsed += seconds_since(begin);
-    if (options_.order == ExchangeOrder::gauss_seidel) send(member);
-  }
-  if (messages_) {
-    for (std::size_t i = 0; i < members_.size(); ++i)
-      messages_->send(static_cast<int>(i), time, members_[i].subteam->predictions());
+  const auto solve = [&](int i) { members_[at(i)].solution = members_[at(i)].subteam->solve(time, states); };
+  if (options_.order == ExchangeOrder::gauss_seidel) {
+    for (int i = 0; i < static_cast<int>(members_.size()); ++i) {
+      timed(i, solve);
+      send(members_[at(i)]);
+    }
     return;
   }
-  if (options_.order == ExchangeOrder::gauss_seidel) return;
-  for (const Member& member : members_) send(member);
+  for_each(solve);
+  if (messages_)
+    for_each([&](int i) { messages_->send(i, time, members_[at(i)].subteam->predictions()); });
+  else
+    for (const Member& member : members_) send(member);
 }
 
 void PartitionedSolver::gather(const Subteam& subteam, std::span<const double> of_whole,
@@ -281,7 +311,7 @@ Solution PartitionedSolver::solve(double time, std::span<const double> states) n
   for (Member& member : members_) member.elapsed = 0.0;
   if (messages_ && accepted) {
     if (!messages_->begun()) talk_before(time, states);
-    receive(time);
+    for_each([&](int to) { receive(to, time); });
   }
   for (int i = 0; i < (accepted ? options_.exchanges : 1); ++i) {
     exchange(time, accepted ? states : std::span<const double>());

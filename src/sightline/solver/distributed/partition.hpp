@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/math/crew.hpp"
 #include "sightline/solver/distributed/peers.hpp"
 #include "sightline/solver/distributed/simulated_messages.hpp"
 #include "sightline/solver/distributed/subteam.hpp"
@@ -34,6 +35,7 @@ struct PartInWords {
   std::vector<std::string> robots;
 };
 /// Takes "front: a,b | c,d" apart; whether there are such robots nobody asks.
+/// @throws std::invalid_argument for a name that two have
 std::vector<PartInWords> parts_in_words(std::string_view text);
 
 /// Reads "a,b | c,d": robots by name, subteams in the order in which they solve; a subteam may have a name, "front: a,b".
@@ -47,7 +49,12 @@ struct PartitionOptions {
   /// Messages that take time and get lost, as between computers: then one exchange an update, in Jacobi order. None: what is sent
   /// is there at once.
   std::optional<ExchangeOptions> messages{};
+  /// That solve subteams at the same time in Jacobi order, 1..Crew::most; the plan is the same whatever their number.
+  int threads = 1;
 };
+
+/// @throws std::invalid_argument for an option out of its range, or options that do not go together
+void check_options(const PartitionOptions& options);
 
 class PartitionedSolver : public Solver, public TeamPlanner, public Hearing {
  public:
@@ -82,7 +89,7 @@ class PartitionedSolver : public Solver, public TeamPlanner, public Hearing {
   bool is_heard(BodyId body) const noexcept override;
 
   int subteams() const { return static_cast<int>(members_.size()); }
-  /// Wall time of the last update's slowest subteam, all its exchanges [s]: what subteams on machines of their own would take.
+  /// Processor time of the last update's slowest subteam, all its exchanges [s]: what subteams on machines of their own would take.
   double slowest() const noexcept;
   /// Of one subteam [s].
   double elapsed(int subteam) const noexcept { return members_[static_cast<std::size_t>(subteam)].elapsed; }
@@ -93,17 +100,23 @@ class PartitionedSolver : public Solver, public TeamPlanner, public Hearing {
     mutable std::vector<double> u;      // scratch, in the subteam's order
     std::vector<double> before, u_ref;  // the same
     std::vector<Vec2<double>> lean;     // the same, of each body
-    double elapsed = 0.0;               // of the last update [s]
+    double elapsed = 0.0;               // processor time of the last update [s]
     Solution solution = {};             // of the last exchange
   };
 
   /// Part of a robot; -1: of none.
   int part_of(BodyId body) const noexcept { return part_of_[static_cast<std::size_t>(body.index)]; }
   void talk_before(double time, std::span<const double> states) noexcept;
-  void receive(double time) noexcept;
+  void receive(int to, double time) noexcept;
   bool accepts(double time, std::span<const double> states) noexcept;
   void exchange(double time, std::span<const double> states) noexcept;
   void send(const Member& sender) noexcept;
+  /// Does something for each subteam, at the same time on all threads.
+  template <class Of>
+  void for_each(Of&& of) noexcept;
+  /// Does something for a subteam, and counts the time.
+  template <class Of>
+  void timed(int subteam, Of&& of) noexcept;
   void gather(const Subteam& subteam, std::span<const double> of_whole,
               std::span<double> of_subteam) const noexcept;
   void scatter(const Subteam& subteam, std::span<const double> of_subteam,
@@ -118,6 +131,7 @@ class PartitionedSolver : public Solver, public TeamPlanner, public Hearing {
   std::vector<int> part_of_;                   // of each body
   std::optional<SimulatedMessages> messages_;  // none: what is sent is there at once
   std::vector<double> x_now_, u_, raw_u_, u_stage_, x_;
+  Crew crew_;
 };
 
 }  // namespace sightline

@@ -61,41 +61,37 @@ void SimulatedMessages::send(int part, double t, std::span<const Prediction> pre
     message.predictions[i].sights.assign(predictions[i].sights.begin(), predictions[i].sights.end());
   }
   peers_[at(part)].answer(message.stamp, message.echoes);
-  begun_ = true;
 }
 
-void SimulatedMessages::receive(double t) noexcept {
-  for (int to = 0; to < static_cast<int>(parts_); ++to) {
-    Peers& peers = peers_[at(to)];
-    const ClockTime now = clock(to, t);
-    for (int from = 0; from < static_cast<int>(parts_); ++from) {
-      Link& link = links_[place(to, from)];
-      link.news = {};
-      if (from == to) continue;
-      const std::uint64_t newest = numbers_[at(from)];
-      const PartMessage* came = nullptr;
-      for (std::uint64_t n = newest; n > link.seen && n + kept_ > newest && came == nullptr; --n) {
-        const auto chance = [&](MessageChance what) { return chance_of(what, options_.seed, to, from, n); };
-        const double arrival =
-            sent_at_[at(from)][n % kept_] + options_.delay + options_.jitter * chance(MessageChance::jitter);
-        if (arrival > t + same_instant || chance(MessageChance::loss) < options_.loss) continue;
-        came = &sent_[at(from)][n % kept_];
-        link.seen = n;
-        peers.receive(*came, clock(to, arrival));
-      }
-      const PeerState state = peers.state(from, now);
-      link.heard = state == PeerState::heard;
-      link.news.ended = link.used && !link.heard;
-      link.used = link.heard;
-      if (came == nullptr || !link.heard) continue;
-      link.news.message = came;
-      link.news.time = t - static_cast<double>(now - (came->stamp - *peers.offset(from))) / nanoseconds;
+void SimulatedMessages::receive(int to, double t) noexcept {
+  Peers& peers = peers_[at(to)];
+  const ClockTime now = clock(to, t);
+  for (int from = 0; from < static_cast<int>(parts_); ++from) {
+    Link& link = links_[place(to, from)];
+    link.news = {};
+    if (from == to) continue;
+    const std::uint64_t newest = numbers_[at(from)];
+    const PartMessage* came = nullptr;
+    for (std::uint64_t n = newest; n > link.seen && n + kept_ > newest && came == nullptr; --n) {
+      const auto chance = [&](MessageChance what) { return chance_of(what, options_.seed, to, from, n); };
+      const double arrival =
+          sent_at_[at(from)][n % kept_] + options_.delay + options_.jitter * chance(MessageChance::jitter);
+      if (arrival > t + same_instant || chance(MessageChance::loss) < options_.loss) continue;
+      came = &sent_[at(from)][n % kept_];
+      link.seen = n;
+      peers.receive(*came, clock(to, arrival));
     }
+    const PeerState state = peers.state(from, now);
+    link.heard = state == PeerState::heard;
+    link.news.ended = link.used && !link.heard;
+    link.used = link.heard;
+    if (came == nullptr || !link.heard) continue;
+    link.news.message = came;
+    link.news.time = t - static_cast<double>(now - (came->stamp - *peers.offset(from))) / nanoseconds;
   }
 }
 
 void SimulatedMessages::restart() noexcept {
-  begun_ = false;
   std::fill(numbers_.begin(), numbers_.end(), 0);
   std::fill(links_.begin(), links_.end(), Link{});
   for (Peers& peers : peers_) peers.forget();

@@ -48,7 +48,8 @@ struct ExchangeOptions {
                   "simulated: by which the clock of the last part is ahead of the first one's; those between "
                   "lie between"),
         parameter("flown_by", &E::flown_by, std::array<std::string_view, 2>{"network", "simulation"},
-                  "of flights: what is simulated happens to the network's messages as well, to try it")};
+                  "of flights: what is simulated happens to the network's messages and the clocks as well, "
+                  "to try it")};
   }
 };
 
@@ -63,7 +64,7 @@ struct ReceivedMessage {
 enum class MessageChance : std::uint8_t { loss = 1, jitter };
 double chance_of(MessageChance what, std::uint64_t seed, int to, int from, std::uint64_t sequence) noexcept;
 
-/// Of all parts. Nothing allocates after construction.
+/// Of all parts. Nothing allocates after construction. Parts may receive at the same time, and send at the same time.
 class SimulatedMessages {
  public:
   /// @param said  the predictions of each part, sized
@@ -72,13 +73,14 @@ class SimulatedMessages {
 
   /// Each part sends what it predicts from t on.
   void send(int part, double t, std::span<const Prediction> predictions) noexcept;
-  /// Every part takes what has come by t.
-  void receive(double t) noexcept;
-  /// Of the last receive().
+  /// A part takes what has come by t.
+  void receive(int to, double t) noexcept;
+  /// Of its last receive().
   ReceivedMessage news(int to, int from) const noexcept { return links_[place(to, from)].news; }
   bool hears(int to, int from) const noexcept { return links_[place(to, from)].heard; }
 
-  bool begun() const noexcept { return begun_; }
+  /// Whether anything was sent.
+  bool begun() const noexcept { return numbers_.front() > 0; }
   /// After which two parts know each other's clock, unless nothing comes.
   int talk_periods() const noexcept { return talk_periods_; }
   void restart() noexcept;
@@ -98,7 +100,6 @@ class SimulatedMessages {
   double dt_;
   std::size_t parts_, kept_;
   int talk_periods_;
-  bool begun_ = false;
   std::vector<std::vector<PartMessage>> sent_;  // the last of each part, by number
   std::vector<std::vector<double>> sent_at_;    // when [s]
   std::vector<std::uint64_t> numbers_;          // of messages, of each part
