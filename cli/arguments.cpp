@@ -186,7 +186,11 @@ Arguments::Arguments()
       ->excludes(shard)
       ->excludes(resume)
       ->excludes("--only")
-      ->excludes("--beside");
+      ->excludes("--beside")
+      ->excludes("--set")
+      ->excludes("--runs")
+      ->excludes("--seed")
+      ->excludes("--threads");
   CLI::Option* slurm = campaign_command
                            ->add_flag("--slurm", campaign.slurm.submit,
                                       "Fly the shards as a job array of Slurm, wait, and merge them")

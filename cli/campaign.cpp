@@ -1,6 +1,7 @@
 #include "sightline/campaign/campaign.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -123,6 +124,12 @@ void print_lines(const std::vector<CampaignLine>& lines) {
   for (const CampaignLine& line : lines) print("{:24}  {}\n", line.what, line.value);
 }
 
+/// Of a scenario beside, against the first, run by run.
+void print_compared(const CampaignTable& first, const CampaignTable& beside) {
+  print("\n{}, compared with {}\n", beside.name, first.name);
+  print_lines(energy_lines(first, beside));
+}
+
 /// What a run's row says.
 std::string words_of(const RunDraw& run, const RunResult& result, const CampaignPlan& plan) {
   std::string words = fmt::format("run {}: {}", run.index, to_string(result.outcome));
@@ -164,6 +171,19 @@ int fly_one(const Input& input, int index) {
   return code;
 }
 
+/// The scenarios that were flown beside, by their folders within.
+std::vector<std::string> names_beside(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (fs::exists(entry.path() / "campaign.sqlite")) names.push_back(entry.path().filename().native());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string in_words(const std::vector<std::string>& names) {
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
 /// One table and page of the folders of all shards, those of scenarios beside too.
 int merge(const CampaignCommand& command, const Parts& parts) {
   const std::vector<fs::path>& from = command.merge;
@@ -173,10 +193,12 @@ int merge(const CampaignCommand& command, const Parts& parts) {
     return tables;
   };
   const CampaignWords about = campaign_words(from.front() / "campaign.sqlite");
-  std::vector<std::string> beside;
-  for (const auto& entry : fs::directory_iterator(from.front()))
-    if (fs::exists(entry.path() / "campaign.sqlite")) beside.push_back(entry.path().filename().native());
-  std::sort(beside.begin(), beside.end());
+  const std::vector<std::string> beside = names_beside(from.front());
+  for (const fs::path& folder : from)
+    if (fs::is_directory(folder) && names_beside(folder) != beside)
+      throw std::invalid_argument(fmt::format(
+          "{}: holds other scenarios beside its own than {}, expected the same: {} and {}", folder.native(),
+          from.front().native(), in_words(names_beside(folder)), in_words(beside)));
 
   const fs::path out =
       command.output.empty() ? fs::path("out") / about.scenario / "campaign" : command.output;
@@ -194,8 +216,10 @@ int merge(const CampaignCommand& command, const Parts& parts) {
   write_text(out / "campaign.json", campaign_json(tables, machines_of({out})));
   for (const CampaignTable& table : tables) {
     const CampaignWords words = campaign_words(table.file);
-    print("{}: {} runs of {} shards, seed {}\n", words.scenario, words.runs, from.size(), words.seed);
+    print("{}{}: {} runs of {} shards, seed {}\n", &table == &tables.front() ? "" : "\n", words.scenario,
+          words.runs, from.size(), words.seed);
     print_lines(campaign_lines(table));
+    if (&table != &tables.front()) print_compared(tables.front(), table);
   }
   int code = 0;
   for (const CampaignTable& table : tables)
@@ -263,8 +287,7 @@ int campaign(const CampaignCommand& command, const Parts& parts) {
             input.options.shard.is_whole() ? "" : ", shard " + to_string(input.options.shard));
       print_lines(campaign_lines(tables.back()));
       if (i == 0) continue;
-      print("\n{}, compared with {}\n", scenario.name, tables[0].name);
-      print_lines(energy_lines(tables[0], tables.back()));
+      print_compared(tables[0], tables.back());
     }
     std::vector<EvasionRuns> evasions;
     for (std::size_t i = 0; input.plan.evasion && input.options.shard.is_whole() && i < tables.size(); ++i)

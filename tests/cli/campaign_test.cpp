@@ -240,6 +240,38 @@ TEST(Campaign, ShardsThatAreMergedAreTheCampaignOfOneProcess) {
   EXPECT_THAT(again.out, HasSubstr("run 4: ")) << again.err;
 }
 
+TEST(Campaign, ShardsWithAScenarioBesideArePairedAsOneProcessPairsThem) {
+  const fs::path folder = fresh_folder();
+  const std::string campaign =
+      "campaign " + with_runs_of("1.0", folder) + " --runs 12 --beside scenarios/paper_7_1.toml";
+  const auto whole = sightline(campaign + " -o " + (folder / "whole").string(), folder);
+  std::string folders;
+  for (const char* shard : {"1", "2"}) {
+    (void)sightline(campaign + " --shard " + shard + "/2 -o " + (folder / shard).string(), folder);
+    folders += " " + (folder / shard).string();
+  }
+  const auto merge = [&] {
+    return sightline("campaign --merge" + folders + " -o " + (folder / "merged").string(), folder);
+  };
+  const auto merged = merge();
+  const auto compared = [](const std::string& out) {
+    const auto begin = out.find("\npaper_7_1, compared with short\n");
+    return begin == std::string::npos ? "" : out.substr(begin, out.find("\n/", begin) - begin);
+  };
+  EXPECT_NE(compared(whole.out), "") << whole.err;
+  EXPECT_EQ(compared(merged.out), compared(whole.out)) << merged.err;
+  const auto paired = [&](const char* name) {
+    return json::parse(read_file(folder / name / "campaign.json")).at("beside").at(0);
+  };
+  EXPECT_EQ(paired("merged"), paired("whole"));
+  EXPECT_TRUE(read_file(folder / "merged/paper_7_1/campaign.sqlite") ==
+              read_file(folder / "whole/paper_7_1/campaign.sqlite"));
+  fs::remove_all(folder / "2" / "paper_7_1");
+  EXPECT_EQ(merge().code, 2);
+  EXPECT_THAT(merge().err, HasSubstr("/2: holds other scenarios beside its own than " +
+                                     (folder / "1").string() + ", expected the same: none and paper_7_1\n"));
+}
+
 TEST(Campaign, ShardsThatCannotBeAreRefused) {
   const fs::path folder = fresh_folder();
   const std::string campaign =
@@ -249,6 +281,7 @@ TEST(Campaign, ShardsThatCannotBeAreRefused) {
         {campaign + " --resume", "campaign.sqlite: is missing, expected runs to --resume"},
         {campaign + " --shard 1/2 --only 3", "--only"},
         {std::string("campaign"), "SCENARIO is missing"},
+        {"campaign --runs 6 --merge " + (folder / "a").string(), "--runs"},
         {"campaign --merge " + (folder / "none").string(), "none/campaign.sqlite: is missing"}}) {
     const auto refused = sightline(words, folder);
     EXPECT_NE(refused.code, 0) << words;
