@@ -2,7 +2,7 @@
 # The figures of campaigns in shards and of teams that plan apart, section by section:  scripts/accept/17.sh [--short] [SECTION ...]
 # What is finished stays in out/accept/17/ and is not done again; delete it to begin anew. Needs the release preset with Cyclone DDS.
 # --short is for CI: fewer runs and shorter flights, and the limits of a machine that others use too.
-# DOMAIN=226 names another domain of DDS.
+# DOMAIN=226 names another domain of DDS, RUNS=1000 flies fewer in `shards`.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 build=build/release
@@ -20,7 +20,12 @@ holds() {
   echo "$1: $verdict"
   [[ $verdict == ok ]]
 }
-since() { awk "BEGIN { printf \"%.1f\", $(date +%s.%N) - $1 }"; }  # $1: time [s]
+# Processor time of all that has ended [s]: others may use the machine.
+processor() {
+  times >"$out/times"
+  awk 'NR == 2 { gsub(/[ms]/, " "); print 60 * $1 + $2 + 60 * $3 + $4 }' "$out/times"
+}
+less() { awk "BEGIN { printf \"%.1f\", $1 - $2 }"; }
 rows() { sqlite3 -csv "$1" 'SELECT * FROM runs ORDER BY "index"'; }  # of a campaign's file
 
 # The same runs in one process and as shards, one of them killed and resumed, one corrupted: one table, row by row.
@@ -28,18 +33,20 @@ shards() {
   local n=8 runs=10000 bad=0 i began one all daemons
   local scenario=scenarios/cooperative_localization.toml folder=$out/shards
   whole || { n=3 runs=60; }
+  runs=${RUNS:-$runs}
   local -a flights=("$scenario" --runs "$runs" --seed 1)
   fly() { "$sightline" campaign "${flights[@]}" "$@" >>"$folder.log" 2>&1; }
   mkdir -p "$folder"; : >"$folder.log"
-  began=$(date +%s.%N); fly -o "$folder/one" --resume || fly -o "$folder/one" || bad=1
-  one=$(since "$began")
-  began=$(date +%s.%N)
+  processor >"$folder/began"; began=$(<"$folder/began")
+  fly -o "$folder/one" --resume || fly -o "$folder/one" || bad=1
+  processor >"$folder/ended"; one=$(less "$(<"$folder/ended")" "$began")
+  began=$(<"$folder/ended")
   for ((i = 0; i < n; ++i)); do fly --shard $i/$n -o "$folder/$i" || bad=1; done
-  all=$(since "$began")
+  processor >"$folder/ended"; all=$(less "$(<"$folder/ended")" "$began")
   "$sightline" campaign --merge "$folder"/[0-9] -o "$folder/merged" >>"$folder.log" 2>&1 || bad=1
   rows "$folder/one/campaign.sqlite" >"$folder/one.csv"; rows "$folder/merged/campaign.sqlite" >"$folder/merged.csv"
   cmp "$folder/one.csv" "$folder/merged.csv" && echo "$runs runs in one process and as $n shards: the same rows" || bad=1
-  holds "shards took $all s, one process $one s, $(awk "BEGIN { printf \"%+.1f\", 100*($all/$one-1) }") %" \
+  holds "shards took $all s of processor time, one process $one s, $(awk "BEGIN { printf \"%+.1f\", 100*($all/$one-1) }") %" \
     "$all <= 1.05 * $one || \"$form\" == \"short\"" || bad=1
 
   # By Slurm, on a cluster of one node.
@@ -78,7 +85,8 @@ in_simulation() {
   local folder=$1
   "$sightline" run $fleet "${@:2}" -o "$folder" >"$folder.txt" 2>&1 || { cat "$folder.txt"; return 1; }
 }
-# $1: folder; $2: parts, as "front back"; then options. Flies each part in a process of its own, beside vehicles that stand in.
+# $1: folder; $2: parts, as "front back"; then options. Flies each part in a process of its own, beside vehicles that stand in; writes
+# their memory into $watched, where that is said.
 in_processes() {
   local folder=$1 part vehicles code=0
   local -a flyers=()
@@ -90,6 +98,7 @@ in_processes() {
     "$sightline" fly $fleet --set "fleet.domain=$domain" "${@:3}" --part "$part" -o "$folder/$part" >"$folder/$part.txt" 2>&1 &
     flyers+=($!)
   done
+  [[ -z ${watched:-} ]] || watch_memory "$watched" "${flyers[@]}" &
   for part in "${flyers[@]}"; do wait "$part" || code=1; done
   kill -INT $vehicles; wait $vehicles
   ((code == 0)) || tail -n 5 "$folder"/*.txt
@@ -178,9 +187,9 @@ killed() {
   return $bad
 }
 
-# $1: robots; $2: duration [s]. A chain, eight after one another a part.
+# $1: robots; $2: duration [s]; $3: robots of a part, which are neighbours. A chain.
 chain_in_parts() {
-  local n=$1 i to
+  local n=$1 of=$3 i to
   cat <<TOML
 solver = { name = "newton_riccati" }
 shape = [ { chain = ["uav{0..$((n - 1))}"], felt_by = "observer", potentials = [
@@ -195,9 +204,9 @@ settle = 4.0
 paths = 10.0
 [partition]
 TOML
-  for ((i = 0; i < n; i += 8)); do
-    printf 'p%d = [' $((i / 8))
-    for ((to = i; to < i + 8 && to < n; ++to)); do printf '"uav%d",' $to; done
+  for ((i = 0; i < n; i += of)); do
+    printf 'p%d = [' $((i / of))
+    for ((to = i; to < i + of && to < n; ++to)); do printf '"uav%d",' $to; done
     echo ']'
   done
   for ((i = 0; i < n; ++i)); do
@@ -216,23 +225,75 @@ reference = { circle = { centre = [-1.5, 0.0, 1.0], radius = 1.5, rate = 0.2 } }
   done
 }
 
-# Teams of 64, 256 and 1024 in parts of eight: what a part takes, and what it costs against one solver.
+# $1: robots; $2: of a part; $3: duration [s]; then options. One solver flies the same beside.
+chain_run() {
+  local name=$out/chain$1-$2
+  chain_in_parts "$1" "$3" "$2" >"$name.toml"
+  "$sightline" run "$name.toml" "${@:4}" -o "$name" >"$name.txt" 2>&1 || { grep '^sightline' "$name.txt"; return 1; }
+}
+
+# Teams of 64, 256 and 1024 in parts of eight, and in smaller ones: what a part takes, and what it costs against one solver. The log
+# is the same whatever the number of threads.
 scale() {
-  local n seconds bad=0 excess p99
-  local -a teams=(64 256 1024)
-  whole || teams=(64)
+  local n of seconds name bad=0 excess p99
+  local -a teams=(64 256 1024) sizes=(8 4 2 1)
+  whole || teams=(64) sizes=(8 1)
   for n in "${teams[@]}"; do
-    seconds=$((n > 256 ? 10 : 20))
-    whole || seconds=5
-    chain_in_parts "$n" $seconds >"$out/chain$n.toml"
-    "$sightline" run "$out/chain$n.toml" -o "$out/chain$n" >"$out/chain$n.txt" 2>&1 || { grep "^sightline" "$out/chain$n.txt"; bad=1; }
-    excess=$(jq .cost_excess "$out/chain$n/partition.json") p99=$(jq .part_p99_us "$out/chain$n/partition.json")
-    holds "$n robots in parts of 8: the slowest part takes $(jq .part_us "$out/chain$n/partition.json") us, 99 % within $p99 us" \
-      "$p99 <= 500 || \"$form\" == \"short\"" || bad=1
-    holds "$n robots: cost $(awk "BEGIN { printf \"%+.3f\", 100 * $excess }") % of that of one solver" "$excess <= 0.01" || bad=1
+    seconds=$((n > 256 ? 4 : n > 64 ? 10 : 20))
+    whole || seconds=3
+    for of in "${sizes[@]}"; do
+      ((n < 1024 || of == 8)) || continue
+      name=$out/chain$n-$of
+      chain_run "$n" "$of" $seconds || bad=1
+      excess=$(jq .cost_excess "$name/partition.json") p99=$(jq .part_p99_us "$name/partition.json")
+      holds "$n robots in parts of $of: the slowest part takes $(jq .part_us "$name/partition.json") us, of each 99 % within $p99 us" \
+        "$p99 <= 500 || \"$form\" == \"short\"" || bad=1
+      holds "$n robots in parts of $of: cost $(awk "BEGIN { printf \"%+.3f\", 100 * $excess }") % of that of one solver" \
+        "$excess <= 0.01 || $of < 8 || $n > 256" || bad=1
+    done
+  done
+  name=$out/chain64-8
+  cp "$name/run.mcap" "$name.mcap"
+  for n in 2 4; do
+    chain_run 64 8 "$(whole && echo 20 || echo 3)" --threads $n || bad=1
+    cmp "$name/run.mcap" "$name.mcap" && echo "$n threads: the same log" || bad=1
   done
   return $bad
 }
 
-all=(shards parts killed scale)
+# $1: file; then programs by their ids. Their memory [kB] each 15 s, a line each time, until the first has ended.
+watch_memory() {
+  local file=$1 id
+  shift
+  while kill -0 "$1" 2>/dev/null; do
+    for id in "$@"; do awk '/^VmRSS/ { printf "%d ", $2 }' "/proc/$id/status" 2>/dev/null; done
+    echo
+    sleep 15
+  done >"$file"
+}
+
+# Ten minutes of eight programs, a robot each, at 100 Hz: messages, loss, processor time and memory.
+soak() {
+  local folder=$out/soak bad=0 seconds=600 parts='p0 p1 p2 p3 p4 p5 p6 p7'
+  whole || seconds=10
+  rm -rf "$folder"
+  local each='partition={p0=["uav0"],p1=["uav1"],p2=["uav2"],p3=["uav3"],p4=["uav4"],p5=["uav5"],p6=["uav6"],p7=["uav7"]}'
+  watched=$folder/memory.txt in_processes "$folder" "$parts" --set "simulation.duration=$seconds" --set "$each" || bad=1
+  grep -h 'predictions' "$folder"/p?.txt | awk -v seconds="$seconds" '
+    / sent$/ { sent += $(NF - 2) }
+    / lost, / { for (i = 1; i < NF; ++i) { if ($(i + 1) == "predictions,") came += $i; if ($(i + 1) == "lost,") lost += $i } }
+    END { printf "%d predictions sent, %d received, %.0f a second in the air, %.4f %% lost\n", sent, came, came / seconds, 100 * lost / (came + lost)
+          exit !(lost <= 0.001 * (came + lost)) }' || { ((seconds < 600)) || bad=1; }
+  for part in $parts; do jq -r '[.real_time.cpu, .real_time.missed, .real_time.periods, .allocations_per_update] | @tsv' "$folder/$part/summary.json"; done |
+    awk '{ cpu += $1; missed += $2; periods += $3; if ($4 > allocations) allocations = $4 }
+         END { printf "processor: %.1f %% of a core for each program, %d of %d periods missed, %d allocations in an update\n", 100 * cpu / NR, missed, periods, allocations; exit allocations != 0 }' || bad=1
+  # From when all have flown for a while.
+  awk 'NF == 8 { ++n; for (i = 1; i <= 8; ++i) { if (n == 4) from[i] = $i; to[i] = $i } }
+       END { for (i in from) if (to[i] - from[i] > grew) grew = to[i] - from[i]
+             printf "memory: %.1f MB at most, grows by at most %.2f MB after the first minute\n", to[1] / 1024, grew / 1024; exit n > 8 && grew > 2048 }' "$folder/memory.txt" || bad=1
+  holds "least distance $(least_distance "$folder" "$parts") m" "$(least_distance "$folder" "$parts") >= 0.6" || bad=1
+  return $bad
+}
+
+all=(shards parts killed scale soak)
 run_sections "$@"
