@@ -52,6 +52,39 @@ double defect(const Team& team, Random& random) {
   return worst;
 }
 
+TEST(Krylov, StepsThatAreAlikeAreCompletedInFewerIterationsToTheSame) {
+  Random random(3);
+  std::vector<std::array<int, 3>> chain;
+  for (int i = 1; i < 40; ++i) chain.push_back({i, i - 1, i});
+  const Team team = team_with(40, chain);
+  const Ocp ocp(team, default_horizon);
+  const std::vector<BodyPotential> potentials = trace_potentials(ocp);
+  const InfluenceGraph graph = influence_graph(potentials, 40);
+  Groups groups(ocp, potentials, KernelChoice::compiled_if_there, graph.order);
+  const Layout& layout = groups.layout();
+  const auto couplings = make_couplings(potentials, layout, team.bodies(), KernelChoice::compiled_if_there);
+  Rows u(5, layout.u_length), s(2, layout.s_length), c(1, layout.c_length);
+  for (int a = 0; a < 40; ++a) {
+    const auto x = Multirotor{}.at_rest(random_pose(random, 1.5));
+    for (int i = 0; i < 7; ++i)
+      groups.group_of(a).x(0, i, layout.place(a).lane) = x[static_cast<std::size_t>(i)];
+  }
+  groups.roll_out(u[0], s[0]);
+  couplings->evaluate(s[0], c[0]);
+  Krylov krylov(layout, graph, 60, 1e-6);
+  Crew alone(1);
+  std::array<int, 3> iterations{};
+  for (int& n : iterations) {
+    groups.solve(u[0], u[1], c[0], u[2], u[3], s[1]);
+    n = krylov.complete(groups, *couplings, u[3], s[1], alone, true);
+    if (&n == iterations.data()) std::copy_n(u[3], layout.u_length, u[4]);
+  }
+  EXPECT_GT(iterations[0], 1);
+  EXPECT_EQ(iterations[1], iterations[0]);  // whether steps are alike is not known yet
+  EXPECT_LT(iterations[2], iterations[0]);
+  for (int i = 0; i < layout.u_length; ++i) EXPECT_NEAR(u[3][i], u[4][i], 1e-5) << i;
+}
+
 TEST(Krylov, EveryKindOfTeamGetsTheStepOfTheWhole) {
   Random random(1);
   for (int trial = 0; trial < 5; ++trial) {

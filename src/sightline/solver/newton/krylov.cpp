@@ -37,7 +37,8 @@ double dot_packs(const double* a, const double* b, int n) {
 
 constexpr int generous = 4;  // a team that is not mutual is worth more iterations
 // A sweep leaves an error of the size of the next; an iteration of conjugate gradients leaves a far smaller one.
-constexpr double sharper = 0.01;
+constexpr double sharper = 0.005;
+constexpr double stiffest = 10.0;  // energy of what is off a guess, over that of a correction as long
 
 }  // namespace
 
@@ -60,6 +61,8 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterat
     turns_[turn].wakes.emplace_back(at(layout.width));
   }
   due_.resize(turns_.size());
+  visited_.resize(turns_.size());
+  added_ = Rows(1, layout.s_length);
   for (std::size_t a = 0; a < graph.feelers.size(); ++a) {
     const Layout::Place& of = layout.place(static_cast<int>(a));
     Turn& turn = turns_[at(layout.groups[at(of.group)].turn)];
@@ -87,9 +90,9 @@ double Krylov::sum_of_groups() const noexcept {
   return std::accumulate(of_groups_.begin(), of_groups_.end(), 0.0);
 }
 
-int Krylov::complete(Groups& groups, const Couplings& couplings, double* du, double* ds,
-                     Crew& crew) noexcept {
-  const Work work{groups, couplings, du, ds, crew};
+int Krylov::complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew,
+                     bool steady, const Deadline& deadline) noexcept {
+  const Work work{groups, couplings, du, ds, crew, steady, deadline};
   switch (kind_) {
     case Influence::none:
       return 0;
@@ -155,7 +158,7 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
     if (!(curvature > 1e-14 * rho)) break;  // along this direction the team's cost has no minimum
     const L alpha = rho / curvature;
     ++k;
-    const bool last = k == max_iterations_ || std::sqrt(rho) < stop_;
+    const bool last = k == max_iterations_ || std::sqrt(rho) < stop_ || work.deadline.passed();
     double* const next_r = k == 1 ? s_vectors_[1] : r;  // r lives on as w
     groups.each(work.crew, [&](int g, int) noexcept {
       each_pack(u_of(g), [&](std::ptrdiff_t i) {
@@ -174,36 +177,75 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
   return k;
 }
 
+/// What robots see of those whose turn has not come yet: their own step and a share of what the couplings added to the one before.
+void Krylov::guess(const Work& work) noexcept {
+  std::fill(visited_.begin(), visited_.end(), 0);
+  if (!work.steady) share_ = 0.0;
+  if (share_ == 0.0) return;
+  const L part = share_;
+  work.groups.each(work.crew, [&](int g, int) noexcept {
+    each_pack(s_of(g), [&](std::ptrdiff_t i) {
+      fma(part, L::load(added_[0] + i), L::load(work.ds + i)).store(work.ds + i);
+    });
+  });
+}
+
+/// As much as came back this time is expected the next: where noise moves the steps, nothing does.
+void Krylov::remember(const Work& work) noexcept {
+  const double* const ds_alone = s_vectors_[4];
+  work.groups.each(work.crew, [&](int g, int) noexcept {
+    L now_then = 0.0, then_then = 0.0;
+    each_pack(s_of(g), [&](std::ptrdiff_t i) {
+      const L now = L::load(work.ds + i) - L::load(ds_alone + i), then = L::load(added_[0] + i);
+      now_then = fma(now, then, now_then);
+      then_then = fma(then, then, then_then);
+      now.store(added_[0] + i);
+    });
+    of_groups_[at(g)] = sum(now_then);
+    changes_[at(g * layout_.width)] = sum(then_then);
+  });
+  double then_then = 0.0;
+  for (std::size_t g = 0; g < of_groups_.size(); ++g) then_then += changes_[g * at(layout_.width)];
+  const double share = sum_of_groups() / then_then;
+  share_ = has_added_ && share > 0.0 ? std::min(share, 1.0) : 0.0;
+  has_added_ = true;
+}
+
 /// Each turn sees what those before it came to. Who changed by little wakes nobody, so a cascade is exact to that, and the
 /// parts of a team with cycles go on alone.
 int Krylov::substitute(const Work& work) noexcept {
   const int most = generous * max_iterations_;
   const bool may_fail = kind_ == Influence::cyclic;
   double *const ds_alone = s_vectors_[4], *const du_alone = u_vectors_[1];
-  if (may_fail) {
-    std::copy_n(work.ds, layout_.s_length, ds_alone);
-    std::copy_n(work.du, layout_.u_length, du_alone);
-  }
+  std::copy_n(work.ds, layout_.s_length, ds_alone);
+  if (may_fail) std::copy_n(work.du, layout_.u_length, du_alone);
   std::fill_n(s_vectors_[1], layout_.s_length, 0.0);
+  guess(work);
   for (std::size_t t = 0; t < turns_.size(); ++t) due_[t] = turns_[t].feels;
   double first = 0.0, last = 0.0;
   int pass = 0;
   const auto is_due = [&] {
     return std::any_of(due_.begin(), due_.end(), [](char due) { return due != 0; });
   };
-  for (; pass < most && is_due(); ++pass) {
+  bool late = false;
+  for (; pass < most && is_due() && !late; ++pass) {
     last = 0.0;
     for (std::size_t t = 0; t < turns_.size(); ++t) {
       if (due_[t] == 0) continue;
       due_[t] = 0;
       last = std::max(last, take_turn(static_cast<int>(t), work));
     }
-    if (pass == 0) first = last;
+    if (pass < 2) first = std::max(first, last);  // beside a guess the first pass may change little
+    late = work.deadline.passed();
   }
-  if (!may_fail || (last <= first && first < 1e300)) return pass;
+  if (!may_fail || ((!is_due() || last <= first) && first < 1e300)) {
+    remember(work);
+    return pass;
+  }
+  share_ = 0.0;
   std::copy_n(ds_alone, layout_.s_length, work.ds);
   std::copy_n(du_alone, layout_.u_length, work.du);
-  return pass + general(work);
+  return late ? pass : pass + general(work);
 }
 
 /// @return the greatest change of a robot's own cost
@@ -213,6 +255,9 @@ double Krylov::take_turn(int turn, const Work& work) noexcept {
   double *const r = s_vectors_[0], *const before = s_vectors_[1], *const z = s_vectors_[2];
   double* const z_u = u_vectors_[0];
   const int groups = static_cast<int>(its.groups.size());
+  const bool guessed = visited_[at(turn)] == 0 && share_ > 0.0;
+  const double* const from = visited_[at(turn)] == 0 ? s_vectors_[4] : work.ds;
+  visited_[at(turn)] = 1;
   // Groups of one turn see each other as they were before it.
   work.crew.share(groups, [&](int i, int) noexcept {
     const int g = its.groups[at(i)];
@@ -226,19 +271,29 @@ double Krylov::take_turn(int turn, const Work& work) noexcept {
     each_pack(u_of(g),
               [&](std::ptrdiff_t k) { (L::load(work.du + k) - L::load(z_u + k)).store(work.du + k); });
     if (!its.is_felt) return;
-    L change = 0.0;
-    each_pack(s_of(g), [&](std::ptrdiff_t k) { change = fma(L::load(r + k), L::load(z + k), change); });
+    L energy = 0.0, length = 0.0, moved = 0.0;
+    each_pack(s_of(g), [&](std::ptrdiff_t k) { energy = fma(L::load(r + k), L::load(z + k), energy); });
+    if (guessed) {
+      // Others have seen the guess: what counts is how far from it the step is, by as much energy as the correction has.
+      each_pack(s_of(g), [&](std::ptrdiff_t k) {
+        const L correction = L::load(z + k), off = L::load(from + k) - correction - L::load(work.ds + k);
+        length = fma(correction, correction, length);
+        moved = fma(off, off, moved);
+      });
+    }
     for (int lane = 0; lane < layout_.width; ++lane) {
-      double& of_robot = changes_[at(g * layout_.width + lane)];
-      of_robot = 0.0;
-      for (int k = lane; k < L::width; k += layout_.width) of_robot += change[k];
+      double of_robot = 0.0, long_2 = 0.0, moved_2 = 0.0;
+      for (int k = lane; k < L::width; k += layout_.width)
+        of_robot += energy[k], long_2 += length[k], moved_2 += moved[k];
+      if (guessed) of_robot = long_2 > 0.0 ? stiffest * of_robot * (moved_2 / long_2) : moved_2;
+      changes_[at(g * layout_.width + lane)] = of_robot;
     }
   });
   double largest = 0.0;
   if (!its.is_felt) return largest;
   for (int i = 0; i < groups; ++i) {
     const int g = its.groups[at(i)];
-    each_pack(s_of(g), [&](std::ptrdiff_t k) { (L::load(work.ds + k) - L::load(z + k)).store(work.ds + k); });
+    each_pack(s_of(g), [&](std::ptrdiff_t k) { (L::load(from + k) - L::load(z + k)).store(work.ds + k); });
     for (int lane = 0; lane < layout_.width; ++lane) {
       const double of_robot = changes_[at(g * layout_.width + lane)];
       largest = std::max(largest, of_robot);

@@ -9,6 +9,8 @@
 /// All iterate in the poses (s); the inputs follow. docs/equations.md, 11.
 #pragma once
 
+#include <chrono>
+
 #include "sightline/solver/continuation/gmres.hpp"
 #include "sightline/solver/newton/coupling.hpp"
 #include "sightline/solver/newton/groups.hpp"
@@ -16,14 +18,28 @@
 
 namespace sightline {
 
+/// Where there is no time left, iterations end early: at least one is done.
+struct KrylovDeadline {
+  std::chrono::steady_clock::time_point at{};
+  bool holds = false;
+  bool passed() const noexcept { return holds && std::chrono::steady_clock::now() >= at; }
+};
+
 class Krylov {
  public:
+  using Deadline = KrylovDeadline;
+
   /// @param has_swarms  then a team that is not mutual is left to GMRES
   Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterations, double stop,
          bool has_swarms = false);
 
   /// Completes a step of all agents by themselves, du and ds, to the team's. @return iterations
-  int complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew) noexcept;
+  /// @param steady  the step before was like this one: substitution begins with what the couplings added to it
+  int complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew,
+               bool steady = false, const Deadline& deadline = {}) noexcept;
+
+  /// No step was before: the next is completed as the first was.
+  void forget() noexcept { share_ = 0.0, has_added_ = false; }
 
  private:
   /// What a step is made of and by whom.
@@ -32,6 +48,8 @@ class Krylov {
     const Couplings& couplings;
     double *du, *ds;
     Crew& crew;
+    bool steady;
+    Deadline deadline;
   };
   /// One group's rows in the arrays, whole packs.
   struct Span {
@@ -46,6 +64,8 @@ class Krylov {
   Span s_of(int group) const noexcept;
   Span u_of(int group) const noexcept;
   double sum_of_groups() const noexcept;
+  void guess(const Work& work) noexcept;
+  void remember(const Work& work) noexcept;
 
   /// Groups whose robots take their turn together.
   struct Turn {
@@ -58,7 +78,10 @@ class Krylov {
   Layout layout_;
   Influence kind_;
   std::vector<Turn> turns_;
-  std::vector<char> due_;
+  std::vector<char> due_, visited_;
+  Rows added_;          // by the couplings to ds in the last substitution; grows old where there was none
+  double share_ = 0.0;  // of it that came back in the one after
+  bool has_added_ = false;
   std::vector<double> of_groups_;  // summands, which are added in order
   std::vector<double> changes_;    // of each robot's own cost, [group][lane]
   int max_iterations_;

@@ -131,7 +131,7 @@ bool NewtonUpdate::descend(bool settled) noexcept {
     const auto at_high = [&](int i) { return u_[i] > high_[i] - nearby / per_scale_[i] && H_u_[i] < 0; };
     for (int i = 0; i < n; ++i) active_[i] = at_low(i) || at_high(i) ? infinity : 0.0;
     solve_alone();
-    krylov_.complete(groups_, *couplings_, du_, ds_, *crew_);
+    krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, false, deadline());
     for (int i = 0; i < n; ++i) {
       if (at_low(i)) du_[i] = low_[i] - u_[i];
       if (at_high(i)) du_[i] = high_[i] - u_[i];
@@ -165,7 +165,10 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
     groups_.roll_out(u_, s_, *crew_);
     if (attempt == 0) couplings_->find_neighbours(s_);
     damped = solve_alone() > 0;
-    if (!late()) result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_, *crew_);
+    if (!late()) {
+      const bool steady = attempt == 0 && !damped && !globalising_;
+      result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, steady, deadline());
+    }
     proposal = examine();
     result.residual = proposal.residual;
     result.finite = proposal.finite;

@@ -120,9 +120,13 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
   }
 }
 
-bool NewtonUpdate::late() const noexcept {
-  return options_.deadline > 0 && Clock::now() - begin_ >= std::chrono::duration<double>(options_.deadline);
+Krylov::Deadline NewtonUpdate::deadline() const noexcept {
+  constexpr double longest = 1e6;  // [s], as good as none
+  const std::chrono::duration<double> given(std::min(options_.deadline, longest));
+  return {begin_ + std::chrono::duration_cast<Clock::duration>(given), options_.deadline > 0};
 }
+
+bool NewtonUpdate::late() const noexcept { return deadline().passed(); }
 
 bool NewtonUpdate::accept(std::span<const double> states) noexcept {
   if (static_cast<int>(states.size()) != ocp_.nx()) return false;
@@ -226,6 +230,7 @@ void NewtonUpdate::start() noexcept {
   }
   all_free_ = true;
   has_plan_ = globalising_ = false;
+  krylov_.forget();
 }
 
 void NewtonUpdate::restart() noexcept {

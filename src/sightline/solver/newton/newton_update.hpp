@@ -63,6 +63,7 @@ class NewtonUpdate {
   bool update_active_set() noexcept;
   void take() noexcept;
   bool descend(bool settled) noexcept;
+  Krylov::Deadline deadline() const noexcept;
   bool late() const noexcept;
   bool is_stage(int k, std::span<const double> u) const noexcept;
   void write_inputs() noexcept;
