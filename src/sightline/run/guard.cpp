@@ -103,6 +103,18 @@ Guard::Guard(const Team& team, const GuardOptions& options)
                        .reported = u_min,
                        .limits = &agent.limits});
   }
+  kinds_.resize(options_.bodies.size());
+  std::vector<std::string> kinds;
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i};
+    const std::string name(team_.is_agent(body) ? std::string_view(team_.model(body).name())
+                                                : std::string_view(options_.bodies[at(body)].robot));
+    const auto known = std::find(kinds.begin(), kinds.end(), name);
+    kinds_[at(body)] = static_cast<int>(known - kinds.begin());
+    if (known == kinds.end()) kinds.push_back(name);
+  }
+  sights_.resize(options_.bodies.size());
+  crowd_ = Crowd(team_.bodies());
   neighbours_.resize(options_.bodies.size());
   records_.resize(robots_.size());
 }
@@ -184,8 +196,33 @@ void Guard::keep_distances(double t, std::span<const double> x, std::span<const 
     for (std::size_t k = 0; k < of.nu; ++k) of.u_min[k] -= added[of.u + k], of.u_max[k] -= added[of.u + k];
     of.part = of.barrier.part(of.u_min, of.u_max);
   }
+  if (!robots_.empty()) see_all(x);
   for (std::size_t i = 0; i < robots_.size(); ++i) keep_distance(i, t, x, u);
   std::copy(u.begin(), u.end(), before_.begin());
+}
+
+/// Where all bodies are that are there and were seen once. A robot of the team is where the commands in flight will have brought
+/// it; any other body is where it was seen, so much longer ago.
+void Guard::see_all(std::span<const double> x) noexcept {
+  crowd_.clear();
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i};
+    if (!is_there(body) || !std::isfinite(ages_[at(body)])) continue;
+    const bool is_agent = team_.is_agent(body);
+    sights_[at(body)] = team_.model(body).sight(
+        &(is_agent ? x : believed_)[static_cast<std::size_t>(team_.state_offset(body))],
+        before_.data() + (is_agent ? team_.input_offset(body) : 0));
+    const BodySafety& safety = options_.bodies[at(body)];
+    crowd_.add({i, sights_[at(body)].p, sights_[at(body)].v, safety.d_hard,
+                is_grounded(body) ? 0.0 : safety.speed_max});
+  }
+}
+
+/// Whether a body keeps its distance to the robot as well.
+bool Guard::gives_way(const Robot& robot, BodyId other) const noexcept {
+  if (kinds_[at(robot.body)] != kinds_[at(other)] || robot.barrier.climbs_late()) return false;
+  if (team_.is_agent(other) ? is_grounded(other) : hearing_ == nullptr) return false;
+  return hearing_ == nullptr || hearing_->hears(robot.body, other);
 }
 
 void Guard::record(double t, std::span<const double> u) noexcept {
@@ -197,36 +234,41 @@ double Guard::sigma_of(BodyId body) const noexcept {
   return sigmas_[at(body)] > 0 ? std::min(sigmas_[at(body)], sigma_most) : options_.position_sigma;
 }
 
-/// Another body as a robot sees it; u are the inputs of the period before. A robot of the team is where the commands in
-/// flight will have brought it; any other body is where it was seen, so much longer ago.
-Neighbour Guard::neighbour_of(BodyId robot, BodyId other, std::span<const double> x,
-                              std::span<const double> u) const noexcept {
-  const Model& model = team_.model(other);
-  const Sight<double> sight = model.sight(
-      &(team_.is_agent(other) ? x : believed_)[static_cast<std::size_t>(team_.state_offset(other))],
-      u.data() + (team_.is_agent(other) ? team_.input_offset(other) : 0));
+/// Another body as a robot sees it.
+Neighbour Guard::neighbour_of(const Robot& robot, BodyId other) const noexcept {
+  const Sight<double>& sight = sights_[at(other)];
   const BodySafety& safety = options_.bodies[at(other)];
   Neighbour neighbour{
       .p = sight.p,
       .v = sight.v,
       .d_hard = safety.d_hard,
-      .speed_max = safety.speed_max,
-      .age = std::min(ages_[at(other)], oldest_) + (team_.is_agent(other) ? 0.0 : delay_of(robot)),
-      .sigma = norm(sigma_of(robot), sigma_of(other)),
-      .tie = robot.index < other.index ? 1.0 : -1.0};
-  const bool heard = hearing_ == nullptr || hearing_->hears(robot, other);
-  if (!team_.is_agent(other)) {
-    const bool gives_way = heard && hearing_ != nullptr && team_.model(robot).name() == safety.robot;
-    if (gives_way && !robot_of(robot).barrier.climbs_late()) neighbour.conduct = Conduct::member;
-    return neighbour;
-  }
-  if (supervisor_ && supervisor_->level(other) == FallbackLevel::grounded) {
-    neighbour.speed_max = 0.0;
-  } else if (heard && team_.model(robot).name() == model.name() && !robot_of(robot).barrier.climbs_late()) {
-    neighbour.conduct = Conduct::member;
-    neighbour.part = robot_of(other).part;
-  }
+      .speed_max = is_grounded(other) ? 0.0 : safety.speed_max,
+      .age = std::min(ages_[at(other)], oldest_) + (team_.is_agent(other) ? 0.0 : delay_of(robot.body)),
+      .sigma = norm(sigma_of(robot.body), sigma_of(other)),
+      .tie = robot.body.index < other.index ? 1.0 : -1.0};
+  if (!gives_way(robot, other)) return neighbour;
+  neighbour.conduct = Conduct::member;
+  if (team_.is_agent(other)) neighbour.part = robot_of(other).part;
   return neighbour;
+}
+
+/// The other bodies that the barrier of a robot is told of.
+std::span<const Neighbour> Guard::neighbours_of(const Robot& robot) noexcept {
+  std::size_t count = 0;
+  if (crowd_.size() <= Barrier::most_neighbours + 1) {
+    for (int i = 0; i < crowd_.size(); ++i) {
+      const BodyId other{crowd_.id(i)};
+      if (other != robot.body) neighbours_[count++] = neighbour_of(robot, other);
+    }
+    return std::span(neighbours_).first(count);
+  }
+  const std::span<double> cooperative = crowd_.cooperative();
+  for (int i = 0; i < crowd_.size(); ++i)
+    cooperative[at(i)] = gives_way(robot, BodyId{crowd_.id(i)}) ? 1.0 : 0.0;
+  const Sight<double>& self = sights_[at(robot.body)];
+  for (const int other : crowd_.pressing(robot.body.index, self.p, self.v, Barrier::most_neighbours))
+    neighbours_[count++] = neighbour_of(robot, BodyId{other});
+  return std::span(neighbours_).first(count);
 }
 
 void Guard::keep_distance(std::size_t robot, double t, std::span<const double> x,
@@ -238,19 +280,12 @@ void Guard::keep_distance(std::size_t robot, double t, std::span<const double> x
   record = {};
   // Neither for a robot on the ground or absent, nor without knowing where it is, nor from a body that is nowhere.
   if (level == FallbackLevel::grounded || !is_there(of.body) || !std::isfinite(ages_[at(of.body)])) return;
-  std::size_t count = 0;
-  for (int i = 0; i < team_.bodies(); ++i) {
-    const BodyId other{i};
-    if (other != of.body && is_there(other) && std::isfinite(ages_[at(other)])) {
-      neighbours_[count++] = neighbour_of(of.body, other, x, before_);
-    }
-  }
   const std::span<double> applied = u.subspan(of.u, of.nu);
   std::copy(applied.begin(), applied.end(), of.reported.begin());
   const bool lands = level == FallbackLevel::land || presence_[at(of.body)] == Presence::land;
   const Barrier& barrier = lands ? of.landing : of.barrier;
   const BarrierResult result =
-      barrier.filter(x.subspan(of.x, of.nx), std::span(neighbours_).first(count), of.u_min, of.u_max,
+      barrier.filter(x.subspan(of.x, of.nx), neighbours_of(of), of.u_min, of.u_max,
                      options_.barrier == BarrierMode::on ? applied : std::span(of.reported), of.way_out);
   record = {result.active, result.conflict, result.reserve};
   if (result.conflict && !was_in_conflict) {

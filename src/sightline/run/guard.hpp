@@ -16,6 +16,7 @@
 
 #include "sightline/run/sample.hpp"
 #include "sightline/safety/barrier.hpp"
+#include "sightline/safety/crowd.hpp"
 #include "sightline/safety/search.hpp"
 #include "sightline/safety/supervisor.hpp"
 #include "sightline/solver/distributed/peers.hpp"
@@ -125,8 +126,13 @@ class Guard {
   const Robot& robot_of(BodyId robot) const noexcept {
     return robots_[static_cast<std::size_t>(&team_.agent(robot) - team_.agents().data())];
   }
-  Neighbour neighbour_of(BodyId robot, BodyId other, std::span<const double> x,
-                         std::span<const double> u) const noexcept;
+  bool is_grounded(BodyId body) const noexcept {
+    return supervisor_ && team_.is_agent(body) && supervisor_->level(body) == FallbackLevel::grounded;
+  }
+  void see_all(std::span<const double> x) noexcept;
+  bool gives_way(const Robot& robot, BodyId other) const noexcept;
+  Neighbour neighbour_of(const Robot& robot, BodyId other) const noexcept;
+  std::span<const Neighbour> neighbours_of(const Robot& robot) noexcept;
   void keep_distance(std::size_t robot, double t, std::span<const double> x, std::span<double> u) noexcept;
   void tell(const Event& event) noexcept;
   void tell_unheard(double t) noexcept;
@@ -144,8 +150,11 @@ class Guard {
   bool awaits_position_ = false;  // a robot that is there never knew where it is
   std::vector<Presence> presence_;
   std::vector<FallbackLevel> levels_;
-  double oldest_;  // age that the barrier reckons with [s]
-  std::vector<Neighbour> neighbours_;
+  double oldest_;           // age that the barrier reckons with [s]
+  std::vector<int> kinds_;  // of each body, of its model or that of the robot that it is; equal: the same
+  std::vector<Sight<double>> sights_;  // of each body, of this period
+  Crowd crowd_{0};                     // the bodies that are there
+  std::vector<Neighbour> neighbours_;  // of one robot
   std::vector<BarrierRecord> records_;
   std::vector<Event> events_;
 };

@@ -105,6 +105,8 @@ struct Place {
   double climb = 0.0, brake = 0.0;  // vertical speed, and its rate without commands
   double turn = 0.0;                // rate of the heading without commands
   Columns columns;
+  Vec2<double> push{};  // of all inputs together, those that turn it among them [m/s^2]
+  double rise = 0.0;    // of all inputs together [m/s]
 };
 
 std::vector<Place> places(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
@@ -129,12 +131,19 @@ std::vector<Place> places(const Model& model, std::span<const double> u_min, std
       }
       // The inputs that do not push at rest, such as yaw, are not counted on.
       Columns here = columns(model, at);
+      Vec2<double> push;
+      double rise = 0.0;
+      for (std::size_t k = 0; k < u_min.size(); ++k) {
+        const double most = std::max(std::abs(u_min[k]), std::abs(u_max[k]));
+        push = {push.x + most * std::abs(here.thrust[k].x), push.y + most * std::abs(here.thrust[k].y)};
+        rise += most * std::abs(here.climb[k]);
+      }
       for (std::size_t k = 0; k < most_inputs; ++k) {
         if (dot(resting.thrust[k], resting.thrust[k]) == 0) here.thrust[k] = {};
       }
       const Vec3<double> v = velocity(model, at), a = acceleration(model, at);
       const Vec2<double> d = model.sight(at.x.data(), at.u.data()).d;
-      found.push_back({{v.x, v.y}, {a.x, a.y}, d, v.z, a.z, turning(model, at), here});
+      found.push_back({{v.x, v.y}, {a.x, a.y}, d, v.z, a.z, turning(model, at), here, push, rise});
     }
   }
   return found;
@@ -232,6 +241,8 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
     const Vec2<double> other = {-c * place.v.x - place.drift.x, -c * place.v.y - place.drift.y};
     const Strength here = strength(place.columns, other, u_min, u_max);
     all_have = {std::min(all_have.disc, here.disc), std::min(all_have.part, here.part)};
+    authority.push = std::max(authority.push, norm(other.x, other.y) + norm(place.push.x, place.push.y));
+    authority.rise = std::max(authority.rise, place.rise);
   }
   authority.acceleration = all_have.disc;
   authority.free = all_have.part;

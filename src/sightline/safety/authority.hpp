@@ -28,6 +28,8 @@ struct Authority {
   double climb_lag = 0.0;
   double climb = 0.0;             ///< vertical speed that can be had both up and down [m/s]
   std::array<double, 4> reach{};  ///< what each input can do either way; 0: it neither pushes nor climbs
+  double push = 0.0;              ///< greatest |v' + c v|, whatever is commanded [m/s^2]
+  double rise = 0.0;              ///< greatest vertical speed of one that follows at once, either way [m/s]
   double free = 1.0;              ///< part of what the inputs push that makes up for nothing else, in (0, 1]
 
   /// Part of b, g_k and climb that is left under narrower limits of the inputs, in [0.05, 1].

@@ -10,6 +10,7 @@
 
 #include "sightline/base/no_value.hpp"
 #include "sightline/safety/barrier_several.hpp"
+#include "sightline/safety/crowd.hpp"
 
 namespace sightline {
 namespace {
@@ -88,9 +89,9 @@ Sight<double> Barrier::settled(Sight<double> self) const noexcept {
   return self;
 }
 
-Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n, double part,
-                                double beside) const noexcept {
-  const double age = std::max(n.age, 0.0);
+/// A neighbour for plans; of an uncooperative one without what is known of its motion.
+Tube Barrier::tube_of(const Sight<double>& self, const Neighbour& n, double part,
+                      double beside) const noexcept {
   Tube tube{.r = self.p - n.p,
             .w = {self.v.x, self.v.y},
             .drift = {},
@@ -100,16 +101,46 @@ Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n, d
             .growth = 0.0,
             .spread = 3 * options_.velocity_sigma,
             .tie = {n.tie, 0.0}};
-  if (n.conduct == Conduct::member) {
-    // Measured motion, and what it may have done since by an acceleration that is bounded.
-    const double both = std::min(part, n.part), a = std::min(n.acceleration_max, 3 * b_);
-    tube.r = tube.r - age * n.v;
-    tube.w = {tube.w.x - n.v.x, tube.w.y - n.v.y};
-    tube.beta = both * 2 * b_;
-    tube.rho0 += 0.5 * a * age * age;
-    tube.spread += a * age;
-    return {tube, plans_.best(tube), n.conduct};
-  }
+  if (n.conduct != Conduct::member) return tube;
+  // Measured motion, and what it may have done since by an acceleration that is bounded.
+  const double age = std::max(n.age, 0.0), both = std::min(part, n.part),
+               a = std::min(n.acceleration_max, 3 * b_);
+  tube.r = tube.r - age * n.v;
+  tube.w = {tube.w.x - n.v.x, tube.w.y - n.v.y};
+  tube.beta = both * 2 * b_;
+  tube.rho0 += 0.5 * a * age * age;
+  tube.spread += a * age;
+  return tube;
+}
+
+/// The reserve of a member by the plan straight away, and by the distance now: B lies between.
+struct Barrier::Within {
+  double least, most;  // [m]
+  bool quiet;          // whatever both command, the next reserve is at least what it has to be
+};
+
+Barrier::Within Barrier::within(const Tube& tube) const noexcept {
+  const double D = norm(tube.r.x, tube.r.y), z = std::abs(tube.r.z);
+  const double closing =
+      D > 1e-9 ? -(tube.r.x * tube.w.x + tube.r.y * tube.w.y) / D : norm(tube.w.x, tube.w.y);
+  const double held = tube.rho0 + tube.spread * plans_.E_longest();
+  // Straight away the closing speed v ends after at most v^2 / (2 beta); what drag does shortens it.
+  const auto left = [&](double level, double height, double v) {
+    const double after = std::max(0.0, level - 0.5 * square(std::max(v, 0.0)) / tube.beta);
+    return std::sqrt(after * after + height * height) - held;
+  };
+  const double jolt = 2 * can_.push * dt_;
+  const double then = left(std::max(0.0, D - dt_ * (std::max(closing, 0.0) + jolt)),
+                           std::max(0.0, z - 2 * can_.rise * dt_), closing + jolt);
+  const double most = norm(tube.r) - tube.rho0;
+  return {std::min(left(D, z, closing), most), most, most > 0 && then >= (1.0 - options_.rate * dt_) * most};
+}
+
+Barrier::Threat Barrier::threat(const Sight<double>& self, const Neighbour& n, double part,
+                                double beside) const noexcept {
+  Tube tube = tube_of(self, n, part, beside);
+  if (n.conduct == Conduct::member) return {tube, plans_.best(tube), n.conduct};
+  const double age = std::max(n.age, 0.0);
   tube.thrust_count = can_.thrust_count;
   for (std::size_t k = 0; k < static_cast<std::size_t>(tube.thrust_count); ++k) {
     const Vec2<double> g = can_.turns ? rotate(self.d, can_.thrusts[k]) : can_.thrusts[k];
@@ -187,16 +218,34 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
       chosen.push_back(static_cast<int>(i));
       continue;
     }
-    const Vec3<double> w = n.conduct == Conduct::member ? self.v - n.v : self.v;
-    const double D = std::max(norm(r), 1e-9);
-    const double left = D - n.d_hard + dot(r, w) / D - (n.conduct == Conduct::member ? 0.0 : n.speed_max);
+    const bool member = n.conduct == Conduct::member;
+    const double left = pressing_key(r, member ? self.v - n.v : self.v, n.d_hard, member ? 0.0 : n.speed_max);
     if (chosen.size() == most && left >= key[most - 1]) continue;
     if (chosen.size() < most) chosen.push_back(-1);
     std::size_t at = chosen.size() - 1;
     for (; at > 0 && key[at - 1] > left; --at) key[at] = key[at - 1], chosen[at] = chosen[at - 1];
     key[at] = left, chosen[at] = static_cast<int>(i);
   }
-  for (const int i : chosen) {
+  // Of members that nothing can bring too near within the period, none but those that may have the least reserve: unless
+  // there may be a plan against several, or a way out, that has to reckon with all.
+  const auto is_member = [&](int i) {
+    return neighbours[static_cast<std::size_t>(i)].conduct == Conduct::member;
+  };
+  const bool all =
+      std::count_if(chosen.begin(), chosen.end(), is_member) + 1 < static_cast<std::ptrdiff_t>(chosen.size());
+  std::array<Within, most_neighbours> within;
+  constexpr double found_to = 1e-3;  // [m] what the search of a plan may miss of the best
+  double most_of_least = infinity;
+  for (std::size_t k = 0; k < chosen.size() && !all; ++k) {
+    within[k] = {-infinity, infinity, false};
+    if (!is_member(chosen[k])) continue;
+    within[k] =
+        this->within(tube_of(self, neighbours[static_cast<std::size_t>(chosen[k])], rows.part, rows.beside));
+    most_of_least = std::min(most_of_least, within[k].most);
+  }
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    if (!all && within[k].quiet && within[k].least > most_of_least + found_to) continue;
+    const int i = chosen[k];
     Threat& threat = rows.threats.push_back(
         this->threat(self, neighbours[static_cast<std::size_t>(i)], rows.part, rows.beside));
     threat.neighbour = i;

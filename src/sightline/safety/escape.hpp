@@ -85,6 +85,7 @@ class EscapePlans {
 
   double E(double t) const noexcept;
   double F(double t) const noexcept;
+  double E_longest() const noexcept { return E_[times - 1]; }  ///< at the end of all plans [s]
   EscapeShape shape(double t) const noexcept;
   /// At the time less dt.
   EscapeShape left(const Touch& touch) const noexcept;
