@@ -1,18 +1,59 @@
 #include "bench/swarm.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+#include "sightline/base/index.hpp"
+#include "sightline/base/quantile.hpp"
+#include "sightline/run/guard.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/swap_team.hpp"
 
 namespace sightline {
+namespace {
 
-std::vector<BenchRow> run_swarm_bench(const BenchOptions& options) {
-  constexpr int updates = 2600;
-  const Swap swap(32);
+/// The slowest of consecutive windows of one second, by their medians.
+std::vector<double> slowest_second(const std::vector<double>& us) {
+  const auto window = static_cast<std::ptrdiff_t>(1.0 / bench_horizon.dt + 0.5);
+  std::vector<double> slowest;
+  double most = -1.0;
+  for (auto at = us.begin(); us.end() - at >= window; at += window) {
+    const std::vector<double> here(at, at + window);
+    if (const double median = quantile(here, 0.5); median > most) most = median, slowest = here;
+  }
+  return slowest;
+}
+
+}  // namespace
+
+std::vector<std::string> swarm_case_names() {
+  std::vector<std::string> names;
+  for (int n = 8; n <= 1024; n *= 2) names.push_back(fmt::format("swarm_{}", n));
+  return names;
+}
+
+bool is_swarm_case(std::string_view name) {
+  const std::vector<std::string> names = swarm_case_names();
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions& options) {
+  if (!is_swarm_case(name)) throw std::invalid_argument(fmt::format("{} is no swarm", name));
+  using Clock = std::chrono::steady_clock;
+  const int robots = std::stoi(std::string(name.substr(name.find('_') + 1)));
+  constexpr int few = 32;
+  const int updates = robots <= few ? 2600 : 6000;
+  const Swap swap = Swap::of(robots);
   NewtonRiccati solver(swap.team, bench_horizon);
-  std::vector<double> all, crossing;
+  GuardOptions guarded{.barrier = BarrierMode::report, .period = bench_horizon.dt};
+  guarded.bodies.assign(at(robots), {.d_hard = Swap::d_hard});
+  Guard guard(swap.team, guarded);
+  std::vector<double> stamps(at(robots)), added(at(swap.team.nu())), u(added.size());
+  std::vector<double> all, both;
   int pairs = 0;
   std::int64_t allocations = 0, before = 0;
   const auto count = [&] { return options.allocations == nullptr ? 0 : options.allocations(); };
@@ -23,12 +64,22 @@ std::vector<BenchRow> run_swarm_bench(const BenchOptions& options) {
     const Solution s = solver.solve(t, x);
     allocations = std::max(allocations, count() - before);
     pairs = std::max(pairs, s.neighbours.pairs);
-    if (k > 0) all.push_back(1e6 * s.elapsed);
-    if (t >= 12.0 && t < 18.0) crossing.push_back(1e6 * s.elapsed);
+    if (s.neighbours.left_out > 0)
+      throw std::runtime_error(fmt::format("{}: {} near pairs found no room", name, s.neighbours.left_out));
+    std::fill(stamps.begin(), stamps.end(), t);
+    std::copy(s.u.begin(), s.u.end(), u.begin());
+    guard.believe(t, x, stamps);
+    const Clock::time_point begin = Clock::now();
+    guard.keep_distances(t, x, added, u);
+    const double guarding = std::chrono::duration<double>(Clock::now() - begin).count();
+    if (k > 0) all.push_back(1e6 * s.elapsed), both.push_back(1e6 * (s.elapsed + guarding));
     advance(swap.team, x, s.u, bench_horizon.dt);
   }
   if (options.progress) options.progress(pairs);
-  std::vector<BenchRow> rows = {row_of(swarm_case_name, 32, all), row_of("swarm_32_crossing", 32, crossing)};
+  std::vector<BenchRow> rows = {
+      row_of(name, robots, all), row_of(fmt::format("{}_crossing", name), robots, slowest_second(all)),
+      row_of(fmt::format("{}_barrier", name), robots, both),
+      row_of(fmt::format("{}_barrier_crossing", name), robots, slowest_second(both))};
   for (BenchRow& row : rows) row.allocations = allocations;
   return rows;
 }

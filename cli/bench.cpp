@@ -26,7 +26,7 @@ int bench(const BenchCommand& command) {
     solver = solver_named(command.solver);
     share_updates(solver, command.threads);
     for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names())
-      if (!is_barrier_case(name) && name != swarm_case_name && name != event_case_name &&
+      if (!is_barrier_case(name) && !is_swarm_case(name) && name != event_case_name &&
           name != estimate_case_name)
         cases.push_back(bench_case(name));
   } catch (const std::invalid_argument& error) {
@@ -41,9 +41,9 @@ int bench(const BenchCommand& command) {
         *command.name, {.allocations = allocations,
                         .progress = [](int conflicts) { tell("{} of 500 conflicts\n", conflicts); }}));
   }
-  if (command.name == swarm_case_name) {
-    rows = run_swarm_bench(
-        {.allocations = allocations, .progress = [](int pairs) { tell("{} pairs at most\n", pairs); }});
+  if (command.name && is_swarm_case(*command.name)) {
+    rows = run_swarm_bench(*command.name, {.allocations = allocations,
+                                           .progress = [](int pairs) { tell("{} pairs at most\n", pairs); }});
   }
   if (command.name == event_case_name) {
     rows = run_event_bench(

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -114,7 +115,12 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
     PartSolver solver(scenario.team, solver_maker(scenario.solver, scenario.horizon), *exchange);
     return fly_shown(scenario, folder, clock, view, {solver}, nullptr, {}, linked);
   }
+  const auto begin = std::chrono::steady_clock::now();
   const Controls controls(scenario);
+  constexpr std::size_t large = 64;  // a smaller team is there at once
+  const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (scenario.team.agents().size() >= large)
+    say(fmt::format("{} robots are set up in {:.2g} s", scenario.team.agents().size(), took));
   if (const std::string told = controls.kernels().sentence(); !told.empty()) say(told);
   return fly_shown(scenario, folder, clock, view, controls.controllers(), controls.team_switcher(), {},
                    linked);

@@ -100,6 +100,63 @@ tails() {
   [[ $(number "$out/tail_pair.json" allocations) == 0 && $(number "$out/tail_strong_chain_64.json" allocations) == 0 ]]
 }
 
-all=()
-all+=(times threads graphs tails)
+# Medians and p99 [us] of the rows of a bench case on one core: NAME MEDIAN P99.
+rows_of() {
+  taskset -c "$core" "$sightline" bench --case "$1" 2>/dev/null | awk -F'|' '$3 ~ /newton|barrier/ { gsub(/ /, ""); print $2, $5, $6 }'
+}
+# $1: text of rows; $2: row; $3: 2 median, 3 p99.
+figure_of() { awk -v name="$2" -v column="$3" '$1 == name { print $column }' <<<"$1"; }
+at_most() { awk -v value="$1" -v most="$2" 'BEGIN { exit !(value != "" && value <= most) }'; }
+
+# Swarms that cross with the barrier off: distance, arrival, pairs; the worst second, alone and with the barrier.
+swarm() {
+  tests cli_campaign_test 'SwarmFlights.*' || return 1
+  local rows bad=0 n=64
+  whole && n=128
+  rows=$(rows_of swarm_$n)
+  echo "$rows"
+  local alone both
+  alone=$(figure_of "$rows" swarm_${n}_crossing 2) both=$(figure_of "$rows" swarm_${n}_barrier_crossing 2)
+  echo "with the barrier $(awk -v a="$alone" -v b="$both" 'BEGIN { print b / a }') times as long"
+  if whole; then
+    at_most "$both" "$(awk -v a="$alone" 'BEGIN { print 1.5 * a }')" || bad=1
+    at_most "$alone" 3000 || bad=1
+    at_most "$(figure_of "$rows" swarm_${n}_crossing 3)" 6000 || bad=1
+  fi
+  ((bad == 0))
+}
+
+# The barrier of one robot against 16 that close in.
+barrier() {
+  local rows
+  rows=$(rows_of barrier_16)
+  echo "$rows"
+  [[ -n $rows ]] || return 1
+  ! whole || { at_most "$(figure_of "$rows" barrier_16 2)" 3 && at_most "$(figure_of "$rows" barrier_16 3)" 10; }
+}
+
+# Memory, log and report of a chain of many.
+large() {
+  local folder n=256 seconds=2 bad=0 bytes
+  whole && n=1024 seconds=10
+  folder=$(mktemp -d)
+  {
+    printf '[simulation]\nduration = %s.0\nseed = 1\n[agent."uav{0000..%04d}"]\nrobot = "multirotor"\n' $seconds $((n - 1))
+    printf 'start.p = { place = "circle", centre = [0.0, 0.0, 1.5], radius = %s.0 }\n' $((n / 5))
+    printf 'sensor = { pitch = 0.0, offset = 0.1 }\n[[shape]]\nfelt_by = "both"\nchain = ['
+    printf '"uav%04d", ' $(seq 0 $((n - 1)))
+    printf ']\npotentials = [{ bearing = { alpha = 0.5, width = 0.1, tilt = 0.2 }, weight = 0.4 }, '
+    printf '{ too_near = { d_min = 1.0, kappa = 10.0 }, weight = 0.4 }, { too_far = { d_max = 2.0, kappa = 10.0 }, weight = 0.4 }]\n'
+  } >"$folder/chain.toml"
+  /usr/bin/time -f '%M KB at most, %U s of processor' "$sightline" run "$folder/chain.toml" -o "$folder/out" >/dev/null || bad=1
+  for file in run.mcap report.html summary.json; do
+    bytes=$(stat -c %s "$folder/out/$file")
+    echo "$file: $bytes bytes"
+    [[ $file == report.html ]] && { at_most "$bytes" 10000000 || bad=1; }
+  done
+  rm -rf "$folder"
+  ((bad == 0))
+}
+
+all=(times threads graphs tails swarm barrier large)
 run_sections "$@"

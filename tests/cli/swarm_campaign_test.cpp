@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iostream>
 
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
@@ -56,6 +57,32 @@ TEST(SwarmFlights, FromScatteredStartsAllArriveAndNoneComesTooNear) {
     EXPECT_EQ(o.left_out, 0) << seed;
     RecordProperty("least_" + std::to_string(seed), std::to_string(o.least));
   }
+}
+
+// Barrier off: the potential alone keeps them apart. 128 are scenarios/swarm128.toml.
+TEST(SwarmFlights, OfManyThatCrossNoneComesTooNearAllArriveAndNoPairIsLeftOut) {
+  for (const int robots : whole_campaign() ? std::vector{64, 128, 256} : std::vector{64}) {
+    const Swap swap = Swap::of(robots);
+    NewtonRiccati solver(swap.team, default_horizon);
+    const SwapOutcome o = flown_swap(solver, swap, swap.x0, 60.0);
+    EXPECT_GE(o.least, Swap::d_hard) << robots;
+    // Of 256 some are still on their last metres.
+    if (robots <= 128) EXPECT_LE(o.arrival, 59.0) << robots;
+    EXPECT_EQ(o.left_out, 0) << robots;
+    std::cout << robots << " robots: least distance " << o.least << " m, all within 0.3 m after " << o.arrival
+              << " s, " << o.pairs << " pairs\n";
+  }
+}
+
+TEST(SwarmFlights, TheScenarioOf128IsTheSwapOf128) {
+  const Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/swarm128.toml");
+  const Swap swap = Swap::of(128);
+  ASSERT_EQ(scenario.x0.size(), swap.x0.size());
+  for (std::size_t i = 0; i < swap.x0.size(); ++i) EXPECT_NEAR(scenario.x0[i], swap.x0[i], 1e-3);
+  const Swarm &read = scenario.team.swarms().at(0), &made = swap.team.swarms().at(0);
+  EXPECT_EQ(read.radius, made.radius);
+  EXPECT_EQ(read.capacity, made.capacity);
+  EXPECT_EQ(read.term.weight, made.term.weight);
 }
 
 }  // namespace

@@ -47,6 +47,16 @@ TEST(ReadKeepApart, AllAreAllRobotsAndThereIsRoomForAllPairs) {
   EXPECT_EQ(swarm.term.weight, 1.0);
 }
 
+TEST(ReadKeepApart, ALargeTeamHasRoomForThirtyPairsOfEachRobot) {
+  const Scenario scenario = parse_scenario(
+      "[agent.\"uav{000..199}\"]\nrobot = \"multirotor\"\n"
+      "start = { p = { place = \"circle\", centre = [0, 0, 1], radius = 40 } }\n"
+      "[[keep_apart]]\nagents = \"all\"\npotential = { too_near = {} }\n",
+      "a.toml");
+  EXPECT_EQ(scenario.team.swarms().at(0).capacity, 6000);
+  EXPECT_EQ(scenario.log.paths, 0.2) << "a thousand predictions a second";
+}
+
 TEST(ReadKeepApart, WhatIsWrongIsRefusedWithItsPlace) {
   const std::string rest = "potential = { too_near = {} }";
   EXPECT_EQ(keep_apart_refusal(rest),

@@ -1,6 +1,7 @@
 /// Robots on a circle, each bound for the place across: they all meet in the middle.
 #pragma once
 
+#include <cmath>
 #include <numbers>
 #include <vector>
 
@@ -19,10 +20,31 @@ struct Swap {
   std::vector<Vec3<double>> goals;
 
   /// @param scatter  of the starts, each axis [m]
-  explicit Swap(int n, double circle = 8.0, double delta = 0.25, double scatter = 0.0,
-                std::uint64_t seed = 1) {
-    constexpr double pace = 0.8;  // of the reference [m/s]
-    Random random(seed);
+  explicit Swap(int n, double circle = 8.0, double delta = 0.25, double scatter = 0.0, std::uint64_t seed = 1)
+      : Swap(n, {.circle = circle, .scatter = scatter, .seed = seed},
+             16.0 * PassRight{.d_min = 1.2, .delta = delta, .kappa = 15.0}, radius, 320) {}
+
+  struct Ring {
+    double circle = 8.0;   // its radius [m]
+    double pace = 0.8;     // of the reference [m/s]
+    double scatter = 0.0;  // of the starts, each axis [m]
+    std::uint64_t seed = 1;
+  };
+
+  /// As scenarios/swarm32.toml up to 32 robots, and as scenarios/swarm128.toml beyond: there a ring of many presses on
+  /// those in the middle, so the potential is the stronger. Their places are 1.57 m apart, or 1.2 m on a ring that is so
+  /// wide that the robots can hardly cross it within a minute.
+  static Swap of(int n) {
+    if (n <= 32) return Swap(n);
+    const double circle = std::fmax(std::fmin(0.25 * n, 50.0), 0.195 * n);
+    return Swap(n, {.circle = circle, .pace = std::fmin(0.05 * circle, 2.2)},
+                128.0 * PassRight{.d_min = 0.9, .delta = 0.25, .kappa = 15.0}, 2.0, 30 * n);
+  }
+
+ private:
+  Swap(int n, const Ring& ring, const Weighted& term, double reach, int room) {
+    const double circle = ring.circle, pace = ring.pace, scatter = ring.scatter;
+    Random random(ring.seed);
     for (int i = 0; i < n; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / n, heading = angle + std::numbers::pi;
       const auto off = [&] { return scatter * uniform(random, -1.0, 1.0); };
@@ -36,9 +58,10 @@ struct Swap {
                                                                   .heading = {heading, heading}}}));
       x0.insert(x0.end(), {start.x, start.y, start.z, std::cos(heading), std::sin(heading), 0.0, 0.0});
     }
-    team.keep_apart(16.0 * PassRight{.d_min = 1.2, .delta = delta, .kappa = 15.0}, robots, radius, 320);
+    team.keep_apart(term, robots, reach, room);
   }
 
+ public:
   static Vec3<double> position(std::span<const double> x, std::size_t robot) {
     return {x[7 * robot], x[7 * robot + 1], x[7 * robot + 2]};
   }

@@ -312,6 +312,8 @@ void Summary::add_solvers(const Sample& sample) {
   allocations_ = std::max(allocations_, allocations);
   for (int i = 0; i < sample.event_count; ++i) {
     const Event& event = sample.events[static_cast<std::size_t>(i)];
+    if (event.kind == EventKind::pairs_left_out)
+      left_out_ = std::max(left_out_, static_cast<int>(event.value));
     if (event.kind != EventKind::solver_status && events_.size() < events_max) events_.push_back(event);
   }
 }
@@ -385,6 +387,7 @@ SummaryValues Summary::values() const {
   v.applied_violations = applied_violations_;
   v.max_abs_input = max_abs_input_;
   v.pairs_active_max = pairs_;
+  v.pairs_left_out_max = left_out_;
   v.min_distance = counted(std::sqrt(least_distance2_));
   for (const View& view : views_) {
     v.pairs.push_back({name(view.pair.observer), name(view.pair.target), counted(view.nearest),

@@ -97,6 +97,7 @@ struct SummaryValues {
   std::int64_t applied_violations = 0;                ///< of the applied u
   double max_abs_input = 0.0;                         ///< of the raw u
   int pairs_active_max = 0;                           ///< most pairs of swarms in one update
+  int pairs_left_out_max = 0;                         ///< most near ones without room in one update
   double min_distance = 0.0;                          ///< of a robot to any other body, all of the run [m]
   std::vector<Pair> pairs;
   std::vector<Idle> idle_observers;
@@ -213,7 +214,7 @@ class Summary {
 
   std::int64_t updates_ = 0, not_finite_ = 0, input_violations_ = 0, applied_violations_ = 0,
                allocations_ = 0;
-  int pairs_ = 0;
+  int pairs_ = 0, left_out_ = 0;
   double end_ = 0.0;  // of the last period [s]
   double cost_ = 0.0, stage_cost_ = 0.0, max_abs_input_ = 0.0, least_distance2_;
   std::array<std::int64_t, status_count> statuses_{};

@@ -40,7 +40,10 @@ std::string Summary::json() const {
   json["applied_violations"] = v.applied_violations;
   json["max_abs_input"] = v.max_abs_input;
   json["min_distance"] = v.min_distance;
-  if (!scenario_.team.swarms().empty()) json["pairs_active_max"] = v.pairs_active_max;
+  if (!scenario_.team.swarms().empty()) {
+    json["pairs_active_max"] = v.pairs_active_max;
+    json["pairs_left_out_max"] = v.pairs_left_out_max;
+  }
   for (const char* list : {"pairs", "agents", "limits", "chatter", "drift", "events"})
     json[list] = Json::array();
   for (const auto& pair : v.pairs) {

@@ -99,6 +99,9 @@ std::vector<SummaryLine> lines_of(const Json& s) {
   add("least distance", words(s.at("min_distance"), "m"));
   if (s.contains("pairs_active_max"))
     add("pairs kept apart", fmt::format("at most {} at one time", words(s.at("pairs_active_max"), "")));
+  if (s.contains("pairs_left_out_max") && s.at("pairs_left_out_max") != 0)
+    add("NEAR PAIRS WITHOUT ROOM", fmt::format("up to {}, in an update: a larger pairs_max keeps them apart",
+                                               words(s.at("pairs_left_out_max"), "")));
   const auto and_more = [&](std::string_view of) {
     return [&add, of](std::size_t count) {
       add("...", fmt::format("{} more {}, none of them worse", count, of));

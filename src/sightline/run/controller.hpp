@@ -32,7 +32,7 @@ struct Controller {
   std::vector<Vec2<double>> lean{};       ///< the same (its bodies)
   std::vector<double> u_ref{};            ///< the same (its nu)
   Status status{};
-  int left_out = 0;                      ///< pairs of swarms, at the last update
+  int left_out = 0;                      ///< pairs of swarms, as told last; 0: none are
   bool at_work = false;                  ///< on a late update
   bool answered = false;                 ///< in this period
   double asked_at = 0.0, done_at = 0.0;  ///< begin of the last update, end of a late one [s]

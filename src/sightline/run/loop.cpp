@@ -271,10 +271,10 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
     }
     controller.status = solution.status;
     const int left_out = solution.neighbours.left_out;
-    if (left_out > 0 && controller.left_out == 0) {
+    if (left_out > controller.left_out) {
       tell({t, EventKind::pairs_left_out, static_cast<int>(c), static_cast<double>(left_out)});
     }
-    controller.left_out = left_out;
+    controller.left_out = left_out == 0 ? 0 : std::max(controller.left_out, left_out);
     if (sample.has_path) write_path(controller, solution, sample);
   }
   drift(t, met, sample);

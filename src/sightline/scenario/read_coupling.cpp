@@ -103,7 +103,10 @@ void read_keep_apart(const TomlTable& at, Team& team) {
   const double radius = at.has("radius") ? at.number("radius", positive("> 0 m")) : 2.5;
   const auto n = static_cast<std::int64_t>(agents.size());
   const std::int64_t all = std::max<std::int64_t>(1, n * (n - 1) / 2);
-  const std::int64_t room = at.has("pairs_max") ? at.integer("pairs_max", 1, 20'000) : 2000;
+  // Robots that touch are far fewer; who is near along its plans is near in passing.
+  constexpr std::int64_t of_robot = 30, least = 2000;
+  const std::int64_t room =
+      at.has("pairs_max") ? at.integer("pairs_max", 1, 100'000) : std::max(least, of_robot * n);
   const Weighted term = read_potential(at, {std::string(team.agents()[0].name), {}});
   at.checked([&] { team.keep_apart(term, agents, radius, static_cast<int>(std::min(room, all))); });
 }

@@ -37,7 +37,7 @@ void read_couple(const TomlTable& at, const Observers& observers, Team& team);
 ///   radius     [m]; 2.5
 ///   potential  as in [[couple]], of the difference of two poses
 ///   weight     1
-///   pairs_max  room for pairs at one time, 1 to 20000; all there can be, but at most 2000
+///   pairs_max  room for pairs at one time, 1 to 100000; all there can be, but at most 2000 or 30 a robot
 void read_keep_apart(const TomlTable& at, Team& team);
 
 }  // namespace sightline

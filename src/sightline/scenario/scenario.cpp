@@ -54,9 +54,9 @@ class Reader {
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
     read_world();
     read_simulation();
-    root_.table_or_empty("log").read({{"paths", &scenario_.log.paths, {1e-4, largest_number, ">= 1e-4 s"}}});
     if (auto network = read_fleet(root_)) scenario_.fleet = FleetPlan{.network = std::move(*network)};
     read_agents();
+    read_log();
     read_bodies("target", scenario_.targets);
     read_bodies("obstacle", scenario_.obstacles);
     for (const TomlTable& at : root_.tables("couple")) {
@@ -86,6 +86,15 @@ class Reader {
   }
 
  private:
+  void read_log() {
+    const TomlTable at = root_.table_or_empty("log");
+    at.read({{"paths", &scenario_.log.paths, {1e-4, largest_number, ">= 1e-4 s"}}});
+    constexpr double predictions_max = 1000.0;  // a second, of all robots together
+    if (!at.has("paths"))
+      scenario_.log.paths = std::max(scenario_.log.paths,
+                                     static_cast<double>(scenario_.team.agents().size()) / predictions_max);
+  }
+
   void read_horizon() {
     const TomlTable at = root_.table_or_empty("horizon");
     Horizon& horizon = scenario_.horizon;
