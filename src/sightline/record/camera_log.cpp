@@ -87,14 +87,14 @@ std::optional<Camera> decode_camera_info(std::span<const std::byte> bytes) {
   return camera;
 }
 
-CameraLog::CameraLog(const Scenario& scenario, McapWriter& mcap)
-    : cameras_(scenario.vision.cameras), mcap_(mcap) {
+CameraLog::CameraLog(const Scenario& scenario, MessageSink& to)
+    : cameras_(scenario.vision.cameras), to_(to) {
   if (cameras_.empty()) return;
   const RosSchema ros = camera_info_schema();
-  const SchemaId schema = mcap.schema(ros.name, "ros2msg", ros.text);
+  const SchemaId schema = to.schema(ros.name, "ros2msg", ros.text);
   for (const RobotCamera& one : cameras_)
     channels_.push_back(
-        {mcap.channel(schema, fmt::format("/{}/camera_info", scenario.team.name(one.observer)), "cdr", {})});
+        {to.channel(schema, fmt::format("/{}/camera_info", scenario.team.name(one.observer)), "cdr", {})});
 }
 
 void CameraLog::add(double time) {
@@ -103,7 +103,7 @@ void CameraLog::add(double time) {
   std::vector<std::byte> bytes;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     encode_camera_info(bytes, cameras_[i].frame, nanoseconds(time), cameras_[i].camera);
-    mcap_.message(channels_[i].id, channels_[i].sequence++, nanoseconds(time), bytes);
+    to_.message(channels_[i].id, channels_[i].sequence++, nanoseconds(time), bytes);
   }
 }
 

@@ -31,8 +31,8 @@ std::optional<Camera> decode_camera_info(std::span<const std::byte> bytes);
 /// Writes the topic above.
 class CameraLog {
  public:
-  /// The log outlives this.
-  CameraLog(const Scenario& scenario, McapWriter& mcap);
+  /// The sink outlives this.
+  CameraLog(const Scenario& scenario, MessageSink& to);
 
   /// The first time says what the cameras are.
   /// @param time  [s]
@@ -41,7 +41,7 @@ class CameraLog {
  private:
   std::vector<RobotCamera> cameras_;
   std::vector<McapChannel> channels_;
-  McapWriter& mcap_;
+  MessageSink& to_;
   bool said_ = false;
 };
 

@@ -36,11 +36,11 @@ Mat<4, 4> covariance_of(const LogText& text) {
 
 }  // namespace
 
-LocalizationLog::LocalizationLog(const Scenario& scenario, McapWriter& mcap)
-    : team_(scenario.team), mcap_(mcap), message_(mcap) {
+LocalizationLog::LocalizationLog(const Scenario& scenario, MessageSink& sink)
+    : team_(scenario.team), sink_(sink), message_(sink) {
   const TelemetryOptions telemetry = telemetry_options(scenario);
   if (telemetry.robots.empty()) return;
-  const SchemaId motion = mcap.schema("sightline.Motion", "jsonschema",
+  const SchemaId motion = sink.schema("sightline.Motion", "jsonschema",
                                       json_schema({{"t", "number"},
                                                    {"dt", "number"},
                                                    {"v", "numbers"},
@@ -50,14 +50,14 @@ LocalizationLog::LocalizationLog(const Scenario& scenario, McapWriter& mcap)
                                                    {"gyro", "numbers"},
                                                    {"force", "numbers"},
                                                    {"compass", "number"}}));
-  const SchemaId broadcast = mcap.schema("sightline.Broadcast", "jsonschema",
+  const SchemaId broadcast = sink.schema("sightline.Broadcast", "jsonschema",
                                          json_schema({{"stamp", "number"},
                                                       {"p", "numbers"},
                                                       {"v", "numbers"},
                                                       {"heading", "number"},
                                                       {"yaw_rate", "number"},
                                                       {"covariance", "numbers"}}));
-  const SchemaId localization = mcap.schema("sightline.Localization", "jsonschema",
+  const SchemaId localization = sink.schema("sightline.Localization", "jsonschema",
                                             json_schema({{"stamp", "number"},
                                                          {"accepted", "number"},
                                                          {"p", "numbers"},
@@ -65,7 +65,7 @@ LocalizationLog::LocalizationLog(const Scenario& scenario, McapWriter& mcap)
                                                          {"heading", "number"},
                                                          {"yaw_rate", "number"},
                                                          {"covariance", "numbers"}}));
-  const SchemaId innovation = mcap.schema("sightline.Innovation", "jsonschema",
+  const SchemaId innovation = sink.schema("sightline.Innovation", "jsonschema",
                                           json_schema({{"target", "string"},
                                                        {"stamp", "number"},
                                                        {"verdict", "string"},
@@ -73,10 +73,10 @@ LocalizationLog::LocalizationLog(const Scenario& scenario, McapWriter& mcap)
                                                        {"squared", "number"},
                                                        {"y", "numbers"}}));
   const RosSchema ros = estimate_schema();
-  const SchemaId estimate = mcap.schema(ros.name, "ros2msg", ros.text);
+  const SchemaId estimate = sink.schema(ros.name, "ros2msg", ros.text);
   const auto open = [&](SchemaId schema, BodyId body, std::string_view what,
                         std::string_view encoding) -> McapChannel {
-    return {mcap.channel(schema, fmt::format("/{}/{}", team_.name(body), what), encoding, {})};
+    return {sink.channel(schema, fmt::format("/{}/{}", team_.name(body), what), encoding, {})};
   };
   for (const MovingRobot& one : telemetry.robots)
     robots_.push_back({one.robot, open(motion, one.robot, "motion", "json"),
@@ -153,7 +153,7 @@ void LocalizationLog::add_estimate(Robot& of, const PoseEstimate& estimate, doub
                          .p = numbers_of_vector(estimate.p),
                          .d = {std::cos(estimate.psi), std::sin(estimate.psi)}};
   encode_estimate(bytes_, frame_of_G, pose, covariance);
-  mcap_.message(of.estimate.id, of.estimate.sequence++, nanoseconds(time), bytes_);
+  sink_.message(of.estimate.id, of.estimate.sequence++, nanoseconds(time), bytes_);
 }
 
 void LocalizationLog::add_fit(const DetectionFit& fit, double time) {

@@ -31,8 +31,8 @@ namespace sightline {
 /// Writes the topics above.
 class LocalizationLog {
  public:
-  /// The log outlives this.
-  LocalizationLog(const Scenario& scenario, McapWriter& mcap);
+  /// The sink outlives this.
+  LocalizationLog(const Scenario& scenario, MessageSink& sink);
 
   /// Adds a sample; allocates nothing once the buffers have grown.
   void add(const Sample& sample);
@@ -53,7 +53,7 @@ class LocalizationLog {
   Robot* robot(BodyId body);
 
   Team team_;
-  McapWriter& mcap_;
+  MessageSink& sink_;
   LogMessage message_;
   std::vector<Robot> robots_;
   std::vector<Sender> senders_;

@@ -51,7 +51,7 @@ void LogMessage::put(std::string_view key, std::string_view word) {
 std::string_view LogMessage::end() { return text_ += '}'; }
 
 void LogMessage::send(McapChannel& channel, double time) {
-  mcap_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(end())));
+  to_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(end())));
 }
 
 std::string json_schema(std::initializer_list<std::pair<const char*, std::string_view>> properties) {

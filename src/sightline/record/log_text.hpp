@@ -23,7 +23,7 @@ std::uint64_t nanoseconds(double time);
 /// Writes the messages of a log, {time, ...} each, in one buffer; allocates nothing once that has grown.
 class LogMessage {
  public:
-  explicit LogMessage(McapWriter& to) : mcap_(to) {}
+  explicit LogMessage(MessageSink& to) : to_(to) {}
 
   /// @param time  [s]
   void begin(double time);
@@ -43,7 +43,7 @@ class LogMessage {
   void send(McapChannel& channel, double time);
 
  private:
-  McapWriter& mcap_;
+  MessageSink& to_;
   std::string text_;
 };
 

@@ -61,6 +61,29 @@ struct McapChannel {
 /// bytes.
 using McapWords = std::map<std::string, std::string>;
 
+/// Where the messages of a log go: into its file, or to those who look on.
+class MessageSink {
+ public:
+  MessageSink() = default;
+  MessageSink(const MessageSink&) = delete;
+  MessageSink& operator=(const MessageSink&) = delete;
+  virtual ~MessageSink() = default;
+
+  /// Adds the layout of a kind of message.
+  /// @param encoding  "ros2msg" or "jsonschema"
+  virtual SchemaId schema(std::string_view name, std::string_view encoding, std::string_view text) = 0;
+
+  /// Adds a topic whose messages follow `schema`.
+  /// @param message_encoding  "cdr" or "json"
+  virtual ChannelId channel(SchemaId schema, std::string_view topic, std::string_view message_encoding,
+                            const McapWords& metadata) = 0;
+
+  /// Adds a message; allocates nothing once the buffers have grown.
+  /// @param log_time  [ns], also the time of publication
+  virtual void message(ChannelId channel, std::uint32_t sequence, std::uint64_t log_time,
+                       std::span<const std::byte> bytes) = 0;
+};
+
 /// Writes a log in the MCAP format (mcap.dev), which Foxglove, PlotJuggler and McapReader open.
 ///
 /// Messages gather in a chunk; flush() compresses it (zstd) and hands it to the kernel at once by write(2),
@@ -68,30 +91,20 @@ using McapWords = std::map<std::string, std::string>;
 ///
 /// Nothing here throws for the disk's sake: the first failure is kept as a sentence in error(), every later
 /// call does nothing, and the file is cut back to its last whole chunk.  One thread at a time.
-class McapWriter {
+class McapWriter final : public MessageSink {
  public:
   /// Opens `path` for writing, empties it and writes the header.
   /// @param profile  what the channels agree to follow, "ros2"
   /// @param library  name and version of the writing program
   McapWriter(const std::filesystem::path& path, std::string_view profile, std::string_view library);
-  ~McapWriter();  ///< Closes the log if close() was not called.
-  McapWriter(const McapWriter&) = delete;
-  McapWriter& operator=(const McapWriter&) = delete;
+  ~McapWriter() override;  ///< Closes the log if close() was not called.
 
-  /// Adds the layout of a kind of message.
-  /// @param encoding  "ros2msg" or "jsonschema"
-  SchemaId schema(std::string_view name, std::string_view encoding, std::string_view text);
-
-  /// Adds a topic whose messages follow `schema`.
-  /// @param message_encoding  "cdr" or "json"
+  SchemaId schema(std::string_view name, std::string_view encoding, std::string_view text) override;
   ChannelId channel(SchemaId schema, std::string_view topic, std::string_view message_encoding,
-                    const McapWords& metadata);
-
-  /// Adds a message to the open chunk; allocates nothing once the buffers have grown.  A chunk past 4 MiB
-  /// closes by itself.
-  /// @param log_time  [ns], also the time of publication
+                    const McapWords& metadata) override;
+  /// Into the open chunk; a chunk past 4 MiB closes by itself.
   void message(ChannelId channel, std::uint32_t sequence, std::uint64_t log_time,
-               std::span<const std::byte> bytes);
+               std::span<const std::byte> bytes) override;
 
   /// Closes the open chunk and writes it; nothing if it holds no message.
   void flush();
@@ -180,14 +193,23 @@ class McapReader {
   const std::string& library() const { return library_; }
   const std::map<std::string, McapWords>& metadata() const { return metadata_; }  ///< Words by name.
 
+  /// A topic, and how its messages are to be read.
+  struct Topic {
+    std::string topic, encoding;  ///< "cdr" or "json"
+    std::string schema, schema_encoding,
+        schema_text;  ///< "geometry_msgs/msg/PoseStamped", "ros2msg", its definition
+  };
+  /// Those that stand outside of chunks, as McapWriter writes them; in the order of the file.
+  std::vector<Topic> topics();
+
  private:
   struct Record {
     std::uint8_t kind = 0;
     std::uint64_t at = 0;      // place of the record in the file [B]
     std::uint64_t length = 0;  // of its content [B]
   };
-  struct Channel {
-    std::string topic, schema, encoding;
+  struct Schema {
+    std::string name, encoding, text;
   };
 
   void fail(std::uint64_t at, std::string_view what);
@@ -209,8 +231,8 @@ class McapReader {
   bool truncated_ = false;
   bool sealed_ = false;  // the file ends in the closing magic
   std::map<std::string, McapWords> metadata_;
-  std::map<std::uint16_t, std::string> schemas_;
-  std::map<std::uint16_t, Channel> channels_;
+  std::map<std::uint16_t, Schema> schemas_;
+  std::map<std::uint16_t, Topic> channels_;
   std::vector<std::byte> window_;  // the piece of the file read last
   std::uint64_t window_at_ = 0;
   std::vector<std::byte> chunk_;  // the chunk read last, uncompressed

@@ -160,6 +160,22 @@ bool McapReader::visit(const std::function<void(const McapMessage&)>& visitor) {
   return ok();
 }
 
+std::vector<McapReader::Topic> McapReader::topics() {
+  schemas_.clear();
+  channels_.clear();
+  Span bytes;
+  std::uint64_t position = magic.size();
+  for (Record record; file_ >= 0 && next(position, record) && record.kind != data_end;) {
+    if (record.kind != schema_record && record.kind != channel_record) continue;
+    if (!fetch(record.at + record_head, record.length, bytes) ||
+        !read_record(record.at, record.kind, bytes, nullptr))
+      break;
+  }
+  std::vector<Topic> list;
+  for (const auto& [id, topic] : channels_) list.push_back(topic);
+  return list;
+}
+
 void McapReader::fail(std::uint64_t at, std::string_view what) {
   if (error_.empty()) error_ = fmt::format("{}: byte {}: {}", path_, at, what);
 }
@@ -287,9 +303,10 @@ bool McapReader::read_record(std::uint64_t at, std::uint8_t kind, Span content,
   Cursor cursor(content);
   if (kind == schema_record) {
     const auto id = cursor.number<std::uint16_t>();
-    schemas_.insert_or_assign(id, std::string(cursor.string()));
-    cursor.string();  // encoding
-    cursor.string();  // text
+    Schema& schema = schemas_[id];
+    schema.name = cursor.string();
+    schema.encoding = cursor.string();
+    schema.text = cursor.string();
   } else if (kind == channel_record) {
     const auto id = cursor.number<std::uint16_t>();
     const auto schema = schemas_.find(cursor.number<std::uint16_t>());
@@ -298,7 +315,9 @@ bool McapReader::read_record(std::uint64_t at, std::uint8_t kind, Span content,
       return false;
     }
     const std::string_view topic = cursor.string(), encoding = cursor.string();
-    channels_.insert_or_assign(id, Channel{std::string(topic), schema->second, std::string(encoding)});
+    const Schema& of = schema->second;
+    channels_.insert_or_assign(
+        id, Topic{std::string(topic), std::string(encoding), of.name, of.encoding, of.text});
     cursor.words();
   } else if (kind == message_record) {
     const auto id = cursor.number<std::uint16_t>();

@@ -24,26 +24,26 @@ std::string topic_of(const Team& team, BodyId body, std::string_view what) {
 
 }  // namespace
 
-MeasurementLog::MeasurementLog(const Team& team, McapWriter& mcap, const std::vector<RobotGoals>& goals)
-    : team_(team), mcap_(mcap), message_(mcap), detections_(size(team.bodies())) {
-  const SchemaId measurement = mcap.schema("sightline.Measurement", "jsonschema",
+MeasurementLog::MeasurementLog(const Team& team, MessageSink& sink, const std::vector<RobotGoals>& goals)
+    : team_(team), sink_(sink), message_(sink), detections_(size(team.bodies())) {
+  const SchemaId measurement = sink.schema("sightline.Measurement", "jsonschema",
                                            json_schema({{"stamp", "number"}, {"x", "numbers"}}));
   for (int i = 0; i < team.bodies(); ++i)
-    bodies_.push_back({mcap.channel(measurement, topic_of(team, BodyId{i}, "measurement"), "json", {})});
+    bodies_.push_back({sink.channel(measurement, topic_of(team, BodyId{i}, "measurement"), "json", {})});
   for (const RobotGoals& robot : goals) {
     const SchemaId goal =
-        mcap.schema("sightline.Goal", "jsonschema",
+        sink.schema("sightline.Goal", "jsonschema",
                     json_schema({{"after", "numbers"}, {"p", "numbers"}, {"heading", "numbers"}}));
-    goals_.push_back({robot.track, {mcap.channel(goal, topic_of(team, robot.robot, "goal"), "json", {})}});
+    goals_.push_back({robot.track, {sink.channel(goal, topic_of(team, robot.robot, "goal"), "json", {})}});
   }
   changes_ = {
-      mcap.channel(mcap.schema("sightline.TeamAnswer", "jsonschema", json_schema({})), "/team", "json", {})};
+      sink.channel(sink.schema("sightline.TeamAnswer", "jsonschema", json_schema({})), "/team", "json", {})};
 }
 
 /// The schema of detections, at the first.
 SchemaId MeasurementLog::detection() {
   if (!detection_)
-    detection_ = mcap_.schema("sightline.Detection", "jsonschema",
+    detection_ = sink_.schema("sightline.Detection", "jsonschema",
                               json_schema({{"stamp", "number"},
                                            {"arrival", "number"},
                                            {"target", "string"},
@@ -97,7 +97,7 @@ void MeasurementLog::add(const Sample& sample) {
     message_.put("covariance", seen.covariance);
     auto& channel = detections_[at(seen.observer)];
     if (!channel)
-      channel = {mcap_.channel(detection(), topic_of(team_, seen.observer, "detection"), "json", {})};
+      channel = {sink_.channel(detection(), topic_of(team_, seen.observer, "detection"), "json", {})};
     message_.send(*channel, sample.time);
   }
   if (!sample.team_answered) return;

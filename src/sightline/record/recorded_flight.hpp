@@ -29,7 +29,7 @@ namespace sightline {
 /// Writes the topics above, but for those of the log itself.
 class MeasurementLog {
  public:
-  MeasurementLog(const Team& team, McapWriter& mcap, const std::vector<RobotGoals>& goals = {});
+  MeasurementLog(const Team& team, MessageSink& sink, const std::vector<RobotGoals>& goals = {});
 
   /// Adds a sample; allocates nothing once the buffers have grown and each observer has detected something.
   void add(const Sample& sample);
@@ -38,7 +38,7 @@ class MeasurementLog {
   SchemaId detection();
 
   Team team_;
-  McapWriter& mcap_;
+  MessageSink& sink_;
   LogMessage message_;
   struct Goals {
     std::shared_ptr<const GoalTrack> track;

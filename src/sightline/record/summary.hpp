@@ -126,9 +126,9 @@ class Summary {
   bool finite() const { return not_finite_ == 0; }
   /// Components of applied inputs beyond the limits that were in force.
   std::int64_t applied_violations() const { return applied_violations_; }
-  /// Of the last sample: its stage cost, and a robot that is steered, as it is tuned; else none.
+  /// Of the last sample: its stage cost, and the team as it was.
   double stage_cost() const { return stage_cost_; }
-  const Agent* agent(BodyId robot) const { return present_.agent(robot); }
+  const PresentTeam& present() const { return present_; }
   /// The time without a plan.
   const PlanSummary& plans() const { return plans_; }
   /// Of robots that are localized by view.

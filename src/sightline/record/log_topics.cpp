@@ -1,0 +1,239 @@
+#include "sightline/record/log_topics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <span>
+#include <utility>
+
+#include "sightline/base/index.hpp"
+#include "sightline/base/same_time.hpp"
+#include "sightline/record/summary.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double reference_step = 0.1;  // [s]
+
+// d x d' about z [rad/s]; 0 for a body without a heading.
+double turn_rate(const Model& model, const StateRoles& roles, const double* x, const double* u) {
+  if (!roles.has_heading()) return 0.0;
+  std::vector<double> rate(size(model.nx()));
+  model.f(x, u, rate.data());
+  if (roles.angle >= 0) return rate[size(roles.angle)];
+  const std::size_t d_x = size(roles.direction[0]), d_y = size(roles.direction[1]);
+  return x[d_x] * rate[d_y] - x[d_y] * rate[d_x];
+}
+
+}  // namespace
+
+LogTopics::LogTopics(const Scenario& scenario, std::size_t controllers, MessageSink& to)
+    : team_(scenario.team), to_(to), no_input_(size(team_.nu())) {
+  const auto ros = [&](const RosSchema& schema) { return to_.schema(schema.name, "ros2msg", schema.text); };
+  const auto json = [&](std::string_view name,
+                        std::initializer_list<std::pair<const char*, std::string_view>> properties) {
+    return to_.schema(name, "jsonschema", json_schema(properties));
+  };
+  schemas_.pose = ros(pose_schema());
+  schemas_.twist = ros(twist_schema());
+  schemas_.path = ros(path_schema());
+  schemas_.state = json("sightline.State", {{"x", "numbers"}});
+  schemas_.input = json("sightline.Input", {{"u", "numbers"}, {"raw", "numbers"}});
+  schemas_.reference = json("sightline.Reference", {{"p", "numbers"}, {"d", "numbers"}});
+  constexpr std::string_view record = "sightline.Solver";
+  schemas_.solver =
+      team_.swarms().empty()
+          ? json(
+                record,
+                {{"status", "string"}, {"residual", "number"}, {"iterations", "integer"}, {"cost", "number"}})
+          : json(record, {{"status", "string"},
+                          {"residual", "number"},
+                          {"iterations", "integer"},
+                          {"pairs", "integer"},
+                          {"cost", "number"}});
+  schemas_.event =
+      json("sightline.Event", {{"kind", "string"}, {"controller", "integer"}, {"value", "number"}});
+
+  const bool has_barrier = scenario.safety && scenario.safety->barrier != BarrierMode::off;
+  if (has_barrier) {
+    schemas_.barrier =
+        json("sightline.Barrier", {{"active", "boolean"}, {"conflict", "boolean"}, {"reserve", "number"}});
+  }
+  const bool is_measured = scenario.simulation.disturbances.spoil_measurements() ||
+                           !scenario.simulation.faults.empty() ||
+                           std::any_of(scenario.vehicles.begin(), scenario.vehicles.end(), has_imu);
+  for (int i = 0; i < team_.bodies(); ++i) open_body(BodyId{i}, is_measured, has_barrier);
+  open_attitudes(scenario);
+  for (std::size_t c = 0; c < controllers; ++c)
+    solvers_.push_back(
+        open(schemas_.solver, controllers > 1 ? fmt::format("/controller{}/solver", c) : "/solver", "json"));
+  events_ = open(schemas_.event, "/events", "json");
+  measurements_.emplace(team_, to_, goals_of(scenario.fleet));
+  localization_.emplace(scenario, to_);
+  cameras_.emplace(scenario, to_);
+}
+
+void LogTopics::open_body(BodyId body, bool is_measured, bool has_barrier) {
+  const std::string topic = fmt::format("/{}/", team_.name(body));
+  BodyChannels channels{body, roles_of(team_.model(body)), open(schemas_.state, topic + "state", "json"),
+                        open(schemas_.pose, topic + "pose", "cdr"),
+                        open(schemas_.twist, topic + "twist", "cdr")};
+  if (is_measured) channels.measured = open(schemas_.pose, topic + "measured", "cdr");
+  if (team_.is_agent(body)) {
+    channels.input = open(schemas_.input, topic + "input", "json");
+    channels.path = open(schemas_.path, topic + "path", "cdr");
+    if (has_barrier) channels.barrier = open(schemas_.barrier, topic + "barrier", "json");
+    channels.robot = robots_++;
+    const Agent& agent = team_.agent(body);
+    if (tracks_position(agent, channels.roles) || tracks_heading(agent, channels.roles)) {
+      channels.reference = open(schemas_.reference, topic + "reference", "json");
+    }
+  }
+  bodies_.push_back(channels);
+}
+
+/// Of vehicles, and of robots with a camera that leans with them.
+void LogTopics::open_attitudes(const Scenario& scenario) {
+  const std::vector<bool> leans = leaning_bodies(scenario);
+  for (BodyChannels& channels : bodies_) {
+    if (!leans[size(channels.body.index)]) continue;
+    if (!schemas_.attitude) {
+      const RosSchema schema = attitude_schema();
+      schemas_.attitude = to_.schema(schema.name, "ros2msg", schema.text);
+    }
+    channels.attitude =
+        open(*schemas_.attitude, fmt::format("/{}/attitude", team_.name(channels.body)), "cdr");
+  }
+}
+
+bool LogTopics::add(const Sample& sample, const PresentTeam& present, double cost) {
+  const auto now = static_cast<std::int64_t>(std::floor(sample.time / reference_step + same_time));
+  const bool first = std::exchange(tenth_, now) != now;
+  for (BodyChannels& channels : bodies_) {
+    add_body(channels, sample);
+    if (!team_.is_agent(channels.body)) continue;
+    add_agent(channels, sample);
+    if (channels.reference && first) add_reference(channels, present, sample.time);
+  }
+  measurements_->add(sample);
+  localization_->add(sample);
+  cameras_->add(sample.time);
+  add_records(sample, cost);
+  return first;
+}
+
+void LogTopics::add_body(BodyChannels& channels, const Sample& sample) {
+  const Model& model = team_.model(channels.body);
+  const std::size_t nx = size(model.nx()), offset = size(team_.state_offset(channels.body));
+  const double *x = sample.x.data() + offset, *u = sample.u.data() + team_.input_offset(channels.body);
+  message_.begin(sample.time);
+  message_.put("x", {x, nx});
+  message_.send(channels.state, sample.time);
+  if (sample.presence[size(channels.body.index)] == Presence::absent) return;
+  add_pose(channels.pose, model, x, sample.time);
+  if (channels.measured) add_pose(*channels.measured, model, sample.measured.data() + offset, sample.time);
+  if (!all_finite({x, nx}) || !all_finite({u, size(model.nu())})) return;
+  const Vec3<double> v = model.sight(x, u).v;
+  encode_twist(bytes_, frame_of_G,
+               {nanoseconds(sample.time), {v.x, v.y, v.z}, {0, 0, turn_rate(model, channels.roles, x, u)}});
+  send_bytes(channels.twist, sample.time);
+  if (channels.attitude) add_attitude(channels, sample);
+}
+
+void LogTopics::add_attitude(BodyChannels& channels, const Sample& sample) {
+  const auto body = size(channels.body.index);
+  Quaternion q = body < sample.attitudes.size() ? sample.attitudes[body] : no_attitude;
+  if (q == no_attitude) {
+    const Sight<double> seen = true_sight(team_, channels.body, sample);
+    q = leaning(seen.d, seen.lean);
+  }
+  encode_attitude(bytes_, frame_of_G, {nanoseconds(sample.time), {q.x, q.y, q.z, q.w}});
+  send_bytes(*channels.attitude, sample.time);
+}
+
+void LogTopics::add_pose(McapChannel& channel, const Model& model, const double* x, double time) {
+  const Pose<double> pose = model.sight(x, no_input_.data());
+  if (!all_finite({x, size(model.nx())}) || (pose.d.x == 0 && pose.d.y == 0)) return;
+  encode_pose(bytes_, frame_of_G, {nanoseconds(time), {pose.p.x, pose.p.y, pose.p.z}, {pose.d.x, pose.d.y}});
+  send_bytes(channel, time);
+}
+
+void LogTopics::add_agent(BodyChannels& channels, const Sample& sample) {
+  const std::size_t nu = size(team_.model(channels.body).nu());
+  const std::size_t offset = size(team_.input_offset(channels.body));
+  message_.begin(sample.time);
+  message_.put("u", std::span(sample.u).subspan(offset, nu));
+  message_.put("raw", std::span(sample.raw_u).subspan(offset, nu));
+  message_.send(*channels.input, sample.time);
+  if (sample.has_path) add_path(channels, sample);
+  if (channels.barrier && channels.robot < sample.barriers.size()) add_barrier(channels, sample);
+}
+
+void LogTopics::add_barrier(BodyChannels& channels, const Sample& sample) {
+  const BarrierRecord& record = sample.barriers[channels.robot];
+  message_.begin(sample.time);
+  message_.put("active", record.active);
+  message_.put("conflict", record.conflict);
+  message_.put("reserve", record.reserve);
+  message_.send(*channels.barrier, sample.time);
+}
+
+void LogTopics::add_path(BodyChannels& channels, const Sample& sample) {
+  const Model& model = team_.model(channels.body);
+  const bool leans = channels.attitude && !sample.path_u.empty();
+  path_.clear();
+  for (std::size_t i = 0; i < sample.path.size() / sample.x.size(); ++i) {
+    const double* x = &sample.path[i * sample.x.size() + size(team_.state_offset(channels.body))];
+    const double* u = leans ? &sample.path_u[i * sample.u.size() + size(team_.input_offset(channels.body))]
+                            : no_input_.data();
+    const Sight<double> seen = model.sight(x, u);
+    if (!all_finite({x, size(model.nx())}) || (seen.d.x == 0 && seen.d.y == 0)) return;
+    const double time = sample.path_time + sample.path_step * static_cast<double>(i);
+    path_.push_back({nanoseconds(time), {seen.p.x, seen.p.y, seen.p.z}, {seen.d.x, seen.d.y}});
+    if (leans) path_.back().lean = {seen.lean.x, seen.lean.y};
+  }
+  encode_path(bytes_, frame_of_G, nanoseconds(sample.time), path_);
+  send_bytes(*channels.path, sample.time);
+}
+
+void LogTopics::add_reference(BodyChannels& channels, const PresentTeam& present, double time) {
+  const StateRoles& roles = channels.roles;
+  const Agent* const steered = present.agent(channels.body);
+  if (steered == nullptr) return;
+  const Agent& agent = *steered;
+  x_ref_.resize(agent.Q.size());
+  agent.x_ref(time, agent.model, x_ref_);
+  const Pose<double> pose = agent.model.sight(x_ref_.data(), no_input_.data());
+  message_.begin(time);
+  if (tracks_position(agent, roles)) message_.put("p", std::array{pose.p.x, pose.p.y, pose.p.z});
+  if (tracks_heading(agent, roles) && !(pose.d.x == 0 && pose.d.y == 0)) {
+    message_.put("d", std::array{pose.d.x, pose.d.y});
+  }
+  message_.send(*channels.reference, time);
+}
+
+void LogTopics::add_records(const Sample& sample, double cost) {
+  for (std::size_t c = 0; c < solvers_.size(); ++c) {
+    const SolverRecord& record = sample.solvers[c];
+    message_.begin(sample.time);
+    message_.put("status", to_string(record.status));
+    message_.put("residual", record.residual);
+    message_.put("iterations", record.iterations);
+    if (!team_.swarms().empty()) message_.put("pairs", record.pairs);
+    message_.put("cost", cost);
+    message_.send(solvers_[c], sample.time);
+  }
+  for (int i = 0; i < sample.event_count; ++i) {
+    const Event& event = sample.events[size(i)];
+    message_.begin(event.time);
+    message_.put("kind", to_string(event.kind));
+    message_.put("controller", event.controller);
+    message_.put("value", event.value);
+    message_.send(events_, sample.time);
+  }
+}
+
+}  // namespace sightline

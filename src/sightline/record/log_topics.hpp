@@ -1,0 +1,85 @@
+/// The topics of a run's log: what a flight says of itself, period by period.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sightline/model/state_roles.hpp"
+#include "sightline/record/camera_log.hpp"
+#include "sightline/record/cdr.hpp"
+#include "sightline/record/localization_log.hpp"
+#include "sightline/record/log_text.hpp"
+#include "sightline/record/mcap.hpp"
+#include "sightline/record/present_team.hpp"
+#include "sightline/record/recorded_flight.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/scenario/scenario.hpp"
+
+namespace sightline {
+
+/// Makes the messages of run.mcap, which log.hpp lists, of samples: for the log, and for those who look on.
+class LogTopics {
+ public:
+  /// Opens the topics.
+  /// @param controllers  solver records in each sample
+  /// @param to           outlives this
+  LogTopics(const Scenario& scenario, std::size_t controllers, MessageSink& to);
+
+  /// Adds a sample; allocates nothing once the buffers have grown.
+  /// @param present  has followed the sample
+  /// @param cost     its stage cost; not a number: not known
+  /// @return whether it is the first in its 0.1 s of simulated time
+  bool add(const Sample& sample, const PresentTeam& present, double cost);
+
+ private:
+  struct BodyChannels {
+    BodyId body;
+    StateRoles roles;
+    McapChannel state, pose, twist;
+    std::optional<McapChannel> measured{}, input{}, path{}, reference{}, barrier{}, attitude{};
+    std::size_t robot = 0;  // its place among the robots
+  };
+
+  void open_body(BodyId body, bool is_measured, bool has_barrier);
+  McapChannel open(SchemaId schema, const std::string& topic, std::string_view encoding) {
+    return {to_.channel(schema, topic, encoding, {})};
+  }
+  void send_bytes(McapChannel& channel, double time) {
+    to_.message(channel.id, channel.sequence++, nanoseconds(time), bytes_);
+  }
+
+  void add_body(BodyChannels& channels, const Sample& sample);
+  void open_attitudes(const Scenario& scenario);
+  void add_attitude(BodyChannels& channels, const Sample& sample);
+  void add_pose(McapChannel& channel, const Model& model, const double* x, double time);
+  void add_agent(BodyChannels& channels, const Sample& sample);
+  void add_path(BodyChannels& channels, const Sample& sample);
+  void add_reference(BodyChannels& channels, const PresentTeam& present, double time);
+  void add_barrier(BodyChannels& channels, const Sample& sample);
+  void add_records(const Sample& sample, double cost);
+
+  Team team_;
+  MessageSink& to_;
+  struct Schemas {
+    SchemaId pose, twist, path, state, input, reference, solver, event, barrier;
+    std::optional<SchemaId> attitude;
+  } schemas_{};
+  std::vector<BodyChannels> bodies_;
+  std::size_t robots_ = 0;
+  std::vector<McapChannel> solvers_;
+  McapChannel events_;
+  std::optional<MeasurementLog> measurements_;
+  std::optional<LocalizationLog> localization_;
+  std::optional<CameraLog> cameras_;
+  std::int64_t tenth_ = -1;  // of simulated time, that the last sample was in
+
+  std::vector<std::byte> bytes_;
+  LogMessage message_{to_};
+  std::vector<StampedPose> path_;
+  std::vector<double> x_ref_, no_input_;
+};
+
+}  // namespace sightline
