@@ -18,12 +18,12 @@
 #include "bridges/dds/diagnostics.hpp"
 #include "bridges/dds/mailbox.hpp"
 #include "bridges/dds/ros_words.hpp"
-#include "bridges/dds/scene.hpp"
 #include "sightline/base/index.hpp"
 #include "sightline/record/camera_log.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/event_words.hpp"
 #include "sightline/run/ring.hpp"
+#include "sightline/server/scene.hpp"
 
 namespace sightline::dds {
 namespace {

@@ -1,4 +1,4 @@
-#include "bridges/dds/scene.hpp"
+#include "sightline/server/scene.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,12 +11,12 @@
 #include "sightline/plot/palette.hpp"
 #include "tests/support/scenario_text.hpp"
 
-namespace sightline::dds {
+namespace sightline {
 namespace {
 
 using Bodies = std::vector<std::optional<Sight<double>>>;
 
-const std::string team =
+const std::string team_to_draw =
     "[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\n[agent.a.sensor]\npitch = 0.4\noffset = "
     "0.2\nframe = \"FRAME\"\n"
     "[agent.b]\nrobot = \"multirotor\"\nstart = { p = [2, 0, 1] }\n[target.t]\np = [4, 0, 1]\n"
@@ -26,7 +26,7 @@ const std::string team =
     "[safety]\nbarrier = \"on\"\nd_hard = 0.7\n";
 
 Scenario scene_of(const std::string& frame) {
-  std::string text = team;
+  std::string text = team_to_draw;
   text.replace(text.find("FRAME"), 5, frame);
   return test::scenario_of(text);
 }
@@ -113,4 +113,4 @@ TEST(Scene, EachBodyAndEachPairIsDrawnOnceAndOnlyWhatIsKnown) {
 }
 
 }  // namespace
-}  // namespace sightline::dds
+}  // namespace sightline

@@ -1,4 +1,4 @@
-#include "bridges/dds/scene.hpp"
+#include "sightline/server/scene.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "sightline/plot/palette.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
-namespace sightline::dds {
+namespace sightline {
 namespace {
 
 constexpr double arrow_length = 0.4, mark_size = 0.15, line_width = 0.02, letter_height = 0.15,
@@ -139,4 +139,4 @@ std::vector<Drawn> Scene::draw(std::span<const std::optional<Sight<double>>> bod
   return all;
 }
 
-}  // namespace sightline::dds
+}  // namespace sightline

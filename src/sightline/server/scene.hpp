@@ -11,7 +11,7 @@
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/world/rigid_body.hpp"
 
-namespace sightline::dds {
+namespace sightline {
 
 /// Each from 0 to 1.
 struct Colour {
@@ -59,4 +59,4 @@ class Scene {
   std::vector<double> d_hard_;  // of each body that is no robot [m]; 0: nobody keeps one
 };
 
-}  // namespace sightline::dds
+}  // namespace sightline
