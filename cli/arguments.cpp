@@ -30,9 +30,14 @@ void add_serve(CLI::App& command, ServeOptions& serve, CLI::Option* needed = nul
                           ->check(CLI::Range(0, 65535));
   CLI::Option* address = command.add_option(
       "--listen", serve.address, "IPv4 address to be reached at from other machines, by a token [127.0.0.1]");
+  CLI::Option* origins =
+      command
+          .add_option(
+              "--allow-origin", serve.origins,
+              "Another page that may subscribe to topics, https://app.foxglove.dev; as often as need be")
+          ->allow_extra_args(false);
   if (needed == nullptr) return;
-  port->needs(needed);
-  address->needs(needed);
+  for (CLI::Option* option : {port, address, origins}) option->needs(needed);
 }
 
 CLI::Option* add_show(CLI::App& command, ShowOptions& view) {

@@ -16,6 +16,7 @@
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/server/flight_page.hpp"
 #include "sightline/server/log_page.hpp"
+#include "sightline/server/log_playback.hpp"
 #include "sightline/server/paced_clock.hpp"
 #include "sightline/server/page_files.hpp"
 
@@ -88,6 +89,9 @@ Moments::time_point end_of(const ViewCommand& command) {
 void tell_counts(const ServeCounts& counts) {
   say(fmt::format("{} connections, {} refused; {} states sent, {} left out for slow ones, {} watchers closed",
                   counts.connections, counts.refused, counts.sent, counts.dropped, counts.closed));
+  if (counts.messages + counts.messages_dropped > 0)
+    say(fmt::format("{} messages of topics sent, {} left out for slow ones", counts.messages,
+                    counts.messages_dropped));
 }
 
 int view_log(const ViewCommand& command, const Parts& parts, const ServeOptions& options) {
@@ -103,7 +107,8 @@ int view_log(const ViewCommand& command, const Parts& parts, const ServeOptions&
   scenario.name = flown.name;
   scenario.solver.name = flown.solver;
   const auto end = end_of(command);
-  const PageServer server(options, log_page(folder, scenario));
+  LogPlayback playback(log, scenario);
+  const PageServer server(options, log_page(folder, scenario), &playback.feed());
   announce(command, server.url());
   wait_until(end);
   tell_counts(server.counts());

@@ -36,12 +36,34 @@ TEST(Admission, APageOfAnotherOriginIsRefused) {
     EXPECT_NE(admission.refusal(asking("localhost:8765", origin)), "") << origin;
 }
 
+TEST(Admission, AllowedOriginsMayAskForTopicsAndNothingElse) {
+  const Admission admission(port_of_page, "", {"https://app.foxglove.dev", "file://"});
+  for (const char* origin : {"", "http://localhost:8765", "https://app.foxglove.dev", "file://"})
+    EXPECT_EQ(admission.refusal(asking("localhost:8765", origin), Admission::Asked::topics), "") << origin;
+  for (const char* origin : {"null", "http://app.foxglove.dev", "https://app.foxglove.dev.attacker.example"})
+    EXPECT_NE(admission.refusal(asking("localhost:8765", origin), Admission::Asked::topics), "") << origin;
+  for (const auto asked : {Admission::Asked::flight, Admission::Asked::open_file})
+    EXPECT_NE(admission.refusal(asking("localhost:8765", "https://app.foxglove.dev"), asked), "");
+  EXPECT_NE(admission.refusal(asking("attacker.example:8765", "https://app.foxglove.dev"),
+                              Admission::Asked::topics),
+            "");
+}
+
+TEST(Admission, AnOriginIsOneOfAPageThatOtherPagesCannotSay) {
+  for (const char* origin :
+       {"https://app.foxglove.dev", "http://localhost:8080", "http://[::1]:3", "file://"})
+    EXPECT_NO_THROW(check_origin(origin)) << origin;
+  for (const char* origin : {"", "null", "*", "app.foxglove.dev", "https://", "https://app.foxglove.dev/",
+                             "https://APP.foxglove.dev", "file:///home", "https://a b"})
+    EXPECT_THROW(check_origin(origin), std::invalid_argument) << origin;
+}
+
 TEST(Admission, ToOthersTheTokenIsAskedForOfAllThatIsOfTheFlight) {
   const std::string token = random_token();
   const Admission admission(port_of_page, token);
   const auto with = [&](const std::string& query) { return asking("192.168.0.2:8765", "", query); };
   EXPECT_EQ(admission.refusal(with("token=" + token)), "");
-  EXPECT_EQ(admission.refusal(with(""), true), "");
+  EXPECT_EQ(admission.refusal(with(""), Admission::Asked::open_file), "");
   std::string other = token;
   other.back() = other.back() == '0' ? '1' : '0';
   for (const std::string& query : {std::string(), std::string("token="), "token=" + other,

@@ -1,41 +1,17 @@
 #include "sightline/server/connection.hpp"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
-#include <unistd.h>
-
-#include <array>
 
 #include "sightline/server/http.hpp"
+#include "tests/support/connected_pair.hpp"
 #include "tests/support/page_client.hpp"
 
 namespace sightline {
 namespace {
 
+using test::ConnectedPair;
 using State = Connection::State;
-
-/// A connection, and the other end of it.
-struct ConnectedPair {
-  std::array<int, 2> fds = [] {
-    std::array<int, 2> both{};
-    ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, both.data());
-    return both;
-  }();
-  OwnedDescriptor other{fds[1]};
-  Connection::Time now = std::chrono::steady_clock::now();
-  Connection one{OwnedDescriptor(fds[0]), now, 1024, 3};
-
-  void say(std::string_view bytes) {
-    ASSERT_EQ(::write(fds[1], bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
-  }
-  std::string hear() const {
-    std::string heard(1'000'000, ' ');
-    const ssize_t n = ::read(fds[1], heard.data(), heard.size());
-    heard.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
-    return heard;
-  }
-};
 
 TEST(Connection, AHeadIsWholeAtItsEmptyLine) {
   ConnectedPair pair;
@@ -112,6 +88,52 @@ TEST(Connection, AWatcherMaySendAFewEachSecond) {
     pair.one.receive(pair.now + i * std::chrono::milliseconds(400));
   }
   EXPECT_EQ(pair.one.state(), State::watching);
+}
+
+TEST(Connection, AMessageInPartsIsPutTogetherAndControlFramesMayComeBetween) {
+  ConnectedPair pair;
+  pair.one.watch("", pair.now);
+  pair.one.allow(1024, 100);
+  pair.one.send(pair.now);
+  const auto part = [](unsigned first, std::string_view payload) {
+    std::string frame = test::PageClient::masked(0, payload);
+    frame[0] = static_cast<char>(first);
+    return frame;
+  };
+  pair.say(part(0x01, "a") + test::PageClient::masked(9, "") + part(0x00, "b") + part(0x80, "c") +
+           test::PageClient::masked(2, "d"));
+  pair.one.receive(pair.now);
+  const auto messages = pair.one.take_messages();
+  ASSERT_EQ(messages.size(), 2U);
+  EXPECT_EQ(messages[0].payload, "abc");
+  EXPECT_EQ(messages[0].op, WebsocketOp::text);
+  EXPECT_EQ(messages[1].payload, "d");
+  EXPECT_TRUE(pair.one.take_messages().empty());
+  // A part without a begin, a begin within a message, and parts that are too long together.
+  for (const std::string& wrong : {part(0x80, "x"), part(0x01, "x") + part(0x01, "y"),
+                                   part(0x01, "x") + part(0x00, std::string(1024, 'y'))}) {
+    ConnectedPair other;
+    other.one.watch("", other.now);
+    other.one.send(other.now);
+    other.say(wrong);
+    other.one.receive(other.now);
+    EXPECT_EQ(other.one.state(), State::closed);
+    EXPECT_TRUE(other.one.broke_rules());
+  }
+}
+
+TEST(Connection, OfManyLongMessagesNoMoreThanTwentyASecondAreTaken) {
+  ConnectedPair pair;
+  pair.one.watch("", pair.now);
+  pair.one.allow(1024, 1000);
+  pair.one.send(pair.now);
+  int taken = 0;
+  for (; taken < 100 && pair.one.state() == State::watching; ++taken) {
+    pair.say(test::PageClient::masked(1, std::string(1000, 'x')));
+    pair.one.receive(pair.now);
+  }
+  EXPECT_EQ(taken, 21);
+  EXPECT_TRUE(pair.one.broke_rules());
 }
 
 }  // namespace

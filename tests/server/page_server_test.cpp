@@ -6,6 +6,8 @@
 #include <list>
 #include <thread>
 
+#include "sightline/server/foxglove_feed.hpp"
+#include "tests/support/foxglove_ears.hpp"
 #include "tests/support/page_client.hpp"
 
 namespace sightline {
@@ -58,6 +60,62 @@ TEST(PageServer, OnOtherAddressesATokenIsAskedForOnceInTheUrl) {
   EXPECT_THAT(PageClient(server.port()).watch(), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(PageClient(server.port()).watch("", "/live?token=0123"), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(PageClient(server.port()).watch("", "/live?" + token), StartsWith("HTTP/1.1 101"));
+}
+
+TEST(PageServer, TopicsAreForOwnAndAllowedOriginsAndForNoPage) {
+  FoxgloveFeed feed("paper");
+  const PageServer server({.origins = {"https://app.foxglove.dev"}}, two_files(), &feed);
+  const auto asked = [&](std::string_view more, std::string_view path = "/") {
+    return PageClient(server.port()).ask_for_topics(more, path);
+  };
+  EXPECT_THAT(asked(""), StartsWith("HTTP/1.1 101"));
+  EXPECT_THAT(asked("Origin: https://app.foxglove.dev\r\n"), StartsWith("HTTP/1.1 101"));
+  EXPECT_THAT(asked(fmt::format("Origin: http://127.0.0.1:{}\r\n", server.port())),
+              StartsWith("HTTP/1.1 101"));
+  for (const char* origin : {"null", "file://", "http://attacker.example"})
+    EXPECT_THAT(asked(fmt::format("Origin: {}\r\n", origin)), StartsWith("HTTP/1.1 403")) << origin;
+  // The flight's own state stays with its own page.
+  EXPECT_THAT(asked("Origin: https://app.foxglove.dev\r\n", "/live"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THROW(PageServer({.origins = {"null"}}, two_files(), &feed), std::invalid_argument);
+}
+
+TEST(PageServer, OnOtherAddressesTopicsAskForTheTokenToo) {
+  FoxgloveFeed feed("paper");
+  const PageServer server({.address = "0.0.0.0"}, two_files(), &feed);
+  const std::string token = server.url().substr(server.url().find("token="));
+  EXPECT_THAT(PageClient(server.port()).ask_for_topics(), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(PageClient(server.port()).ask_for_topics("", "/?token=0123"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(PageClient(server.port()).ask_for_topics("", "/?" + token), StartsWith("HTTP/1.1 101"));
+}
+
+TEST(PageServer, OneThatTakesNoTopicsIsClosedAndWhatItMissedIsCounted) {
+  FoxgloveFeed feed("paper");
+  const ChannelId a = feed.channel(feed.schema("P", "jsonschema", "{}"), "/a", "json", {});
+  const PageServer server({}, two_files(), &feed);
+  PageClient reader(server.port()), deaf(server.port(), 4096);
+  test::FoxgloveEars ears;
+  for (PageClient* one : {&reader, &deaf}) {
+    ASSERT_THAT(one->ask_for_topics(), StartsWith("HTTP/1.1 101"));
+    one->say(test::subscribe_frame(0, 0));
+    ASSERT_TRUE(soon([&] { return feed.is_asked(); }));
+  }
+  ASSERT_TRUE(soon([&] { return server.counts().watchers == 2; }));
+  const std::string long_one(300'000, 'x');
+  std::int64_t heard = 0, fed = 0;
+  while (server.counts().closed == 0 && fed < 3000) {
+    feed.message(a, 0, static_cast<std::uint64_t>(++fed), std::as_bytes(std::span(long_one)));
+    feed.hand_over(static_cast<std::uint64_t>(fed));
+    for (bool told = false; !told;) {  // the reader hears each
+      const auto message = ears.next(reader);
+      ASSERT_TRUE(message);
+      if (!(told = message->is_message())) continue;
+      if (heard == 0) heard = static_cast<std::int64_t>(message->time()) - 1;
+      EXPECT_EQ(message->time(), static_cast<std::uint64_t>(++heard));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(server.counts().closed, 1);
+  EXPECT_TRUE(soon([&] { return server.counts().messages_dropped > 0; }));
 }
 
 TEST(PageServer, AWatcherHearsTheNewestStateAtOnceAndThenEachNext) {

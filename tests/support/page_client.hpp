@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace sightline::test {
 
@@ -58,6 +59,16 @@ class PageClient {
     rest_.erase(0, length);
     return heard;
   }
+  /// What is there, at once, or within so long [s]; empty: nothing.
+  std::string hear_some(double seconds) {
+    if (rest_.empty() && ready(POLLIN, seconds)) {
+      std::string bytes(65'536, '\0');
+      const ssize_t n = ::recv(fd_, bytes.data(), bytes.size(), 0);
+      ended_ = n <= 0;
+      rest_.append(bytes, 0, n > 0 ? static_cast<std::size_t>(n) : 0);
+    }
+    return std::exchange(rest_, {});
+  }
   /// Whether the server closed, found by hear().
   bool ended() const { return ended_; }
 
@@ -73,6 +84,10 @@ class PageClient {
         "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n{}\r\n",
         path, port_, more));
     return hear("\r\n\r\n");
+  }
+  /// Begins to speak Foxglove's protocol. @return the server's head
+  std::string ask_for_topics(std::string_view more = "", std::string_view path = "/") {
+    return watch(fmt::format("Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n{}", more), path);
   }
   /// A masked frame, as a browser sends it.
   static std::string masked(unsigned op, std::string_view payload) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sightline/server/http.hpp"
 
@@ -16,6 +17,10 @@ std::string random_token();
 /// In a time that depends on the length of `given` alone.
 bool same_secret(std::string_view given, std::string_view secret) noexcept;
 
+/// Checks a page's origin as a browser says it, "https://app.foxglove.dev"; "file://" is that of desktop applications.
+/// @throws std::invalid_argument with a sentence; "null", which any page can be, is none
+void check_origin(std::string_view origin);
+
 /// Decides about requests by what they say of host, origin and token.
 ///
 /// A page of another origin reaches 127.0.0.1 in its user's browser. By its own name it says a foreign Origin. By a name that it
@@ -23,18 +28,27 @@ bool same_secret(std::string_view given, std::string_view secret) noexcept;
 /// localhost.
 class Admission {
  public:
-  /// @param token  that a request must have as `?token=`; empty: none is asked for, and only loopback's names are hosts
-  Admission(std::uint16_t port, std::string token);
+  /// What a request asks for.
+  enum class Asked {
+    flight,
+    open_file,  ///< holds nothing of a flight: no token is asked for
+    topics      ///< Foxglove's protocol, which tells only: other origins may be allowed
+  };
 
-  /// @param open  of a file that holds nothing of a flight: no token is asked for
+  /// @param token    that a request must have as `?token=`; empty: none is asked for, and only loopback's names are hosts
+  /// @param origins  of pages that may ask for topics, checked
+  Admission(std::uint16_t port, std::string token, std::vector<std::string> origins = {});
+
   /// @return why it is refused, a sentence; empty: it is not
-  std::string_view refusal(const HttpRequest& request, bool open = false) const;
+  std::string_view refusal(const HttpRequest& request, Asked asked = Asked::flight) const;
 
  private:
   bool is_host(std::string_view host) const;
+  bool is_allowed(std::string_view origin) const;
 
   std::string port_;  // ":8765"
   std::string token_;
+  std::vector<std::string> origins_;
 };
 
 }  // namespace sightline

@@ -23,6 +23,7 @@ OwnedDescriptor& OwnedDescriptor::operator=(OwnedDescriptor&& other) noexcept {
 Connection::Connection(OwnedDescriptor socket, Time now, std::size_t message_limit, int messages_a_second)
     : socket_(std::move(socket)),
       frames_(message_limit),
+      message_limit_(message_limit),
       messages_a_second_(messages_a_second),
       second_(now),
       moved_(now),
@@ -30,6 +31,7 @@ Connection::Connection(OwnedDescriptor socket, Time now, std::size_t message_lim
 
 void Connection::receive(Time now) {
   std::array<char, 4096> bytes;
+  whole_.clear();
   const ssize_t n = ::recv(fd(), bytes.data(), bytes.size(), 0);
   if (n < 0 && (errno == EAGAIN || errno == EINTR)) return;
   if (n <= 0) return close();
@@ -38,6 +40,7 @@ void Connection::receive(Time now) {
   if (state_ == State::asking && in_.size() <= request_limit) in_ += taken;
   if (state_ != State::watching) return;  // behind a request nothing is expected
   frames_.take(taken);
+  bytes_ += taken.size();
   read_frames(now);
 }
 
@@ -60,6 +63,12 @@ void Connection::watch(std::string bytes, Time now) {
   answer(std::move(bytes), now);
   state_ = State::watching;
   in_.clear();
+}
+
+void Connection::allow(std::size_t message_limit, int messages_a_second) {
+  frames_.set_limit(message_limit);
+  message_limit_ = message_limit;
+  messages_a_second_ = messages_a_second;
 }
 
 void Connection::give(Bytes state, std::int64_t number, Time now) {
@@ -97,7 +106,7 @@ void Connection::send(Time now) {
 }
 
 void Connection::read_frames(Time now) {
-  if (now - second_ >= std::chrono::seconds(1)) second_ = now, messages_ = 0;
+  if (now - second_ >= std::chrono::seconds(1)) second_ = now, messages_ = 0, bytes_ = 0;
   const auto refuse = [&](WebsocketClose why) {
     broke_rules_ = true;
     // A watcher that takes nothing does not hear why.
@@ -107,12 +116,30 @@ void Connection::read_frames(Time now) {
     }
     close();
   };
-  while (const auto frame = frames_.next()) {
+  if (bytes_ > 20 * message_limit_) return refuse(WebsocketClose::against_the_rules);
+  while (auto frame = frames_.next()) {
     if (++messages_ > messages_a_second_) return refuse(WebsocketClose::against_the_rules);
     if (frame->op == WebsocketOp::close) return close();
-    if (frame->op == WebsocketOp::ping) behind_ += websocket_frame(WebsocketOp::pong, frame->payload);
+    if (const auto fault = take_frame(*std::move(frame))) return refuse(*fault);
   }
   if (const auto fault = frames_.fault()) refuse(*fault);
+}
+
+/// Puts a message together. @return why it is none
+std::optional<WebsocketClose> Connection::take_frame(WebsocketReader::Frame frame) {
+  if (frame.op == WebsocketOp::ping) add(websocket_frame(WebsocketOp::pong, frame.payload));
+  if (frame.op == WebsocketOp::ping || frame.op == WebsocketOp::pong) return std::nullopt;
+  if ((frame.op == WebsocketOp::continuation) != begun_.has_value()) return WebsocketClose::not_the_protocol;
+  if (begun_) {
+    if (begun_->payload.size() + frame.payload.size() > message_limit_) return WebsocketClose::too_long;
+    begun_->payload += frame.payload;
+    begun_->last = frame.last;
+  } else {
+    begun_ = std::move(frame);
+  }
+  if (!begun_->last) return std::nullopt;
+  whole_.push_back(*std::exchange(begun_, std::nullopt));
+  return std::nullopt;
 }
 
 }  // namespace sightline

@@ -6,8 +6,11 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "sightline/server/websocket.hpp"
 
@@ -40,7 +43,7 @@ class Connection {
   };
 
   /// @param message_limit  longest message of a watcher [B]
-  /// @param messages_a_second  of a watcher, at most
+  /// @param messages_a_second  of a watcher, at most; and of bytes 20 of its longest messages
   Connection(OwnedDescriptor socket, Time now, std::size_t message_limit, int messages_a_second);
 
   State state() const { return state_; }
@@ -64,6 +67,14 @@ class Connection {
   void answer(std::string bytes, Time now);
   /// Sends what follows, and is a watcher from now on.
   void watch(std::string bytes, Time now);
+  /// Other limits than from the start.
+  void allow(std::size_t message_limit, int messages_a_second);
+  /// Messages of a watcher that came with the last bytes, whole; once.
+  std::vector<WebsocketReader::Frame> take_messages() { return std::exchange(whole_, {}); }
+  /// More to a watcher, behind what it has not taken yet.
+  void add(std::string_view frames) { behind_ += frames; }
+  /// That it has not taken yet [B].
+  std::size_t waiting() const { return behind_.size() + (sends() ? out_->size() - sent_ : 0); }
   /// A state to a watcher that has taken the one before.
   void give(Bytes state, std::int64_t number, Time now);
   /// Number of the last state that was given.
@@ -78,15 +89,19 @@ class Connection {
 
  private:
   void read_frames(Time now);
+  std::optional<WebsocketClose> take_frame(WebsocketReader::Frame frame);
 
   OwnedDescriptor socket_;
   State state_ = State::asking;
   std::string in_;  // of a request
   WebsocketReader frames_;
+  std::optional<WebsocketReader::Frame> begun_{};  // a message in parts
+  std::vector<WebsocketReader::Frame> whole_{};
+  std::size_t message_limit_, bytes_ = 0;
   int messages_a_second_, messages_ = 0;
   Time second_, moved_, heard_;
   Bytes out_;
-  std::string behind_;  // control frames that wait for out_
+  std::string behind_;  // that waits for out_
   std::size_t sent_ = 0;
   std::int64_t given_ = 0;
   bool broke_rules_ = false;

@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <exception>
 #include <thread>
 #include <utility>
 
 #include "sightline/base/index.hpp"
+#include "sightline/record/log_topics.hpp"
 #include "sightline/run/ring.hpp"
 #include "sightline/server/admission.hpp"
+#include "sightline/server/foxglove_feed.hpp"
 #include "sightline/server/page_files.hpp"
 #include "sightline/server/scene_json.hpp"
+#include "sightline/server/scene_topics.hpp"
 
 namespace sightline {
 namespace {
@@ -33,7 +37,10 @@ class FlightPage::Thread {
         scene_(scenario),
         present_(scenario),
         asked_(scene_.asked(present_)),
-        server_(options, files_of_flight(scene_)),
+        feed_(scenario.name),
+        topics_(scenario, prototype.solvers.size(), feed_),
+        drawn_(scenario, feed_),
+        server_(options, files_of_flight(scene_), &feed_),
         thread_([this] { run(); }) {}
   ~Thread() {
     done_ = true;
@@ -65,6 +72,8 @@ class FlightPage::Thread {
       any = true;
     }
     if (!any) return;
+    tell([&] { drawn_.add(newest_); });
+    feed_.hand_over(nanoseconds(newest_.time));
     server_.post(scene_.moment(newest_, events_));
     newest_.paths.clear();
     newest_.solve_us = 0.0;
@@ -73,6 +82,7 @@ class FlightPage::Thread {
   /// The newest of all, but of solve times the longest since the last look.
   void take(const Sample& sample) {
     if (present_.follow(sample)) asked_ = scene_.asked(present_);
+    tell([&] { (void)topics_.add(sample, present_, present_.cost(sample)); });
     const Team& team = scene_.team();
     newest_.time = sample.time;
     newest_.seen.assign(size(team.bodies()), std::nullopt);
@@ -102,6 +112,17 @@ class FlightPage::Thread {
       events_.erase(events_.begin(), events_.end() - static_cast<std::ptrdiff_t>(events_told));
   }
 
+  /// What cannot be told ends the topics, and not the flight.
+  template <class Tell>
+  void tell(Tell&& topics) {
+    if (untold_ || !feed_.is_asked()) return;
+    try {
+      topics();
+    } catch (const std::exception&) {
+      untold_ = true;
+    }
+  }
+
   void take_paths(const Sample& sample) {
     const Team& team = scene_.team();
     newest_.paths.clear();
@@ -122,6 +143,10 @@ class FlightPage::Thread {
   ShownState newest_;
   std::vector<Happening> events_;
   std::int64_t happened_ = 0;
+  FoxgloveFeed feed_;
+  LogTopics topics_;
+  SceneTopics drawn_;
+  bool untold_ = false;
   PageServer server_;
   std::atomic<bool> done_{false};
   std::thread thread_;  // last: it uses all of it

@@ -10,7 +10,7 @@
 
 namespace sightline {
 
-/// Serves the page of a flight. The loop hands its samples over; a thread of its own makes of the newest what watchers see, 30 times a
+/// Serves the page of a flight, and to Foxglove the topics that its log has. The loop hands its samples over; a thread of its own makes of the newest what watchers see, 30 times a
 /// second, and another one sends it. Neither is waited for: where the first is held up, samples are dropped and counted.
 class FlightPage {
  public:

@@ -18,6 +18,9 @@
 
 #include "sightline/server/admission.hpp"
 #include "sightline/server/connection.hpp"
+#include "sightline/server/foxglove.hpp"
+#include "sightline/server/foxglove_feed.hpp"
+#include "sightline/server/foxglove_session.hpp"
 
 namespace sightline {
 namespace {
@@ -61,25 +64,32 @@ std::uint16_t port_of(const OwnedDescriptor& socket) {
 
 bool is_loopback(const ServeOptions& options) { return options.address == "127.0.0.1"; }
 
-std::string upgrade_response(std::string_view key) {
+std::string upgrade_response(std::string_view key, std::string_view protocol) {
   return fmt::format(
       "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-      "Sec-WebSocket-Accept: {}\r\n\r\n",
+      "{}{}{}Sec-WebSocket-Accept: {}\r\n\r\n",
+      protocol.empty() ? "" : "Sec-WebSocket-Protocol: ", protocol, protocol.empty() ? "" : "\r\n",
       websocket_accept(key));
+}
+
+const std::vector<std::string>& checked_origins(const ServeOptions& options) {
+  for (const std::string& origin : options.origins) check_origin(origin);
+  return options.origins;
 }
 
 }  // namespace
 
 class PageServer::Thread {
  public:
-  Thread(const ServeOptions& options, PageFiles files)
-      : listener_(listening_socket(options)),
+  Thread(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics)
+      : topics_(topics),
+        listener_(listening_socket(options)),
         wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
         port_(port_of(listener_)),
         token_(is_loopback(options) ? "" : random_token()),
         url_(fmt::format("http://{}:{}/{}{}", options.address, port_,
                          token_.empty() ? "" : "?token=", token_)),
-        admission_(port_, token_),
+        admission_(port_, token_, checked_origins(options)),
         files_(std::move(files)),
         thread_([this] { run(); }) {}
   ~Thread() {
@@ -118,15 +128,17 @@ class PageServer::Thread {
       polled.clear();
       polled.push_back({wake_.get(), POLLIN, 0});
       polled.push_back({listener_.get(), POLLIN, 0});
+      polled.push_back({topics_ != nullptr ? topics_->fd() : -1, POLLIN, 0});
       for (const Connection& one : connections_) polled.push_back({one.fd(), one.awaited(), 0});
       (void)::poll(polled.data(), polled.size(), look_around_ms);
       std::uint64_t ignored = 0;
       (void)!::read(wake_.get(), &ignored, sizeof ignored);
       const Time now = std::chrono::steady_clock::now();
-      std::size_t i = 2;
+      std::size_t i = 3;
       for (Connection& one : connections_) serve(one, polled[i++].revents, now);
       accept_new(now);
       give_newest(now);
+      tell_topics(now);
       leave_late(now);
       tidy();
     }
@@ -154,6 +166,8 @@ class PageServer::Thread {
         answer(one, now);
       }
     }
+    if (const auto speaker = sessions_.find(&one); speaker != sessions_.end())
+      for (const WebsocketReader::Frame& message : one.take_messages()) speaker->second.hear(message);
     one.send(now);
   }
 
@@ -167,22 +181,40 @@ class PageServer::Thread {
     if (!request) return refuse(one, 400, "this is no request", now);
     const auto file = files_.find(request->path);
     const bool open = file != files_.end() && file->second.open;
-    if (const std::string_view why = admission_.refusal(*request, open); !why.empty())
+    const std::string_view protocol = foxglove_protocol(request->header("sec-websocket-protocol"));
+    const bool topics = topics_ != nullptr && !protocol.empty() && request->path == "/";
+    const auto asked = topics ? Admission::Asked::topics
+                       : open ? Admission::Asked::open_file
+                              : Admission::Asked::flight;
+    if (const std::string_view why = admission_.refusal(*request, asked); !why.empty())
       return refuse(one, 403, why, now);
     if (request->method != "GET" && request->method != "HEAD")
       return refuse(one, 405, "this page is read-only", now);
-    if (request->path == "/live") return upgrade(one, *request, now);
+    if (request->path == "/live") return upgrade(one, *request, "", now);
+    if (topics) return upgrade(one, *request, protocol, now);
     if (file == files_.end()) return refuse(one, 404, "there is nothing here", now);
     one.answer(http_response(200, file->second.type, file->second.body, request->method == "GET"), now);
   }
 
-  void upgrade(Connection& one, const HttpRequest& request, Time now) {
+  void upgrade(Connection& one, const HttpRequest& request, std::string_view protocol, Time now) {
     const std::string_view key = request.header("sec-websocket-key");
     if (request.method != "GET" || !request.lists("connection", "upgrade") ||
         !request.lists("upgrade", "websocket") || request.header("sec-websocket-version") != "13" ||
         !is_websocket_key(key))
       return refuse(one, 400, "expected a WebSocket, version 13", now);
-    one.watch(upgrade_response(key), now);
+    one.watch(upgrade_response(key, protocol), now);
+    if (protocol.empty()) return;
+    one.allow(FoxgloveSession::message_limit, FoxgloveSession::messages_a_second);
+    sessions_.try_emplace(&one, *topics_, one);
+  }
+
+  void tell_topics(Time now) {
+    if (topics_ == nullptr) return;
+    const std::vector<FoxgloveFeed::Batch> batches = topics_->take();
+    for (auto& [connection, session] : sessions_) {
+      session.tell(batches);
+      connection->send(now);
+    }
   }
 
   void give_newest(Time now) {
@@ -194,7 +226,9 @@ class PageServer::Thread {
       number = newest_number_;
     }
     for (Connection& one : connections_) {
-      if (one.state() != Connection::State::watching || one.sends() || one.given() == number) continue;
+      if (one.state() != Connection::State::watching || one.sends() || one.given() == number ||
+          sessions_.contains(&one))
+        continue;
       if (one.given() > 0) now_counts_.dropped += number - one.given() - 1;
       ++now_counts_.sent;
       one.give(newest, number, now);
@@ -214,12 +248,25 @@ class PageServer::Thread {
     if (now - pinged_ < ping_after) return;
     pinged_ = now;
     for (Connection& one : connections_)
-      if (one.state() == Connection::State::watching && !one.sends()) one.ping(now);
+      if (one.state() == Connection::State::watching && (!one.sends() || sessions_.contains(&one)))
+        one.ping(now);
   }
 
   void tidy() {
     for (const Connection& one : connections_)
       if (one.state() == Connection::State::closed && one.broke_rules()) ++now_counts_.closed;
+    now_counts_.messages = left_messages_, now_counts_.messages_dropped = left_dropped_;
+    if (topics_ != nullptr) now_counts_.messages_dropped += topics_->dropped();
+    for (auto at = sessions_.begin(); at != sessions_.end();) {
+      const auto& [connection, session] = *at;
+      now_counts_.messages += session.sent(), now_counts_.messages_dropped += session.dropped();
+      if (connection->state() != Connection::State::closed) {
+        ++at;
+        continue;
+      }
+      left_messages_ += session.sent(), left_dropped_ += session.dropped();
+      at = sessions_.erase(at);
+    }
     connections_.remove_if([](const Connection& one) { return one.state() == Connection::State::closed; });
     now_counts_.watchers = std::count_if(connections_.begin(), connections_.end(), [](const Connection& one) {
       return one.state() == Connection::State::watching;
@@ -228,13 +275,16 @@ class PageServer::Thread {
     counts_ = now_counts_;
   }
 
+  FoxgloveFeed* topics_;
   OwnedDescriptor listener_, wake_;
   std::uint16_t port_;
   std::string token_, url_;
   Admission admission_;
   PageFiles files_;
 
-  std::list<Connection> connections_;  // of the thread, as what follows
+  std::list<Connection> connections_;                  // of the thread, as what follows
+  std::map<Connection*, FoxgloveSession> sessions_;    // of those that speak Foxglove's protocol
+  std::int64_t left_messages_ = 0, left_dropped_ = 0;  // of those that have left
   ServeCounts now_counts_;
   Time pinged_{};
 
@@ -247,8 +297,8 @@ class PageServer::Thread {
   std::thread thread_;  // last: it uses all of it
 };
 
-PageServer::PageServer(const ServeOptions& options, PageFiles files)
-    : thread_(std::make_unique<Thread>(options, std::move(files))) {}
+PageServer::PageServer(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics)
+    : thread_(std::make_unique<Thread>(options, std::move(files), topics)) {}
 PageServer::~PageServer() = default;
 
 const std::string& PageServer::url() const { return thread_->url(); }

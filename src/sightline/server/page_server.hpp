@@ -8,8 +8,11 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sightline {
+
+class FoxgloveFeed;
 
 /// What stands at a path.
 struct PageFile {
@@ -23,6 +26,8 @@ struct ServeOptions {
   /// IPv4 address of the interface; another than 127.0.0.1 asks for a token.
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;  ///< 0: a free one
+  /// Other pages that may subscribe to topics, "https://app.foxglove.dev"; none: this one, and what is no page.
+  std::vector<std::string> origins{};
 };
 
 /// What became of those who came.
@@ -32,6 +37,7 @@ struct ServeCounts {
   std::int64_t sent = 0,
                dropped = 0;  ///< states; dropped: a newer one was there before a watcher took the last
   std::int64_t closed = 0;   ///< watchers that sent too much, or took nothing for `patience`
+  std::int64_t messages = 0, messages_dropped = 0;  ///< of topics, to each that has subscribed
 };
 
 /// An HTTP and WebSocket server with one thread, which waits for no client: no socket blocks. Read-only: what a client sends is
@@ -39,6 +45,7 @@ struct ServeCounts {
 ///
 ///   /            a PageFile
 ///   /live        a WebSocket: the newest state at once, then each that is posted, as a text message
+///   /            a WebSocket that speaks Foxglove's protocol: topics
 ///
 /// Bounds: `connections_max` at a time, heads of 8 KiB, `message_limit` and `messages_a_second` from a watcher. A client that
 /// does not say its request, or takes nothing, is closed after `patience`.
@@ -50,8 +57,9 @@ class PageServer {
   static constexpr double patience = 5.0;  // [s]
 
   /// Listens at once.
-  /// @throws std::invalid_argument for an address that is none of this machine, or a port that is taken, named
-  PageServer(const ServeOptions& options, PageFiles files);
+  /// @param topics  for Foxglove; outlives this; none: there are none
+  /// @throws std::invalid_argument for an address that is none of this machine, a port that is taken, or an origin that is none, named
+  PageServer(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics = nullptr);
   ~PageServer();
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;

@@ -120,7 +120,7 @@ std::optional<WebsocketReader::Frame> WebsocketReader::next() {
     return std::nullopt;
   }
   if (bytes_.size() < head + length) return std::nullopt;
-  Frame frame{static_cast<WebsocketOp>(op), bytes_.substr(head, length)};
+  Frame frame{static_cast<WebsocketOp>(op), bytes_.substr(head, length), (at(0) & 0x80U) != 0};
   for (std::size_t i = 0; i < length; ++i)
     frame.payload[i] = static_cast<char>(frame.payload[i] ^ bytes_[head - 4 + i % 4]);
   bytes_.erase(0, head + length);

@@ -42,9 +42,11 @@ class WebsocketReader {
   struct Frame {
     WebsocketOp op{};
     std::string payload{};
+    bool last = true;  ///< of its message
   };
   /// @param limit  longest payload [B], at least that of a control frame, 125
   explicit WebsocketReader(std::size_t limit) : limit_(limit) {}
+  void set_limit(std::size_t limit) { limit_ = limit; }
 
   void take(std::string_view bytes) { bytes_ += bytes; }
   /// The next whole frame; none where more is to come, or where it can not go on.
