@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The figures of the Python module, section by section:  scripts/accept/15.sh [--short] [SECTION ...]
+# The figures of the Python module and of the page, section by section:  scripts/accept/15.sh [--short] [SECTION ...]
 # What is finished stays in out/accept/15/ and is not done again; delete it to begin anew. Needs the release preset.
 # --short is for CI: less of each, by wider limits.
 set -uo pipefail
@@ -18,6 +18,8 @@ solve() { figure solve; }
 threads() { figure threads; }
 formula() { figure formula; }
 cycles() { figure cycles; }
+# Ten clients of the page and of Foxglove's protocol, one of which reads nothing, beside a flight without a server.
+clients() { python3 bench/client_figures.py $(whole || echo --short); }
 
-all=(solve threads formula cycles)
+all=(solve threads formula cycles clients)
 run_sections "$@"
