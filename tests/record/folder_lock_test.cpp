@@ -8,8 +8,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <fstream>
 #include <stdexcept>
+#include <thread>
 
 #include "tests/support/folder.hpp"
 #include "tests/support/refusal.hpp"
@@ -35,6 +37,35 @@ TEST(FolderLock, MakesTheFolderAndIsGoneWithoutATrace) {
   }
   EXPECT_TRUE(fs::is_empty(folder));
   EXPECT_EQ(lock_refusal(folder), "");
+}
+
+TEST(FolderLock, WhoLooksOnKnowsWhetherSomebodyWrites) {
+  const fs::path folder = test::fresh_folder();
+  EXPECT_FALSE(is_written(folder));
+  EXPECT_FALSE(is_written(folder / "none"));
+  {
+    const FolderLock lock(folder, {});
+    EXPECT_TRUE(is_written(folder));
+    EXPECT_TRUE(is_written(folder));
+  }
+  EXPECT_FALSE(is_written(folder));
+  EXPECT_TRUE(fs::is_empty(folder));
+}
+
+// As long as nobody writes, a writer comes in, however many look.
+TEST(FolderLock, ThoseWhoLookOnDoNotKeepAWriterOut) {
+  const fs::path folder = test::fresh_folder();
+  std::ofstream(folder / ".lock") << "1\n";
+  std::atomic<bool> done{false};
+  std::thread looks([&] {
+    while (!done) (void)is_written(folder);
+  });
+  for (int i = 0; i < 50; ++i) {
+    std::ofstream(folder / ".lock") << "1\n";
+    EXPECT_EQ(lock_refusal(folder), "");
+  }
+  done = true;
+  looks.join();
 }
 
 TEST(FolderLock, AFolderOfTwoNamesIsOne) {

@@ -115,6 +115,40 @@ TEST(Mcap, TheSameMessagesGiveTheSameBytes) {
   EXPECT_FALSE(load(place("one.mcap")).empty());
 }
 
+// However the pieces fall: in the midst of a chunk, the end and the closing magic.
+TEST(Mcap, ALogThatGrowsGivesEachMessageOnceAndInOrder) {
+  const auto path = place("grown.mcap"), growing = place("growing.mcap");
+  const RandomLog log = write_log(path, 6);
+  const Bytes whole = load(path);
+  std::mt19937 random(5);
+  for (int trial = 0; trial < 8; ++trial) {
+    // The last bytes one by one, once.
+    std::size_t size = trial == 0 ? whole.size() - 400 : 8 + random() % whole.size() / 2;
+    save(growing, std::span(whole).first(size));
+    McapReader reader(growing);
+    std::vector<Message> messages;
+    const auto read_on = [&] {
+      return reader.read_on([&](const McapMessage& m) {
+        messages.push_back({std::string(m.topic), std::string(m.schema), std::string(m.encoding), m.sequence,
+                            m.log_time, Bytes(m.bytes.begin(), m.bytes.end())});
+      });
+    };
+    while (size < whole.size()) {
+      ASSERT_TRUE(read_on()) << reader.error() << ", cut at " << size;
+      ASSERT_TRUE(reader.truncated());
+      ASSERT_TRUE(begins_with(log.messages, messages)) << "cut at " << size;
+      size = std::min(whole.size(), size + (trial == 0 ? 1 : 1 + random() % 400));
+      save(growing, std::span(whole).first(size));
+    }
+    ASSERT_TRUE(read_on() && read_on()) << reader.error();
+    EXPECT_FALSE(reader.truncated());
+    EXPECT_TRUE(messages == log.messages);
+    save(growing, std::span(whole).first(20));
+    EXPECT_FALSE(read_on());
+    EXPECT_NE(reader.error().find("became shorter"), std::string::npos);
+  }
+}
+
 TEST(Mcap, AFileCutAnywhereOpensToItsLastWholeChunk) {
   const auto path = place("whole.mcap"), cut_path = place("cut.mcap");
   const RandomLog log = write_log(path, 6);

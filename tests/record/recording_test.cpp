@@ -179,6 +179,33 @@ TEST(Recording, ALogCutOffAnywhereIsReadToItsLastWholeChunk) {
   EXPECT_EQ(most, 200U);
 }
 
+TEST(Recording, ALogThatIsReadWhileItGrowsGivesTheSameRows) {
+  const std::string log = read_file(flight().folder / "run.mcap"),
+                    times = read_file(flight().folder / "timing.csv");
+  const Recording whole = read_recording(flight().folder);
+  const fs::path folder = made_folder("grows");
+  const std::size_t pieces = 23, first = log.size() / 20;
+  const auto grow_to = [&](std::size_t piece) {
+    save(folder / "run.mcap", std::string_view(log).substr(0, first + piece * (log.size() - first) / pieces));
+    save(folder / "timing.csv", std::string_view(times).substr(0, piece * times.size() / pieces));
+  };
+  grow_to(0);
+  RecordingReader reader(folder);
+  std::size_t rows = 0;
+  for (std::size_t piece = 0; piece <= pieces; ++piece) {
+    grow_to(piece);
+    reader.read_on();
+    EXPECT_GE(reader.rows(), rows);
+    rows = reader.rows();
+    EXPECT_EQ(reader.run().complete, piece == pieces);
+  }
+  EXPECT_EQ(rows, whole.time.size());
+  EXPECT_EQ(reader.run().time, whole.time);
+  EXPECT_EQ(reader.run().solve_us, whole.solve_us);
+  EXPECT_EQ(reader.run().bodies[0].u, whole.bodies[0].u);
+  EXPECT_EQ(reader.run().events.size(), whole.events.size());
+}
+
 TEST(Recording, ARowOfTimesThatWasCutOffIsLeftOut) {
   const std::string times = read_file(flight().folder / "timing.csv");
   const fs::path folder = made_folder("times");

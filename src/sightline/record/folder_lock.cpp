@@ -8,9 +8,11 @@
 
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "sightline/base/reason.hpp"
@@ -36,6 +38,15 @@ bool is_at(int file, const fs::path& name) {
   struct stat named {};
   return ::fstat(file, &open) == 0 && ::stat(name.c_str(), &named) == 0 && open.st_dev == named.st_dev &&
          open.st_ino == named.st_ino;
+}
+
+/// Locks for writing. Who asks whether the folder is written holds the lock for microseconds: once more a little later.
+bool locked(int file) {
+  for (int tries = 0; ::flock(file, LOCK_EX | LOCK_NB) != 0; ++tries) {
+    if (errno != EWOULDBLOCK || tries == 3) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
 }
 
 void expect_file(const fs::path& file) {
@@ -74,7 +85,7 @@ void FolderLock::lock() {
       throw std::invalid_argument(fmt::format("{}: cannot be written ({}), expected a folder that can",
                                               folder_.native(), reason(errno)));
     }
-    if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    if (!locked(lock_)) {
       const std::string sentence =
           errno == EWOULDBLOCK
               ? fmt::format(
@@ -98,6 +109,14 @@ void FolderLock::lock() {
 FolderLock::~FolderLock() {
   ::unlink(file_.c_str());
   ::close(lock_);
+}
+
+bool is_written(const fs::path& folder) {
+  const int file = ::open((folder / ".lock").c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (file < 0) return false;
+  const bool taken = ::flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(file);
+  return taken;
 }
 
 }  // namespace sightline

@@ -29,4 +29,7 @@ class FolderLock {
   int lock_ = -1;
 };
 
+/// Whether some process writes into the folder now.
+bool is_written(const std::filesystem::path& folder);
+
 }  // namespace sightline

@@ -185,6 +185,10 @@ class McapReader {
   /// holds.
   /// @return ok()
   bool visit(const std::function<void(const McapMessage&)>& visitor);
+  /// Shows what has come to the log since the last call, or since visit(), of one that is still written: a chunk that is
+  /// not whole yet comes with a later call.
+  /// @return ok()
+  bool read_on(const std::function<void(const McapMessage&)>& visitor);
 
   bool ok() const { return error_.empty(); }           ///< True while no fault was found.
   const std::string& error() const { return error_; }  ///< The first fault, a sentence; empty if none.
@@ -214,6 +218,8 @@ class McapReader {
 
   void fail(std::uint64_t at, std::string_view what);
   bool fetch(std::uint64_t at, std::uint64_t count, std::span<const std::byte>& bytes);
+  bool look_at_end();
+  bool walk(const std::function<void(const McapMessage&)>& visitor);
   bool next(std::uint64_t& position, Record& record);
   void end_of_records(std::uint64_t position, std::string_view what);
   bool finish(std::uint64_t position);
@@ -230,6 +236,10 @@ class McapReader {
   std::uint64_t size_ = 0;  // of the file [B]
   bool truncated_ = false;
   bool sealed_ = false;  // the file ends in the closing magic
+  // How far the messages are shown: the next record, the CRC of the data section, then of the summary.
+  std::uint64_t position_ = 0;
+  std::uint32_t crc_ = 0;
+  bool in_summary_ = false, footed_ = false;
   std::map<std::string, McapWords> metadata_;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Topic> channels_;

@@ -99,10 +99,7 @@ McapReader::McapReader(const std::filesystem::path& path) : path_(path.string())
     ::close(std::exchange(file_, -1));
     return;
   }
-  if (size_ > magic.size() + record_head) {
-    if (!fetch(size_ - magic.size(), magic.size(), bytes)) return;
-    sealed_ = is_magic(bytes);
-  }
+  if (!look_at_end()) return;
 
   // A first walk over the records' heads finds the metadata and whether the end is there.
   std::uint64_t position = magic.size();
@@ -121,38 +118,70 @@ McapReader::~McapReader() {
 }
 
 bool McapReader::visit(const std::function<void(const McapMessage&)>& visitor) {
-  if (file_ < 0 || size_ < magic.size()) return ok();
   schemas_.clear();
   channels_.clear();
+  position_ = 0;
+  in_summary_ = footed_ = false;
+  return walk(visitor);
+}
 
+bool McapReader::read_on(const std::function<void(const McapMessage&)>& visitor) {
+  struct stat status {};
+  if (!ok() || file_ < 0) return ok();
+  if (::fstat(file_, &status) != 0 || static_cast<std::uint64_t>(status.st_size) < position_) {
+    fail(position_, "the file became shorter while it was read");
+    return false;
+  }
+  size_ = static_cast<std::uint64_t>(status.st_size);
+  window_.clear();
+  truncated_ = false;
+  return look_at_end() && walk(visitor);
+}
+
+// Whether the closing magic is there.
+bool McapReader::look_at_end() {
+  sealed_ = false;
+  if (size_ <= magic.size() + record_head) return true;
   Span bytes;
-  if (!fetch(0, magic.size(), bytes)) return false;
-  std::uint32_t crc = crc32_of(0, bytes);  // of the data section, then of the summary
-  bool in_summary = false;
-  std::uint64_t position = magic.size();
-  for (Record record; next(position, record);) {
+  if (!fetch(size_ - magic.size(), magic.size(), bytes)) return false;
+  sealed_ = is_magic(bytes);
+  return true;
+}
+
+// Shows all from position_ on that is there whole.
+bool McapReader::walk(const std::function<void(const McapMessage&)>& visitor) {
+  if (file_ < 0 || size_ < magic.size()) return ok();
+  if (footed_) return finish(position_) && ok();
+  Span bytes;
+  if (position_ == 0) {
+    if (!fetch(0, magic.size(), bytes)) return false;
+    crc_ = crc32_of(0, bytes);
+    position_ = magic.size();
+  }
+  for (Record record; next(position_, record);) {
     if (!fetch(record.at, record_head + record.length, bytes)) return false;
     const Span content = bytes.subspan(record_head);
-    if (record.kind == data_end && !in_summary) {
-      if (record.length != 4 || Cursor(content).number<std::uint32_t>() != crc) {
+    if (record.kind == data_end && !in_summary_) {
+      if (record.length != 4 || Cursor(content).number<std::uint32_t>() != crc_) {
         fail(record.at, "the data end here does not match the CRC of the data before it");
         return false;
       }
-      in_summary = true;
-      crc = 0;
+      in_summary_ = true;
+      crc_ = 0;
       continue;
     }
     if (record.kind == footer) {
-      const bool whole = in_summary && record.length == 20;
+      const bool whole = in_summary_ && record.length == 20;
       if (!whole ||
-          Cursor(content.last(4)).number<std::uint32_t>() != crc32_of(crc, bytes.first(bytes.size() - 4))) {
+          Cursor(content.last(4)).number<std::uint32_t>() != crc32_of(crc_, bytes.first(bytes.size() - 4))) {
         fail(record.at, "the footer here does not match the CRC of the summary before it");
         return false;
       }
-      return finish(position) && ok();
+      footed_ = true;
+      return finish(position_) && ok();
     }
-    crc = crc32_of(crc, bytes);
-    if (in_summary) continue;
+    crc_ = crc32_of(crc_, bytes);
+    if (in_summary_) continue;
     const bool sound = record.kind == chunk_record ? read_chunk(record, content, visitor)
                                                    : read_record(record.at, record.kind, content, visitor);
     if (!sound) return false;

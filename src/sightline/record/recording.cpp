@@ -12,9 +12,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
@@ -146,7 +149,7 @@ class RowReader {
   }
 
   // A chunk that closed by itself may end within a period.
-  void trim() {
+  std::size_t rows() const {
     std::size_t rows = std::min(run_.time.size(), run_.cost.size());
     for (const Recording::Body& body : run_.bodies) {
       rows = std::min(rows, body.p.size());
@@ -154,6 +157,11 @@ class RowReader {
       if (!body.barrier.empty()) rows = std::min(rows, body.barrier.size());
     }
     for (const Recording::Controller& c : run_.controllers) rows = std::min(rows, c.status.size());
+    return rows;
+  }
+
+  void trim() {
+    const std::size_t rows = this->rows();
     run_.time.resize(rows);
     run_.cost.resize(rows);
     for (Recording::Body& body : run_.bodies) {
@@ -313,31 +321,52 @@ std::ifstream opened(const std::filesystem::path& path) {
   return file;
 }
 
-// Times to solve of all controllers together. Whole rows alone: the last may have been cut off.
-std::vector<double> read_timing(const std::filesystem::path& path, std::size_t controllers) {
-  std::ifstream file = opened(path);
-  if (!file) refuse("{} cannot be read, expected the measured times of a run", path.string());
-  std::string line;
-  std::getline(file, line);
-  const std::size_t columns = 2 + controllers + 3;
-  std::vector<double> solve_us;
-  while (std::getline(file, line) && !file.eof()) {
+// Times to solve of all controllers together. Whole rows alone: the last may have been cut off, or is not written yet.
+class TimingReader {
+ public:
+  TimingReader(const std::filesystem::path& path, std::size_t controllers)
+      : path_(path.string()), controllers_(controllers), file_(opened(path)) {
+    if (!file_) refuse("{} cannot be read, expected the measured times of a run", path_);
+  }
+
+  void read_on(std::vector<double>& solve_us) {
+    std::string line;
+    for (;;) {
+      const auto before = file_.tellg();
+      if (!std::getline(file_, line) || file_.eof()) {
+        file_.clear();
+        file_.seekg(before);
+        return;
+      }
+      if (std::exchange(headed_, true)) solve_us.push_back(sum_of(line));
+    }
+  }
+
+ private:
+  double sum_of(const std::string& line) const {
+    const std::size_t columns = 2 + controllers_ + 3;
     std::vector<double> row;
     const char* const end = line.data() + line.size();
     for (const char* at = line.data(); at < end; ++at) {
       const auto [next, fault] = std::from_chars(at, end, row.emplace_back());
-      if (fault != std::errc() || (next != end && *next != ',')) {
-        refuse("{}: \"{}\", expected {} numbers with commas between them", path.string(), line, columns);
-      }
+      if (fault != std::errc() || (next != end && *next != ',')) row.clear();
+      if (row.empty()) break;
       at = next;
     }
-    if (row.size() != columns) {
-      refuse("{}: \"{}\", expected {} numbers with commas between them", path.string(), line, columns);
-    }
-    double sum = 0.0;
-    for (std::size_t c = 0; c < controllers; ++c) sum += row[2 + c];
-    solve_us.push_back(sum);
+    if (row.size() != columns)
+      refuse("{}: \"{}\", expected {} numbers with commas between them", path_, line, columns);
+    return std::accumulate(row.begin() + 2, row.begin() + 2 + static_cast<std::ptrdiff_t>(controllers_), 0.0);
   }
+
+  std::string path_;
+  std::size_t controllers_;
+  std::ifstream file_;
+  bool headed_ = false;
+};
+
+std::vector<double> read_timing(const std::filesystem::path& path, std::size_t controllers) {
+  std::vector<double> solve_us;
+  TimingReader(path, controllers).read_on(solve_us);
   return solve_us;
 }
 
@@ -372,33 +401,67 @@ Number number_of(const McapWords& words, const char* key) {
 
 }  // namespace
 
-Recording read_recording(const std::filesystem::path& folder) {
-  const std::string path = (folder / "run.mcap").string();
-  McapReader log(path);
-  if (!log.ok()) refuse("{}", log.error());
-  const auto found = log.metadata().find("sightline");
-  if (found == log.metadata().end()) refuse("{} is no log of a run, expected the words \"sightline\"", path);
-  const McapWords& words = found->second;
-
-  Recording run;
-  try {
-    run.name = words.at("name");
-    run.scenario = words.at("scenario");
-    run.version = words.at("version");
-    run.compiler = words.at("compiler");
-    run.solver = words.at("solver");
-    run.seed = number_of<std::uint64_t>(words, "seed");
-    run.period = number_of<double>(words, "period");
-    read_team(json::parse(words.at("team")), run);
-    RowReader rows(run, number_of<std::size_t>(words, "controllers"));
-    log.visit([&](const McapMessage& message) { rows.take(message); });
-    rows.trim();
-  } catch (const std::exception& e) {
-    refuse("{} is no sound log of a run: {}", path, e.what());
+class RecordingReader::Files {
+ public:
+  explicit Files(const std::filesystem::path& of) : folder(of), path((of / "run.mcap").string()), log(path) {
+    if (!log.ok()) refuse("{}", log.error());
+    const auto found = log.metadata().find("sightline");
+    if (found == log.metadata().end())
+      refuse("{} is no log of a run, expected the words \"sightline\"", path);
+    const McapWords& words = found->second;
+    try {
+      run.name = words.at("name");
+      run.scenario = words.at("scenario");
+      run.version = words.at("version");
+      run.compiler = words.at("compiler");
+      run.solver = words.at("solver");
+      run.seed = number_of<std::uint64_t>(words, "seed");
+      run.period = number_of<double>(words, "period");
+      read_team(json::parse(words.at("team")), run);
+      reader.emplace(run, number_of<std::size_t>(words, "controllers"));
+    } catch (const std::exception& e) {
+      refuse("{} is no sound log of a run: {}", path, e.what());
+    }
   }
-  if (!log.ok()) refuse("{}", log.error());
-  run.complete = !log.truncated();
-  run.solve_us = read_timing(folder / "timing.csv", run.controllers.size());
+
+  void read_on(const std::function<void(const McapMessage&)>& visitor) {
+    try {
+      log.read_on([&](const McapMessage& message) {
+        reader->take(message);
+        if (visitor) visitor(message);
+      });
+    } catch (const std::exception& e) {
+      refuse("{} is no sound log of a run: {}", path, e.what());
+    }
+    if (!log.ok()) refuse("{}", log.error());
+    run.complete = !log.truncated();
+    if (!timing) timing.emplace(folder / "timing.csv", run.controllers.size());
+    timing->read_on(run.solve_us);
+  }
+
+  std::filesystem::path folder;
+  std::string path;
+  McapReader log;
+  Recording run;
+  std::optional<RowReader> reader;
+  std::optional<TimingReader> timing;
+};
+
+RecordingReader::RecordingReader(const std::filesystem::path& folder)
+    : files_(std::make_unique<Files>(folder)) {}
+RecordingReader::~RecordingReader() = default;
+
+void RecordingReader::read_on(const std::function<void(const McapMessage&)>& visitor) {
+  files_->read_on(visitor);
+}
+const Recording& RecordingReader::run() const { return files_->run; }
+std::size_t RecordingReader::rows() const { return files_->reader->rows(); }
+
+Recording read_recording(const std::filesystem::path& folder) {
+  RecordingReader reader(folder);
+  reader.read_on();
+  reader.files_->reader->trim();
+  Recording run = std::move(reader.files_->run);
   run.comparisons = read_comparisons(folder, run);
   return run;
 }

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +14,8 @@
 #include "sightline/world/camera.hpp"
 
 namespace sightline {
+
+struct McapMessage;
 
 /// What run.mcap and timing.csv of one folder hold. Columns of one name space have one row a period, `time`.
 /// What was not finite is not a number.
@@ -113,5 +117,31 @@ struct Recording {
 /// Reads a run's folder; the log of a killed run as far as it is sound.
 /// @throws std::runtime_error with a sentence that names the file where it cannot be read
 Recording read_recording(const std::filesystem::path& folder);
+
+/// Reads a run's folder piece by piece, while it is still written.
+class RecordingReader {
+ public:
+  /// Reads what the log says of itself, no row yet.
+  /// @throws as read_recording()
+  explicit RecordingReader(const std::filesystem::path& folder);
+  ~RecordingReader();
+  RecordingReader(const RecordingReader&) = delete;
+  RecordingReader& operator=(const RecordingReader&) = delete;
+
+  /// Takes in what has been written since.
+  /// @param visitor  is shown each message once it is taken
+  /// @throws as read_recording()
+  void read_on(const std::function<void(const McapMessage&)>& visitor = {});
+
+  /// As far as it is read. The first rows() of each column are whole, some columns have more; headings are as they were logged, not
+  /// unwrapped; there are no comparisons.
+  const Recording& run() const;
+  std::size_t rows() const;
+
+ private:
+  friend Recording read_recording(const std::filesystem::path& folder);
+  class Files;
+  std::unique_ptr<Files> files_;
+};
 
 }  // namespace sightline
