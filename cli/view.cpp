@@ -102,16 +102,19 @@ int view_log(const ViewCommand& command, const Parts& parts, const ServeOptions&
   }
   if (!command.of.set.empty() || command.speed || command.paused)
     throw std::invalid_argument("--set, --speed and --paused of a log, expected none: it is flown already");
-  const FlownAs flown = flown_as(log);
-  Scenario scenario = parse_scenario(flown.text, log, parts, {.files = flown.files});
-  scenario.name = flown.name;
-  scenario.solver.name = flown.solver;
+  const auto scenario_of_log = [&] {
+    const FlownAs flown = flown_as(log);
+    Scenario scenario = parse_scenario(flown.text, log, parts, {.files = flown.files});
+    scenario.name = flown.name;
+    scenario.solver.name = flown.solver;
+    return scenario;
+  };
   const auto end = end_of(command);
-  LogPlayback playback(log, scenario);
-  const PageServer server(options, log_page(folder, scenario), &playback.feed());
-  announce(command, server.url());
+  LogPlayback playback(log, scenario_of_log());
+  const LogPage page(folder, scenario_of_log, options, &playback.feed());
+  announce(command, page.url());
   wait_until(end);
-  tell_counts(server.counts());
+  tell_counts(page.counts());
   return 0;
 }
 

@@ -13,6 +13,14 @@ figure() {
   whole || options=(--short)
   PYTHONPATH=$build/python "$python" -B bench/python_figures.py "$1" "${options[@]}"
 }
+page() {
+  local -a options=()
+  whole || options=(--short)
+  CHROMIUM=${CHROMIUM:-/usr/bin/chromium} "$python" -B bench/page_figures.py "$1" $build/bin/sightline "${options[@]}"
+}
+# Pictures a second in headless Chromium, of logs and of a flight in real time; a log that is still written, and one that was killed.
+frames() { page frames; }
+growing() { page growing; }
 # What an update costs from Python; eight threads; a potential in Python and as text; memory.
 solve() { figure solve; }
 threads() { figure threads; }
@@ -21,5 +29,5 @@ cycles() { figure cycles; }
 # Ten clients of the page and of Foxglove's protocol, one of which reads nothing, beside a flight without a server.
 clients() { python3 bench/client_figures.py $(whole || echo --short); }
 
-all=(solve threads formula cycles clients)
+all=(frames growing solve threads formula cycles clients)
 run_sections "$@"

@@ -8,6 +8,7 @@
 
 #include "sightline/server/foxglove_feed.hpp"
 #include "tests/support/foxglove_ears.hpp"
+#include "sightline/server/http.hpp"
 #include "tests/support/page_client.hpp"
 
 namespace sightline {
@@ -34,6 +35,17 @@ TEST(PageServer, ServesItsFilesAndNothingElse) {
   EXPECT_THAT(PageClient(server.port()).ask("GET /../etc/passwd"), StartsWith("HTTP/1.1 404"));
   EXPECT_THAT(PageClient(server.port()).ask("DELETE /"), StartsWith("HTTP/1.1 405"));
   EXPECT_THAT(PageClient(server.port()).ask("GET /live"), StartsWith("HTTP/1.1 400"));
+}
+
+TEST(PageServer, AFileCanBeMadeForEachRequestByWhatItAsks) {
+  PageFiles files = two_files();
+  files["/made.json"] = {.type = "application/json", .body = {}, .made = [](const HttpRequest& asked) {
+                           return "from " + std::string(asked.parameter("from"));
+                         }};
+  const PageServer server({}, files);
+  EXPECT_THAT(PageClient(server.port()).ask("GET /made.json?from=7"), HasSubstr("\r\n\r\nfrom 7"));
+  EXPECT_THAT(PageClient(server.port()).ask("GET /made.json?from=8"), HasSubstr("\r\n\r\nfrom 8"));
+  EXPECT_TRUE(PageClient(server.port()).ask("HEAD /made.json?from=9").ends_with("\r\n\r\n"));
 }
 
 TEST(PageServer, AWrongHostAndAForeignOriginAreRefusedForPagesAndWatchers) {

@@ -53,6 +53,61 @@ TEST(SceneJson, AMomentHasPosesViewsAndInputsInTheOrderOfTheScene) {
   EXPECT_FALSE(said.contains("paths"));
 }
 
+TEST(SceneJson, ASceneHasTheSurfacesOfItsLimitsEachOnce) {
+  std::string text = test::view_scenario;
+  text += R"toml(
+[agent.uav1.sensor]
+pitch = 0.0
+offset = 0.1
+[[couple]]
+potential = { sensor = { inside = { all_of = ["abs(azimuth) < 0.4", "range < 3 m"] } } }
+between = ["uav1", "uav0"]
+felt_by = ["uav1"]
+weight = 0.1
+[[couple]]
+potential = { region = { inside = { any_of = ["abs(r_x) > 1 m", "abs(r_y) > 0.5 m", "abs(r_z) > 1 m"] } } }
+between = ["uav0", "post"]
+weight = 0.1
+[[couple]]
+potential = { region = { inside = { any_of = ["abs(r_x) > 1 m", "abs(r_y) > 0.5 m", "abs(r_z) > 1 m"] } } }
+between = ["uav1", "post"]
+weight = 0.1
+[[couple]]
+potential = { region = { inside = { all_of = ["hypot(observer.p_x + 1 m, r_y) > 0.5 m"] } } }
+between = ["uav0", "uav1"]
+felt_by = ["uav0"]
+weight = 0.1
+)toml";
+  const json said = json::parse(SceneJson(test::scenario_of(text)).scene("word", true));
+  ASSERT_EQ(said["pairs"].size(), 2U);
+  EXPECT_EQ(said["surfaces"].size(), 3U);
+  EXPECT_EQ(said["surfaces"][said["pairs"][0]["surface"].get<std::size_t>()]["scales"], true);
+  EXPECT_EQ(said["surfaces"][said["pairs"][1]["surface"].get<std::size_t>()]["scales"], false);
+  ASSERT_EQ(said["zones"].size(), 1U);
+  EXPECT_EQ(said["zones"][0]["body"], 2);
+  ASSERT_EQ(said["undrawn"].size(), 1U);
+  EXPECT_NE(said["undrawn"][0].get<std::string>().find("of uav0 › uav1: not drawn: its limit depends"),
+            std::string::npos);
+}
+
+TEST(SceneJson, AnEstimateHasItsCovarianceItsErrorAndItsDeviation) {
+  const SceneJson scene(test::scenario_of(test::view_scenario));
+  ShownState state = pair_state();
+  state.estimates.resize(2);
+  PoseEstimate& estimate = state.estimates[1];
+  estimate.known = true;
+  estimate.p = {1.0, 0.3, 0.9};
+  estimate.P(0, 0) = 0.01, estimate.P(1, 1) = 0.04, estimate.P(2, 2) = 0.04,
+                estimate.P(0, 1) = estimate.P(1, 0) = 0.002;
+  const json said = json::parse(scene.moment(state, {}));
+  EXPECT_TRUE(said["e"][0].is_null());
+  EXPECT_EQ(said["e"][1], json::parse("[1.0, 0.3, 0.9, 0.01, 0.002, 0, 0.04, 0, 0.04, 0.5, 0.3]"));
+  state.truth_known = false;
+  EXPECT_TRUE(json::parse(scene.moment(state, {}))["e"][1][9].is_null());
+  state.estimates.clear();
+  EXPECT_FALSE(json::parse(scene.moment(state, {})).contains("e"));
+}
+
 TEST(SceneJson, WhatIsNotThereOrNotFiniteIsNull) {
   const SceneJson scene(test::scenario_of(test::view_scenario));
   ShownState state = pair_state();

@@ -1,29 +1,39 @@
 import './page.css';
 import { Curves } from './curves.js';
 import { History } from './history.js';
-import { chooseTheme, colours, robotColour, systemTheme, theme } from './palette.js';
+import { chooseTheme, colours, systemTheme, theme } from './palette.js';
 import { Source } from './source.js';
 import { Stage } from './stage.js';
+import { Statuses } from './statuses.js';
+import { Timeline } from './timeline.js';
+import { Wind } from './wind.js';
 
 const $ = (id) => document.getElementById(id);
 const links = { connecting: ['connecting', ''], live: ['live', 'good'], lost: ['connection lost, trying again', 'bad'],
-  log: ['finished log', 'good'], refused: ['token missing: open the address as it was printed', 'bad'] };
-const bad = /conflict|refused|land|missed|late|dropped|deadline|not_finite|ignored|search/;
+  growing: ['log, still written', 'good'], finished: ['finished log', 'good'], broken: ['log without an end: the run was killed', 'bad'],
+  refused: ['token missing: open the address as it was printed', 'bad'] };
+const redrawnAfter = 250, tablesEvery = 100; // [ms]
 
 chooseTheme(systemTheme());
 const stage = new Stage($('stage'), $('labels'));
 const curves = new Curves($('curves'), (t) => seek(t));
-let history = null, playing = true, now = 0, following = true, marked = -1, marksEnd = 0, drawn = -1, drawnCurves = 0;
+const statuses = new Statuses($('statuses'));
+const timeline = new Timeline($('marks'), $('bands'), (t) => seek(t));
+const wind = new Wind($('wind'));
+let history = null, playing = true, now = 0, following = true, drawn = -1, drawnAt = 0, drawnTables = 0, growing = false;
 const counters = { frames: 0, moments: 0, link: 'connecting' };
-window.sightline = counters; // for tests: how often it drew, what it has
+window.sightline = counters; // for tests: how many pictures it drew, what it has
+Object.defineProperty(counters, 'redraw', { value: () => stage.draw(history, history.indexAt(now)) }); // its canvas holds a picture until the task ends
 
 const isLog = () => history !== null && !history.scene.live;
 
-function setLink(state) {
+function setLink(state, why) {
   counters.link = state;
-  const [words, kind] = links[state];
+  growing = state === 'growing' || (growing && state === 'lost');
+  const [words, kind] = why ? [why, 'bad'] : links[state];
   $('link').textContent = words;
   $('link').className = kind;
+  if (history) $('newest').hidden = !history.scene.live && !growing;
 }
 
 function start(scene) {
@@ -31,23 +41,36 @@ function start(scene) {
   now = 0;
   playing = true;
   following = scene.live;
-  marked = -1;
   drawn = -1;
   document.title = `${scene.name} · sightline`;
   $('name').textContent = scene.name;
   $('newest').hidden = !scene.live;
   $('speed').hidden = scene.live;
+  stage.follow(null);
+  curves.robot = -1;
   build();
   const camera = $('camera');
   camera.replaceChildren(new Option('orbit', 'orbit'));
   scene.bodies.forEach((body, i) => { if (body.agent) camera.append(new Option(`follow ${body.name}`, `body ${i}`)); });
-  scene.pairs.forEach((pair, i) => camera.append(new Option(`sensor of ${scene.bodies[pair.observer].name}`, `pair ${i}`)));
+  scene.pairs.forEach((pair, i) => camera.append(new Option(`sensor of ${scene.bodies[pair.observer].name} at ${scene.bodies[pair.target].name}`, `pair ${i}`)));
+  $('robot').replaceChildren(new Option('first robots', '-1'));
+  scene.bodies.forEach((body, i) => { if (body.agent) $('robot').append(new Option(body.name, String(i))); });
+  $('undrawn').replaceChildren(...scene.undrawn.map((words) => {
+    const item = document.createElement('li');
+    item.textContent = words;
+    return item;
+  }));
 }
 
 function build() {
-  stage.build(history.scene);
-  curves.build(history.scene);
-  const c = colours(), legend = [['in view', c.good, ''], ['out of view', c.bad, 'dashed'], ['predicted', c.grey, 'dashed']];
+  const { scene } = history, c = colours();
+  stage.build(scene);
+  curves.build(scene);
+  statuses.build(scene);
+  timeline.forget();
+  wind.build(scene.wind);
+  const legend = [['in view', c.good, ''], ['out of view', c.bad, 'dashed'], ['predicted', c.grey, 'dashed']];
+  if (scene.bodies.some((body) => body.localized)) legend.push(['estimate, 3 sigma', c.grey, 'filled']);
   $('legend').replaceChildren(...legend.map(([words, colour, kind]) => {
     const item = document.createElement('li'), mark = document.createElement('i');
     mark.className = kind;
@@ -70,111 +93,38 @@ function seek(t) {
   if (history.scene.live) playing = false;
 }
 
-function cell(row, words, kind = '') {
-  const one = row.insertCell();
-  one.textContent = words;
-  one.className = kind;
-  return one;
-}
-
-function table(heads, rows) {
-  const made = document.createElement('table'), head = made.createTHead().insertRow();
-  for (const [words, kind] of heads) {
-    const one = document.createElement('th');
-    one.textContent = words;
-    one.className = kind;
-    head.append(one);
-  }
-  const body = made.createTBody();
-  rows.forEach((fill) => fill(body.insertRow()));
-  return made;
-}
-
-function drawStatuses(moment) {
-  const { bodies, pairs } = history.scene;
-  let agent = -1;
-  const robots = table([['Robot', ''], ['level', ''], ['barrier', ''], ['z [m]', 'number'], ['|u| / limit', 'number']],
-    bodies.flatMap((body, i) => {
-      if (!body.agent) return [];
-      agent += 1;
-      const u = moment.u[agent] ?? [], acts = moment.barrier?.[agent];
-      const share = Math.max(...u.map((v, j) => Math.abs(v) / Math.max(Math.abs(body.u_min[j]), Math.abs(body.u_max[j]))));
-      const level = moment.b[i] === null ? 'not there' : moment.levels?.[i] ?? '';
-      return [(row) => {
-        const name = cell(row, body.name), swatch = document.createElement('span');
-        swatch.className = 'swatch';
-        swatch.style.background = robotColour(i);
-        name.prepend(swatch);
-        cell(row, level, level === '' || level === 'valid' ? '' : 'bad');
-        cell(row, acts === undefined ? '' : acts ? 'active' : 'idle', acts ? 'bad' : '');
-        cell(row, moment.b[i]?.[2].toFixed(2) ?? '', 'number');
-        cell(row, Number.isFinite(share) ? `${(100 * share).toFixed(0)} %` : '', 'number');
-      }];
-    }));
-  const views = table([['View', ''], ['', ''], ['distance', 'number'], ['angle', 'number']], pairs.map((pair, i) => (row) => {
-    const told = moment.p[i];
-    cell(row, `${bodies[pair.observer].name} › ${bodies[pair.target].name}`);
-    if (told === null) return cell(row, 'not asked for');
-    cell(row, told[0] ? '● in view' : '○ out of view', told[0] ? 'good' : 'bad');
-    cell(row, `${told[1].toFixed(2)} m`, 'number');
-    cell(row, told[2] === null ? '' : `${((180 / Math.PI) * told[2]).toFixed(1)}°`, 'number');
-  }));
-  const solver = table([['Solver', ''], ['status', ''], ['residual', 'number'], ['steps', 'number'], ['time', 'number']], [(row) => {
-    cell(row, history.scene.solver);
-    cell(row, moment.status, /converged|stepped/.test(moment.status) ? 'good' : 'bad');
-    cell(row, moment.residual === null ? '' : moment.residual.toExponential(1), 'number');
-    cell(row, moment.it, 'number');
-    cell(row, moment.us === null ? '' : `${moment.us.toFixed(0)} µs`, 'number');
-  }]);
-  $('statuses').replaceChildren(robots, ...(pairs.length > 0 ? [views] : []), solver);
-}
-
-function drawMarks() {
-  const { events, begin, end } = history, last = events.at(-1)?.[0] ?? -1;
-  if (marked === last && (isLog() || end - marksEnd < 1)) return;
-  marked = last;
-  marksEnd = end;
-  $('marks').replaceChildren(...events.slice(-300).map(([, t, words]) => {
-    const mark = document.createElement('button');
-    mark.type = 'button';
-    mark.title = `${t.toFixed(2)} s: ${words}`;
-    mark.tabIndex = -1;
-    if (bad.test(words)) mark.className = 'bad';
-    mark.style.left = `${(100 * (t - begin)) / Math.max(end - begin, 1e-6)}%`;
-    mark.onclick = () => seek(t);
-    return mark;
-  }));
-}
-
 let before = performance.now();
 function frame(wall) {
   requestAnimationFrame(frame);
   const passed = Math.min(0.25, (wall - before) / 1000);
   before = wall;
-  counters.frames += 1;
   if (history === null || history.moments.length === 0) return;
   if (isLog() && playing) {
     now = Math.min(history.end, Math.max(history.begin, now) + passed * Number($('speed').value));
-    if (now >= history.end) playing = false;
-  } else if (following) {
-    now = history.end;
+    if (now >= history.end && !growing) playing = false;
   }
+  if (following) now = history.end;
   const index = history.indexAt(now), moment = history.moments[index];
   counters.t = moment.t;
-  stage.draw(history, index);
+  // A picture that would be the same is not drawn again, but for now and then.
+  if (index !== drawn || stage.changed || wall - drawnAt > redrawnAfter) {
+    drawnAt = wall;
+    counters.frames += 1;
+    stage.draw(history, index);
+    wind.draw(stage.camera);
+  }
   const label = playing && (isLog() || following) ? 'Pause' : 'Play';
   if ($('play').textContent !== label) $('play').textContent = label;
-  if (index === drawn && wall - drawnCurves < 1000) return;
+  drawn = index;
+  if (wall - drawnTables < tablesEvery) return;
+  drawnTables = wall;
   $('clock').textContent = `${moment.t.toFixed(2)} s`;
   const time = $('time');
   time.min = history.begin;
   time.max = history.end;
   if (document.activeElement !== time || playing) time.value = moment.t;
-  if (wall - drawnCurves < 100) return;
-  drawnCurves = wall;
-  drawn = index;
-  drawMarks();
-  drawStatuses(moment);
+  timeline.draw(history);
+  statuses.draw(moment);
   curves.draw(history, index, isLog());
   const event = history.events.findLast(([, t]) => t <= moment.t + 1e-6);
   $('event').textContent = event ? `${event[1].toFixed(2)} s  ${event[2]}` : '';
@@ -182,8 +132,9 @@ function frame(wall) {
 
 function togglePlay() {
   if (isLog()) {
-    if (!playing && now >= history.end) now = history.begin;
+    if (!playing && now >= history.end && !growing) now = history.begin;
     playing = !playing;
+    following = false;
   } else {
     following = !following;
     playing = following;
@@ -192,8 +143,26 @@ function togglePlay() {
 
 function toNewest() {
   now = history.end;
-  following = history.scene.live;
+  following = history.scene.live || growing;
   playing = following;
+}
+
+// The event before the present time, or the one after it.
+function toEvent(step) {
+  const others = history.events.filter(([, t]) => (step < 0 ? t < now - 0.02 : t > now + 0.02));
+  const event = step < 0 ? others.at(-1) : others[0];
+  if (event) seek(event[1]);
+}
+
+function choose(select, step) {
+  const { length } = select.options;
+  select.selectedIndex = (select.selectedIndex + step + length) % length;
+  select.dispatchEvent(new Event('change'));
+}
+
+function faster(step) {
+  const speed = $('speed');
+  speed.selectedIndex = Math.min(speed.options.length - 1, Math.max(0, speed.selectedIndex + step));
 }
 
 function toggleTheme() {
@@ -210,8 +179,18 @@ $('camera').onchange = (event) => {
   const pair = history.scene.pairs[Number(number)];
   stage.follow(kind === 'orbit' ? null : kind === 'pair' ? { body: pair.observer, sensor: pair } : { body: Number(number) });
 };
+$('robot').onchange = (event) => { curves.robot = Number(event.target.value); curves.build(history.scene); };
+$('window').onchange = (event) => { curves.window = Number(event.target.value); };
+$('help').onclick = () => { $('keys').hidden = !$('keys').hidden; };
+// Whether a key means something to what has the focus.
+function takesKey({ tagName, type }, key) {
+  if (tagName === 'BUTTON') return key === ' ' || key === 'Enter';
+  if (tagName === 'INPUT' && type === 'range') return /^(Arrow|Page|Home|End)/.test(key);
+  return /INPUT|SELECT|TEXTAREA/.test(tagName);
+}
+
 addEventListener('keydown', (event) => {
-  if (history === null || /INPUT|SELECT|BUTTON/.test(event.target.tagName)) return;
+  if (history === null || event.ctrlKey || event.metaKey || event.altKey || takesKey(event.target, event.key)) return;
   const step = event.shiftKey ? 1 : 0.1;
   if (event.key === ' ') togglePlay();
   else if (event.key === 'ArrowLeft') { seek(now - step); playing = false; }
@@ -219,6 +198,14 @@ addEventListener('keydown', (event) => {
   else if (event.key === 'Home') seek(history.begin);
   else if (event.key === 'End') toNewest();
   else if (event.key === 'd') toggleTheme();
+  else if (event.key === 'c') choose($('camera'), 1);
+  else if (event.key === 'C') choose($('camera'), -1);
+  else if (event.key === 'r') choose($('robot'), 1);
+  else if (event.key === 'p') toEvent(-1);
+  else if (event.key === 'n') toEvent(1);
+  else if (event.key === '+') faster(1);
+  else if (event.key === '-') faster(-1);
+  else if (event.key === '?') $('help').click();
   else return;
   event.preventDefault();
 });

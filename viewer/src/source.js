@@ -1,18 +1,18 @@
-// Where moments come from: a flight that goes on, by a WebSocket that is opened again when it breaks, or a finished log.
+// Where moments come from, by a WebSocket that is opened again when it breaks: of a flight the moments themselves, of a log how many
+// there are by now, which are then fetched.
 
-const told = () => {
+const get = async (path, asked = {}) => {
   const token = new URLSearchParams(location.search).get('token');
-  return token === null ? '' : `?token=${encodeURIComponent(token)}`;
-};
-
-const get = async (path) => {
-  const answer = await fetch(path + told());
+  const query = new URLSearchParams({ ...asked, ...(token === null ? {} : { token }) }).toString();
+  const answer = await fetch(query ? `${path}?${query}` : path);
   if (!answer.ok) throw new Error(await answer.text());
   return answer.json();
 };
 
+const fetchedAtOnce = 2000;
+
 export class Source {
-  // on: {scene(scene), moments(list), link(state)}, states: connecting, live, lost, log, refused
+  // on: {scene(scene), moments(list), link(state, why)}, states: connecting, live, lost, refused; of a log growing, finished, broken
   constructor(on) {
     this.on = on;
     this.session = null;
@@ -25,23 +25,48 @@ export class Source {
       const scene = await get('scene.json');
       const same = scene.session === this.session;
       this.session = scene.session;
-      if (!same) this.on.scene(scene);
-      if (scene.live) this.listen();
-      else if (!same) {
-        this.on.moments(await get('moments.json'));
-        this.on.link('log');
+      if (!same) {
+        this.count = 0;
+        this.on.scene(scene);
       }
+      this.listen(scene.live);
     } catch (error) {
       if (/token/.test(error.message)) this.on.link('refused');
       else this.again();
     }
   }
 
-  listen() {
-    const socket = new WebSocket(`ws://${location.host}/live${told()}`);
-    socket.onopen = () => { this.wait = 250; this.on.link('live'); };
-    socket.onmessage = (message) => this.on.moments([JSON.parse(message.data)]);
+  listen(live) {
+    const token = new URLSearchParams(location.search).get('token');
+    const socket = new WebSocket(`ws://${location.host}/live${token === null ? '' : `?token=${encodeURIComponent(token)}`}`);
+    socket.onopen = () => { this.wait = 250; if (live) this.on.link('live'); };
+    socket.onmessage = (message) => {
+      const told = JSON.parse(message.data);
+      if (live) this.on.moments([told]); else this.follow(told, socket);
+    };
     socket.onclose = () => this.again();
+  }
+
+  // Fetches what a log has more than is known. Another session is another log.
+  async follow(told, socket) {
+    this.told = told;
+    if (this.fetches) return;
+    this.fetches = true;
+    try {
+      while (this.told.session === this.session && this.count < this.told.moments) {
+        const list = await get('moments.json', { from: this.count, most: fetchedAtOnce });
+        if (list.length === 0) break;
+        this.count += list.length;
+        this.on.moments(list);
+        // Of a log that grows faster than it is fetched there is always more.
+        if (this.told.state === 'growing') this.on.link('growing', this.told.fault);
+      }
+      if (this.told.session !== this.session) socket.close();
+      else this.on.link(this.told.state, this.told.fault);
+    } catch {
+      socket.close();
+    }
+    this.fetches = false;
   }
 
   again() {

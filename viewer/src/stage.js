@@ -2,98 +2,34 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { colours, robotColour } from './palette.js';
+import { colourSurface, ellipsoid, line, robotShape, setEllipsoid, setLine, surfaceGeometries, surfaceMesh } from './shapes.js';
 
-const pathPoints = 256, trailPoints = 400, viewSides = 32;
+const pathPoints = 256, trailPoints = 400, ellipsoidSigmas = 3, orbitAngle = 50;
 
-function multirotor(colour) {
-  const group = new THREE.Group(), body = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.6 });
-  const hub = new THREE.Mesh(new THREE.BoxGeometry(0.22, 0.12, 0.07), body);
-  const nose = new THREE.Mesh(new THREE.ConeGeometry(0.05, 0.12, 12), body);
-  nose.rotation.z = -Math.PI / 2;
-  nose.position.x = 0.17;
-  group.add(hub, nose);
-  for (const [x, y] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
-    const rotor = new THREE.Mesh(new THREE.TorusGeometry(0.1, 0.012, 8, 24), body);
-    rotor.position.set(0.17 * x, 0.17 * y, 0.03);
-    const arm = new THREE.Mesh(new THREE.BoxGeometry(0.24, 0.025, 0.025), body);
-    arm.position.set(0.085 * x, 0.085 * y, 0.01);
-    arm.rotation.z = Math.atan2(y, x);
-    group.add(rotor, arm);
-  }
-  return group;
-}
-
-function rover(colour) {
-  const group = new THREE.Group(), paint = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.6 });
-  const hull = new THREE.Mesh(new THREE.BoxGeometry(0.36, 0.24, 0.1), paint);
-  hull.position.z = 0.1;
-  const nose = new THREE.Mesh(new THREE.ConeGeometry(0.08, 0.14, 4), paint);
-  nose.rotation.z = -Math.PI / 2;
-  nose.position.set(0.24, 0, 0.1);
-  group.add(hull, nose);
-  const rubber = new THREE.MeshStandardMaterial({ color: '#444b54' });
-  for (const [x, y] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
-    const wheel = new THREE.Mesh(new THREE.CylinderGeometry(0.07, 0.07, 0.05, 20), rubber);
-    wheel.position.set(0.12 * x, 0.14 * y, 0.07);
-    group.add(wheel);
-  }
-  return group;
-}
-
-const isRover = (robot) => /unicycle|car|rover|differential|ackermann|mecanum|omni|ground/.test(robot);
-
-function line(points, colour, dashed) {
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * points), 3));
-  const material = dashed
-    ? new THREE.LineDashedMaterial({ color: colour, dashSize: 0.08, gapSize: 0.06 })
-    : new THREE.LineBasicMaterial({ color: colour });
-  const drawn = new THREE.Line(geometry, material);
-  drawn.frustumCulled = false;
-  return drawn;
-}
-
-function setLine(drawn, numbers, count) {
-  const at = drawn.geometry.attributes.position;
-  at.array.set(numbers.slice(0, 3 * Math.min(count, at.count)));
-  at.needsUpdate = true;
-  drawn.geometry.setDrawRange(0, Math.min(count, at.count));
-  if (drawn.material.isLineDashedMaterial) drawn.computeLineDistances();
-}
-
-// A cone of unit length along x whose edge is at `alpha` from its axis: what the observer's limit of the angle says.
-function viewCone(alpha) {
-  const geometry = new THREE.BufferGeometry(), corners = [];
-  const x = Math.cos(alpha), r = Math.sin(alpha);
-  for (let k = 0; k < viewSides; ++k) {
-    const a = (2 * Math.PI * k) / viewSides, b = (2 * Math.PI * (k + 1)) / viewSides;
-    corners.push(0, 0, 0, x, r * Math.cos(a), r * Math.sin(a), x, r * Math.cos(b), r * Math.sin(b));
-  }
-  geometry.setAttribute('position', new THREE.Float32BufferAttribute(corners, 3));
-  const material = new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.16, side: THREE.DoubleSide, depthWrite: false });
-  const cone = new THREE.Mesh(geometry, material);
-  const edges = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.6 }));
-  const rim = [];
-  for (let k = 0; k < viewSides; ++k) rim.push(...corners.slice(9 * k + 3, 9 * k + 9));
-  for (let k = 0; k < viewSides; k += viewSides / 4) rim.push(0, 0, 0, ...corners.slice(9 * k + 3, 9 * k + 6));
-  edges.geometry.setAttribute('position', new THREE.Float32BufferAttribute(rim, 3));
-  cone.add(edges);
-  cone.frustumCulled = edges.frustumCulled = false;
-  return cone;
+// Whether the processor draws: then without smoothed edges, which ask for more samples of each pixel.
+function drawsInSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const told = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software/i.test(name);
 }
 
 export class Stage {
   constructor(element, labels) {
     this.element = element;
     this.labels = labels;
-    this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.inSoftware = drawsInSoftware();
+    this.renderer = new THREE.WebGLRenderer({ antialias: !this.inSoftware });
     element.prepend(this.renderer.domElement);
-    this.camera = new THREE.PerspectiveCamera(50, 1, 0.05, 500);
+    this.camera = new THREE.PerspectiveCamera(orbitAngle, 1, 0.05, 500);
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(-3.2, -4.2, 3.4);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.target.set(0, 0, 0.8);
     this.followed = null; // {body, sensor}
+    this.changed = true; // something is to be drawn anew
+    this.controls.addEventListener('change', () => { this.changed = true; });
     new ResizeObserver(() => this.resize()).observe(element);
     this.resize();
   }
@@ -101,7 +37,8 @@ export class Stage {
   resize() {
     const { clientWidth: w, clientHeight: h } = this.element;
     if (w === 0 || h === 0) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.changed = true;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, this.inSoftware ? 1 : 2));
     this.renderer.setSize(w, h);
     this.camera.aspect = w / h;
     this.camera.updateProjectionMatrix();
@@ -111,6 +48,8 @@ export class Stage {
   build(scene) {
     const c = colours();
     this.scene = scene;
+    this.changed = true;
+    this.surfaces = surfaceGeometries(scene.surfaces);
     this.world = new THREE.Scene();
     this.world.background = new THREE.Color(c.back);
     this.world.add(new THREE.HemisphereLight('#ffffff', '#8a919a', 2.2));
@@ -134,13 +73,19 @@ export class Stage {
     this.labels.replaceChildren();
     this.bodies = scene.bodies.map((body, i) => this.buildBody(body, i));
     this.pairs = scene.pairs.map((pair) => this.buildPair(pair));
+    for (const { body, surface, mount } of scene.zones) {
+      const zone = surfaceMesh(this.surfaces[surface], c.bad);
+      zone.userData.mount = mount;
+      this.world.add(zone);
+      (this.bodies[body].zones ??= []).push(zone);
+    }
   }
 
   buildBody(body, i) {
     const colour = body.agent ? robotColour(i) : colours().grey;
     const shape = !body.agent
       ? new THREE.Mesh(new THREE.SphereGeometry(0.12, 24, 16), new THREE.MeshStandardMaterial({ color: colour }))
-      : isRover(body.robot) ? rover(colour) : multirotor(colour);
+      : robotShape(body.robot, colour);
     const parts = { shape, label: document.createElement('span') };
     this.world.add(shape);
     if (!body.agent && body.hard > 0) {
@@ -157,6 +102,7 @@ export class Stage {
       parts.trail.material.transparent = true;
       parts.trail.material.opacity = 0.45;
       this.world.add(parts.path, parts.trail);
+      if (body.localized) this.world.add(parts.estimate = ellipsoid(colour));
     }
     parts.label.textContent = body.name;
     this.labels.append(parts.label);
@@ -166,9 +112,9 @@ export class Stage {
   buildPair(pair) {
     const whole = line(2, colours().good, false), dashed = line(2, colours().bad, true);
     const parts = { whole, dashed, label: document.createElement('span') };
-    if (pair.alpha !== null) {
-      parts.cone = viewCone(pair.alpha);
-      this.world.add(parts.cone);
+    if (pair.surface !== null) {
+      parts.region = surfaceMesh(this.surfaces[pair.surface], colours().good);
+      this.world.add(parts.region);
     }
     this.world.add(whole, dashed);
     this.labels.append(parts.label);
@@ -188,6 +134,9 @@ export class Stage {
   draw(history, index) {
     const moment = history.moments[index];
     if (!moment) return;
+    this.changed = false;
+    let robot = 0;
+    this.scene.bodies.forEach((body, i) => { if (body.agent) this.drawEstimate(this.bodies[i], moment.e?.[robot++]); });
     this.scene.bodies.forEach((body, i) => this.drawBody(body, i, moment, history, index));
     this.scene.pairs.forEach((pair, i) => this.drawPair(pair, i, moment));
     this.aim(moment);
@@ -195,8 +144,19 @@ export class Stage {
     this.placeLabels(moment);
   }
 
+  drawEstimate(parts, estimate) {
+    if (parts.estimate) parts.estimate.visible = Boolean(estimate) && setEllipsoid(parts.estimate, estimate, ellipsoidSigmas);
+  }
+
   drawBody(body, i, moment, history, index) {
     const parts = this.bodies[i], seen = moment.b[i];
+    for (const zone of parts.zones ?? []) {
+      zone.visible = seen !== null;
+      if (!seen) continue;
+      const { mount } = zone.userData, at = mount ? this.sensor(mount, seen) : { position: new THREE.Vector3(seen[0], seen[1], seen[2]), quaternion: zone.quaternion };
+      zone.position.copy(at.position);
+      zone.quaternion.copy(at.quaternion);
+    }
     parts.shape.visible = seen !== null && !(this.followed?.sensor && this.followed.body === i);
     for (const one of [parts.hard, parts.path, parts.trail]) if (one) one.visible = seen !== null;
     if (seen === null) return;
@@ -219,19 +179,17 @@ export class Stage {
     const there = told !== null && moment.b[pair.observer] !== null && moment.b[pair.target] !== null;
     parts.whole.visible = there && told[0] === 1;
     parts.dashed.visible = there && told[0] !== 1;
-    if (parts.cone) parts.cone.visible = there;
+    // From within, a region is the picture's edge.
+    if (parts.region) parts.region.visible = there;
     if (!there) return;
     const a = moment.b[pair.observer], b = moment.b[pair.target];
     setLine(told[0] === 1 ? parts.whole : parts.dashed, [a[0], a[1], a[2], b[0], b[1], b[2]], 2);
-    if (!parts.cone) return;
+    if (!parts.region) return;
     const { position, quaternion } = this.sensor(pair, a);
-    const length = Math.min(10, Math.max(0.5, told[1]));
-    parts.cone.position.copy(position);
-    parts.cone.quaternion.copy(quaternion);
-    parts.cone.scale.setScalar(length);
-    const colour = told[0] === 1 ? colours().good : colours().bad;
-    parts.cone.material.color.set(colour);
-    parts.cone.children[0].material.color.set(colour);
+    parts.region.position.copy(position);
+    parts.region.quaternion.copy(quaternion);
+    if (parts.region.userData.scales) parts.region.scale.setScalar(Math.min(10, Math.max(0.5, told[1])));
+    colourSurface(parts.region, told[0] === 1 ? colours().good : colours().bad);
   }
 
   // Where a sensor is and how it looks: its axis is x, pitched down on the body, or on what is level in its heading.
@@ -247,8 +205,18 @@ export class Stage {
   }
 
   follow(followed) {
+    // Behind a sensor there is no place to orbit from: the one before is taken again.
+    const { camera, controls } = this, alpha = followed?.sensor?.alpha;
+    if (followed?.sensor && !this.followed?.sensor) this.before = { from: camera.position.clone(), to: controls.target.clone() };
+    if (!followed?.sensor && this.followed?.sensor) {
+      camera.position.copy(this.before.from);
+      controls.target.copy(this.before.to);
+    }
+    camera.fov = alpha ? Math.min(110, Math.max(20, (2.3 * alpha * 180) / Math.PI)) : orbitAngle;
+    camera.updateProjectionMatrix();
     this.followed = followed;
-    this.controls.enabled = !followed?.sensor;
+    this.changed = true;
+    controls.enabled = !followed?.sensor;
     this.last = null;
   }
 
@@ -264,7 +232,7 @@ export class Stage {
     this.camera.up.set(0, 0, 1);
     if (seen) {
       const now = new THREE.Vector3(seen[0], seen[1], seen[2]);
-      if (this.last) this.camera.position.add(now.clone().sub(this.last));
+      this.camera.position.add(now.clone().sub(this.last ?? this.controls.target));
       this.controls.target.copy(now);
       this.last = now;
     }

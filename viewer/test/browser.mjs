@@ -1,6 +1,7 @@
 // Looks at a page in Chromium:  node browser.mjs URL [PICTURES]
 // Prints what it found as JSON: the link's state, moments, frames a second, how many colours are on the canvas, faults of the page.
-// Lines on stdin are steps: "settle", "shot NAME", "dark", "theme", "camera VALUE", "time T", "wait STATE", "quit"; an answer a line.
+// Lines on stdin are steps, the names of `steps` with their words, and "quit"; an answer a line.
+import { readdirSync, readFileSync } from 'node:fs';
 import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
 
@@ -10,6 +11,24 @@ const browser = await chromium.launch({
   args: ['--no-sandbox', '--disable-gpu', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-background-networking',
     '--disable-component-update', '--disable-sync', '--disable-quic', '--no-first-run'],
 });
+// Processor time of the browser's processes by their type [s]: what a busy machine does not change.
+const used = () => {
+  const all = new Map();
+  for (const pid of readdirSync('/proc').filter((name) => /^\d+$/.test(name))) {
+    try {
+      const rest = readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1].split(' ');
+      all.set(Number(pid), { parent: Number(rest[1]), seconds: (Number(rest[11]) + Number(rest[12])) / 100, words: readFileSync(`/proc/${pid}/cmdline`, 'utf8') });
+    } catch { /* it has just ended */ }
+  }
+  const ours = (pid) => pid === process.pid || (all.has(pid) && ours(all.get(pid).parent));
+  const sums = {};
+  for (const [pid, { seconds, words }] of all) {
+    if (pid === process.pid || !ours(pid)) continue;
+    const type = /--type=([a-z]+)/.exec(words)?.[1] ?? 'browser';
+    sums[type] = (sums[type] ?? 0) + seconds;
+  }
+  return sums;
+};
 const faults = [];
 try {
   const page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
@@ -20,30 +39,54 @@ try {
   });
   await page.goto(url);
 
-  const look = async () => {
-    const told = await page.evaluate(async () => {
+  // Pictures a second that the stage drew, over so many seconds, and what is to be seen.
+  const look = async (seconds = '1') => {
+    const usedBefore = used();
+    const told = await page.evaluate(async (wait) => {
       const before = { frames: window.sightline.frames, at: performance.now() };
-      await new Promise((done) => setTimeout(done, 1000));
+      await new Promise((done) => setTimeout(done, 1000 * wait));
+      const fps = (1000 * (window.sightline.frames - before.frames)) / (performance.now() - before.at);
       const canvas = document.querySelector('#stage canvas'), small = document.createElement('canvas');
       small.width = 160;
       small.height = 90;
       const context = small.getContext('2d');
+      window.sightline.redraw?.();
       context.drawImage(canvas, 0, 0, 160, 90);
       const bytes = context.getImageData(0, 0, 160, 90).data, found = new Set();
       for (let i = 0; i < bytes.length; i += 4) found.add((bytes[i] >> 4) * 256 + (bytes[i + 1] >> 4) * 16 + (bytes[i + 2] >> 4));
-      return { ...window.sightline, fps: (1000 * (window.sightline.frames - before.frames)) / (performance.now() - before.at),
-        colours: found.size, curves: document.querySelectorAll('#curves canvas').length, marks: document.querySelectorAll('#marks button').length,
-        statuses: document.getElementById('statuses').innerText, overflow: document.documentElement.scrollWidth > innerWidth };
-    });
-    return { ...told, faults };
+      const weight = performance.getEntriesByType('resource').concat(performance.getEntriesByType('navigation'))
+        .filter((one) => !/json/.test(one.name)).reduce((sum, one) => sum + one.decodedBodySize, 0);
+      return { ...window.sightline, fps, weight, colours: found.size, curves: document.querySelectorAll('#curves canvas').length,
+        marks: document.querySelectorAll('#marks button').length, bands: document.querySelectorAll('#bands i').length,
+        undrawn: [...document.querySelectorAll('#undrawn li')].map((item) => item.textContent), link: document.getElementById('link').textContent,
+        state: window.sightline.link, statuses: document.getElementById('statuses').innerText, overflow: document.documentElement.scrollWidth > innerWidth };
+    }, Number(seconds));
+    const perPicture = {};
+    for (const [type, sum] of Object.entries(used())) perPicture[type] = Number(((1000 * (sum - (usedBefore[type] ?? 0))) / (told.fps * Number(seconds))).toFixed(1));
+    return { ...told, faults, cpu_ms: perPicture };
   };
   const steps = {
     look,
     shot: async (name) => page.screenshot({ path: `${pictures}/${name}.png` }).then(() => ({})),
+    size: async (width, height) => page.setViewportSize({ width: Number(width), height: Number(height) }).then(() => ({})),
     theme: async () => page.click('#theme').then(() => ({})),
+    key: async (key) => page.keyboard.press(key).then(() => page.evaluate(() => ({ camera: document.getElementById('camera').value }))),
     camera: async (...words) => page.selectOption('#camera', words.join(' ')).then(() => ({})),
+    robot: async (number) => page.selectOption('#robot', number).then(() => ({})),
+    scroll: async (pixels) => page.evaluate((by) => { document.querySelector('aside').scrollTop = by; }, Number(pixels)).then(() => ({})),
     time: async (t) => page.evaluate((to) => { const time = document.getElementById('time'); time.value = to; time.dispatchEvent(new Event('input')); }, t).then(() => ({})),
     play: async () => page.click('#play').then(() => ({})),
+    newest: async () => page.click('#newest').then(() => ({})),
+    pause: async (seconds) => new Promise((done) => setTimeout(() => done({}), 1000 * Number(seconds))),
+    // Pages that look on beside this one. They are of this browser, so they share its processor.
+    pages: async (count) => {
+      const others = await Promise.all(Array.from({ length: Number(count) }, () => browser.newPage({ viewport: { width: 320, height: 240 } })));
+      await Promise.all(others.map((other) => other.goto(url)));
+      await Promise.all(others.map((other) => other.waitForFunction(() => window.sightline.moments > 20, null, { timeout: 30000 })));
+      const moments = await Promise.all(others.map((other) => other.evaluate(() => window.sightline.moments)));
+      await Promise.all(others.map((other) => other.close()));
+      return { moments };
+    },
     wait: async (state) => page.waitForFunction((s) => window.sightline.link === s, state, { timeout: 20000 }).then(() => ({ link: state })),
     moments: async (count) => page.waitForFunction((n) => window.sightline.moments >= n, Number(count), { timeout: 20000 }).then(() => ({})),
   };

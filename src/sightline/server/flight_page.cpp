@@ -102,7 +102,15 @@ class FlightPage::Thread {
     newest_.levels.clear();
     for (const FallbackLevel level : sample.levels) newest_.levels.push_back(to_string(level));
     newest_.barrier.clear();
-    for (const BarrierRecord& one : sample.barriers) newest_.barrier.push_back(one.active ? 1 : 0);
+    newest_.reserve.clear();
+    for (const BarrierRecord& one : sample.barriers) {
+      newest_.barrier.push_back(one.active ? 1 : 0);
+      newest_.reserve.push_back(one.reserve);
+    }
+    newest_.truth_known = sample.truth_known;
+    newest_.estimates.clear();
+    for (int i = 0; i < team.bodies() && size(i) < sample.estimates.size(); ++i)
+      if (team.is_agent(BodyId{i})) newest_.estimates.push_back(sample.estimates[size(i)]);
     if (sample.has_path) take_paths(sample);
     for (int i = 0; i < sample.event_count; ++i) {
       const Event& event = sample.events[size(i)];

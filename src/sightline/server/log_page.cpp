@@ -1,47 +1,45 @@
 #include "sightline/server/log_page.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <chrono>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
+#include <thread>
+#include <utility>
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/record/cdr.hpp"
+#include "sightline/record/folder_lock.hpp"
+#include "sightline/record/localization_log.hpp"
 #include "sightline/record/mcap.hpp"
 #include "sightline/record/recording.hpp"
-#include "sightline/server/admission.hpp"
+#include "sightline/server/http.hpp"
 #include "sightline/server/page_files.hpp"
 #include "sightline/server/scene_json.hpp"
 
 namespace sightline {
 namespace {
 
+constexpr auto between_looks = std::chrono::milliseconds(100);
+
 /// Predicted places of all robots by the time of the prediction.
 using LoggedPaths = std::map<double, std::vector<std::vector<Vec3<double>>>>;
-
-LoggedPaths read_paths(const std::filesystem::path& log, const Recording& run) {
-  std::vector<std::string> topics;
-  for (const Recording::Body& body : run.bodies)
-    if (body.is_agent) topics.push_back("/" + body.name + "/path");
-  LoggedPaths all;
-  McapReader reader(log);
-  reader.visit([&](const McapMessage& message) {
-    const auto topic = std::find(topics.begin(), topics.end(), message.topic);
-    if (topic == topics.end()) return;
-    const auto path = decode_path(message.bytes);
-    if (!path) return;
-    auto& paths = all[1e-9 * static_cast<double>(message.log_time)];
-    paths.resize(topics.size());
-    for (const StampedPose& pose : *path)
-      paths[static_cast<std::size_t>(topic - topics.begin())].push_back({pose.p[0], pose.p[1], pose.p[2]});
-  });
-  return all;
-}
+/// Estimates of all robots by their time.
+using LoggedEstimates = std::map<double, std::vector<PoseEstimate>>;
 
 EventKind kind_named(std::string_view name) {
   for (int i = 0; i < event_kinds; ++i)
@@ -58,32 +56,112 @@ void check_team(const Recording& run, const Scenario& scenario, const std::files
         fmt::format("{}: the log is of another team than its scenario", (folder / "run.mcap").string()));
 }
 
+/// Which file a name stands for.
+using FileNumber = std::array<std::uint64_t, 2>;
+FileNumber number_of_file(const std::filesystem::path& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return {};
+  return {status.st_dev, status.st_ino};
+}
+
+/// A log is the same when its server is another one.
+std::string session_of(const std::filesystem::path& log, const Scenario& scenario) {
+  const FileNumber file = number_of_file(log);
+  return fmt::format("{:x}.{:x}.{:x}", file[0], file[1], std::hash<std::string>()(scenario.text));
+}
+
+std::size_t count_in(std::string_view text, std::size_t otherwise) {
+  std::size_t value = 0;
+  return std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc() ? value : otherwise;
+}
+
+}  // namespace
+
+std::string_view to_string(LogState state) {
+  constexpr std::array<std::string_view, 3> words = {"growing", "finished", "broken"};
+  return words[static_cast<std::size_t>(state)];
+}
+
 /// Goes through a log in the order of its time.
-class LogPlayer {
+class LogMoments::Player {
  public:
-  LogPlayer(const Recording& run, LoggedPaths paths, const Scenario& scenario)
-      : run_(run),
-        paths_(std::move(paths)),
+  Player(const std::filesystem::path& folder, const Scenario& scenario, std::size_t numbers)
+      : folder_(folder),
+        file_(number_of_file(folder / "run.mcap")),
+        reader_(folder),
+        run_(reader_.run()),
+        numbers_(numbers),
+        duration_(scenario.simulation.duration),
         scene_(scenario),
         script_(scenario.script.events.size()),
         present_(scenario),
-        asked_(scene_.asked(present_)) {}
-
-  std::string moments(std::size_t stride) {
-    std::string list = "[";
-    for (std::size_t row = 0; row < run_.time.size(); row += stride) {
-      if (row > 0) list += ",\n";
-      list += moment(row, std::min(row + stride, run_.time.size()));
+        asked_(scene_.asked(present_)),
+        levels_(run_.bodies.size(), to_string(FallbackLevel::valid)) {
+    check_team(run_, scenario, folder);
+    for (const Recording::Body& body : run_.bodies) {
+      if (!body.is_agent) continue;
+      const std::size_t robot = robots_++;
+      path_topics_["/" + body.name + "/path"] = robot;
+      estimate_topics_["/" + body.name + "/localization"] = robot;
     }
-    return list + "]\n";
+  }
+
+  std::vector<std::string> read_on() {
+    const bool written = is_written(folder_);  // before the look: what a writer left before it ended is seen
+    reader_.read_on([this](const McapMessage& message) { take(message); });
+    state_ = run_.complete ? LogState::finished : written ? LogState::growing : LogState::broken;
+    const bool grows = state_ == LogState::growing;
+    std::size_t rows = reader_.rows();
+    if (grows) rows = std::min(rows, run_.solve_us.size());
+    if (stride_ == 0) {
+      const double expected = grows ? std::ceil(duration_ / run_.period) : 0.0;
+      stride_ = stride(std::max(static_cast<double>(rows), expected));
+    }
+    std::vector<std::string> moments;
+    for (; grows ? row_ + stride_ <= rows : row_ < rows; row_ += stride_)
+      moments.push_back(moment(row_, std::min(row_ + stride_, rows)));
+    return moments;
+  }
+
+  LogState state() const { return state_; }
+  bool replaced() const {
+    const FileNumber now = number_of_file(folder_ / "run.mcap");
+    return now != file_ && now != FileNumber{};
   }
 
  private:
+  std::size_t stride(double rows) const {
+    constexpr double said_of_a_body = 7;
+    const double all = rows * static_cast<double>(run_.bodies.size()) * said_of_a_body;
+    // No screen shows more than 60 a second.
+    const double least = std::floor(1.0 / 60 / run_.period);
+    return static_cast<std::size_t>(
+        std::max({1.0, least, std::ceil(all / static_cast<double>(std::max<std::size_t>(numbers_, 1)))}));
+  }
+
+  void take(const McapMessage& message) {
+    const double time = 1e-9 * static_cast<double>(message.log_time);
+    if (const auto topic = path_topics_.find(message.topic); topic != path_topics_.end()) {
+      const auto path = decode_path(message.bytes);
+      if (!path) return;
+      auto& paths = paths_[time];
+      paths.resize(robots_);
+      for (const StampedPose& pose : *path) paths[topic->second].push_back({pose.p[0], pose.p[1], pose.p[2]});
+    } else if (const auto of = estimate_topics_.find(message.topic); of != estimate_topics_.end()) {
+      LogText text;
+      text.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
+      auto& estimates = estimates_[time];
+      estimates.resize(robots_);
+      estimates[of->second] = estimate_of(text);
+    }
+  }
+
   std::string moment(std::size_t row, std::size_t until) {
     ShownState now;
     now.time = run_.time[row];
     const std::vector<Happening> events = follow(now.time);
     now.asked = asked_;
+    now.levels = levels_;
     for (const Recording::Body& body : run_.bodies) {
       const double psi = body.heading[row];
       Sight<double> seen;
@@ -91,7 +169,8 @@ class LogPlayer {
       seen.v = body.v[row], seen.lean = body.lean[row];
       now.seen.emplace_back(seen);  // of one that is not there, not a number
       for (const auto& input : body.u) now.u.push_back(input[row]);
-      if (!body.barrier.empty()) now.barrier.push_back(body.barrier[row] > 0 ? 1 : 0);
+      if (row < body.barrier.size()) now.barrier.push_back(body.barrier[row] > 0 ? 1 : 0);
+      if (row < body.reserve.size()) now.reserve.push_back(body.reserve[row]);
     }
     const Recording::Controller& solver = run_.controllers.front();
     now.status = solver.status[row];
@@ -100,10 +179,19 @@ class LogPlayer {
     now.solve_us = no_value;
     for (std::size_t i = row; i < std::min(until, run_.solve_us.size()); ++i)
       now.solve_us = std::fmax(now.solve_us, run_.solve_us[i]);
-    const auto later = paths_.upper_bound(now.time + same_time);
-    if (later != paths_.begin()) now.paths = std::prev(later)->second;
-    paths_.erase(paths_.begin(), later);
+    now.paths = newest(paths_, now.time);
+    now.estimates = newest(estimates_, now.time);
     return scene_.moment(now, events);
+  }
+
+  /// The last that is not after the time; it and those before are given up.
+  template <class Told>
+  static Told newest(std::map<double, Told>& all, double time) {
+    Told last;
+    const auto later = all.upper_bound(time + same_time);
+    if (later != all.begin()) last = std::move(std::prev(later)->second);
+    all.erase(all.begin(), later);
+    return last;
   }
 
   std::vector<Happening> follow(double time) {
@@ -112,48 +200,160 @@ class LogPlayer {
       const Recording::Event& event = run_.events[next_];
       events.push_back({static_cast<std::int64_t>(next_), event.time, scene_.words(event.kind, event.value)});
       const EventKind kind = kind_named(event.kind);
-      const bool known = event.value >= 0 && event.value < static_cast<double>(script_);
-      if (kind == EventKind::event_in_force && known) {
+      if (kind == EventKind::event_in_force && event.value >= 0 &&
+          event.value < static_cast<double>(script_)) {
         told_.time = time;
         told_.event_count = 1;
         told_.events[0] = {event.time, kind, event.controller, event.value};
         (void)present_.follow(told_);
         asked_ = scene_.asked(present_);
       }
+      const bool is_level = kind >= EventKind::valid && kind <= EventKind::grounded;
+      if (is_level && event.value >= 0 && event.value < static_cast<double>(levels_.size()))
+        levels_[static_cast<std::size_t>(event.value)] = to_string(kind);
       ++next_;
     }
     return events;
   }
 
+  std::filesystem::path folder_;
+  FileNumber file_;
+  RecordingReader reader_;
   const Recording& run_;
-  LoggedPaths paths_;
+  std::size_t numbers_;
+  double duration_;  // that the scenario asks for [s]
   SceneJson scene_;
   std::size_t script_;  // events of it
   PresentTeam present_;
   std::vector<char> asked_;
+  std::vector<std::string_view> levels_;                                           // of each body
+  std::map<std::string, std::size_t, std::less<>> path_topics_, estimate_topics_;  // robots
+  std::size_t robots_ = 0;
+  LoggedPaths paths_;
+  LoggedEstimates estimates_;
+  LogState state_ = LogState::growing;
   Sample told_;
   std::size_t next_ = 0;  // event
+  std::size_t row_ = 0, stride_ = 0;
 };
 
-}  // namespace
+LogMoments::LogMoments(const std::filesystem::path& folder, const Scenario& scenario, std::size_t numbers)
+    : player_(std::make_unique<Player>(folder, scenario, numbers)) {}
+LogMoments::~LogMoments() = default;
 
-std::string log_moments(const std::filesystem::path& folder, const Scenario& scenario, std::size_t numbers) {
-  const Recording run = read_recording(folder);
-  check_team(run, scenario, folder);
-  constexpr std::size_t said_of_a_body = 7;
-  const std::size_t all = run.time.size() * run.bodies.size() * said_of_a_body;
-  // No screen shows more than 60 a second.
-  const auto least = static_cast<std::size_t>(std::max(1.0, std::floor(1.0 / 60 / run.period)));
-  const std::size_t stride = std::max(least, (all + numbers - 1) / std::max<std::size_t>(numbers, 1));
-  return LogPlayer(run, read_paths(folder / "run.mcap", run), scenario)
-      .moments(std::max<std::size_t>(stride, 1));
-}
+std::vector<std::string> LogMoments::read_on() { return player_->read_on(); }
+LogState LogMoments::state() const { return player_->state(); }
+bool LogMoments::replaced() const { return player_->replaced(); }
 
-PageFiles log_page(const std::filesystem::path& folder, const Scenario& scenario) {
-  PageFiles files = page_files();
-  files["/scene.json"] = {"application/json", SceneJson(scenario).scene(random_token(), false)};
-  files["/moments.json"] = {"application/json", log_moments(folder, scenario)};
-  return files;
-}
+class LogPage::Thread {
+ public:
+  Thread(std::filesystem::path folder, std::function<Scenario()> flown, const ServeOptions& options,
+         FoxgloveFeed* topics)
+      : folder_(std::move(folder)), flown_(std::move(flown)) {
+    begin();
+    look();
+    server_.emplace(options, files(), topics);
+    tell();
+    thread_ = std::thread([this] { run(); });
+  }
+  ~Thread() {
+    done_ = true;
+    thread_.join();
+  }
+
+  const PageServer& server() const { return *server_; }
+
+ private:
+  PageFiles files() {
+    PageFiles files = page_files();
+    files["/scene.json"] = {.type = "application/json", .body = {}, .made = [this](const HttpRequest&) {
+                              const std::scoped_lock lock(shown_lock_);
+                              return scene_;
+                            }};
+    files["/moments.json"] = {
+        .type = "application/json", .body = {}, .made = [this](const HttpRequest& asked) {
+          return moments(count_in(asked.parameter("from"), 0),
+                         count_in(asked.parameter("most"), std::string::npos));
+        }};
+    return files;
+  }
+
+  std::string moments(std::size_t from, std::size_t most) const {
+    const std::scoped_lock lock(shown_lock_);
+    std::string list = "[";
+    from = std::min(from, moments_.size());
+    const std::size_t until = from + std::min(most, moments_.size() - from);
+    for (std::size_t i = from; i < until; ++i) {
+      if (i > from) list += ",\n";
+      list += moments_[i];
+    }
+    return list + "]\n";
+  }
+
+  /// A log that was not there before.
+  void begin() {
+    const Scenario scenario = flown_();
+    auto log = std::make_unique<LogMoments>(folder_, scenario);
+    const std::string session = session_of(folder_ / "run.mcap", scenario);
+    std::string scene = SceneJson(scenario).scene(session, false);
+    const std::scoped_lock lock(shown_lock_);
+    log_ = std::move(log);
+    session_ = session;
+    scene_ = std::move(scene);
+    moments_.clear();
+  }
+
+  void look() {
+    std::vector<std::string> more = log_->read_on();
+    const std::scoped_lock lock(shown_lock_);
+    moments_.insert(moments_.end(), std::make_move_iterator(more.begin()),
+                    std::make_move_iterator(more.end()));
+  }
+
+  void tell() {
+    std::string now = nlohmann::json({{"session", session_},
+                                      {"moments", moments_.size()},
+                                      {"state", to_string(log_->state())},
+                                      {"fault", fault_}})
+                          .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    if (now == told_) return;
+    told_ = std::move(now);
+    server_->post(told_);
+  }
+
+  void run() {
+    while (!done_) {
+      std::this_thread::sleep_for(between_looks);
+      try {
+        if (log_->replaced()) begin();
+        if (log_->state() == LogState::growing || moments_.empty()) look();
+        fault_.clear();
+      } catch (const std::exception& error) {
+        fault_ = error.what();  // of a log that is just being made it ends; it is looked at again
+      }
+      tell();
+    }
+  }
+
+  std::filesystem::path folder_;
+  std::function<Scenario()> flown_;
+  std::unique_ptr<LogMoments> log_;
+  mutable std::mutex shown_lock_;  // of what the server's thread reads
+  std::string session_, scene_;
+  std::vector<std::string> moments_;
+  std::string told_, fault_;
+  std::optional<PageServer> server_;
+  std::atomic<bool> done_{false};
+  std::thread thread_;
+};
+
+LogPage::LogPage(const std::filesystem::path& folder, std::function<Scenario()> flown,
+                 const ServeOptions& options, FoxgloveFeed* topics)
+    : thread_(std::make_unique<Thread>(folder, std::move(flown), options, topics)) {}
+LogPage::~LogPage() = default;
+
+const std::string& LogPage::url() const { return thread_->server().url(); }
+std::uint16_t LogPage::port() const { return thread_->server().port(); }
+ServeCounts LogPage::counts() const { return thread_->server().counts(); }
 
 }  // namespace sightline

@@ -193,7 +193,9 @@ class PageServer::Thread {
     if (request->path == "/live") return upgrade(one, *request, "", now);
     if (topics) return upgrade(one, *request, protocol, now);
     if (file == files_.end()) return refuse(one, 404, "there is nothing here", now);
-    one.answer(http_response(200, file->second.type, file->second.body, request->method == "GET"), now);
+    const PageFile& of = file->second;
+    one.answer(http_response(200, of.type, of.made ? of.made(*request) : of.body, request->method == "GET"),
+               now);
   }
 
   void upgrade(Connection& one, const HttpRequest& request, std::string_view protocol, Time now) {

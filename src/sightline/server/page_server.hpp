@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -13,12 +14,15 @@
 namespace sightline {
 
 class FoxgloveFeed;
+struct HttpRequest;
 
 /// What stands at a path.
 struct PageFile {
   std::string type;  ///< "text/html; charset=utf-8"
   std::string body;
   bool open = false;  ///< holds nothing of a flight, so that no token is asked for
+  /// Makes the body anew for each request, in the server's thread; none: it is `body`.
+  std::function<std::string(const HttpRequest&)> made{};
 };
 using PageFiles = std::map<std::string, PageFile, std::less<>>;
 

@@ -4,13 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <iterator>
+#include <list>
 #include <nlohmann/json.hpp>
 #include <span>
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
+#include "sightline/potential/protection.hpp"
+#include "sightline/potential/region.hpp"
 #include "sightline/scenario/read_safety.hpp"
+#include "sightline/server/limit_surface.hpp"
 #include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
@@ -69,6 +74,108 @@ bool is_known(const Sight<double>& s) {
   return std::isfinite(s.p.x + s.p.y + s.p.z + s.d.x + s.d.y + s.lean.x + s.lean.y);
 }
 
+SceneValue rounded(const LimitSurface& surface) {
+  SceneValue corners = SceneValue::array(), triangles = SceneValue::array();
+  for (const Vec3<double>& p : surface.corners)
+    for (const double value : {p.x, p.y, p.z}) corners.push_back(std::round(value * 1e5) / 1e5);
+  for (const auto& triangle : surface.triangles)
+    for (const int corner : triangle) triangles.push_back(corner);
+  return {{"reach", surface.reach},
+          {"scales", surface.scales},
+          {"open", surface.open},
+          {"corners", std::move(corners)},
+          {"triangles", std::move(triangles)}};
+}
+
+SceneValue mounted(const SensorMount& mount) {
+  return {{"pitch", mount.pitch}, {"offset", mount.offset}, {"on_body", mount.frame == MountFrame::body}};
+}
+
+/// The surfaces of a scene's limits, each once.
+class SceneSurfaces {
+ public:
+  explicit SceneSurfaces(const Team& team) : team_(team) {}
+
+  /// @return its number in `all`, null where there is none
+  SceneValue of_pair(const Observation& pair) {
+    Known& known = find(pair.potential, pair.mount, LimitSurface::Goes::with_sensor);
+    const bool goes = known.surface.goes == LimitSurface::Goes::with_sensor;
+    return number(known, goes, pair.potential, between(pair.observer, pair.target));
+  }
+  /// A text that is no view: around the second body, or before the first one's sensor.
+  void add_zone(const Coupling& c) {
+    const Potential& potential = c.term.potential;
+    if (potential.as<Region>() == nullptr || watches(potential)) return;
+    const auto& [first, second] = c.between;
+    const SensorMount mount = potential.mount() != nullptr ? *potential.mount() : SensorMount{};
+    Known& known = find(potential, mount, LimitSurface::Goes::with_target);
+    const SceneValue surface = number(known, true, potential, between(first, second));
+    if (surface.is_null()) return;
+    const bool seen = known.surface.goes == LimitSurface::Goes::with_sensor;
+    SceneValue zone = {
+        {"body", seen ? first.index : second.index}, {"surface", surface}, {"name", potential.name()}};
+    zone["mount"] = seen ? mounted(mount) : SceneValue();
+    if (std::find(zones.begin(), zones.end(), zone) == zones.end()) zones.push_back(std::move(zone));
+  }
+
+  SceneValue all = SceneValue::array(), zones = SceneValue::array(), undrawn = SceneValue::array();
+
+ private:
+  static constexpr std::size_t most = 64;
+  struct Known {
+    SensorMount mount;
+    LimitSurface::Goes rather;
+    std::vector<double> looks;  // what its limit is at some places
+    LimitSurface surface;
+    int number = -1;  // in `all`
+  };
+
+  std::string between(BodyId a, BodyId b) const {
+    return fmt::format("{} › {}", team_.name(a), team_.name(b));
+  }
+
+  SceneValue number(Known& known, bool goes, const Potential& potential, const std::string& where) {
+    const LimitSurface& surface = known.surface;
+    const bool there = goes && !surface.triangles.empty();
+    std::string lacks = surface.lacks;
+    if (lacks.empty() && !there) lacks = "its limit does not go with the sensor";
+    if (there && known.number < 0 && all.size() >= most) {
+      undrawn.push_back(
+          fmt::format("{} of {}: not drawn, more than {} surfaces", potential.name(), where, most));
+      return {};
+    }
+    if (!lacks.empty())
+      undrawn.push_back(
+          fmt::format("{} of {}: {}drawn: {}", potential.name(), where, there ? "partly " : "not ", lacks));
+    if (!there) return {};
+    if (known.number < 0) {
+      known.number = static_cast<int>(all.size());
+      all.push_back(rounded(surface));
+    }
+    return known.number;
+  }
+
+  /// Equal limits are looked at once.
+  Known& find(const Potential& potential, const SensorMount& mount, LimitSurface::Goes rather) {
+    std::vector<double> looks;
+    for (int i = 0; i < 40; ++i) {
+      Sight<double> a{}, b{};
+      a.d = b.d = {1, 0};
+      b.p = {0.3 * i * std::cos(1.3 * i), 0.2 * i * std::sin(1.7 * i), 0.1 * (i - 20)};
+      a.p.z = i % 3, a.v.x = i % 5, b.v.y = i % 7;
+      const double limit = potential.violation(a, b, 0.1 * i);
+      looks.push_back(std::isnan(limit) ? 0.1234 : limit);
+    }
+    for (Known& one : known_)
+      if (one.looks == looks && one.mount == mount && one.rather == rather) return one;
+    known_.push_back({mount, rather, std::move(looks), limit_surface(potential, mount, rather)});
+    return known_.back();
+  }
+
+  const Team& team_;
+  std::list<Known> known_;
+};
+
 }  // namespace
 
 SceneJson::SceneJson(const Scenario& scenario)
@@ -78,13 +185,21 @@ SceneJson::SceneJson(const Scenario& scenario)
       duration_(scenario.simulation.duration),
       floor_(no_value),
       ceiling_(no_value),
+      wind_(scenario.simulation.disturbances.wind),
+      gust_(scenario.simulation.disturbances.gust_sigma),
+      faults_(scenario.simulation.faults),
+      late_plans_(scenario.simulation.late_plans),
       team_(scenario.team),
-      pairs_(observations(all_couplings(scenario))),
+      couplings_(all_couplings(scenario)),
+      pairs_(observations(couplings_)),
       hard_(size(team_.bodies())) {
   if (scenario.safety) {
     floor_ = scenario.safety->barrier_options.floor;
     ceiling_ = scenario.safety->barrier_options.ceiling;
+    has_barrier_ = scenario.safety->barrier != BarrierMode::off;
   }
+  localized_.resize(size(team_.bodies()));
+  for (const LocalizedRobot& one : scenario.localization.robots) localized_[size(one.robot.index)] = true;
   for (int i = 0; i < team_.bodies(); ++i)
     if (team_.is_agent(BodyId{i})) robots_.push_back(BodyId{i});
   for (int i = 0; i < team_.bodies(); ++i)
@@ -101,6 +216,9 @@ std::string SceneJson::scene(std::string_view session, bool live) const {
                      {"solver", solver_},
                      {"floor", or_null(floor_)},
                      {"ceiling", or_null(ceiling_)},
+                     {"barrier", has_barrier_},
+                     {"wind", {{"v", {wind_.x, wind_.y, wind_.z}}, {"gust", gust_}}},
+                     {"faults", SceneValue::array()},
                      {"bodies", SceneValue::array()},
                      {"pairs", SceneValue::array()}};
   for (int i = 0; i < team_.bodies(); ++i) {
@@ -108,6 +226,7 @@ std::string SceneJson::scene(std::string_view session, bool live) const {
     SceneValue entry = {{"name", team_.name(body)},
                         {"robot", team_.model(body).name()},
                         {"agent", team_.is_agent(body)},
+                        {"localized", bool{localized_[size(i)]}},
                         {"hard", hard_[size(i)]}};
     if (team_.is_agent(body)) {
       const auto inputs = team_.model(body).inputs();
@@ -118,6 +237,14 @@ std::string SceneJson::scene(std::string_view session, bool live) const {
     }
     json["bodies"].push_back(std::move(entry));
   }
+  for (const Fault& fault : faults_)
+    json["faults"].push_back({{"name", fmt::format("{} of {}", to_string(fault.kind),
+                                                   fault.body.index < 0 ? "all" : team_.name(fault.body))},
+                              {"from", fault.from},
+                              {"until", or_null(fault.until)}});
+  for (const LatePlan& late : late_plans_)
+    json["faults"].push_back({{"name", "late plans"}, {"from", late.from}, {"until", or_null(late.until)}});
+  SceneSurfaces surfaces(team_);
   for (const Observation& pair : pairs_)
     json["pairs"].push_back({{"observer", pair.observer.index},
                              {"target", pair.target.index},
@@ -126,7 +253,12 @@ std::string SceneJson::scene(std::string_view session, bool live) const {
                              {"d_max", or_null(pair.d_max)},
                              {"pitch", pair.mount.pitch},
                              {"offset", pair.mount.offset},
-                             {"on_body", pair.mount.frame == MountFrame::body}});
+                             {"on_body", pair.mount.frame == MountFrame::body},
+                             {"surface", surfaces.of_pair(pair)}});
+  for (const Coupling& c : couplings_) surfaces.add_zone(c);
+  json["surfaces"] = std::move(surfaces.all);
+  json["zones"] = std::move(surfaces.zones);
+  json["undrawn"] = std::move(surfaces.undrawn);
   return json.dump(-1, ' ', false, SceneValue::error_handler_t::replace);
 }
 
@@ -186,6 +318,27 @@ std::string SceneJson::moment(const ShownState& state, const std::vector<Happeni
   if (!state.barrier.empty()) {
     text.key("barrier");
     text.list(state.barrier, [&](char acts) { text.raw(acts != 0 ? "1" : "0"); });
+  }
+  if (!state.reserve.empty()) {
+    text.key("reserve");
+    text.list(state.reserve, [&](double value) { text.significant(value); });
+  }
+  const auto is_known_one = [](const PoseEstimate& e) { return e.known; };
+  if (std::any_of(state.estimates.begin(), state.estimates.end(), is_known_one)) {
+    text.key("e");
+    std::size_t of = 0;
+    text.list(state.estimates, [&](const PoseEstimate& e) {
+      const BodyId robot = robots_[of++];
+      if (!e.known) return text.raw("null");
+      text.raw("[");
+      point(e.p);
+      for (int i = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j) text.next(), text.significant(e.P(i, j));
+      const bool told = state.truth_known && there(robot);
+      text.next(), text.significant(told ? norm(e.p - state.seen[size(robot.index)]->p) : no_value);
+      text.next(), text.significant(e.position_sigma());
+      text.raw("]");
+    });
   }
   if (!state.paths.empty()) {
     text.key("paths");

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/estimate/pose_filter.hpp"
 #include "sightline/record/event_words.hpp"
 #include "sightline/record/present_team.hpp"
 #include "sightline/scenario/scenario.hpp"
@@ -23,6 +24,9 @@ struct ShownState {
   std::vector<std::string_view> levels{};  ///< fallback levels of the bodies
   std::vector<char> asked{};               ///< of each pair, whether it is in force; empty: all are
   std::vector<char> barrier{};             ///< of each robot, whether the barrier acts
+  std::vector<double> reserve{};           ///< of each robot, the barrier's [m]
+  std::vector<PoseEstimate> estimates{};   ///< of each robot; empty: none is localized
+  bool truth_known = true;                 ///< where bodies are, so that an estimate has an error
   /// Predicted places of each robot [m]; given now and then, and empty in between.
   std::vector<std::vector<Vec3<double>>> paths{};
 };
@@ -36,14 +40,20 @@ struct Happening {
 
 /// Writes scenes and moments of one scenario.
 ///
-///   scene    {name, session, live, period, duration, solver, floor, ceiling,
-///             bodies: [{name, robot, agent, inputs, u_min, u_max, hard}],
-///             pairs: [{observer, target, alpha, d_min, d_max, pitch, offset, on_body}]}
+///   scene    {name, session, live, period, duration, solver, floor, ceiling, barrier, wind: {v, gust},
+///             faults: [{name, from, until}], bodies: [{name, robot, agent, localized, inputs, u_min, u_max, hard}],
+///             pairs: [{observer, target, alpha, d_min, d_max, pitch, offset, on_body, surface}],
+///             surfaces: [{reach, scales, open, corners: [x, y, z, ..], triangles: [a, b, c, ..]}],
+///             zones: [{body, surface, name, mount: {pitch, offset, on_body}}], undrawn: [sentence]}
 ///   moment   {t, b: [[x, y, z, qx, qy, qz, qw]], p: [[in view, distance, angle]], u: [[..]], status, residual, us, it,
-///             levels, barrier, paths: [[x, y, z, ..]], events: [[number, time, words]]}
+///             levels, barrier, reserve, e: [[x, y, z, P_xx, P_xy, P_xz, P_yy, P_yz, P_zz, error, sigma]],
+///             paths: [[x, y, z, ..]], events: [[number, time, words]]}
 ///
-/// Arrays are in the order of the team's bodies, of its robots for u, barrier and paths, and of `pairs` for p. Lengths in m, angles in
-/// rad, us in microseconds. null is what is not there or not finite; levels, barrier, paths and events may be left out.
+/// Arrays are in the order of the team's bodies, of its robots for u, barrier, reserve, e and paths, and of `pairs` for p. Lengths in m,
+/// angles in rad, us in microseconds, wind in m/s^2. null is what is not there or not finite; levels, barrier, reserve, e, paths and events
+/// may be left out. A surface (LimitSurface) of a pair is in the frame of its sensor, one of a zone in
+/// that of its mount, or in G around its body; `undrawn` says
+/// which limits have none.
 class SceneJson {
  public:
   explicit SceneJson(const Scenario& scenario);
@@ -66,8 +76,15 @@ class SceneJson {
   std::string name_, solver_;
   double period_, duration_;
   double floor_, ceiling_;  // of [safety], else not a number [m]
+  bool has_barrier_ = false;
+  Vec3<double> wind_;  // [m/s^2]
+  double gust_;        // sigma [m/s^2]
+  std::vector<Fault> faults_;
+  std::vector<LatePlan> late_plans_;
   Team team_;
   std::vector<BodyId> robots_;
+  std::vector<bool> localized_;      // of each body, whether by view
+  std::vector<Coupling> couplings_;  // of some time of the flight
   std::vector<Observation> pairs_;
   std::vector<double> hard_;         // what is kept from each body [m]; 0: nobody keeps one
   std::vector<std::string> script_;  // names of the [[event]]s
