@@ -48,8 +48,7 @@ struct ExchangeOptions {
                   "simulated: by which the clock of the last part is ahead of the first one's; those between "
                   "lie between"),
         parameter("flown_by", &E::flown_by, std::array<std::string_view, 2>{"network", "simulation"},
-                  "of flights: what is simulated happens to the network's messages and the clocks as well, "
-                  "to try it")};
+                  "of flights: what is simulated happens to the network's messages as well, to try it")};
   }
 };
 
