@@ -1,14 +1,19 @@
 /// Filling in messages of ROS 2: the memory behind their strings and sequences, and their times.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "bridges/dds/conversion.hpp"
+#include "sightline/record/camera_log.hpp"
 
 extern "C" {
 #include "ros.h"
@@ -40,6 +45,22 @@ inline builtin_interfaces_msg_dds__Time_ stamp_of(Nanoseconds realtime) {
 
 inline geometry_msgs_msg_dds__Pose_ ros_pose(const Vec3<double>& p, const Quaternion& q) {
   return {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}};
+}
+
+/// A pinhole; its header is the caller's.
+/// @param distortion  five zeros that outlive the message
+inline sensor_msgs_msg_dds__CameraInfo_ camera_info(const Camera& camera, Words& words,
+                                                    std::vector<double>& distortion) {
+  const std::array<double, 9> K = intrinsics(camera);
+  sensor_msgs_msg_dds__CameraInfo_ message{};
+  message.height = static_cast<std::uint32_t>(camera.height);
+  message.width = static_cast<std::uint32_t>(camera.width);
+  message.distortion_model = words("plumb_bob");
+  set_sequence(message.d, distortion);
+  std::copy(K.begin(), K.end(), std::begin(message.k));
+  for (std::size_t i = 0; i < 9; i += 4) message.r[i] = 1.0;
+  for (std::size_t i = 0; i < 12; ++i) message.p[i] = i % 4 == 3 ? 0.0 : K[3 * (i / 4) + i % 4];
+  return message;
 }
 
 }  // namespace sightline::dds

@@ -8,7 +8,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <iterator>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -19,7 +18,6 @@
 #include "bridges/dds/mailbox.hpp"
 #include "bridges/dds/ros_words.hpp"
 #include "sightline/base/index.hpp"
-#include "sightline/record/camera_log.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/event_words.hpp"
 #include "sightline/run/ring.hpp"
@@ -359,19 +357,10 @@ void TopicsOut::Thread::send_estimate(std::size_t robot) {
 void TopicsOut::Thread::send_cameras() {
   for (auto& robot : robots_) {
     if (!robot->camera_info) continue;
-    const Camera& camera = robot->camera.camera;
-    const std::array<double, 9> K = intrinsics(camera);
     Words words;
     std::vector<double> distortion(5);  // none
-    sensor_msgs_msg_dds__CameraInfo_ message{};
+    auto message = camera_info(robot->camera.camera, words, distortion);
     message.header = {stamp_of(realtime_now()), words(robot->camera.frame)};
-    message.height = static_cast<std::uint32_t>(camera.height);
-    message.width = static_cast<std::uint32_t>(camera.width);
-    message.distortion_model = words("plumb_bob");
-    set_sequence(message.d, distortion);
-    std::copy(K.begin(), K.end(), std::begin(message.k));
-    for (std::size_t i = 0; i < 9; i += 4) message.r[i] = 1.0;
-    for (std::size_t i = 0; i < 12; ++i) message.p[i] = i % 4 == 3 ? 0.0 : K[3 * (i / 4) + i % 4];
     robot->camera_info->write(message);
   }
 }

@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "sightline/server/foxglove_feed.hpp"
-#include "tests/support/foxglove_ears.hpp"
 #include "sightline/server/http.hpp"
+#include "tests/support/foxglove_ears.hpp"
 #include "tests/support/page_client.hpp"
 
 namespace sightline {

@@ -219,7 +219,8 @@ void RunTable::go_on(const AboutCampaign& about, const std::string& columns) {
   }
   if (rows_ == 0) return database_.reset();
   if (!others.empty())
-    refuse(fmt::format("holds {} runs of another campaign: another {}", rows_, fmt::join(others, ", another ")));
+    refuse(
+        fmt::format("holds {} runs of another campaign: another {}", rows_, fmt::join(others, ", another ")));
   if (last != shard_.run(rows_ - 1))
     refuse(fmt::format("holds {} runs up to number {}, not one after another", rows_, last));
 }

@@ -87,8 +87,7 @@ std::optional<Camera> decode_camera_info(std::span<const std::byte> bytes) {
   return camera;
 }
 
-CameraLog::CameraLog(const Scenario& scenario, MessageSink& to)
-    : cameras_(scenario.vision.cameras), to_(to) {
+CameraLog::CameraLog(const Scenario& scenario, MessageSink& to) : cameras_(scenario.vision.cameras), to_(to) {
   if (cameras_.empty()) return;
   const RosSchema ros = camera_info_schema();
   const SchemaId schema = to.schema(ros.name, "ros2msg", ros.text);

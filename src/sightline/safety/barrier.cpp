@@ -8,6 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
 #include "sightline/safety/barrier_several.hpp"
 #include "sightline/safety/crowd.hpp"
@@ -177,17 +178,8 @@ Barrier::Row Barrier::keep_away(const Sight<double>& self, const Rows& rows, int
     const double least = planned + 0.5 * (F - left.F) * level(a) - options_.share * spare;
     return {n, left.E, {}, least, Wall::none, index, touch.time, touch.slope, touch.curvature, left.e, false};
   }
-  Row row{n,
-          left.E,
-          {},
-          planned + F * level(a) - spare,
-          Wall::none,
-          index,
-          touch.time,
-          touch.slope,
-          touch.curvature,
-          left.e,
-          false};
+  const double least = planned + F * level(a) - spare;
+  Row row{n, left.E, {}, least, Wall::none, index, touch.time, touch.slope, touch.curvature, left.e, false};
   if (can_.turns) {
     const Vec2<double> a_V = rotate<double>({self.d.x, -self.d.y}, a);
     row.thrust = {left.F * a_V.x, left.F * a_V.y};
@@ -228,9 +220,7 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
   }
   // Of members that nothing can bring too near within the period, none but those that may have the least reserve: unless
   // there may be a plan against several, or a way out, that has to reckon with all.
-  const auto is_member = [&](int i) {
-    return neighbours[static_cast<std::size_t>(i)].conduct == Conduct::member;
-  };
+  const auto is_member = [&](int i) { return neighbours[size(i)].conduct == Conduct::member; };
   const bool all =
       std::count_if(chosen.begin(), chosen.end(), is_member) + 1 < static_cast<std::ptrdiff_t>(chosen.size());
   std::array<Within, most_neighbours> within;
@@ -239,15 +229,13 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
   for (std::size_t k = 0; k < chosen.size() && !all; ++k) {
     within[k] = {-infinity, infinity, false};
     if (!is_member(chosen[k])) continue;
-    within[k] =
-        this->within(tube_of(self, neighbours[static_cast<std::size_t>(chosen[k])], rows.part, rows.beside));
+    within[k] = this->within(tube_of(self, neighbours[size(chosen[k])], rows.part, rows.beside));
     most_of_least = std::min(most_of_least, within[k].most);
   }
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     if (!all && within[k].quiet && within[k].least > most_of_least + found_to) continue;
     const int i = chosen[k];
-    Threat& threat = rows.threats.push_back(
-        this->threat(self, neighbours[static_cast<std::size_t>(i)], rows.part, rows.beside));
+    Threat& threat = rows.threats.push_back(this->threat(self, neighbours[size(i)], rows.part, rows.beside));
     threat.neighbour = i;
     threat.reserve = threat.plan.reserve();
   }

@@ -108,6 +108,21 @@ void lift_deadline(SolverChoice& choice) {
   std::visit(lift, choice.options);
 }
 
+SensorOptions sensor_options(const Scenario& scenario) {
+  SensorOptions options{.seed = scenario.simulation.seed,
+                        .noise = scenario.simulation.disturbances.noise,
+                        .odometry = scenario.simulation.disturbances.odometry,
+                        .delay = scenario.simulation.disturbances.measurement_delay,
+                        .period = scenario.horizon.dt,
+                        .velocity_unknown = {},
+                        .faults = scenario.simulation.faults};
+  for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
+    if (uncooperative.velocity == SeenVelocity::unknown)
+      options.velocity_unknown.push_back(uncooperative.body);
+  }
+  return options;
+}
+
 void share_updates(SolverChoice& choice, int threads) {
   const auto share = [&](auto& options) {
     if constexpr (requires { options.crew; })

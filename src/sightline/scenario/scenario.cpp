@@ -423,21 +423,6 @@ bool changes_in_flight(const Scenario& scenario) {
          std::find(presence.begin(), presence.end(), Presence::absent) != presence.end();
 }
 
-SensorOptions sensor_options(const Scenario& scenario) {
-  SensorOptions options{.seed = scenario.simulation.seed,
-                        .noise = scenario.simulation.disturbances.noise,
-                        .odometry = scenario.simulation.disturbances.odometry,
-                        .delay = scenario.simulation.disturbances.measurement_delay,
-                        .period = scenario.horizon.dt,
-                        .velocity_unknown = {},
-                        .faults = scenario.simulation.faults};
-  for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
-    if (uncooperative.velocity == SeenVelocity::unknown)
-      options.velocity_unknown.push_back(uncooperative.body);
-  }
-  return options;
-}
-
 std::string summary(const Scenario& scenario) {
   const Team& team = scenario.team;
   const Horizon& horizon = scenario.horizon;
