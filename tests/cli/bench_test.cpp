@@ -38,8 +38,8 @@ void expect_figures(const std::string& name, double cost) {
   const nlohmann::ordered_json json = flown(name), row = json["cases"][0];
   EXPECT_THAT(keys(json), testing::ElementsAre("machine", "compiler", "cases"));
   EXPECT_THAT(keys(row), testing::ElementsAre("name", "solver", "agents", "masked", "median_us", "p99_us",
-                                              "max_us", "input_error_max", "input_error_transient", "cost",
-                                              "allocations", "krylov_mean"));
+                                              "max_us", "first_us", "p9999_us", "input_error_max",
+                                              "input_error_transient", "cost", "allocations", "krylov_mean"));
   EXPECT_EQ(row["name"], name);
   EXPECT_EQ(row["solver"], "newton_riccati");
   EXPECT_EQ(row["agents"], 2);

@@ -67,7 +67,9 @@ TEST(SwarmFlights, OfManyThatCrossNoneComesTooNearAllArriveAndNoPairIsLeftOut) {
     const SwapOutcome o = flown_swap(solver, swap, swap.x0, 60.0);
     EXPECT_GE(o.least, Swap::d_hard) << robots;
     // Of 256 some are still on their last metres.
-    if (robots <= 128) EXPECT_LE(o.arrival, 59.0) << robots;
+    if (robots <= 128) {
+      EXPECT_LE(o.arrival, 59.0) << robots;
+    }
     EXPECT_EQ(o.left_out, 0) << robots;
     std::cout << robots << " robots: least distance " << o.least << " m, all within 0.3 m after " << o.arrival
               << " s, " << o.pairs << " pairs\n";

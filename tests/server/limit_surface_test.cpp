@@ -42,16 +42,16 @@ bool lies_on_the_limit(const Potential& potential, const LimitSurface& surface, 
   return kept && broken;
 }
 
-constexpr SensorMount plain = {.pitch = 0.0, .offset = 0.0};
+constexpr SensorMount level_mount = {.pitch = 0.0, .offset = 0.0};
 
 TEST(LimitSurface, EveryCornerLiesOnTheLimit) {
   for (const Potential& potential :
-       {Potential(SensorCone{.alpha = 0.5, .mount = plain}), Potential(camera().seen_from(plain)),
+       {Potential(SensorCone{.alpha = 0.5, .mount = level_mount}), Potential(camera().seen_from(level_mount)),
         Potential(box()),
-        Potential(Region(all_of({"0.3 m < range < 6 m", "bearing < 30 deg"})).seen_from(plain)),
-        Potential(Region(any_of({"bearing < 0.2", "bearing > 2.5"})).seen_from(plain)),
+        Potential(Region(all_of({"0.3 m < range < 6 m", "bearing < 30 deg"})).seen_from(level_mount)),
+        Potential(Region(any_of({"bearing < 0.2", "bearing > 2.5"})).seen_from(level_mount)),
         Potential(KeepOut{.d_min = 1.5})}) {
-    const LimitSurface surface = limit_surface(potential, plain);
+    const LimitSurface surface = limit_surface(potential, level_mount);
     ASSERT_NE(surface.goes, LimitSurface::Goes::nowhere) << potential.name();
     EXPECT_EQ(surface.lacks, "");
     EXPECT_GT(surface.triangles.size(), 60U) << potential.name();
@@ -67,7 +67,7 @@ TEST(LimitSurface, EveryCornerLiesOnTheLimit) {
 
 /// Each edge of a closed surface is of two triangles.
 TEST(LimitSurface, ALimitThatEndsHasASurfaceWithoutHoles) {
-  const LimitSurface surface = limit_surface(Potential(KeepOut{.d_min = 1.5}), plain);
+  const LimitSurface surface = limit_surface(Potential(KeepOut{.d_min = 1.5}), level_mount);
   std::map<std::pair<int, int>, int> edges;
   for (const auto& [a, b, c] : surface.triangles)
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
@@ -98,7 +98,7 @@ TEST(LimitSurface, ItDoesNotMatterHowTheSensorSitsOrTheRobotLeans) {
   const LimitSurface surface = limit_surface(Potential(camera()).seen_from(tilted), tilted);
   EXPECT_EQ(surface.goes, LimitSurface::Goes::with_sensor);
   EXPECT_EQ(surface.corners.size(),
-            limit_surface(Potential(camera()).seen_from(plain), plain).corners.size());
+            limit_surface(Potential(camera()).seen_from(level_mount), level_mount).corners.size());
   EXPECT_EQ(limit_surface(box(), SensorMount{}).goes, LimitSurface::Goes::with_target);
   for (const auto rather : {LimitSurface::Goes::with_sensor, LimitSurface::Goes::with_target}) {
     EXPECT_EQ(limit_surface(KeepOut{}, SensorMount{}, rather).goes, rather);

@@ -99,7 +99,7 @@ TEST(RateCost, APlanIsStationaryInTheWholeCostFromTheInputThatWasApplied) {
 }
 
 /// Inputs of a closed loop of 12 s, and where it ends.
-struct Flown {
+struct RateFlight {
   std::vector<Numbers> u;
   Numbers x;
   double fastest(std::size_t i) const {
@@ -108,8 +108,8 @@ struct Flown {
     return most;
   }
 };
-Flown flown(Solver& solver, Numbers x) {
-  Flown flight;
+RateFlight flown(Solver& solver, Numbers x) {
+  RateFlight flight;
   flight.x = fly(solver, std::move(x), 1200, [&](double, const Numbers&, const Solution& s) {
     flight.u.emplace_back(s.u.begin(), s.u.end());
     for (const double u : s.u) ASSERT_LE(std::abs(u), 1.0);
@@ -123,8 +123,8 @@ TEST(RateCost, SlowsTheInputThatHasItAndTheRobotArrivesAllTheSame) {
       next_to_nothing(looker(Multirotor{}, Numbers(4, 1e-12)), default_horizon),
       slow(looker(Multirotor{}, {0.3, 0.3, 0.0, 0.0}), default_horizon),
       slower(looker(Multirotor{}, {3.0, 3.0, 0.0, 0.0}), default_horizon);
-  const Flown a = flown(free, from_afar), same = flown(next_to_nothing, from_afar),
-              b = flown(slow, from_afar), c = flown(slower, from_afar);
+  const RateFlight a = flown(free, from_afar), same = flown(next_to_nothing, from_afar),
+                   b = flown(slow, from_afar), c = flown(slower, from_afar);
   for (std::size_t k = 0; k < a.u.size(); ++k)
     for (std::size_t i = 0; i < 4; ++i) ASSERT_NEAR(a.u[k][i], same.u[k][i], 1e-6);
   EXPECT_LT(b.fastest(0), 0.5 * a.fastest(0));

@@ -19,7 +19,7 @@ namespace {
 
 constexpr Horizon twelve_stages{.N = 12};
 const MakeSolver make_subteam_solver = newton_riccati_of(twelve_stages);
-constexpr NewtonRiccatiOptions to_the_end{
+const NewtonRiccatiOptions to_the_end{
     .max_newton_steps = 200, .tolerance = 1e-9, .max_krylov = 200, .krylov_stop = 0};
 
 AgentId robot(const Team& team, const std::string& name) { return AgentId{team.find(name)}; }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
@@ -36,6 +37,9 @@ std::vector<std::string> fixed_columns() {
 
 namespace {
 
+/// What a table says of its campaign, as a person asks where it is another one.
+constexpr std::array<std::string_view, 8> told_of_campaign = {"scenario", "text",     "seed", "duration",
+                                                              "version",  "compiler", "plan", shard_key};
 constexpr std::chrono::milliseconds pause{500};  // between two commits
 constexpr std::size_t waiting_max = 4096;        // rows; a disk that cannot keep up holds the runs up
 
@@ -208,9 +212,11 @@ void RunTable::go_on(const AboutCampaign& about, const std::string& columns) {
     last = count.integer(1);
     AboutCampaign there = about_campaign(*database_);
     there.erase(std::string(digest_key));
-    for (const auto& [key, value] : about)
-      if (const auto found = there.find(key); found == there.end() || found->second != value)
-        others.push_back(key);
+    for (const std::string_view key : told_of_campaign)
+      if (const auto asked = about.find(std::string(key)); asked != about.end())
+        if (const auto found = there.find(asked->first);
+            found == there.end() || found->second != asked->second)
+          others.emplace_back(key);
     if (there.size() != about.size() && others.empty()) others.emplace_back("plan or shard");
     Database::Statement made(*database_, "SELECT sql FROM sqlite_master WHERE name = 'runs'");
     if (!(made.step() && made.text(0) == columns)) others.emplace_back("columns");
@@ -219,8 +225,7 @@ void RunTable::go_on(const AboutCampaign& about, const std::string& columns) {
   }
   if (rows_ == 0) return database_.reset();
   if (!others.empty())
-    refuse(
-        fmt::format("holds {} runs of another campaign: another {}", rows_, fmt::join(others, ", another ")));
+    refuse(fmt::format("holds {} runs of another campaign: another {}", rows_, fmt::join(others, ", ")));
   if (last != shard_.run(rows_ - 1))
     refuse(fmt::format("holds {} runs up to number {}, not one after another", rows_, last));
 }
