@@ -272,7 +272,8 @@ TEST(TopicsOut, NamesThatAreNoneOfRosAreMadeToAndMustDiffer) {
   for (const char* name : {"uav-0", "uav_0"})
     text += fmt::format(
         "[agent.{0}]\nrobot = \"multirotor\"\nstart = {{ p = [{1}, 0, 1] }}\n[agent.{0}.link]\nkind = "
-        "\"px4\"\nrelease = \"1.16\"\norigin = {{ p = [0, 0, 0], heading = 0.0 }}\n",
+        "\"px4\"\nrelease = \"1.16\"\nnamespace = \"/px4_{1}\"\norigin = {{ p = [0, 0, 0], heading = 0.0 "
+        "}}\n",
         name, name[3] == '-' ? 0 : 3);
   const auto domain = std::make_shared<Domain>(test::own_network());
   const auto refusal = [&](const Scenario& scenario) {

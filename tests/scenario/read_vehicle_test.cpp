@@ -180,8 +180,10 @@ TEST(ReadVehicle, AWorldThatReadsModelFilesIsGivenTheirTextsAndSaysMassAndInerti
   EXPECT_THAT(refused("body = \"hull\"\n"), HasSubstr("agent.uav.vehicle.model is missing"));
   EXPECT_THAT(refused("model = \"\"\n"),
               HasSubstr("a.toml:13: agent.uav.vehicle.model = \"\", expected the name"));
-  EXPECT_THAT(scenario_refusal(uav(hull)),
-              HasSubstr("agent.uav.vehicle.body = \"hull\", expected a known key"))
+  EXPECT_THAT(
+      scenario_refusal(uav(hull)),
+      HasSubstr(
+          "agent.uav.vehicle.model = \"models/quad.txt\", expected no such key in the world \"rotors\""))
       << "the world of rotors reads none";
 }
 

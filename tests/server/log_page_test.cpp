@@ -142,7 +142,7 @@ TEST(LogPage, AKilledRunIsShownAsFarAsItGoes) {
   EXPECT_GT(seen, 20U);
   EXPECT_EQ(moments.state(), LogState::growing);
   log.leave();
-  EXPECT_LE(moments.read_on().size(), 1U);
+  EXPECT_LE(moments.read_on().size(), seen / 10) << "periods whose times timing.csv does not have yet";
   EXPECT_EQ(moments.state(), LogState::broken);
 }
 
