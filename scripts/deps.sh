@@ -10,7 +10,7 @@ test_packages=(ca-certificates ccache chromium coinor-libipopt-dev cyclonedds-de
   jq libgl1-mesa-dri libgmock-dev libgtest-dev libjs-katex liblapack-dev libmujoco-dev librsvg2-bin libssl-dev openssl pandoc
   pybind11-dev python3-breathe python3-dev python3-ipykernel python3-matplotlib python3-myst-parser python3-nbclient
   python3-nbsphinx python3-numpy python3-pandas python3-pip python3-pytest python3-sphinx python3-venv qemu-user
-  slurm-client slurmctld slurmd munge sqlite3)
+  slurm-client slurmctld slurmd munge sqlite3 time)
 arm64_packages=(g++-aarch64-linux-gnu qemu-user libfmt-dev:arm64 libgmock-dev:arm64 libgtest-dev:arm64
   libsqlite3-dev:arm64 libtomlplusplus-dev:arm64 libzstd-dev:arm64 zlib1g-dev:arm64)
 ci_packages=(clang-14 clang-format-14 clang-tidy-14 g++-11 git libclang-rt-14-dev)
