@@ -16,7 +16,7 @@ from pathlib import Path
 tree = Path(__file__).resolve().parents[1]
 program = sys.argv[2]
 short = "--short" in sys.argv
-wide = 0.3 if short else 1.0  # on a machine that does other things too
+wide = 0.05 if short else 1.0  # on a machine that does other things too
 
 
 class Viewed:

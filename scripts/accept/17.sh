@@ -28,6 +28,9 @@ processor() {
 less() { awk "BEGIN { printf \"%.1f\", $1 - $2 }"; }
 rows() { sqlite3 -csv "$1" 'SELECT * FROM runs ORDER BY "index"'; }  # of a campaign's file
 
+# Of Slurm, that run; who has ended and is not waited for does not.
+daemons() { ps -eo stat=,pid=,comm= | awk '$1 !~ /^Z/ && $3 ~ /slurm|munge/'; }
+
 # The same runs in one process and as shards, one of them killed and resumed, one corrupted: one table, row by row.
 shards() {
   local n=8 runs=10000 bad=0 i began one all daemons
@@ -51,11 +54,11 @@ shards() {
 
   # By Slurm, on a cluster of one node.
   if command -v sbatch >/dev/null && ((EUID == 0)); then
-    daemons=$(pgrep 'slurm|munge' | wc -l)
+    daemons=$(daemons | wc -l)
     scripts/slurm_local.sh "$sightline" campaign "${flights[@]}" --slurm --shards $n -o "$folder/slurm" >>"$folder.log" 2>&1 || bad=1
     rows "$folder/slurm/campaign.sqlite" >"$folder/slurm.csv"
     cmp "$folder/one.csv" "$folder/slurm.csv" && echo "as an array of $n jobs of Slurm: the same rows" || bad=1
-    (($(pgrep 'slurm|munge' | wc -l) <= daemons)) || { pgrep -a 'slurm|munge'; echo 'daemons are left'; bad=1; }
+    (($(daemons | wc -l) <= daemons)) || { daemons; echo 'daemons are left'; bad=1; }
   else
     echo 'not by Slurm: no sbatch here, or no root'
   fi
