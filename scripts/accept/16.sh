@@ -85,7 +85,7 @@ threads() {
 # Teams of any graph: the converged solve is stationary, and real-time steps stay near their task.
 graphs() { tests solver_campaign_test 'RandomGraphs.*'; }
 
-# The longest of ten thousand, beside a second core that is busy.
+# p99.99, beside a second core that is busy.
 tails() {
   local name updates=1000000 busy priority=(chrt -f 50)
   whole || updates=2000
