@@ -51,7 +51,9 @@ void expect_drawn(const json& look) {
   EXPECT_EQ(look["faults"], json::array());
   EXPECT_GT(look["colours"], 8) << "the canvas is blank";
   EXPECT_GE(look["curves"], 4);
-  EXPECT_GT(look["fps"], 0.0);  // how many is a figure of scripts/accept/15.sh
+  EXPECT_GT(look["fps"], 0.0);
+  EXPECT_GE(look["fps"].get<double>(), 0.5 * look["due"].get<double>() - 1.0)
+      << look["turns"];  // on any machine
   EXPECT_EQ(look["overflow"], false);
   EXPECT_THAT(look["statuses"].get<std::string>(), testing::HasSubstr("uav0"));
 }
@@ -99,12 +101,14 @@ TEST(Page, ALiveFlightIsShownAndThePageComesBackAfterItsServer) {
   expect_drawn(answers[6]);
 }
 
-TEST(Page, TenMoreLookOnAtOnce) {
+/// Of more than these the processor of a small machine draws the pictures, and nothing else; ten clients that draw nothing are a figure
+/// of scripts/accept/15.sh.
+TEST(Page, ThreeMoreLookOnAtOnce) {
   const fs::path folder = fresh_folder();
   const Served server("view " + page_scenario(folder, live_seconds).string() + " --port 0 --seconds 60");
-  const auto answers = browse(server.url(), "wait live\\npages 10\\nlook\\n", folder);
+  const auto answers = browse(server.url(), "wait live\\npages 3\\nlook\\n", folder);
   ASSERT_EQ(answers.size(), 3U);
-  ASSERT_EQ(answers[1]["moments"].size(), 10U);
+  ASSERT_EQ(answers[1]["moments"].size(), 3U);
   expect_drawn(answers[2]);
 }
 

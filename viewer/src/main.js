@@ -21,8 +21,8 @@ const statuses = new Statuses($('statuses'));
 const timeline = new Timeline($('marks'), $('bands'), (t) => seek(t));
 const wind = new Wind($('wind'));
 let history = null, playing = true, now = 0, following = true, drawn = -1, drawnAt = 0, drawnTables = 0, growing = false;
-const counters = { frames: 0, moments: 0, link: 'connecting' };
-window.sightline = counters; // for tests: how many pictures it drew, what it has
+const counters = { turns: 0, frames: 0, news: 0, moments: 0, link: 'connecting' };
+window.sightline = counters; // for tests: how often it could draw, how often it did, how often it was told something, what it has
 Object.defineProperty(counters, 'redraw', { value: () => stage.draw(history, history.indexAt(now)) }); // its canvas holds a picture until the task ends
 
 const isLog = () => history !== null && !history.scene.live;
@@ -84,6 +84,7 @@ function build() {
 function take(moments) {
   if (history.moments.length === 0 && moments.length > 0) stage.frame(moments[0]);
   for (const moment of moments) history.add(moment);
+  counters.news += 1;
   counters.moments = history.moments.length;
 }
 
@@ -96,6 +97,7 @@ function seek(t) {
 let before = performance.now();
 function frame(wall) {
   requestAnimationFrame(frame);
+  counters.turns += 1;
   const passed = Math.min(0.25, (wall - before) / 1000);
   before = wall;
   if (history === null || history.moments.length === 0) return;

@@ -43,9 +43,11 @@ try {
   const look = async (seconds = '1') => {
     const usedBefore = used();
     const told = await page.evaluate(async (wait) => {
-      const before = { frames: window.sightline.frames, at: performance.now() };
+      const before = { ...window.sightline, at: performance.now() };
       await new Promise((done) => setTimeout(done, 1000 * wait));
-      const fps = (1000 * (window.sightline.frames - before.frames)) / (performance.now() - before.at);
+      const perSecond = (key) => (1000 * (window.sightline[key] - before[key])) / (performance.now() - before.at);
+      // A picture for each message of a flight, and some of what stands still, as often as the browser lets it.
+      const fps = perSecond('frames'), due = Math.min(perSecond('turns'), Math.max(4, perSecond('news')));
       const canvas = document.querySelector('#stage canvas'), small = document.createElement('canvas');
       small.width = 160;
       small.height = 90;
@@ -56,7 +58,7 @@ try {
       for (let i = 0; i < bytes.length; i += 4) found.add((bytes[i] >> 4) * 256 + (bytes[i + 1] >> 4) * 16 + (bytes[i + 2] >> 4));
       const weight = performance.getEntriesByType('resource').concat(performance.getEntriesByType('navigation'))
         .filter((one) => !/json/.test(one.name)).reduce((sum, one) => sum + one.decodedBodySize, 0);
-      return { ...window.sightline, fps, weight, colours: found.size, curves: document.querySelectorAll('#curves canvas').length,
+      return { ...window.sightline, fps, due, weight, colours: found.size, curves: document.querySelectorAll('#curves canvas').length,
         marks: document.querySelectorAll('#marks button').length, bands: document.querySelectorAll('#bands i').length,
         undrawn: [...document.querySelectorAll('#undrawn li')].map((item) => item.textContent), link: document.getElementById('link').textContent,
         state: window.sightline.link, statuses: document.getElementById('statuses').innerText, overflow: document.documentElement.scrollWidth > innerWidth };
@@ -81,7 +83,7 @@ try {
     // Pages that look on beside this one. They are of this browser, so they share its processor.
     pages: async (count) => {
       const others = await Promise.all(Array.from({ length: Number(count) }, () => browser.newPage({ viewport: { width: 320, height: 240 } })));
-      await Promise.all(others.map((other) => other.goto(url)));
+      await Promise.all(others.map((other) => other.goto(url, { waitUntil: 'commit' })));
       await Promise.all(others.map((other) => other.waitForFunction(() => window.sightline.moments > 20, null, { timeout: 30000 })));
       const moments = await Promise.all(others.map((other) => other.evaluate(() => window.sightline.moments)));
       await Promise.all(others.map((other) => other.close()));
