@@ -84,13 +84,13 @@ try {
     pages: async (count) => {
       const others = await Promise.all(Array.from({ length: Number(count) }, () => browser.newPage({ viewport: { width: 320, height: 240 } })));
       await Promise.all(others.map((other) => other.goto(url, { waitUntil: 'commit' })));
-      await Promise.all(others.map((other) => other.waitForFunction(() => window.sightline.moments > 20, null, { timeout: 30000 })));
+      await Promise.all(others.map((other) => other.waitForFunction(() => window.sightline?.moments > 20, null, { timeout: 30000 })));
       const moments = await Promise.all(others.map((other) => other.evaluate(() => window.sightline.moments)));
       await Promise.all(others.map((other) => other.close()));
       return { moments };
     },
-    wait: async (state) => page.waitForFunction((s) => window.sightline.link === s, state, { timeout: 20000 }).then(() => ({ link: state })),
-    moments: async (count) => page.waitForFunction((n) => window.sightline.moments >= n, Number(count), { timeout: 20000 }).then(() => ({})),
+    wait: async (state) => page.waitForFunction((s) => window.sightline?.link === s, state, { timeout: 20000 }).then(() => ({ link: state })),
+    moments: async (count) => page.waitForFunction((n) => window.sightline?.moments >= n, Number(count), { timeout: 20000 }).then(() => ({})),
   };
   for await (const line of createInterface({ input: process.stdin })) {
     const [step, ...words] = line.trim().split(' ');
