@@ -63,37 +63,42 @@ SH
   done
 fi
 
-# Blocks of one document follow each other in one tree; documents have nothing to do with each other.
+# Runs one block:  run_block BLOCK
+run_block() {
+  local program
+  case $1 in
+    *.py) PYTHONPATH=$root/build/release/python timeout 300 "$python" -B "$1" ;;
+    *.sh) timeout 300 bash -euo pipefail -c 'trap "jobs -p | xargs -r kill" EXIT; . "$0"' "$1" ;;
+    *.cpp)
+      program=$(basename "$1" .cpp)
+      flock "$work/build" cmake --build "$work/build" --target "$program" && timeout 300 "$work/build/$program"
+      ;;
+  esac
+}
+
+# Blocks of one document follow each other in one tree; documents have nothing to do with each other. A flight by the clock
+# may fail where others compute: what failed is said, and tried once more.
 run_document() {
-  local document=$1 block name program code bad=0
+  local document=$1 block name try code bad=0
   local tree=$work/trees/$document output=$work/$document.output entry
   mkdir -p "$tree"
   for entry in "$root"/*; do [[ $entry == "$root/out" ]] || ln -s "$entry" "$tree/"; done
   cd "$tree"
   for block in "$work/blocks/$document"-*; do
     name=$(basename "$block")
-    code=0
-    case $name in
-      *.py) PYTHONPATH=$root/build/release/python timeout 300 "$python" -B "$block" </dev/null >"$output" 2>&1 || code=$? ;;
-      *.sh) timeout 300 bash -euo pipefail "$block" </dev/null >"$output" 2>&1 || code=$? ;;
-      *.cpp)
-        program=${name%.cpp}
-        { flock "$work/build" cmake --build "$work/build" --target "$program" &&
-          timeout 300 "$work/build/$program" </dev/null; } >"$output" 2>&1 || code=$?
-        ;;
-    esac
-    if ((code == 0)); then
-      echo "ok      $name"
-    else
-      echo "failed  $name (exit $code)" && tail -n 30 "$output"
-      bad=1
-    fi
+    for try in again failed; do
+      code=0
+      run_block "$block" </dev/null >"$output" 2>&1 || code=$?
+      ((code != 0)) || break
+      printf '%-8s%s\n' "$try" "$name (exit $code)" && tail -n 30 "$output"
+    done
+    if ((code == 0)); then printf '%-8s%s\n' ok "$name"; else bad=1; fi
   done
   return $bad
 }
 
 export PATH=$root/build/release/bin:$PATH root work python
-export -f run_document
+export -f run_block run_document
 documents=("$work"/blocks/*)
 documents=("${documents[@]##*/}")
 printf '%s\n' "${documents[@]%-*}" | sort -u | xargs -P "$(nproc)" -I '{}' bash -euo pipefail -c 'run_document {}'
