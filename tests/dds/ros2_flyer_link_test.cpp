@@ -5,6 +5,7 @@
 
 #include "bridges/dds/ros2_flyer.hpp"
 #include "tests/dds/rig.hpp"
+#include "tests/support/child.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -73,7 +74,7 @@ TEST(Ros2FlyerLink, WhatItIsRefusedItDoesNotAskAgain) {
   EXPECT_THAT(rig.world->faults(), Contains("uav0: it refused what it was asked"));
   EXPECT_EQ(flyer_of(rig, 0).told().takeoffs, 1);
   EXPECT_EQ(flyer_of(rig, 0).told().commands_outside, 0);
-  EXPECT_EQ(flyer_of(rig, 1).state(), Ros2State::landed);
+  EXPECT_TRUE(test::eventually([&] { return flyer_of(rig, 1).state() == Ros2State::landed; }));
 }
 
 TEST(Ros2FlyerLink, OneThatSomebodyElseLandsIsLeftToThem) {
