@@ -41,8 +41,9 @@ void add_serve(CLI::App& command, ServeOptions& serve, CLI::Option* needed = nul
 }
 
 CLI::Option* add_show(CLI::App& command, ShowOptions& view) {
-  CLI::Option* show = command.add_flag("--view", view.show, "Show the flight in the browser");
+  CLI::Option* const show = command.add_flag("--view", view.show, "Show the flight in the browser");
   add_serve(command, view.serve, show);
+  command.add_flag("--tune", view.tune, "Let those who look on change it")->needs(show);
   return show;
 }
 
@@ -120,6 +121,9 @@ Arguments::Arguments()
   view_command->add_flag("--open", view.open, "Open the page in the browser");
   view_command->add_option("--speed", view.speed, "Simulated seconds per second [1]")
       ->check(CLI::Range(0.001, 1000.0));
+  view_command->add_flag("--tune", view.tune, "Let those who look on change the flight, which is logged");
+  view_command->add_option("-o,--output", view.output,
+                           "Folder for the log of a tuned flight [out/NAME/tuned]");
   view_command->add_flag("--paused", view.paused, "Wait for Enter after the first period");
   view_command->add_option("--seconds", view.seconds, "How long the page is served [s]; until Ctrl-C")
       ->check(CLI::Range(0.0, 1e9));

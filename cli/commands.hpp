@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +33,7 @@ inline constexpr std::uint16_t page_port = 8765;
 /// Whether a flight is shown on a page, and where.
 struct ShowOptions {
   bool show = false;
+  bool tune = false;  ///< may be changed by those who look on
   ServeOptions serve{.port = page_port};
 };
 
@@ -99,10 +101,12 @@ struct DoctorCommand {
 struct ViewCommand {
   NamedScenario of;  ///< a scenario, or the folder of a run
   ServeOptions serve{.port = page_port};
-  bool open = false;            ///< in the browser
-  std::optional<double> speed;  ///< simulated time by that of the wall clock; none: 1
-  bool paused = false;          ///< after the first period, until Enter
-  double seconds = 1e9;         ///< until Ctrl-C
+  bool open = false;             ///< in the browser
+  std::optional<double> speed;   ///< simulated time by that of the wall clock; none: 1
+  bool paused = false;           ///< after the first period, until Enter
+  bool tune = false;             ///< may be changed by those who look on; then it is logged
+  std::filesystem::path output;  ///< of a flight that is tuned; empty: out/NAME/tuned
+  double seconds = 1e9;          ///< until Ctrl-C
 };
 
 struct ReplayCommand {
@@ -180,8 +184,18 @@ int campaign(const CampaignCommand& command, const Parts& parts);
 int check(const CheckCommand& command, const Parts& parts);
 /// Makes report.html again from what a run left.
 int report(const std::filesystem::path& folder);
-/// Flies a scenario in real time, or takes the log of a run, and serves a page that shows it, until Ctrl-C. Writes no files.
+/// Flies a scenario in real time, or takes the log of a run, and serves a page that shows it, until Ctrl-C. Writes no files but those of a
+/// flight that is tuned.
 int view(const ViewCommand& command, const Parts& parts);
+/// The same of a flight that those who look on may change, and begin anew with another seed: each leaves its log.
+/// @param announce  called with the address of the page
+int view_tuned(const ViewCommand& command, const Parts& parts,
+               const std::function<void(const std::string&)>& announce);
+/// Lets events come in flight.
+/// @throws std::invalid_argument for a team or a solver that cannot follow them
+void make_tunable(Scenario& scenario);
+/// What became of those who looked on.
+void tell_counts(const ServeCounts& counts);
 /// Feeds the measurements of a run through its loop again and compares each command, bit for bit: 1 where one differs.
 /// With another solver or other values, says how far the commands are from the recorded ones.
 int replay(const ReplayCommand& command, const Parts& parts);

@@ -112,6 +112,15 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
                       fleet.file.native(), command.part));
     if (!command.part.empty()) fleet.set.push_back(fmt::format("partition.part=\"{}\"", command.part));
     scenario = read_fleet(fleet, parts);
+    if (command.view.tune)
+      throw std::invalid_argument(
+          "--tune of robots on links, expected none: `sightline view FLEET --tune` flies them in simulation, "
+          "and what it "
+          "writes is a fleet to fly");
+    if (changes_surroundings(scenario.script))
+      throw std::invalid_argument(
+          fmt::format("{}: an event with move, wind or fault, expected none: it changes a simulated world",
+                      fleet.file.native()));
     refuse_without_part(scenario, command);
     scenario.simulation.compare.clear();
     lift_deadline(scenario.solver);  // so that the flight can be replayed: no time of the wall clock decides

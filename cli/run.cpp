@@ -19,6 +19,7 @@
 #include "sightline/run/realtime.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/scenario.hpp"
+#include "sightline/server/tuning.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -76,6 +77,8 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
                        const ShowOptions& view, const Controllers& controllers,
                        TeamSwitcher* team_switcher = nullptr, const McapWords& flown = {},
                        LinkedFlight* linked = nullptr) {
+  std::optional<Tuning> tuning;
+  if (scenario.tuned) tuning.emplace(scenario, TuningControls{});
   std::optional<LinkedSink> shown;
   std::optional<FlightPage> page;
   std::optional<ShownSink> watched;
@@ -88,7 +91,7 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
     if (linked != nullptr) shown.emplace(log, linked->world, linked->stop);
     Sink<Sample>& kept = shown ? static_cast<Sink<Sample>&>(*shown) : log;
     if (!view.show) return kept;
-    page.emplace(scenario, prototype, view.serve);
+    page.emplace(scenario, prototype, view.serve, tuning ? &*tuning : nullptr);
     watched.emplace(kept, *page);
     tell_without_page();
     say(fmt::format("the page is {}", page->url()));
@@ -150,6 +153,11 @@ int run(const RunOptions& options, const Parts& parts) {
           read_partition(scenario, *options.partition, options.order, options.exchanges, options.threads);
     else
       partition = partition_of(scenario, options.threads);
+    if (options.view.tune && (!options.realtime || partition))
+      throw std::invalid_argument(
+          "--tune, expected beside --realtime and of one solver for all; `sightline view --tune` can wait, "
+          "too");
+    if (options.view.tune) make_tunable(scenario);
     if (!partition)
       share_updates(scenario.solver, options.threads);  // else parts are solved at the same time
     folder.emplace(options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output,
@@ -205,6 +213,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
     if (!flight.logged) break;
     SimulatedClock simulated;
     scenario.solver = solver_named(name);
+    scenario.tuned = nullptr;
     const LoggedFlight other = fly_shown(as_one(scenario), folder / name, simulated, {}, nullptr);
     for (const std::string& fault : other.faults) say(fmt::format("compared with {}: {}", name, fault));
     bad = bad || !other.logged;

@@ -1,6 +1,5 @@
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
 #include <spawn.h>
 #include <unistd.h>
 
@@ -9,6 +8,7 @@
 #include <thread>
 
 #include "cli/commands.hpp"
+#include "cli/enter_key.hpp"
 #include "cli/fleet.hpp"
 #include "cli/linked_sink.hpp"
 #include "cli/output.hpp"
@@ -38,31 +38,6 @@ class UnloggedSink final : public Sink<Sample> {
   Sample sample_;
 };
 
-/// Lets a paused flight go on when somebody types Enter.
-class EnterKey {
- public:
-  EnterKey(PacedClock& clock, std::atomic<bool>& stop)
-      : thread_([this, &clock, &stop] {
-          pollfd typed{STDIN_FILENO, POLLIN, 0};
-          while (!done_ && !stop && clock.paused()) {
-            if (::poll(&typed, 1, 100) <= 0) continue;
-            char key = 0;
-            if (::read(STDIN_FILENO, &key, 1) != 1) return;
-            if (key == '\n') clock.resume();
-          }
-        }) {}
-  ~EnterKey() {
-    done_ = true;
-    thread_.join();
-  }
-  EnterKey(const EnterKey&) = delete;
-  EnterKey& operator=(const EnterKey&) = delete;
-
- private:
-  std::atomic<bool> done_{false};
-  std::thread thread_;
-};
-
 void open_browser(const std::string& url) {
   std::array<std::string, 2> words = {"xdg-open", url};
   std::array<char*, 3> arguments = {words[0].data(), words[1].data(), nullptr};
@@ -86,22 +61,15 @@ Moments::time_point end_of(const ViewCommand& command) {
          std::chrono::duration_cast<Moments::duration>(std::chrono::duration<double>(command.seconds));
 }
 
-void tell_counts(const ServeCounts& counts) {
-  say(fmt::format("{} connections, {} refused; {} states sent, {} left out for slow ones, {} watchers closed",
-                  counts.connections, counts.refused, counts.sent, counts.dropped, counts.closed));
-  if (counts.messages + counts.messages_dropped > 0)
-    say(fmt::format("{} messages of topics sent, {} left out for slow ones", counts.messages,
-                    counts.messages_dropped));
-}
-
 int view_log(const ViewCommand& command, const Parts& parts, const ServeOptions& options) {
   const std::filesystem::path &folder = command.of.file, log = folder / "run.mcap";
   if (!std::filesystem::is_regular_file(log)) {
     tell("{}: no run.mcap, expected the folder of a run\n", folder.native());
     return 2;
   }
-  if (!command.of.set.empty() || command.speed || command.paused)
-    throw std::invalid_argument("--set, --speed and --paused of a log, expected none: it is flown already");
+  if (!command.of.set.empty() || command.speed || command.paused || command.tune || !command.output.empty())
+    throw std::invalid_argument(
+        "--set, --speed, --paused, --tune and --output of a log, expected none: it is flown already");
   const auto scenario_of_log = [&] {
     const FlownAs flown = flown_as(log);
     Scenario scenario = parse_scenario(flown.text, log, parts, {.files = flown.files});
@@ -119,6 +87,10 @@ int view_log(const ViewCommand& command, const Parts& parts, const ServeOptions&
 }
 
 int view_flight(const ViewCommand& command, const Parts& parts, const ServeOptions& options) {
+  if (command.tune)
+    return view_tuned(command, parts, [&](const std::string& url) { announce(command, url); });
+  if (!command.output.empty())
+    throw std::invalid_argument("--output, expected beside --tune alone: view writes no files");
   Scenario scenario = command.of.read(parts);
   scenario.simulation.compare.clear();
   lift_deadline(scenario.solver);
@@ -160,6 +132,17 @@ int view_flight(const ViewCommand& command, const Parts& parts, const ServeOptio
 }
 
 }  // namespace
+
+void tell_counts(const ServeCounts& counts) {
+  if (counts.unasked > 0)
+    say(fmt::format("{} messages that would change the flight were refused: it is not tuned (--tune)",
+                    counts.unasked));
+  say(fmt::format("{} connections, {} refused; {} states sent, {} left out for slow ones, {} watchers closed",
+                  counts.connections, counts.refused, counts.sent, counts.dropped, counts.closed));
+  if (counts.messages + counts.messages_dropped > 0)
+    say(fmt::format("{} messages of topics sent, {} left out for slow ones", counts.messages,
+                    counts.messages_dropped));
+}
 
 void tell_without_page() {
   if (!has_page()) say("built without its page: only data are served");

@@ -29,5 +29,11 @@ cycles() { figure cycles; }
 # Ten clients of the page and of Foxglove's protocol, one of which reads nothing, beside a flight without a server.
 clients() { python3 bench/client_figures.py $(whole || echo --short); }
 
-all=(frames growing solve threads formula cycles clients)
+# A flight that is tuned: changed within 0.2 s, no input steps, written and replayed to the same commands; refused, and bounded. In a browser.
+tune() {
+  tests server_test 'Tuner.*:Tuning.*' && tests cli_test 'View.*Tun*' && tests record_test 'TunedLog.*' || return 1
+  if [[ -x $build/tests/viewer_test ]]; then tests viewer_test 'Page.AFlightIsTunedInTheBrowser'; fi
+}
+
+all=(frames growing solve threads formula cycles clients tune)
 run_sections "$@"

@@ -172,6 +172,22 @@ struct Actions {
             {"observe_nobody", at,
              "observe = { observer = \"uav1\", target = \"lamp\" }\n[[event]]\nat = 0.6\nremove = \"lamp\""}};
   }
+  std::vector<Row> operator()(std::type_identity<MoveBody>) const {
+    return {{"move_obstacle", at, "move = { obstacle = \"box\", p = [2.5, 3.0, 1.0] }"},
+            {"move_target", at + "\nramp = 0.4", "move = { target = \"lamp\", p = [1.2, 3.2, 1.2] }"},
+            {"move_and_return", at,
+             "move = { obstacle = \"box\", p = [2.5, 3.0, 1.0] }\n[[event]]\nat = 0.5\nremove = \"box\"\n"
+             "[[event]]\nat = 0.7\nadd = \"box\""}};
+  }
+  std::vector<Row> operator()(std::type_identity<SetWind>) const {
+    return {{"wind", at, "wind = { acceleration = [0.1, 0.0, 0.0] }"}};
+  }
+  std::vector<Row> operator()(std::type_identity<InjectFault>) const {
+    return {
+        {"dropout", at, "fault = { kind = \"dropout\", body = \"uav0\", for = 0.06 }"},
+        {"freeze", at, "fault = { kind = \"freeze\", body = \"uav1\", for = 0.06 }"},
+        {"jump", at, "fault = { kind = \"jump\", body = \"lamp\", for = 0.06, offset = [0.02, 0.0, 0.0] }"}};
+  }
 };
 
 /// When it is done: a trigger that comes about within the flight.

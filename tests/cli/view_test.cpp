@@ -4,9 +4,11 @@
 
 #include <fstream>
 
+#include "sightline/record/mcap.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/page_client.hpp"
 #include "tests/support/served.hpp"
+#include "tests/support/tuned_flight.hpp"
 #include "tests/support/view_scenario.hpp"
 
 namespace sightline::test {
@@ -19,6 +21,18 @@ std::string view_file(const fs::path& folder) {
   const fs::path file = folder / "look.toml";
   std::ofstream(file) << view_scenario;
   return file.string();
+}
+
+/// Every message of an input in a log, in its order.
+std::vector<std::string> inputs_of(const fs::path& folder) {
+  std::vector<std::string> all;
+  McapReader log(folder / "run.mcap");
+  log.visit([&](const McapMessage& message) {
+    if (message.topic.ends_with("/input"))
+      all.emplace_back(reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size());
+  });
+  EXPECT_GT(all.size(), 100U);
+  return all;
 }
 
 TEST(View, BadInputIsRefusedBeforeAnythingIsServed) {
@@ -95,6 +109,101 @@ TEST(View, ARunThatIsLookedAtFliesTheSameBytes) {
 TEST(View, OthersGetAToken) {
   Served served("view " + view_file(fresh_folder()) + " --port 0 --listen 127.0.0.2 --seconds 1");
   EXPECT_THAT(served.url(), testing::ContainsRegex("^http://127.0.0.2:[0-9]+/[?]token=[0-9a-f]{48}$"));
+}
+
+/// Sends a message and waits for the answer to it.
+std::string tune(PageClient& client, const std::string& message, const std::string& id) {
+  client.say(PageClient::masked(1, message));
+  (void)client.hear("\"" + id + "\",", 5.0);
+  return client.hear("]", 5.0);
+}
+
+// Tuned, logged, replayed, written, flown again: one flight.
+TEST(View, ATunedFlightIsReplayedAndFlownAgainWithTheSameCommands) {
+  const fs::path folder = fresh_folder(), file = folder / "tuned.toml";
+  std::ofstream(file) << tuned_scenario(3.0);
+  const std::string out = (folder / "out").string();
+  std::string written, final, said;
+  {
+    Served served("view " + file.string() + " --tune -o " + out + " --port 0 --seconds 60");
+    PageClient client(served.port());
+    client.watch();
+    (void)client.hear("\"t\":0.", 5.0);
+    EXPECT_EQ(
+        tune(client, R"({"id":"w","event":{"retune":{"couple":"bearing","weight":0.4}}})", "w").substr(0, 5),
+        "true,");
+    EXPECT_EQ(
+        tune(client,
+             R"({"id":"p","event":{"retune":{"couple":"bearing","potential":{"bearing":{"alpha":0.3}}}}})",
+             "p")
+            .substr(0, 5),
+        "true,");
+    EXPECT_THAT(tune(client, R"({"id":"n","event":{"retune":{"couple":"bearing","weight":-1}}})", "n"),
+                HasSubstr("false,\"" + file.string() + ":"));
+    EXPECT_EQ(
+        tune(client, R"({"id":"m","event":{"move":{"obstacle":"post","p":[2,1,1]}}})", "m").substr(0, 5),
+        "true,");
+    EXPECT_EQ(tune(client, R"({"id":"a","event":{"wind":{"acceleration":[0.2,0,0]}}})", "a").substr(0, 5),
+              "true,");
+    EXPECT_TRUE(soon([&] {
+      return PageClient(served.port()).ask("GET /tuned.toml").find("wind = {") != std::string::npos;
+    }));
+    client.hear("\"t\":2.9", 10.0);
+    written = PageClient(served.port()).ask("GET /tuned.toml");
+    final = PageClient(served.port()).ask("GET /final.toml");
+  }
+  const auto body = [](const std::string& answer) { return answer.substr(answer.find("\r\n\r\n") + 4); };
+  const CommandResult replayed = sightline("replay " + out, folder);
+  EXPECT_EQ(replayed.code, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr("0 differ"));
+  std::ofstream(folder / "again.toml") << body(written);
+  const std::string again = (folder / "again").string();
+  ASSERT_NE(sightline("run " + (folder / "again.toml").string() + " -o " + again, folder).code, 2);
+  // The one may have been ended before its last period.
+  std::vector<std::string> flown = inputs_of(folder / "again"), tuned = inputs_of(folder / "out");
+  ASSERT_GE(flown.size(), tuned.size());
+  flown.resize(tuned.size());
+  EXPECT_EQ(flown, tuned);
+  std::ofstream(folder / "final.toml") << body(final);
+  EXPECT_EQ(sightline("check " + (folder / "final.toml").string(), folder).code, 0);
+}
+
+TEST(View, AnotherSeedBeginsAnewOnTheSamePort) {
+  const fs::path folder = fresh_folder(), file = folder / "tuned.toml";
+  std::ofstream(file) << tuned_scenario(60.0);
+  const fs::path out = folder / "out", next = folder / "out-2";
+  Served served("view " + file.string() + " --tune -o " + out.string() + " --port 0 --seconds 60");
+  PageClient client(served.port());
+  client.watch();
+  (void)client.hear("\"t\":0.", 5.0);
+  client.say(PageClient::masked(1, R"({"id":"s","seed":7})"));
+  EXPECT_TRUE(soon([&] { return fs::exists(next / "run.mcap"); }));
+  EXPECT_TRUE(soon([&] {
+    return PageClient(served.port()).ask("GET /scene.json").find("\"live\":true") != std::string::npos;
+  }));
+}
+
+TEST(View, TuningIsRefusedWhereItCannotBe) {
+  const fs::path folder = fresh_folder();
+  const std::string file = view_file(folder);
+  const auto refused = [&](const std::string& arguments, const std::string& sentence) {
+    const CommandResult told = sightline(arguments, folder);
+    EXPECT_EQ(told.code, 2) << arguments;
+    EXPECT_THAT(told.err, HasSubstr(sentence)) << arguments;
+  };
+  refused("run " + file + " --view --tune --port 0", "expected beside --realtime");
+  refused("view " + file + " --seconds 1 -o x", "expected beside --tune");
+  refused("view " + file + " --seconds 1 --tune --set solver.name=cgmres", "expected newton_riccati");
+}
+
+TEST(View, WithoutTuneItIsReadOnlyAndSaysHowManyWereRefused) {
+  Served served("view " + view_file(fresh_folder()) + " --port 0 --seconds 3");
+  PageClient client(served.port());
+  client.watch();
+  client.say(PageClient::masked(1, R"({"pause":true})"));
+  EXPECT_THAT(client.hear("\"t\":0.9"), HasSubstr("\"t\":0.9"));
+  EXPECT_THAT(PageClient(served.port()).ask("GET /tune.json"), HasSubstr("{\"tune\":false}"));
+  EXPECT_THAT(served.end(), HasSubstr("1 messages that would change the flight were refused"));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/page_client.hpp"
 #include "tests/support/served.hpp"
+#include "tests/support/tuned_flight.hpp"
 #include "tests/support/view_scenario.hpp"
 
 namespace sightline::test {
@@ -147,6 +148,31 @@ TEST(Page, ALogThatIsStillWrittenIsShownAsItGrowsAndAsItEnded) {
   EXPECT_GT(answers[3]["t"], answers[2]["t"]);
   EXPECT_GT(answers[6]["t"], answers[3]["t"]);  // the same log: it went on from where it was
   EXPECT_GE(answers[8]["moments"], answers[6]["moments"]);
+}
+
+// A slider, a key, the mouse and a button change the flight, which is logged, written and flown again with the same commands.
+TEST(Page, AFlightIsTunedInTheBrowser) {
+  const fs::path folder = fresh_folder(), file = folder / "page.toml";
+  std::ofstream(file) << tuned_scenario(60.0);
+  const std::string out = (folder / "tuned").string();
+  std::string written;
+  {
+    Served served("view " + file.string() + " --tune -o " + out + " --port 0 --seconds 60");
+    const auto answers =
+        browse(served.url(),
+               "wait live\\nmoments 20\\nslide weight 0.4\\nanswer weight 0.4\\narrow weight ArrowRight\\n"
+               "answer weight 0.56\\ndrag 0 60 0\\nanswer another reference for uav1\\npress Pause flight\\n"
+               "answer paused\\npress Step\\nanswer 1 period\\npress Fly on\\nanswer flies on\\nlook\\n",
+               folder);
+    ASSERT_EQ(answers.size(), 15U) << served.end();
+    expect_drawn(answers[14]);
+    written = PageClient(served.port()).ask("GET /tuned.toml");
+  }
+  EXPECT_THAT(written, testing::HasSubstr("retune = { couple = \"bearing\", weight = 0.4 }"));
+  EXPECT_THAT(written, testing::HasSubstr("reference = { agent = \"uav1\""));
+  const CommandResult replayed = sightline("replay " + out + " --json", folder);
+  EXPECT_EQ(replayed.code, 0) << replayed.err;
+  EXPECT_EQ(json::parse(replayed.out)["differing"], 0);
 }
 
 }  // namespace

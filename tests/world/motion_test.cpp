@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -283,6 +284,83 @@ TEST(Motions, WhatCannotBeIsRefusedBySentence) {
   EXPECT_EQ(said({{obstacle, AdversaryMotion{.agent = uav0, .aim = 1.5}}}),
             "adversary.aim = 1.5, expected in [0, 1]");
   EXPECT_EQ(said({{obstacle, HandMotion{.agent = uav0, .speed = 0}}}), "hand.speed = 0, expected > 0 m/s");
+}
+
+/// The obstacle's place and speed over a flight in which events move it.
+struct Carried {
+  std::vector<Vec3<double>> p;
+  double fastest = 0.0;
+};
+Carried carried(double speed_max, const std::vector<Surroundings>& told) {
+  Plant plant(robot_and_obstacle(), start_with({2, 0, 1}), {.speed_max = {speed_max}});
+  Carried seen;
+  for (int k = 0; k < 400; ++k) {
+    const auto newest = std::find_if(told.rbegin(), told.rend(), [&](const Surroundings& around) {
+      return around.moves[0].begin <= k * control_period + 1e-9;
+    });
+    if (newest != told.rend()) plant.surround(*newest);
+    (void)plant.step(Numbers(4, 0.0), control_period);
+    const auto x = plant.x();
+    seen.p.push_back(obstacle_of(x));
+    seen.fastest = std::max(seen.fastest, norm(at(x, v_O)));
+  }
+  return seen;
+}
+Surroundings move_to(const Vec3<double>& to, double begin, double duration) {
+  return {.moves = {{obstacle, to, begin, duration}}};
+}
+
+TEST(Motions, ABodyThatAnEventMovesGoesThereInItsTimeAndRests) {
+  const Carried seen = carried(0.0, {move_to({3, 1, 1}, 1.0, 1.0)});
+  EXPECT_EQ(seen.p[98].x, 2.0);
+  EXPECT_NEAR(seen.p[149].x, 2.5, 0.02);
+  EXPECT_NEAR(seen.p[149].y, 0.5, 0.02);
+  EXPECT_NEAR(seen.p[201].x, 3.0, 1e-12);
+  EXPECT_EQ(seen.p[399].x, seen.p[250].x);
+  EXPECT_NEAR(seen.fastest, 1.5 * std::sqrt(2.0), 0.01);
+}
+
+TEST(Motions, ABodyThatAnEventMovesIsNoFasterThanItMayBe) {
+  const Carried seen = carried(0.5, {move_to({3, 0, 1}, 1.0, 0.1)});
+  EXPECT_LE(seen.fastest, 0.5 + 1e-9);
+  EXPECT_NEAR(seen.p[399].x, 2.0 + 1.0 * blended(4.0, 1.0, 3.0), 1e-9);
+}
+
+TEST(Motions, ABodyThatIsMovedAgainGoesOnFromWhereItIs) {
+  const Carried seen = carried(0.0, {move_to({3, 0, 1}, 1.0, 1.0), move_to({2, 0, 1}, 1.5, 1.0)});
+  for (std::size_t k = 1; k < seen.p.size(); ++k) EXPECT_LE(norm(seen.p[k] - seen.p[k - 1]), 0.016);
+  EXPECT_NEAR(seen.p[399].x, 2.0, 1e-12);
+}
+
+TEST(Motions, ABodyThatComesAgainStandsWhereItBegan) {
+  Plant plant(robot_and_obstacle(), start_with({2, 0, 1}));
+  const Surroundings around = move_to({3, 0, 1}, 0.0, 0.1);
+  const auto fly = [&](int periods) {
+    for (int k = 0; k < periods; ++k) (void)plant.step(Numbers(4, 0.0), control_period);
+  };
+  plant.surround(around);
+  fly(50);
+  EXPECT_NEAR(obstacle_of(plant.x()).x, 3.0, 1e-12);
+  for (const Presence there : {Presence::absent, Presence::hold}) {
+    plant.set_presence(std::vector{Presence::steered, there});
+    plant.surround(around);
+    fly(1);
+  }
+  fly(50);
+  EXPECT_NEAR(obstacle_of(plant.x()).x, 2.0, 0.02);
+}
+
+TEST(Motions, AWindThatAnEventBringsComesUpOverItsTime) {
+  Plant plant(robot_and_obstacle(), start_with({9, 0, 1}));
+  plant.surround({.wind = Surroundings::Wind{{1, 0, 0}, 0.0, 1.0}});
+  std::vector<double> speed = {0.0};
+  for (int k = 0; k < 200; ++k) {
+    (void)plant.step(Numbers(4, 0.0), control_period);
+    speed.push_back(plant.x()[5]);
+    EXPECT_LE(speed[speed.size() - 1] - speed[speed.size() - 2], 1.0 * control_period);
+  }
+  EXPECT_LT(speed[10], 0.01);
+  EXPECT_GT(speed[200], 0.1);
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 import './page.css';
 import { Curves } from './curves.js';
+import { Drag } from './drag.js';
 import { History } from './history.js';
 import { chooseTheme, colours, systemTheme, theme } from './palette.js';
 import { Source } from './source.js';
 import { Stage } from './stage.js';
 import { Statuses } from './statuses.js';
 import { Timeline } from './timeline.js';
+import { Tune } from './tune.js';
 import { Wind } from './wind.js';
 
 const $ = (id) => document.getElementById(id);
@@ -20,10 +22,12 @@ const curves = new Curves($('curves'), (t) => seek(t));
 const statuses = new Statuses($('statuses'));
 const timeline = new Timeline($('marks'), $('bands'), (t) => seek(t));
 const wind = new Wind($('wind'));
+const tune = new Tune($('tune'), { send: (text) => source.send(text), changed: retune }), drag = new Drag(stage, tune);
 let history = null, playing = true, now = 0, following = true, drawn = -1, drawnAt = 0, drawnTables = 0, growing = false;
 const counters = { turns: 0, frames: 0, news: 0, moments: 0, link: 'connecting' };
 window.sightline = counters; // for tests: how often it could draw, how often it did, how often it was told something, what it has
 Object.defineProperty(counters, 'redraw', { value: () => stage.draw(history, history.indexAt(now)) }); // its canvas holds a picture until the task ends
+counters.handles = () => drag.places();
 
 const isLog = () => history !== null && !history.scene.live;
 
@@ -55,6 +59,7 @@ function start(scene) {
   scene.pairs.forEach((pair, i) => camera.append(new Option(`sensor of ${scene.bodies[pair.observer].name} at ${scene.bodies[pair.target].name}`, `pair ${i}`)));
   $('robot').replaceChildren(new Option('first robots', '-1'));
   scene.bodies.forEach((body, i) => { if (body.agent) $('robot').append(new Option(body.name, String(i))); });
+  tune.begin(scene);
   $('undrawn').replaceChildren(...scene.undrawn.map((words) => {
     const item = document.createElement('li');
     item.textContent = words;
@@ -69,6 +74,7 @@ function build() {
   statuses.build(scene);
   timeline.forget();
   wind.build(scene.wind);
+  drag.build(scene, tune.tunables);
   const legend = [['in view', c.good, ''], ['out of view', c.bad, 'dashed'], ['predicted', c.grey, 'dashed']];
   if (scene.bodies.some((body) => body.localized)) legend.push(['estimate, 3 sigma', c.grey, 'filled']);
   $('legend').replaceChildren(...legend.map(([words, colour, kind]) => {
@@ -81,9 +87,27 @@ function build() {
   drawn = -1;
 }
 
+// What may be tuned is another: goals, and cones by their angles.
+function retune(tunables) {
+  let cones = false;
+  for (const pair of history.scene.pairs) {
+    const names = [history.scene.bodies[pair.observer].name, history.scene.bodies[pair.target].name];
+    const alpha = tunables.terms.find((term) => term.alpha !== null && term.agents.join() === names.join())?.alpha;
+    if (alpha === undefined || alpha === pair.alpha) continue;
+    pair.alpha = alpha;
+    cones = true;
+  }
+  if (cones) build();
+  else drag.build(history.scene, tunables);
+}
+
 function take(moments) {
   if (history.moments.length === 0 && moments.length > 0) stage.frame(moments[0]);
-  for (const moment of moments) history.add(moment);
+  for (const moment of moments) {
+    history.add(moment);
+    if (history.scene.live) tune.hear(moment);
+  }
+  tune.seen = moments.at(-1);
   counters.news += 1;
   counters.moments = history.moments.length;
 }
@@ -213,5 +237,5 @@ addEventListener('keydown', (event) => {
 });
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { chooseTheme(systemTheme()); if (history) build(); });
 addEventListener('resize', () => curves.resize());
-new Source({ scene: start, moments: take, link: setLink });
+const source = new Source({ scene: start, moments: take, link: setLink });
 requestAnimationFrame(frame);

@@ -1,10 +1,16 @@
 // Where moments come from, by a WebSocket that is opened again when it breaks: of a flight the moments themselves, of a log how many
 // there are by now, which are then fetched.
 
-const get = async (path, asked = {}) => {
-  const token = new URLSearchParams(location.search).get('token');
-  const query = new URLSearchParams({ ...asked, ...(token === null ? {} : { token }) }).toString();
-  const answer = await fetch(query ? `${path}?${query}` : path);
+const token = () => new URLSearchParams(location.search).get('token');
+
+// A path's query: what is asked, and the token of the page.
+export const told = (asked = {}) => {
+  const query = new URLSearchParams({ ...asked, ...(token() === null ? {} : { token: token() }) }).toString();
+  return query && `?${query}`;
+};
+
+export const get = async (path, asked = {}) => {
+  const answer = await fetch(path + told(asked));
   if (!answer.ok) throw new Error(await answer.text());
   return answer.json();
 };
@@ -37,19 +43,19 @@ export class Source {
   }
 
   listen(live) {
-    const token = new URLSearchParams(location.search).get('token');
-    const socket = new WebSocket(`ws://${location.host}/live${token === null ? '' : `?token=${encodeURIComponent(token)}`}`);
+    const socket = new WebSocket(`ws://${location.host}/live${told()}`);
+    this.socket = socket;
     socket.onopen = () => { this.wait = 250; if (live) this.on.link('live'); };
     socket.onmessage = (message) => {
-      const told = JSON.parse(message.data);
-      if (live) this.on.moments([told]); else this.follow(told, socket);
+      const state = JSON.parse(message.data);
+      if (live) this.on.moments([state]); else this.follow(state, socket);
     };
     socket.onclose = () => this.again();
   }
 
   // Fetches what a log has more than is known. Another session is another log.
-  async follow(told, socket) {
-    this.told = told;
+  async follow(state, socket) {
+    this.told = state;
     if (this.fetches) return;
     this.fetches = true;
     try {
@@ -67,6 +73,13 @@ export class Source {
       socket.close();
     }
     this.fetches = false;
+  }
+
+  // @return whether it is on its way
+  send(text) {
+    if (this.socket?.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(text);
+    return true;
   }
 
   again() {

@@ -90,6 +90,31 @@ try {
       return { moments };
     },
     wait: async (state) => page.waitForFunction((s) => window.sightline?.link === s, state, { timeout: 20000 }).then(() => ({ link: state })),
+    slide: async (label, value) => page.evaluate(([of, to]) => {
+      const range = [...document.querySelectorAll('#tune input[type=range]')].find((one) => one.ariaLabel === of);
+      range.closest('details').open = true;
+      range.value = to;
+      range.dispatchEvent(new Event('input'));
+      return { low: range.min, high: range.max };
+    }, [label, value]),
+    arrow: async (label, key) => {
+      const range = page.locator(`#tune details[open] input[type=range][aria-label="${label}"]`).first();
+      await range.focus();
+      await range.press(key);
+      return { value: await range.inputValue() };
+    },
+    press: async (...words) => page.click(`#tune button:text-is("${words.join(' ')}")`).then(() => ({})),
+    drag: async (handle, dx, dy) => {
+      const [x, y] = await page.evaluate((i) => window.sightline.handles()[i], Number(handle));
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.mouse.move(x + dx / 2, y + dy / 2);
+      await page.mouse.move(x + Number(dx), y + Number(dy));
+      await page.mouse.up();
+      return {};
+    },
+    answer: async (...words) => page.waitForFunction((w) => document.querySelector('#tune output')?.textContent.includes(w), words.join(' '), { timeout: 20000 })
+      .then(async () => ({ answer: await page.textContent('#tune output') })),
     moments: async (count) => page.waitForFunction((n) => window.sightline?.moments >= n, Number(count), { timeout: 20000 }).then(() => ({})),
   };
   for await (const line of createInterface({ input: process.stdin })) {

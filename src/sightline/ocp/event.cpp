@@ -199,6 +199,16 @@ double ramp_of(const TeamEvent& event) {
   return longest;
 }
 
+bool changes_surroundings(const Script& script) {
+  const auto changes = [](const Action& action) {
+    return std::holds_alternative<MoveBody>(action) || std::holds_alternative<SetWind>(action) ||
+           std::holds_alternative<InjectFault>(action);
+  };
+  return std::any_of(script.events.begin(), script.events.end(), [&](const TeamEvent& event) {
+    return std::any_of(event.actions.begin(), event.actions.end(), changes);
+  });
+}
+
 std::string in_words(const TeamEvent& event, const Team& all) {
   const auto words = [&](const auto& it) { return it.words(all); };
   std::string text = fmt::format("{}, {}", event.name, std::visit(words, event.trigger));

@@ -18,12 +18,15 @@
 #include "sightline/ocp/event/at_time.hpp"
 #include "sightline/ocp/event/condition.hpp"
 #include "sightline/ocp/event/hand_over.hpp"
+#include "sightline/ocp/event/inject_fault.hpp"
+#include "sightline/ocp/event/move_body.hpp"
 #include "sightline/ocp/event/observe.hpp"
 #include "sightline/ocp/event/remove_body.hpp"
 #include "sightline/ocp/event/remove_term.hpp"
 #include "sightline/ocp/event/retune_agent.hpp"
 #include "sightline/ocp/event/retune_term.hpp"
 #include "sightline/ocp/event/set_reference.hpp"
+#include "sightline/ocp/event/set_wind.hpp"
 #include "sightline/ocp/event/signal.hpp"
 
 namespace sightline {
@@ -53,7 +56,7 @@ using Trigger = std::variant<AtTime, AfterTime, Condition, Signal>;
 ///   needs          bodies that must be there, if any
 ///   usual_ramp     over which its weights change where the event says nothing, if not at once [s]
 using Action = std::variant<RemoveBody, RemoveTerm, AddBody, AddCoupling, AddConstraint, RetuneAgent,
-                            RetuneTerm, Observe, SetReference, HandOver>;
+                            RetuneTerm, Observe, SetReference, HandOver, MoveBody, SetWind, InjectFault>;
 
 inline constexpr std::string_view first_stage = "start";
 
@@ -83,6 +86,9 @@ struct Script {
   std::vector<ViewChoice> choices{};                             ///< whose events follow them (shape.hpp)
   bool empty() const { return events.empty(); }
 };
+
+/// Whether an event of the script changes the world around the team, which must then be a simulated one.
+bool changes_surroundings(const Script& script);
 
 /// What is wrong with an event of a script, a sentence.
 struct ScriptFault {

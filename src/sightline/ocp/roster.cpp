@@ -18,7 +18,8 @@ Roster::Roster(Team all, std::vector<Presence> presence) {
           .couplings = {},
           .constraints = {},
           .turns = {},
-          .presence = std::move(presence)};
+          .presence = std::move(presence),
+          .around = {}};
   now_.agents = now_.all.agents();
   now_.couplings = now_.all.couplings();
   now_.constraints = now_.all.constraints();
@@ -115,7 +116,7 @@ Team Roster::team(double t) const {
 }
 
 Membership Roster::membership() const {
-  Membership now{.presence = now_.presence, .partners = {}, .limits = {}};
+  Membership now{.presence = now_.presence, .partners = {}, .limits = {}, .around = now_.around};
   for (const Agent& agent : now_.agents) now.limits.push_back(agent.limits);
   now.partners.resize(now_.agents.size());
   for (const Coupling& c : now_.couplings) {

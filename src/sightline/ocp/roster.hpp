@@ -14,6 +14,7 @@ struct Membership {
   std::vector<std::vector<BodyId>>
       partners;                     ///< [robot]: bodies that it feels a coupling with; none unless steered
   std::vector<InputLimits> limits;  ///< [robot]
+  Surroundings around{};            ///< as events changed it
 };
 
 class Roster {

@@ -16,6 +16,7 @@
 #include "sightline/record/log_topics.hpp"
 #include "sightline/record/team_json.hpp"
 #include "sightline/record/text_file.hpp"
+#include "sightline/record/tuned_log.hpp"
 
 namespace sightline {
 namespace {
@@ -94,6 +95,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
                      {"controllers", fmt::format("{}", controllers)},
                      {"team", team_json(scenario)}};
   words.insert(flown.begin(), flown.end());
+  if (scenario.tuned) words.emplace(TunedLog::word, "true");
   mcap_.metadata("sightline", words);
   if (!scenario.files.empty()) mcap_.metadata("files", scenario.files);
   topics_.emplace(scenario, controllers, mcap_);

@@ -31,6 +31,7 @@ namespace sightline {
 ///                                              controllers /controller0/solver, ...; with pairs where robots
 ///                                              are kept apart
 ///                   /events                    {time, kind, controller, value}
+///                   /tuned                     {time, number, name, text}, of a flight that is tuned
 ///                 what a replay needs, as recorded_flight.hpp says; and words: "sightline" with scenario, version,
 ///                 compiler, seed, solver and team, "files" with the texts of the files that the scenario names.
 ///   timing.csv    measured times [us], allocations and missed periods; a row for each period

@@ -74,6 +74,7 @@ LogTopics::LogTopics(const Scenario& scenario, std::size_t controllers, MessageS
   measurements_.emplace(team_, to_, goals_of(scenario.fleet));
   localization_.emplace(scenario, to_);
   cameras_.emplace(scenario, to_);
+  tuned_.emplace(scenario, to_);
 }
 
 void LogTopics::open_body(BodyId body, bool is_measured, bool has_barrier) {
@@ -121,6 +122,7 @@ bool LogTopics::add(const Sample& sample, const PresentTeam& present, double cos
   measurements_->add(sample);
   localization_->add(sample);
   cameras_->add(sample.time);
+  tuned_->add(sample);
   add_records(sample, cost);
   return first;
 }

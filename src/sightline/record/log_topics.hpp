@@ -15,6 +15,7 @@
 #include "sightline/record/mcap.hpp"
 #include "sightline/record/present_team.hpp"
 #include "sightline/record/recorded_flight.hpp"
+#include "sightline/record/tuned_log.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/scenario/scenario.hpp"
 
@@ -74,6 +75,7 @@ class LogTopics {
   std::optional<MeasurementLog> measurements_;
   std::optional<LocalizationLog> localization_;
   std::optional<CameraLog> cameras_;
+  std::optional<TunedLog> tuned_;
   std::int64_t tenth_ = -1;  // of simulated time, that the last sample was in
 
   std::vector<std::byte> bytes_;

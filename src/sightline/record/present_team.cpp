@@ -67,7 +67,7 @@ std::vector<bool> leaning_bodies(const Scenario& scenario) {
 }
 
 PresentTeam::PresentTeam(const Scenario& scenario)
-    : script_(scenario.script), roster_(scenario.team, scenario.presence) {
+    : script_(scenario.script), tuned_(scenario.tuned), roster_(scenario.team, scenario.presence) {
   compose(0.0);
 }
 
@@ -86,8 +86,9 @@ bool PresentTeam::follow(const Sample& sample) {
   for (int i = 0; i < sample.event_count; ++i) {
     const Event& event = sample.events[size(i)];
     if (event.kind != EventKind::event_in_force) continue;
-    const TeamEvent& what = script_.events[static_cast<std::size_t>(event.value)];
-    for (const Action& action : what.actions) (void)roster_.apply(action, event.time, ramp_of(what));
+    const TeamEvent* const what = flown_event(script_, tuned_.get(), static_cast<std::size_t>(event.value));
+    if (what == nullptr) continue;
+    for (const Action& action : what->actions) (void)roster_.apply(action, event.time, ramp_of(*what));
     changed = true;
   }
   if (changed || sample.time >= settles_at_ - same_time) compose(sample.time);

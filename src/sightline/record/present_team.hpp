@@ -1,6 +1,7 @@
 /// The team of a run as it is at a sample: follows the events that the samples tell.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,7 @@ class PresentTeam {
   void compose(double t);
 
   Script script_;
+  std::shared_ptr<const TunedScript> tuned_;
   Roster roster_;
   Team team_;                  // of those that are steered and what they feel
   double settles_at_;          // when the weights come to rest that move now, and what faded is dropped [s]

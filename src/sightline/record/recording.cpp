@@ -141,6 +141,7 @@ class RowReader {
           [this, c](const McapMessage& m) { solver(c, m); };
     }
     places_["/events"] = [this](const McapMessage& m) { event(m); };
+    places_["/tuned"] = [this](const McapMessage& m) { tuned(m); };
   }
 
   void take(const McapMessage& message) const {
@@ -302,6 +303,7 @@ class RowReader {
     if (values.contains("pairs")) controller.pairs.push_back(or_no_value(values["pairs"]));
     if (index == 0) run_.cost.push_back(or_no_value(values.at("cost")));
   }
+  void tuned(const McapMessage& message) { run_.script.push_back(parsed(message).at("name")); }
   void event(const McapMessage& message) {
     const json values = parsed(message);
     run_.events.push_back({or_no_value(values.at("time")), values.at("kind"), values.at("controller"),

@@ -14,6 +14,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/record/mcap.hpp"
+#include "sightline/record/tuned_log.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
@@ -68,6 +69,7 @@ FlownAs flown_as(const std::filesystem::path& log) {
                 .order = word("order")};
   if (const auto files = mcap.metadata().find("files"); files != mcap.metadata().end())
     flown.files.insert(files->second.begin(), files->second.end());
+  if (words.contains(TunedLog::word)) flown.text += tuned_events(log);
   const std::string exchanges = word("exchanges");
   if (!exchanges.empty() &&
       std::from_chars(exchanges.data(), exchanges.data() + exchanges.size(), flown.exchanges).ec !=

@@ -17,7 +17,7 @@ namespace sightline {
 
 /// How a log says that it was flown.
 struct FlownAs {
-  std::string name, text;  ///< of the scenario
+  std::string name, text;  ///< of the scenario, with the events that were tuned behind its own
   FileTexts files{};       ///< that the scenario names
   std::string solver;
   std::string version, compiler;

@@ -417,12 +417,14 @@ SummaryValues Summary::values() const {
       v.drift->push_back({name(drift.robot), drift.v, drift.from_reference});
   }
   for (const Event& event : events_) {
-    v.events.push_back(
-        {event.time, event_words(to_string(event.kind), event.value,
-                                 {[&](int body) { return name(BodyId{body}); },
-                                  [&](int place) {
-                                    return scenario_.script.events[static_cast<std::size_t>(place)].name;
-                                  }})});
+    v.events.push_back({event.time, event_words(to_string(event.kind), event.value,
+                                                {[&](int body) { return name(BodyId{body}); },
+                                                 [&](int place) {
+                                                   const TeamEvent* const of =
+                                                       flown_event(scenario_.script, scenario_.tuned.get(),
+                                                                   static_cast<std::size_t>(place));
+                                                   return of != nullptr ? of->name : "?";
+                                                 }})});
   }
   return v;
 }

@@ -26,6 +26,7 @@ void Loop::follow_team() noexcept {
   const Membership& now = options_.team_switcher->present().membership;
   std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
   world_.set_presence(presence_);
+  world_.surround(now.around);
   if (options_.localizer != nullptr) options_.localizer->set_presence(presence_);
 }
 

@@ -50,11 +50,13 @@ void nap() noexcept {
 
 }  // namespace
 
-TeamSwitcher::TeamSwitcher(Roster start, const Script& script, MakeSolver make)
+TeamSwitcher::TeamSwitcher(Roster start, const Script& script, MakeSolver make,
+                           std::shared_ptr<TunedScript> tuned)
     : world_(start.all()),
       script_(checked(script, start)),
       monitor_(script_, world_),
       make_(std::move(make)),
+      tuned_(std::move(tuned)),
       settles_at_(never),
       ignored_(script_.events.size(), 0),
       roster_(std::move(start)),
@@ -65,9 +67,9 @@ TeamSwitcher::TeamSwitcher(Roster start, const Script& script, MakeSolver make)
   request_.x.resize(size(world_.nx()));
   request_.u.resize(size(world_.nu()));
   request_.plan.resize(size(horizon.N) * size(world_.nu()));
-  request_.events.reserve(script_.events.size());
-  refused_.reserve(script_.events.size());
-  told_.reserve(3 * script_.events.size() + 4);
+  request_.events.reserve(script_.events.size() + 1);
+  refused_.reserve(script_.events.size() + 1);
+  told_.reserve(3 * (script_.events.size() + 1) + 4);
   thread_ = std::thread([this] { work(); });
 }
 
@@ -86,10 +88,7 @@ bool TeamSwitcher::swap(double t, std::span<const double> x, std::span<const dou
   if (!is_ready()) return false;
   pending_ = false;
   for (const std::size_t event : request_.events) {
-    const bool refused = std::find(refused_.begin(), refused_.end(), event) != refused_.end();
-    if (refused && ignored_[event] != 0) continue;
-    if (refused) ignored_[event] = 1;
-    tell(t, refused ? EventKind::event_ignored : EventKind::event_in_force, event);
+    tell_of(t, event);
   }
   if (!next_.solver) return false;
   if (const double late = t - request_.t - period_; late > same_time) {
@@ -104,19 +103,43 @@ bool TeamSwitcher::swap(double t, std::span<const double> x, std::span<const dou
   return true;
 }
 
+/// What became of an event that was asked for; where one that repeats is ignored, once.
+void TeamSwitcher::tell_of(double t, std::size_t event) noexcept {
+  const bool refused = std::find(refused_.begin(), refused_.end(), event) != refused_.end();
+  if (refused && event >= script_.events.size()) {
+    tuned_->ignore(event - script_.events.size());
+  } else if (refused) {
+    if (ignored_[event] != 0) return;
+    ignored_[event] = 1;
+  }
+  tell(t, refused ? EventKind::event_ignored : EventKind::event_in_force, event);
+}
+
+/// Whether the next of the tuned events happens now. It has a period of its own, so that two changes of one thing never come at one time.
+bool TeamSwitcher::takes_tuned(double t) noexcept {
+  if (tuned_ == nullptr || taken_ == tuned_->size()) return false;
+  tuned_->happen(taken_++, t);
+  return true;
+}
+
 void TeamSwitcher::look(double t, std::span<const double> x, std::span<const double> u,
                         std::span<const double> ages) noexcept {
   if (pending_) return;
   const std::span<const std::size_t> happening =
       monitor_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_.membership.presence});
   const bool settles = t + period_ >= settles_at_ - same_time;
-  if (happening.empty() && !settles) return;
+  const bool tuned = happening.empty() && takes_tuned(t);
+  if (happening.empty() && !settles && !tuned) return;
   if (settles) settles_at_ = never;
   request_.t = t;
   request_.events.clear();
   for (const std::size_t event : happening) {
     tell(t, EventKind::event_happened, event);
     request_.events.push_back(event);
+  }
+  if (tuned) {
+    tell(t, EventKind::event_happened, number_of_tuned(taken_ - 1));
+    request_.events.push_back(number_of_tuned(taken_ - 1));
   }
   std::copy(x.begin(), x.end(), request_.x.begin());
   std::copy(u.begin(), u.end(), request_.u.begin());
@@ -166,7 +189,7 @@ void TeamSwitcher::make_next(std::span<const std::size_t> events) {
   bool changes = events.empty();  // weights that came to rest
   for (const std::size_t event : events) {
     Roster trial = roster;
-    const TeamEvent& what = script_.events[event];
+    const TeamEvent& what = *flown_event(script_, tuned_.get(), event);
     const bool accepted = std::all_of(what.actions.begin(), what.actions.end(), [&](const Action& action) {
       return trial.apply(action, t, ramp_of(what)).empty();
     });

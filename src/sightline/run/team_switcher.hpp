@@ -23,6 +23,7 @@
 
 #include "sightline/ocp/event_monitor.hpp"
 #include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/tuned_script.hpp"
 #include "sightline/run/controller.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/solver/team_planner.hpp"
@@ -41,9 +42,10 @@ struct Phase {
 class TeamSwitcher {
  public:
   /// @param make  of teams of this horizon; called on the thread
+  /// @param tuned  events that come in flight, one a period; none: none do
   /// @throws std::invalid_argument for a script that has faults_of(), the first of them, and where the solver that is made
   /// is no TeamPlanner
-  TeamSwitcher(Roster start, const Script& script, MakeSolver make);
+  TeamSwitcher(Roster start, const Script& script, MakeSolver make, std::shared_ptr<TunedScript> tuned = {});
   ~TeamSwitcher();
   TeamSwitcher(const TeamSwitcher&) = delete;
   TeamSwitcher& operator=(const TeamSwitcher&) = delete;
@@ -96,12 +98,18 @@ class TeamSwitcher {
   void give_plan(TeamPlanner& planner) const;
   void predict(Phase& next) const;
   void tell(double t, EventKind kind, std::size_t event) noexcept;
+  /// The number of a tuned event, behind those of the script.
+  std::size_t number_of_tuned(std::size_t i) const noexcept { return script_.events.size() + i; }
+  bool takes_tuned(double t) noexcept;
+  void tell_of(double t, std::size_t event) noexcept;
 
   Team world_;
   std::vector<double> start_;
   Script script_;
   EventMonitor monitor_;
   MakeSolver make_;
+  std::shared_ptr<TunedScript> tuned_;
+  std::size_t taken_ = 0;  // of the tuned events
   double period_ = 0.0;
   Phase present_;
   bool pending_ = false;

@@ -150,8 +150,9 @@ Controls::Controls(const Scenario& scenario) {
     solver_ = make_solver(scenario.solver, scenario.team, scenario.horizon);
     return;
   }
-  team_switcher_ = std::make_unique<TeamSwitcher>(Roster(scenario.team, scenario.presence), scenario.script,
-                                                  solver_maker(scenario.solver, scenario.horizon));
+  team_switcher_ =
+      std::make_unique<TeamSwitcher>(Roster(scenario.team, scenario.presence), scenario.script,
+                                     solver_maker(scenario.solver, scenario.horizon), scenario.tuned);
 }
 
 bool Controls::restart() {

@@ -81,6 +81,8 @@ std::string read_term_name(const TomlTable& at) {
   return at.has("name") ? read_label(at, "name") : std::string();
 }
 
+std::string name_or_place(const TomlTable& at) { return at.has("name") ? read_label(at, "name") : at.path(); }
+
 Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& observers) {
   at.expect_only({"name", "potential", "between", "felt_by", "weight"});
   const std::vector<BodyId> ends = bodies_named(at, "between", 2, team);
@@ -94,7 +96,9 @@ Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& o
 }
 
 void read_couple(const TomlTable& at, const Observers& observers, Team& team) {
-  at.checked([&, coupling = read_coupling(at, team, observers)] { team.couple(coupling); });
+  Coupling coupling = read_coupling(at, team, observers);
+  coupling.name = name_or_place(at);
+  at.checked([&] { team.couple(coupling); });
 }
 
 void read_keep_apart(const TomlTable& at, Team& team) {

@@ -24,6 +24,8 @@ std::vector<BodyId> bodies_named(const TomlTable& at, std::string_view key, std:
 
 /// `name` of a coupling or constraint, by which events speak of it; empty where it has none.
 std::string read_term_name(const TomlTable& at);
+/// The same; of one that has none its place, "couple[0]".
+std::string name_or_place(const TomlTable& at);
 
 /// `name`, `potential`, `weight`, `between` and `felt_by` of [[couple]]; without `felt_by` all its robots feel it.
 Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& observers);

@@ -48,7 +48,7 @@ TeamEvent read_event(const TomlTable& at, const EventScope& scope, const Script&
   TeamEvent event{.name = read_event_name(at, before, place),
                   .trigger = read_trigger(at, scope,
                                           {"name", "stage", "repeat", "enter", "ramp", "remove", "add",
-                                           "retune", "reference", "observe"})};
+                                           "retune", "reference", "observe", "move", "wind", "fault"})};
   if (at.has("stage")) event.stage = read_label(at, "stage");
   if (at.has("enter")) event.enter = read_label(at, "enter");
   if (at.has("repeat")) event.repeat = at.boolean("repeat");

@@ -342,7 +342,7 @@ class Reader {
       }
       const Weighted term = read_potential(at, observer_of(scenario_.team, observers_, agent));
       at.checked(
-          [&] { scenario_.team.constrain({.term = term, .agent = agent, .name = read_term_name(at)}); });
+          [&] { scenario_.team.constrain({.term = term, .agent = agent, .name = name_or_place(at)}); });
     }
   }
 
@@ -411,6 +411,7 @@ PlantOptions plant_options(const Scenario& scenario) {
                        .downwash = scenario.downwash};
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     if (uncooperative.motion) options.motions.push_back({uncooperative.body, *uncooperative.motion});
+    options.speed_max.push_back(uncooperative.speed_max);
   }
   return options;
 }
@@ -419,7 +420,7 @@ bool plans_apart(const Scenario& scenario) { return scenario.partition && scenar
 
 bool changes_in_flight(const Scenario& scenario) {
   const auto& presence = scenario.presence;
-  return !scenario.script.empty() ||
+  return !scenario.script.empty() || scenario.tuned != nullptr ||
          std::find(presence.begin(), presence.end(), Presence::absent) != presence.end();
 }
 

@@ -16,6 +16,7 @@
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/ocp/roster.hpp"
 #include "sightline/ocp/team.hpp"
+#include "sightline/ocp/tuned_script.hpp"
 #include "sightline/run/compensation.hpp"
 #include "sightline/run/guard.hpp"
 #include "sightline/run/localizer.hpp"
@@ -135,8 +136,10 @@ struct Scenario {
   std::vector<BodyId> obstacles;
   std::vector<UncooperativeBody> uncooperative;  ///< targets, then obstacles
   std::vector<double> x0;                        ///< states of all bodies at the start (team.nx())
-  std::vector<Presence> presence;    ///< of the bodies at the start; those that are missing are there
-  Script script{};                   ///< what changes the team in flight; `team` has all there will ever be
+  std::vector<Presence> presence;  ///< of the bodies at the start; those that are missing are there
+  Script script{};                 ///< what changes the team in flight; `team` has all there will ever be
+  /// Of a flight that is tuned while it is flown: what comes behind the script, shared by all who follow it. None: nothing does.
+  std::shared_ptr<TunedScript> tuned{};
   std::string world = "model";       ///< what it flies in, one of the parts' worlds
   DownwashOptions downwash{};        ///< of its vehicles
   std::optional<ModelFile> model{};  ///< of what else is in the world, where that reads such files

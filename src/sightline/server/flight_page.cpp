@@ -22,8 +22,11 @@ namespace {
 constexpr std::size_t samples_that_wait = 64;  // at 100 Hz twenty times what comes between two looks
 constexpr std::size_t events_told = 32;        // the last of them, with each state
 
-PageFiles files_of_flight(const SceneJson& scene) {
+PageFiles files_of_flight(const SceneJson& scene, const Tuning* tuning) {
   PageFiles files = page_files();
+  files["/tune.json"] = {"application/json", R"({"tune":false})"};
+  if (tuning != nullptr)
+    for (auto& [path, file] : tuning->files()) files.insert_or_assign(path, std::move(file));
   files["/scene.json"] = {"application/json", scene.scene(random_token(), true)};
   return files;
 }
@@ -32,7 +35,7 @@ PageFiles files_of_flight(const SceneJson& scene) {
 
 class FlightPage::Thread {
  public:
-  Thread(const Scenario& scenario, const Sample& prototype, const ServeOptions& options)
+  Thread(const Scenario& scenario, const Sample& prototype, const ServeOptions& options, Tuning* tuning)
       : ring(samples_that_wait, prototype),
         scene_(scenario),
         present_(scenario),
@@ -40,7 +43,11 @@ class FlightPage::Thread {
         feed_(scenario.name),
         topics_(scenario, prototype.solvers.size(), feed_),
         drawn_(scenario, feed_),
-        server_(options, files_of_flight(scene_), &feed_),
+        tuning_(tuning),
+        options_(options),
+        server_(
+            options, files_of_flight(scene_, tuning), &feed_,
+            tuning == nullptr ? HearWatcher() : [tuning](std::string_view text) { tuning->hear(text); }),
         thread_([this] { run(); }) {}
   ~Thread() {
     done_ = true;
@@ -50,6 +57,12 @@ class FlightPage::Thread {
   Ring<Sample> ring;
   std::atomic<std::int64_t> dropped{0};
   const PageServer& server() const { return server_; }
+  ServeOptions served() const {
+    ServeOptions served = options_;
+    served.port = server_.port();
+    served.token = server_.token();
+    return served;
+  }
 
  private:
   void run() {
@@ -71,12 +84,25 @@ class FlightPage::Thread {
       ring.pop();
       any = true;
     }
-    if (!any) return;
-    tell([&] { drawn_.add(newest_); });
+    const bool told = tells_more() && !newest_.seen.empty();  // of a flight that waits, too
+    if (!any && !told) return;
+    if (any) tell([&] { drawn_.add(newest_); });
     feed_.hand_over(nanoseconds(newest_.time));
-    server_.post(scene_.moment(newest_, events_));
+    std::string moment = scene_.moment(newest_, events_);
+    if (tuning_ != nullptr) moment.insert(moment.rfind('}'), tuning_->told());
+    server_.post(moment);
     newest_.paths.clear();
     newest_.solve_us = 0.0;
+  }
+
+  /// Whether somebody tuned, or was refused; then the files of it are others.
+  bool tells_more() {
+    if (tuning_ == nullptr) return false;
+    tuning_->set_time(newest_.time);
+    const std::uint64_t version = tuning_->version();
+    if (std::exchange(told_, version) == version) return false;
+    for (auto& [path, file] : tuning_->files()) server_.put(path, std::move(file));
+    return true;
   }
 
   /// The newest of all, but of solve times the longest since the last look.
@@ -155,13 +181,17 @@ class FlightPage::Thread {
   LogTopics topics_;
   SceneTopics drawn_;
   bool untold_ = false;
+  Tuning* tuning_;
+  std::uint64_t told_ = 0;  // version of it
+  ServeOptions options_;
   PageServer server_;
   std::atomic<bool> done_{false};
   std::thread thread_;  // last: it uses all of it
 };
 
-FlightPage::FlightPage(const Scenario& scenario, const Sample& prototype, const ServeOptions& options)
-    : thread_(std::make_unique<Thread>(scenario, prototype, options)) {}
+FlightPage::FlightPage(const Scenario& scenario, const Sample& prototype, const ServeOptions& options,
+                       Tuning* tuning)
+    : thread_(std::make_unique<Thread>(scenario, prototype, options, tuning)) {}
 FlightPage::~FlightPage() = default;
 
 void FlightPage::show(const Sample& sample) noexcept {
@@ -175,6 +205,7 @@ void FlightPage::show(const Sample& sample) noexcept {
 }
 
 const std::string& FlightPage::url() const { return thread_->server().url(); }
+ServeOptions FlightPage::served() const { return thread_->served(); }
 ServeCounts FlightPage::counts() const { return thread_->server().counts(); }
 std::int64_t FlightPage::dropped() const noexcept { return thread_->dropped.load(std::memory_order_relaxed); }
 

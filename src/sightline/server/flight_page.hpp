@@ -7,6 +7,7 @@
 #include "sightline/run/sample.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/server/page_server.hpp"
+#include "sightline/server/tuning.hpp"
 
 namespace sightline {
 
@@ -17,8 +18,10 @@ class FlightPage {
   static constexpr double interval = 1.0 / 30;  ///< between two states [s]
 
   /// @param prototype  sized as the loop's samples are
+  /// @param tuning     hears those who look on, and outlives this; none: the page is read-only
   /// @throws std::invalid_argument as PageServer
-  FlightPage(const Scenario& scenario, const Sample& prototype, const ServeOptions& options = {});
+  FlightPage(const Scenario& scenario, const Sample& prototype, const ServeOptions& options = {},
+             Tuning* tuning = nullptr);
   ~FlightPage();
   FlightPage(const FlightPage&) = delete;
   FlightPage& operator=(const FlightPage&) = delete;
@@ -27,6 +30,8 @@ class FlightPage {
   void show(const Sample& sample) noexcept;
 
   const std::string& url() const;
+  /// As it is served, with the port and the token that it has, so that another page can take its place.
+  ServeOptions served() const;
   ServeCounts counts() const;
   /// Samples that were not shown because the thread was held up.
   std::int64_t dropped() const noexcept;

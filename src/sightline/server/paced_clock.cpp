@@ -32,7 +32,12 @@ void PacedClock::start(double period) noexcept {
 }
 
 std::int64_t PacedClock::wait(std::int64_t k) noexcept {
+  if (!paused_) steps_ = 0;
   while (k > 0 && paused_ && !stop_) {
+    if (steps_ > 0) {
+      --steps_;
+      break;
+    }
     sleep_to(paced_now() + one_nap);
     next_ns_ = paced_now();
   }

@@ -20,13 +20,18 @@ class PacedClock final : public Clock {
   std::int64_t wait(std::int64_t k) noexcept override;
   bool waits_for_log() const noexcept override { return true; }
 
-  /// Of any thread.
+  // Of any thread.
+
+  void pause() noexcept { paused_ = true; }
   void resume() noexcept { paused_ = false; }
+  /// While it is paused lets one more period begin.
+  void step() noexcept { ++steps_; }
   bool paused() const noexcept { return paused_; }
 
  private:
   double speed_;
   std::atomic<bool> paused_;
+  std::atomic<int> steps_{0};  // that may yet begin
   const std::atomic<bool>& stop_;
   std::int64_t next_ns_ = 0, period_ns_ = 1;
 };

@@ -81,16 +81,19 @@ const std::vector<std::string>& checked_origins(const ServeOptions& options) {
 
 class PageServer::Thread {
  public:
-  Thread(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics)
+  Thread(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics, HearWatcher hear)
       : topics_(topics),
         listener_(listening_socket(options)),
         wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
         port_(port_of(listener_)),
-        token_(is_loopback(options) ? "" : random_token()),
+        token_(is_loopback(options)    ? ""
+               : options.token.empty() ? random_token()
+                                       : options.token),
         url_(fmt::format("http://{}:{}/{}{}", options.address, port_,
                          token_.empty() ? "" : "?token=", token_)),
         admission_(port_, token_, checked_origins(options)),
         files_(std::move(files)),
+        hear_(std::move(hear)),
         thread_([this] { run(); }) {}
   ~Thread() {
     done_ = true;
@@ -100,6 +103,12 @@ class PageServer::Thread {
 
   const std::string& url() const { return url_; }
   std::uint16_t port() const { return port_; }
+  const std::string& token() const { return token_; }
+
+  void put(std::string_view path, PageFile file) {
+    const std::scoped_lock lock(files_lock_);
+    files_.insert_or_assign(std::string(path), std::move(file));
+  }
 
   void post(std::string_view state) {
     auto frame = std::make_shared<const std::string>(websocket_frame(WebsocketOp::text, state));
@@ -166,8 +175,14 @@ class PageServer::Thread {
         answer(one, now);
       }
     }
-    if (const auto speaker = sessions_.find(&one); speaker != sessions_.end())
-      for (const WebsocketReader::Frame& message : one.take_messages()) speaker->second.hear(message);
+    const auto speaker = sessions_.find(&one);
+    for (const WebsocketReader::Frame& message : one.take_messages())
+      if (speaker != sessions_.end())
+        speaker->second.hear(message);
+      else if (hear_)
+        hear_(message.payload);
+      else
+        ++now_counts_.unasked;
     one.send(now);
   }
 
@@ -179,6 +194,7 @@ class PageServer::Thread {
   void answer(Connection& one, Time now) {
     const auto request = parse_request(one.head());
     if (!request) return refuse(one, 400, "this is no request", now);
+    const std::scoped_lock lock(files_lock_);
     const auto file = files_.find(request->path);
     const bool open = file != files_.end() && file->second.open;
     const std::string_view protocol = foxglove_protocol(request->header("sec-websocket-protocol"));
@@ -282,7 +298,9 @@ class PageServer::Thread {
   std::uint16_t port_;
   std::string token_, url_;
   Admission admission_;
+  std::mutex files_lock_;
   PageFiles files_;
+  HearWatcher hear_;
 
   std::list<Connection> connections_;                  // of the thread, as what follows
   std::map<Connection*, FoxgloveSession> sessions_;    // of those that speak Foxglove's protocol
@@ -299,12 +317,14 @@ class PageServer::Thread {
   std::thread thread_;  // last: it uses all of it
 };
 
-PageServer::PageServer(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics)
-    : thread_(std::make_unique<Thread>(options, std::move(files), topics)) {}
+PageServer::PageServer(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics, HearWatcher hear)
+    : thread_(std::make_unique<Thread>(options, std::move(files), topics, std::move(hear))) {}
 PageServer::~PageServer() = default;
 
 const std::string& PageServer::url() const { return thread_->url(); }
 std::uint16_t PageServer::port() const { return thread_->port(); }
+const std::string& PageServer::token() const { return thread_->token(); }
+void PageServer::put(std::string_view path, PageFile file) { thread_->put(path, std::move(file)); }
 void PageServer::post(std::string_view state) { thread_->post(state); }
 ServeCounts PageServer::counts() const { return thread_->counts(); }
 

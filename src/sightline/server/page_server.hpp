@@ -32,6 +32,7 @@ struct ServeOptions {
   std::uint16_t port = 0;  ///< 0: a free one
   /// Other pages that may subscribe to topics, "https://app.foxglove.dev"; none: this one, and what is no page.
   std::vector<std::string> origins{};
+  std::string token{};  ///< asked for where the address asks for one; empty: a new one
 };
 
 /// What became of those who came.
@@ -42,10 +43,14 @@ struct ServeCounts {
                dropped = 0;  ///< states; dropped: a newer one was there before a watcher took the last
   std::int64_t closed = 0;   ///< watchers that sent too much, or took nothing for `patience`
   std::int64_t messages = 0, messages_dropped = 0;  ///< of topics, to each that has subscribed
+  std::int64_t unasked = 0;  ///< messages that nobody hears: what is served is read-only
 };
 
-/// An HTTP and WebSocket server with one thread, which waits for no client: no socket blocks. Read-only: what a client sends is
-/// looked at for its length and rate alone.
+/// Takes in what a watcher says; of the server's thread, which it does not keep.
+using HearWatcher = std::function<void(std::string_view)>;
+
+/// An HTTP and WebSocket server with one thread, which waits for no client: no socket blocks. Read-only where nobody hears: then what a
+/// client sends is looked at for its length and rate alone, and counted.
 ///
 ///   /            a PageFile
 ///   /live        a WebSocket: the newest state at once, then each that is posted, as a text message
@@ -62,8 +67,10 @@ class PageServer {
 
   /// Listens at once.
   /// @param topics  for Foxglove; outlives this; none: there are none
+  /// @param hear    the messages of watchers; none: it is read-only
   /// @throws std::invalid_argument for an address that is none of this machine, a port that is taken, or an origin that is none, named
-  PageServer(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics = nullptr);
+  PageServer(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics = nullptr,
+             HearWatcher hear = {});
   ~PageServer();
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;
@@ -71,7 +78,11 @@ class PageServer {
   /// What to open in a browser, with the token where there is one.
   const std::string& url() const;
   std::uint16_t port() const;
+  /// What is asked for beside an address; empty where nothing is.
+  const std::string& token() const;
 
+  /// Puts a file in place of what stands there. Of any thread.
+  void put(std::string_view path, PageFile file);
   /// Hands over the newest state. Of any thread; waits for no client.
   void post(std::string_view state);
 

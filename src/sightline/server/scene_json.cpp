@@ -205,6 +205,7 @@ SceneJson::SceneJson(const Scenario& scenario)
   for (int i = 0; i < team_.bodies(); ++i)
     hard_[size(i)] = hard_distance(scenario, BodyId{i == 0 ? 1 : 0}, BodyId{i}).value_or(0.0);
   for (const TeamEvent& event : scenario.script.events) script_.push_back(event.name);
+  tuned_ = scenario.tuned;
 }
 
 std::string SceneJson::scene(std::string_view session, bool live) const {
@@ -376,7 +377,12 @@ std::string SceneJson::words(std::string_view kind, double value) const {
   const EventNames names = {
       .of_body =
           [&](int body) { return std::string(body < team_.bodies() ? team_.name(BodyId{body}) : "?"); },
-      .of_event = [&](int number) { return size(number) < script_.size() ? script_[size(number)] : "?"; }};
+      .of_event =
+          [&](int number) {
+            if (size(number) < script_.size()) return script_[size(number)];
+            const std::size_t i = size(number) - script_.size();
+            return tuned_ != nullptr && i < tuned_->size() ? tuned_->event(i).name : std::string("?");
+          }};
   if (kind == to_string(EventKind::missed_period)) return fmt::format("{} periods missed", value);
   if (kind == to_string(EventKind::solver_status) && value >= 0 && value < status_count)
     return fmt::format("solver: {}", to_string(static_cast<Status>(std::lround(value))));

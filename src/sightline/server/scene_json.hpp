@@ -1,6 +1,7 @@
 /// A flight as a page draws it, in JSON: what stays, and what it is at one moment.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -88,6 +89,7 @@ class SceneJson {
   std::vector<Observation> pairs_;
   std::vector<double> hard_;         // what is kept from each body [m]; 0: nobody keeps one
   std::vector<std::string> script_;  // names of the [[event]]s
+  std::shared_ptr<const TunedScript> tuned_;
 };
 
 }  // namespace sightline

@@ -23,6 +23,11 @@ void ModelWorld::set_presence(std::span<const Presence> presence) noexcept {
   }
 }
 
+void ModelWorld::surround(const Surroundings& around) noexcept {
+  plant_.surround(around);
+  sensor_.surround(around);
+}
+
 Measured ModelWorld::measure(double t) noexcept {
   const std::span<const double> measured = sensor_.measure(t, plant_.sensed());
   return {measured, sensor_.stamps(), plant_.x()};

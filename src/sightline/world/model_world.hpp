@@ -20,6 +20,7 @@ class ModelWorld final : public World {
   const Team& team() const noexcept override { return plant_.team(); }
   std::span<const double> start() const noexcept override { return start_; }
   void set_presence(std::span<const Presence> presence) noexcept override;
+  void surround(const Surroundings& around) noexcept override;
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
              std::int64_t periods) noexcept override;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -125,7 +126,17 @@ double top_speed(const Motion& motion) {
       motion);
 }
 
-Motions::Motions(const Team& team, std::vector<BodyMotion> motions, std::uint64_t seed) {
+Motions::Motions(const Team& team, std::vector<BodyMotion> motions, std::uint64_t seed,
+                 const std::vector<double>& speed_max) {
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    if (team.is_agent(body)) continue;
+    const std::size_t place = carried_.size();
+    Carried& one = carried_.emplace_back();
+    one.x = static_cast<std::size_t>(team.state_offset(body));
+    if (place < speed_max.size() && speed_max[place] > 0) one.speed_max = speed_max[place];
+    one.move.body = body;
+  }
   for (BodyMotion& one : motions) {
     if (one.body.index < 0 || one.body.index >= team.bodies() || team.is_agent(one.body)) {
       throw std::invalid_argument(
@@ -229,6 +240,22 @@ struct Motions::Steer {
   }
 };
 
+void Motions::move(const Surroundings::Move& move, std::span<const double> x) noexcept {
+  for (Carried& one : carried_) {
+    if (one.move.body != move.body || one.begun == move.begin) continue;
+    one.begun = move.begin;
+    one.move = move;
+    one.from = {x[one.x], x[one.x + 1], x[one.x + 2]};
+    one.moves = true;
+    constexpr double peak = 1.5;  // speed of blended(), over its mean
+    one.move.duration = std::fmax(move.duration, peak * norm(move.to - one.from) / one.speed_max);
+  }
+}
+
+void Motions::leave(BodyId body) noexcept {
+  for (Carried& one : carried_) one.moves = one.moves && one.move.body != body;
+}
+
 void Motions::steer(double t, double dt, std::span<const double> u, std::span<double> x) noexcept {
   for (Mover& mover : movers_) {
     double* const at = &x[mover.x];
@@ -238,6 +265,13 @@ void Motions::steer(double t, double dt, std::span<const double> u, std::span<do
     const Vec3<double> v = std::visit(Steer{mover, t, dt, p, robot, p}, mover.motion);
     at[0] = p.x, at[1] = p.y, at[2] = p.z;
     at[3] = v.x, at[4] = v.y, at[5] = v.z;
+  }
+  for (const Carried& one : carried_) {
+    if (!one.moves) continue;
+    double* const at = &x[one.x];
+    const double part = blended(t + dt, one.move.begin, one.move.duration);
+    const Vec3<double> next = one.from + part * (one.move.to - one.from);
+    at[3] = (next.x - at[0]) / dt, at[4] = (next.y - at[1]) / dt, at[5] = (next.z - at[2]) / dt;
   }
 }
 

@@ -5,12 +5,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "sightline/ocp/event/surroundings.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/world/disturbance.hpp"
 
@@ -109,9 +111,16 @@ class Motions {
  public:
   /// @throws std::invalid_argument where a parameter is out of its range, a body is a robot or moves twice, or
   /// one that is to be followed is no robot
-  Motions(const Team& team, std::vector<BodyMotion> motions, std::uint64_t seed);
+  /// @param speed_max  as in PlantOptions
+  Motions(const Team& team, std::vector<BodyMotion> motions, std::uint64_t seed,
+          const std::vector<double>& speed_max = {});
 
   bool empty() const noexcept { return movers_.empty(); }
+
+  /// Lets a body go from where it is in the stacked state x to a place, and rest there; the same move again changes nothing.
+  void move(const Surroundings::Move& move, std::span<const double> x) noexcept;
+  /// The body begins anew: no event moves it any more.
+  void leave(BodyId body) noexcept;
 
   /// Sets the velocity of each body for the step from t to t + dt [s] in the stacked state x, and the place
   /// of one that enters at t. u are the inputs the robots have. Asked again at one time it does the same
@@ -136,7 +145,18 @@ class Motions {
 
   struct Steer;
 
+  /// A body that an event moves, from `from` on; one for each target and obstacle.
+  struct Carried {
+    std::size_t x = 0;                                           // offset of p, then v
+    double speed_max = std::numeric_limits<double>::infinity();  // [m/s]
+    Surroundings::Move move{};
+    Vec3<double> from{};
+    double begun = std::numeric_limits<double>::quiet_NaN();  // the move that it was told last [s]
+    bool moves = false;
+  };
+
   std::vector<Mover> movers_;
+  std::vector<Carried> carried_;
 };
 
 }  // namespace sightline

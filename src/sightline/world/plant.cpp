@@ -42,7 +42,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
       z_(std::move(x0)),
       u_(static_cast<std::size_t>(team_.nu())),
       delay_(disturbances_.input_delay, options.period, resting_inputs(team_)),
-      motions_(team_, options.motions, options.seed),
+      motions_(team_, options.motions, options.seed, options.speed_max),
       dynamics_(options.dynamics),
       steered_for_(options.period) {
   if (z_.size() != nx_) {
@@ -93,6 +93,7 @@ bool Plant::step(std::span<const double> u, double dt) noexcept {
   constexpr double longest_step = 1e6;  // [s]
   if (u.size() != u_.size() || !(dt > 0 && dt <= longest_step)) return false;
   if (dt != steered_for_) motions_.steer(time_, steered_for_ = dt, u_, z_);
+  if (wind_moves_) set_wind();
   if (pushed_) set_accelerations();
   delay_.give(time_, u);
 
@@ -123,8 +124,23 @@ void Plant::set_presence(std::span<const Presence> presence) noexcept {
     if (was_there || !part.there) continue;
     const int n = part.robot >= 0 ? part.model.nx() : 3;
     std::copy_n(&start_[part.x], n, &z_[part.x]);
+    if (part.robot < 0) motions_.leave(BodyId{static_cast<int>(i)});
     if (part.moved) dynamics_->begin(BodyId{static_cast<int>(i)}, time_, &z_[part.x]);
   }
+}
+
+void Plant::surround(const Surroundings& around) noexcept {
+  for (const Surroundings::Move& move : around.moves) motions_.move(move, z_);
+  if (!around.wind || (wind_moves_ && around.wind->begin == wind_.begin)) return;
+  wind_ = *around.wind;
+  wind_before_ = disturbances_.wind;
+  wind_moves_ = pushed_ = true;
+}
+
+/// The wind that events changed, held over the step that begins now.
+void Plant::set_wind() noexcept {
+  const double part = blended(time_, wind_.begin, wind_.duration);
+  disturbances_.wind = wind_before_ + part * (wind_.acceleration - wind_before_);
 }
 
 std::span<const double> Plant::sensed() noexcept {

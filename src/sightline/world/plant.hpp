@@ -40,6 +40,8 @@ struct PlantOptions {
   Disturbances disturbances{};
   double period = 0.01;  ///< shortest step that will be asked for [s]; sizes the queue of delayed commands
   std::vector<BodyMotion> motions{};  ///< of targets and obstacles; the others keep their velocity
+  /// Of targets and obstacles that events move, in the order of the team [m/s]; 0, or none: any.
+  std::vector<double> speed_max{};
   RobotDynamics* dynamics = nullptr;  ///< of the robots that it moves; outlives the plant
   DownwashOptions downwash{};         ///< of vehicles; for the dynamics
 };
@@ -69,6 +71,9 @@ class Plant {
   /// where and as it was at the start; a target or an obstacle is there too, with the velocity it has by now.
   void set_presence(std::span<const Presence> presence) noexcept;
 
+  /// What events changed: bodies that go to a place, another wind. Allocates nothing.
+  void surround(const Surroundings& around) noexcept;
+
   const Team& team() const { return team_; }
   std::span<const double> x() const noexcept { return std::span(z_).first(nx_); }
   /// The same, with what robots measure of themselves as they do.
@@ -89,6 +94,7 @@ class Plant {
   };
 
   void set_accelerations() noexcept;
+  void set_wind() noexcept;
   void move_by_dynamics(double t) noexcept;
   void integrate(std::span<const double> u, double from, double s) noexcept;
 
@@ -108,6 +114,9 @@ class Plant {
   double steered_for_;                          // step that the bodies' velocities are for [s]
   std::vector<Vec3<double>> p_, acceleration_;  // of the robots
   bool pushed_;
+  Surroundings::Wind wind_{};   // that comes up
+  Vec3<double> wind_before_{};  // it [m/s^2]
+  bool wind_moves_ = false;
   double time_ = 0.0;
 };
 

@@ -22,6 +22,7 @@ class SensingWorld : public World {
   std::span<const double> start() const noexcept override { return world_->start(); }
   MeasuredMost measured_max() const noexcept override { return world_->measured_max(); }
   void set_presence(std::span<const Presence> presence) noexcept override { world_->set_presence(presence); }
+  void surround(const Surroundings& around) noexcept override { world_->surround(around); }
   Measured measure(double t) noexcept override { return world_->measure(t); }
   bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
              std::int64_t periods) noexcept override;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/base/same_time.hpp"
 #include "sightline/model/state_roles.hpp"
 
 namespace sightline {
@@ -66,6 +67,7 @@ Sensor::Sensor(const Team& team, const SensorOptions& options)
   seen_.resize(fresh_.size());
   stamps_.resize(parts_.size(), never);
   past_.resize(times_.size() * seen_.size());
+  brought_.reserve(Surroundings::faults_max);
 }
 
 std::span<const double> Sensor::measure(double t, std::span<const double> x) noexcept {
@@ -88,6 +90,7 @@ std::span<const double> Sensor::measure(double t, std::span<const double> x) noe
     if (part.odometry) add_drift(part, since);
     for (const std::size_t k : unknown_) fresh_[k] = 0.0;
     spoil(i, t, mishap);
+    spoil_as_brought(i, t, mishap);
     const bool first = stamps_[i] == never;
     if (first || !(mishap.lost || mishap.frozen))
       std::copy_n(fresh_.begin() + begin, nx, seen_.begin() + begin);
@@ -144,6 +147,23 @@ void Sensor::spoil(std::size_t part, double t, Mishap& mishap) noexcept {
         }
         break;
     }
+  }
+}
+
+void Sensor::surround(const Surroundings& around) noexcept {
+  brought_.clear();
+  for (const Surroundings::Fault& fault : around.faults)
+    if (brought_.size() < brought_.capacity()) brought_.push_back(fault);
+}
+
+void Sensor::spoil_as_brought(std::size_t part, double t, Mishap& mishap) noexcept {
+  for (const Surroundings::Fault& one : brought_) {
+    if (at(one.body) != part || t < one.from - same_time || t >= one.until - same_time) continue;
+    mishap.lost |= one.kind == Surroundings::FaultKind::dropout;
+    mishap.frozen |= one.kind == Surroundings::FaultKind::freeze;
+    if (one.kind != Surroundings::FaultKind::jump) continue;
+    for (const auto& [axis, place] : parts_[part].positions)
+      fresh_[place] += axis == 0 ? one.offset.x : axis == 1 ? one.offset.y : one.offset.z;
   }
 }
 

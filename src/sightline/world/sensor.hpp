@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/ocp/event/surroundings.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/world/disturbance.hpp"
 #include "sightline/world/fault.hpp"
@@ -40,6 +41,8 @@ class Sensor {
   std::span<const double> measure(double t, std::span<const double> x) noexcept;
   /// A body begins anew in this state of the world: what was seen of it before is not of it.
   void begin(BodyId body, std::span<const double> x) noexcept;
+  /// The faults that events bring. Allocates nothing.
+  void surround(const Surroundings& around) noexcept;
   /// Times of the last measurement of each body [s]; minus infinity before the first that arrived.
   std::span<const double> stamps() const noexcept { return stamps_; }
 
@@ -73,12 +76,14 @@ class Sensor {
   void turn(const Part& part, double angle) noexcept;
   void add_drift(Part& part, double since) noexcept;
   void spoil(std::size_t part, double t, Mishap& mishap) noexcept;
+  void spoil_as_brought(std::size_t part, double t, Mishap& mishap) noexcept;
 
   Noise noise_;
   double delay_;
   std::vector<Part> parts_;
   std::vector<std::size_t> unknown_;  // velocities in the stacked state
   std::vector<Injection> injections_;
+  std::vector<Surroundings::Fault> brought_;   // by events
   std::vector<double> times_, past_;           // ring of states, the oldest at oldest_
   std::vector<double> fresh_, seen_, stamps_;  // as measured now; as it arrived
   std::size_t oldest_ = 0, count_ = 0;

@@ -57,6 +57,8 @@ VehicleWorld::VehicleWorld(std::string_view kind, const Team& team, std::vector<
 
 VehicleWorld::~VehicleWorld() = default;
 
+void VehicleWorld::surround(const Surroundings& around) noexcept { world_->surround(around); }
+
 void VehicleWorld::set_presence(std::span<const Presence> presence) noexcept {
   world_->set_presence(presence);
   for (std::size_t i = 0; i < std::min(presence.size(), presence_.size()); ++i) {

@@ -25,6 +25,7 @@ class VehicleWorld : public World {
   const Team& team() const noexcept override { return world_->team(); }
   std::span<const double> start() const noexcept override { return world_->start(); }
   void set_presence(std::span<const Presence> presence) noexcept override;
+  void surround(const Surroundings& around) noexcept override;
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
              std::int64_t periods) noexcept override;

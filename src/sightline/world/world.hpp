@@ -59,6 +59,8 @@ class World {
   virtual MeasuredMost measured_max() const noexcept { return {}; }
   /// Who is there from now on, one for each body; before the first call, all are.
   virtual void set_presence(std::span<const Presence> presence) noexcept = 0;
+  /// What events changed around the team, from now on. A world that is not simulated is as it is.
+  virtual void surround(const Surroundings& /*around*/) noexcept {}
   /// What is known at t [s], which rises.
   virtual Measured measure(double t) noexcept = 0;
   /// The inputs u (nu) are in force from t [s] on, for `periods` periods of `period` [s]. Of missed periods, the inputs

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/ocp/event/surroundings.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/potential/ramp.hpp"
 
@@ -37,6 +38,7 @@ struct TeamState {
   std::vector<Constraint> constraints;
   std::vector<Turn> turns;
   std::vector<Presence> presence;  ///< of each body
+  Surroundings around{};
 
   /// Of a robot, in `agents`.
   std::size_t place(AgentId id) const {

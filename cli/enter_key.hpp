@@ -1,0 +1,39 @@
+/// Enter, as a person types it while a flight waits.
+#pragma once
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <thread>
+
+#include "sightline/server/paced_clock.hpp"
+
+namespace sightline::cli {
+
+/// Lets a paused flight go on when somebody types Enter.
+class EnterKey {
+ public:
+  EnterKey(PacedClock& clock, std::atomic<bool>& stop)
+      : thread_([this, &clock, &stop] {
+          pollfd typed{STDIN_FILENO, POLLIN, 0};
+          while (!done_ && !stop && clock.paused()) {
+            if (::poll(&typed, 1, 100) <= 0) continue;
+            char key = 0;
+            if (::read(STDIN_FILENO, &key, 1) != 1) return;
+            if (key == '\n') clock.resume();
+          }
+        }) {}
+  ~EnterKey() {
+    done_ = true;
+    thread_.join();
+  }
+  EnterKey(const EnterKey&) = delete;
+  EnterKey& operator=(const EnterKey&) = delete;
+
+ private:
+  std::atomic<bool> done_{false};
+  std::thread thread_;
+};
+
+}  // namespace sightline::cli

@@ -1,0 +1,243 @@
+#include "sightline/server/tuning.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <deque>
+#include <limits>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "sightline/base/refuse.hpp"
+#include "sightline/server/tuner.hpp"
+
+namespace sightline {
+namespace {
+
+using Message = nlohmann::ordered_json;
+
+constexpr std::chrono::milliseconds look_after{50};  // what became of the events
+constexpr std::string_view expected_message =
+    R"(expected one object as {"id": "1", "event": {"retune": {"couple": "couple[0]", "weight": 0.4}}})";
+
+Message parsed_message(std::string_view text) {
+  Message message = Message::parse(text, nullptr, false);
+  if (message.is_discarded() || !message.is_object()) refuse("no JSON object, {}", expected_message);
+  int asked = 0;
+  for (const auto& [key, value] : message.items()) {
+    asked += key == "event" || key == "pause" || key == "step" || key == "seed" ? 1 : 0;
+    const bool known =
+        key == "id" || key == "event" || key == "ramp" || key == "pause" || key == "step" || key == "seed";
+    if (!known) refuse("{}, expected one of id, event, ramp, pause, step, seed", Message(key).dump());
+  }
+  if (asked != 1) refuse("{} of event, pause, step, seed, {}", asked, expected_message);
+  if (message.contains("ramp") && !message.contains("event")) refuse("ramp, expected beside event alone");
+  return message;
+}
+
+std::string id_of(std::string_view text) {
+  const Message message = Message::parse(text, nullptr, false);
+  if (message.is_discarded() || !message.is_object() || !message.contains("id") || !message["id"].is_string())
+    return {};
+  return message["id"].get<std::string>().substr(0, Tuning::id_size_max);
+}
+
+std::int64_t whole_number(const Message& message, const char* key, std::int64_t low, std::int64_t high) {
+  const Message& value = message.at(key);
+  if (!value.is_number_integer() || value < low || value > high)
+    refuse("{} = {}, expected a whole number, {} to {}", key, value.dump(), low, high);
+  return value.get<std::int64_t>();
+}
+
+std::string dumped(const Message& value) {
+  return value.dump(-1, ' ', false, Message::error_handler_t::replace);
+}
+
+}  // namespace
+
+class Tuning::Thread {
+ public:
+  Thread(const Scenario& scenario, TuningControls controls)
+      : tuned_(scenario.tuned), tuner_(scenario), controls_(std::move(controls)) {
+    write_files(true);
+    thread_ = std::thread([this] { run(); });
+  }
+  ~Thread() {
+    {
+      const std::scoped_lock lock(lock_);
+      done_ = true;
+    }
+    come_.notify_one();
+    thread_.join();
+  }
+
+  void hear(std::string_view message) {
+    {
+      const std::scoped_lock lock(lock_);
+      if (waiting_.size() >= waiting_max) {
+        ++unheard;
+        return;
+      }
+      waiting_.emplace_back(message);
+    }
+    come_.notify_one();
+  }
+
+  std::string told() const {
+    const std::scoped_lock lock(lock_);
+    Message list = Message::array();
+    for (const Answer& one : answers_) list.push_back({one.number, one.id, one.accepted, one.sentence});
+    const bool paused = controls_.clock != nullptr && controls_.clock->paused();
+    return fmt::format(",\"answers\":{},\"paused\":{}", dumped(list), paused);
+  }
+
+  PageFiles files() const {
+    const std::scoped_lock lock(lock_);
+    return files_;
+  }
+
+  std::atomic<double> time{0.0};
+  std::atomic<bool> over{false};
+  std::atomic<std::uint64_t> version{0};
+  std::atomic<std::int64_t> refused{0}, unheard{0};
+
+ private:
+  struct Answer {
+    std::int64_t number;
+    std::string id;
+    bool accepted;
+    std::string sentence;
+  };
+
+  void run() {
+    for (;;) {
+      std::string message;
+      bool more = false;
+      {
+        std::unique_lock lock(lock_);
+        come_.wait_for(lock, look_after, [&] { return done_ || !waiting_.empty(); });
+        if (done_) return;
+        if (!waiting_.empty()) {
+          message = std::move(waiting_.front());
+          waiting_.pop_front();
+        }
+        more = !waiting_.empty();
+      }
+      if (!message.empty()) answer(message);
+      if (!more) write_files(false);
+    }
+  }
+
+  void answer(const std::string& message) {
+    Answer said{0, id_of(message), true, {}};
+    try {
+      said.sentence = act(parsed_message(message));
+    } catch (const std::exception& error) {
+      said.accepted = false;
+      said.sentence = error.what();
+      ++refused;
+    }
+    const std::scoped_lock lock(lock_);
+    said.number = answered_++;
+    answers_.push_back(std::move(said));
+    if (answers_.size() > answers_told) answers_.pop_front();
+    ++version;
+  }
+
+  std::string act(const Message& message) {
+    if (over && !message.contains("seed")) refuse("the flight is over, expected one that goes on");
+    if (message.contains("event")) {
+      double ramp = std::numeric_limits<double>::quiet_NaN();
+      if (message.contains("ramp")) {
+        if (!message["ramp"].is_number()) refuse("ramp = {}, expected a number", dumped(message["ramp"]));
+        ramp = message["ramp"].get<double>();
+      }
+      return tuner_.change(message["event"], ramp, time);
+    }
+    if (message.contains("seed")) {
+      const auto seed = whole_number(message, "seed", 0, std::numeric_limits<std::int64_t>::max());
+      if (!controls_.restart)
+        refuse("seed, expected none: this flight is flown once, `sightline view --tune` begins anew");
+      controls_.restart(static_cast<std::uint64_t>(seed));
+      return fmt::format("another flight, with seed {}", seed);
+    }
+    if (controls_.clock == nullptr)
+      refuse("{}, expected none: this flight keeps the wall clock, `sightline view --tune` can wait",
+             message.contains("pause") ? "pause" : "step");
+    if (message.contains("step")) {
+      if (!controls_.clock->paused()) refuse("step, expected a flight that is paused");
+      const auto steps = whole_number(message, "step", 1, steps_max);
+      for (std::int64_t i = 0; i < steps; ++i) controls_.clock->step();
+      return fmt::format("{} period{}", steps, steps == 1 ? "" : "s");
+    }
+    if (!message["pause"].is_boolean())
+      refuse("pause = {}, expected true or false", dumped(message["pause"]));
+    if (message["pause"].get<bool>()) {
+      controls_.clock->pause();
+      return "paused";
+    }
+    controls_.clock->resume();
+    return "flies on";
+  }
+
+  /// Where something new came about.
+  void write_files(bool first) {
+    std::size_t became = 0;
+    for (std::size_t i = 0; i < tuned_->size(); ++i)
+      became += (std::isnan(tuned_->at(i)) ? 1U : 2U) + (tuned_->is_ignored(i) ? 1U : 0U);
+    if (!first && became == became_) return;
+    became_ = became;
+    PageFiles files;
+    Message tunables = tuner_.tunables();
+    tunables["tune"] = true;
+    tunables["can_pause"] = controls_.clock != nullptr;
+    tunables["can_restart"] = static_cast<bool>(controls_.restart);
+    const std::string type = "application/toml; charset=utf-8";
+    files["/tuned.toml"] = {type, tuner_.flight_text()};
+    tunables["no_final"] = nullptr;
+    try {
+      files["/final.toml"] = {type, tuner_.final_text()};
+    } catch (const std::invalid_argument& error) {
+      tunables["no_final"] = error.what();
+      files["/final.toml"] = {"text/plain; charset=utf-8", fmt::format("# {}\n", error.what())};
+    }
+    files["/tune.json"] = {"application/json", dumped(tunables)};
+    const std::scoped_lock lock(lock_);
+    files_ = std::move(files);
+    ++version;
+  }
+
+  std::shared_ptr<const TunedScript> tuned_;
+  Tuner tuner_;
+  TuningControls controls_;
+  std::size_t became_ = 0;
+  std::int64_t answered_ = 0;
+
+  mutable std::mutex lock_;
+  std::condition_variable come_;
+  std::deque<std::string> waiting_;
+  std::deque<Answer> answers_;
+  PageFiles files_;
+  bool done_ = false;
+  std::thread thread_;  // last: it uses all of it
+};
+
+Tuning::Tuning(const Scenario& scenario, TuningControls controls)
+    : thread_(std::make_unique<Thread>(scenario, std::move(controls))) {}
+Tuning::~Tuning() = default;
+
+void Tuning::hear(std::string_view message) { thread_->hear(message); }
+void Tuning::set_time(double t) noexcept { thread_->time = t; }
+void Tuning::end() noexcept { thread_->over = true; }
+std::uint64_t Tuning::version() const noexcept { return thread_->version; }
+std::string Tuning::told() const { return thread_->told(); }
+PageFiles Tuning::files() const { return thread_->files(); }
+std::int64_t Tuning::refused() const noexcept { return thread_->refused; }
+std::int64_t Tuning::unheard() const noexcept { return thread_->unheard; }
+
+}  // namespace sightline

@@ -1,0 +1,37 @@
+#include "sightline/ocp/event/move_body.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sightline/ocp/roster.hpp"
+#include "tests/support/event_team.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(MoveBody, TheLastMoveOfABodyCounts) {
+  Team team = event_team(1);
+  const BodyId post = team.add(Obstacle{"post"});
+  Roster roster(team);
+  EXPECT_EQ(roster.apply(MoveBody{post, {1, 2, 3}}, 2.0, 0.5), "");
+  EXPECT_EQ(roster.apply(MoveBody{post, {4, 5, 6}}, 3.0, 1.0), "");
+  const auto moves = roster.membership().around.moves;
+  ASSERT_EQ(moves.size(), 1U);
+  EXPECT_EQ(moves[0].to.x, 4.0);
+  EXPECT_EQ(moves[0].begin, 3.0);
+  EXPECT_EQ(moves[0].duration, 1.0);
+}
+
+TEST(MoveBody, OfARobotOrOfWhatIsNotThereIsRefused) {
+  Team team = event_team(1);
+  const BodyId post = team.add(Obstacle{"post"});
+  Roster roster(team, {Presence::steered, Presence::absent});
+  EXPECT_THAT(roster.apply(MoveBody{BodyId{0}, {}}, 0.0, 1.0), HasSubstr("\"uav0\" is a robot"));
+  EXPECT_THAT(roster.apply(MoveBody{post, {}}, 0.0, 1.0), HasSubstr("\"post\" is not there"));
+  EXPECT_EQ((MoveBody{post, {1, 2, 3}}.words(team)), "move post to 1, 2, 3");
+}
+
+}  // namespace
+}  // namespace sightline
