@@ -24,7 +24,7 @@ class TunedAtSink final : public Sink<Sample> {
   Sample* claim() noexcept override { return sample_ = log_.claim(); }
   void publish() noexcept override {
     if (sample_->time >= 0.2 && tuned_.size() == 0) {
-      const auto add = [&](std::string name, Action action, const std::string& keys) {
+      const auto add = [&](const std::string& name, Action action, const std::string& keys) {
         tuned_.add({.name = name, .trigger = AtTime{}, .actions = {std::move(action)}, .ramp = 0.5},
                    keys + "ramp = 0.5\nname = \"" + name + "\"\n");
       };
