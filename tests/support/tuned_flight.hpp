@@ -10,6 +10,7 @@
 
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/server/tuner.hpp"
+#include "tests/support/view_scenario.hpp"
 
 namespace sightline::test {
 
@@ -81,28 +82,7 @@ inline FlownCommands fly_tuned(Scenario scenario, std::vector<TimedChange> chang
 
 /// The paper's pair with an obstacle, without events of its own.
 inline std::string tuned_scenario(double duration) {
-  return R"toml(
-[horizon]
-duration = 1.0
-stages = 20
-period = 0.01
-
-[agent.uav0]
-robot = "multirotor"
-start = { p = [-0.6, -0.3, 0.6], heading = 0.0 }
-Q = [0.0, 0.0, 0.0, 0.0, 0.0, 0.7, 0.7]
-R = [1.0, 1.0, 1.0, 1.0]
-
-[agent.uav0.sensor]
-pitch = 0.5
-offset = 0.17
-
-[agent.uav1]
-robot = "multirotor"
-start = { p = [0.9, 0.0, 0.5], heading = 0.0 }
-Q = [1.5, 1.5, 1.6, 1.0, 1.0, 0.0, 0.0]
-R = [1.0, 1.0, 1.0, 1.0]
-reference = { circle = { centre = [0.0, 0.0, 1.0], radius = 0.5, rate = 0.3 } }
+  return viewed_pair + R"toml(reference = { circle = { centre = [0.0, 0.0, 1.0], radius = 0.5, rate = 0.3 } }
 
 [obstacle.post]
 p = [4.0, 0.0, 1.0]

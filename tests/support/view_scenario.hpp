@@ -5,7 +5,8 @@
 
 namespace sightline::test {
 
-inline const std::string view_scenario = R"toml(
+/// Two multirotors, of which the first has a sensor; what follows is of the second.
+inline const std::string viewed_pair = R"toml(
 [horizon]
 duration = 1.0
 stages = 20
@@ -26,7 +27,10 @@ robot = "multirotor"
 start = { p = [0.9, 0.0, 0.5], heading = 0.0 }
 Q = [1.5, 1.5, 1.6, 1.0, 1.0, 0.0, 0.0]
 R = [1.0, 1.0, 1.0, 1.0]
-reference = { state = [0.9, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0] }
+)toml";
+
+inline const std::string view_scenario =
+    viewed_pair + R"toml(reference = { state = [0.9, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0] }
 
 [obstacle.post]
 p = [4.0, 0.0, 1.0]
