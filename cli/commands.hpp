@@ -2,6 +2,7 @@
 /// 0 done, 1 the flight failed or output was lost, 2 bad input. `parts` are what a scenario may call by name.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -194,6 +195,8 @@ int view_tuned(const ViewCommand& command, const Parts& parts,
 /// Lets events come in flight.
 /// @throws std::invalid_argument for a team or a solver that cannot follow them
 void make_tunable(Scenario& scenario);
+/// When the page is closed, if nobody ends it before.
+std::chrono::steady_clock::time_point end_of(const ViewCommand& command);
 /// What became of those who looked on.
 void tell_counts(const ServeCounts& counts);
 /// Feeds the measurements of a run through its loop again and compares each command, bit for bit: 1 where one differs.

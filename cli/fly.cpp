@@ -115,8 +115,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
     if (command.view.tune)
       throw std::invalid_argument(
           "--tune of robots on links, expected none: `sightline view FLEET --tune` flies them in simulation, "
-          "and what it "
-          "writes is a fleet to fly");
+          "and what it writes is a fleet to fly");
     if (changes_surroundings(scenario.script))
       throw std::invalid_argument(
           fmt::format("{}: an event with move, wind or fault, expected none: it changes a simulated world",

@@ -56,11 +56,6 @@ void wait_until(Moments::time_point end) {
   while (!stop_flight() && Moments::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
-Moments::time_point end_of(const ViewCommand& command) {
-  return Moments::now() +
-         std::chrono::duration_cast<Moments::duration>(std::chrono::duration<double>(command.seconds));
-}
-
 int view_log(const ViewCommand& command, const Parts& parts, const ServeOptions& options) {
   const std::filesystem::path &folder = command.of.file, log = folder / "run.mcap";
   if (!std::filesystem::is_regular_file(log)) {
@@ -132,6 +127,11 @@ int view_flight(const ViewCommand& command, const Parts& parts, const ServeOptio
 }
 
 }  // namespace
+
+Moments::time_point end_of(const ViewCommand& command) {
+  return Moments::now() +
+         std::chrono::duration_cast<Moments::duration>(std::chrono::duration<double>(command.seconds));
+}
 
 void tell_counts(const ServeCounts& counts) {
   if (counts.unasked > 0)

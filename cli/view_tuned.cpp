@@ -144,8 +144,7 @@ void make_tunable(Scenario& scenario) {
 
 int view_tuned(const ViewCommand& command, const Parts& parts,
                const std::function<void(const std::string&)>& announce) {
-  const auto end = TunedClock::now() + std::chrono::duration_cast<TunedClock::duration>(
-                                           std::chrono::duration<double>(command.seconds));
+  const auto end = end_of(command);
   ServeOptions serve = command.serve;
   Scenario scenario = made_to_be_tuned(command.of.read(parts));
   int code = 0;

@@ -201,8 +201,11 @@ double ramp_of(const TeamEvent& event) {
 
 bool changes_surroundings(const Script& script) {
   const auto changes = [](const Action& action) {
-    return std::holds_alternative<MoveBody>(action) || std::holds_alternative<SetWind>(action) ||
-           std::holds_alternative<InjectFault>(action);
+    return std::visit(
+        [](const auto& it) {
+          return requires { it.changes_surroundings; };
+        },
+        action);
   };
   return std::any_of(script.events.begin(), script.events.end(), [&](const TeamEvent& event) {
     return std::any_of(event.actions.begin(), event.actions.end(), changes);

@@ -55,6 +55,7 @@ using Trigger = std::variant<AtTime, AfterTime, Condition, Signal>;
 ///   words          as a person reads it
 ///   needs          bodies that must be there, if any
 ///   usual_ramp     over which its weights change where the event says nothing, if not at once [s]
+///   changes_surroundings  there, if it changes the world around the team
 using Action = std::variant<RemoveBody, RemoveTerm, AddBody, AddCoupling, AddConstraint, RetuneAgent,
                             RetuneTerm, Observe, SetReference, HandOver, MoveBody, SetWind, InjectFault>;
 

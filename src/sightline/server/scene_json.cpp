@@ -204,7 +204,7 @@ SceneJson::SceneJson(const Scenario& scenario)
     if (team_.is_agent(BodyId{i})) robots_.push_back(BodyId{i});
   for (int i = 0; i < team_.bodies(); ++i)
     hard_[size(i)] = hard_distance(scenario, BodyId{i == 0 ? 1 : 0}, BodyId{i}).value_or(0.0);
-  for (const TeamEvent& event : scenario.script.events) script_.push_back(event.name);
+  script_ = scenario.script;
   tuned_ = scenario.tuned;
 }
 
@@ -379,9 +379,8 @@ std::string SceneJson::words(std::string_view kind, double value) const {
           [&](int body) { return std::string(body < team_.bodies() ? team_.name(BodyId{body}) : "?"); },
       .of_event =
           [&](int number) {
-            if (size(number) < script_.size()) return script_[size(number)];
-            const std::size_t i = size(number) - script_.size();
-            return tuned_ != nullptr && i < tuned_->size() ? tuned_->event(i).name : std::string("?");
+            const TeamEvent* const of = flown_event(script_, tuned_.get(), size(number));
+            return of != nullptr ? of->name : std::string("?");
           }};
   if (kind == to_string(EventKind::missed_period)) return fmt::format("{} periods missed", value);
   if (kind == to_string(EventKind::solver_status) && value >= 0 && value < status_count)

@@ -87,8 +87,8 @@ class SceneJson {
   std::vector<bool> localized_;      // of each body, whether by view
   std::vector<Coupling> couplings_;  // of some time of the flight
   std::vector<Observation> pairs_;
-  std::vector<double> hard_;         // what is kept from each body [m]; 0: nobody keeps one
-  std::vector<std::string> script_;  // names of the [[event]]s
+  std::vector<double> hard_;  // what is kept from each body [m]; 0: nobody keeps one
+  Script script_;
   std::shared_ptr<const TunedScript> tuned_;
 };
 

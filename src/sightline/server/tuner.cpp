@@ -161,7 +161,6 @@ Tuner::Tuner(const Scenario& scenario) : scenario_(scenario), script_(scenario.s
   }
   const Vec3<double>& wind = scenario_.simulation.disturbances.wind;
   wind_ = {wind.x, wind.y, wind.z};
-  moved_ = Json::object();
   try {  // of a file that writes its events as one array nothing can stand behind
     (void)parse_toml(scenario_.text + "\n[[event]]\nat = 0.0\n", scenario_.file.native());
   } catch (const ScenarioError& error) {
@@ -278,7 +277,7 @@ void Tuner::keep(const Json& change, const TeamEvent& event) {
         set(fmt::format("agent.{}.reference", agent), references_[agent] = one.at("reference"));
       } else if (key == "move") {
         const std::string kind = one.contains("target") ? "target" : "obstacle", body = one.at(kind);
-        set(fmt::format("{}.{}.p", kind, body), moved_[body] = one.at("p"));
+        set(fmt::format("{}.{}.p", kind, body), one.at("p"));
       } else if (key == "wind") {
         set("simulation.disturbance.wind", wind_ = one.at("acceleration"));
       }

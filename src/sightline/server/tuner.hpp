@@ -74,7 +74,7 @@ class Tuner {
   Scenario scenario_;
   std::size_t script_;  // events of it
   std::vector<Term> terms_;
-  Json references_, wind_, moved_;                          // by the names of their bodies
+  Json references_, wind_;                                  // references by the names of their robots
   std::vector<std::pair<std::string, std::string>> final_;  // what was tuned last: places in the text, values
 };
 

@@ -25,8 +25,7 @@ constexpr std::chrono::milliseconds look_after{50};  // what became of the event
 constexpr std::string_view expected_message =
     R"(expected one object as {"id": "1", "event": {"retune": {"couple": "couple[0]", "weight": 0.4}}})";
 
-Message parsed_message(std::string_view text) {
-  Message message = Message::parse(text, nullptr, false);
+void check_message(const Message& message) {
   if (message.is_discarded() || !message.is_object()) refuse("no JSON object, {}", expected_message);
   int asked = 0;
   for (const auto& [key, value] : message.items()) {
@@ -37,11 +36,9 @@ Message parsed_message(std::string_view text) {
   }
   if (asked != 1) refuse("{} of event, pause, step, seed, {}", asked, expected_message);
   if (message.contains("ramp") && !message.contains("event")) refuse("ramp, expected beside event alone");
-  return message;
 }
 
-std::string id_of(std::string_view text) {
-  const Message message = Message::parse(text, nullptr, false);
+std::string id_of(const Message& message) {
   if (message.is_discarded() || !message.is_object() || !message.contains("id") || !message["id"].is_string())
     return {};
   return message["id"].get<std::string>().substr(0, Tuning::id_size_max);
@@ -133,10 +130,12 @@ class Tuning::Thread {
     }
   }
 
-  void answer(const std::string& message) {
+  void answer(const std::string& text) {
+    const Message message = Message::parse(text, nullptr, false);
     Answer said{0, id_of(message), true, {}};
     try {
-      said.sentence = act(parsed_message(message));
+      check_message(message);
+      said.sentence = act(message);
     } catch (const std::exception& error) {
       said.accepted = false;
       said.sentence = error.what();

@@ -1,11 +1,11 @@
 #include "sightline/world/sensor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
-#include "sightline/base/same_time.hpp"
 #include "sightline/model/state_roles.hpp"
 
 namespace sightline {
@@ -90,7 +90,6 @@ std::span<const double> Sensor::measure(double t, std::span<const double> x) noe
     if (part.odometry) add_drift(part, since);
     for (const std::size_t k : unknown_) fresh_[k] = 0.0;
     spoil(i, t, mishap);
-    spoil_as_brought(i, t, mishap);
     const bool first = stamps_[i] == never;
     if (first || !(mishap.lost || mishap.frozen))
       std::copy_n(fresh_.begin() + begin, nx, seen_.begin() + begin);
@@ -119,51 +118,54 @@ std::size_t Sensor::youngest(double until) const noexcept {
 
 void Sensor::spoil(std::size_t part, double t, Mishap& mishap) noexcept {
   const Part& of = parts_[part];
+  const BodyId body{static_cast<int>(part)};
   for (Injection& one : injections_) {
-    if (one.part != part || !one.fault.strikes(BodyId{static_cast<int>(part)}, t)) continue;
+    if (one.part != part || !one.fault.strikes(body, t)) continue;
     // Both are drawn whatever comes of it, so that one fault leaves the others as they were.
     const bool hit = one.chance.uniform() <= one.fault.probability;
     const double which = one.chance.uniform();
-    const std::size_t n = static_cast<std::size_t>(of.model.nx());
-    switch (one.fault.kind) {
-      case FaultKind::dropout:
-        mishap.lost |= hit;
-        break;
-      case FaultKind::delay:
-        break;
-      case FaultKind::freeze:
-        mishap.frozen = true;
-        break;
-      case FaultKind::nan: {
-        const auto drawn = std::min(static_cast<std::size_t>(which * static_cast<double>(n)), n - 1);
-        const std::size_t number = one.fault.number >= 0 ? static_cast<std::size_t>(one.fault.number) : drawn;
-        if (hit) fresh_[of.x + number] = std::numeric_limits<double>::quiet_NaN();
-        break;
-      }
-      case FaultKind::jump:
-        for (const auto& [axis, at] : of.positions) {
-          const Vec3<double>& d = one.fault.offset;
-          if (hit) fresh_[at] += axis == 0 ? d.x : axis == 1 ? d.y : d.z;
-        }
-        break;
+    befall(one.fault, of, hit, which, mishap);
+  }
+  for (const Fault& one : brought_)
+    if (one.strikes(body, t)) befall(one, of, true, 0.0, mishap);
+}
+
+void Sensor::befall(const Fault& fault, const Part& part, bool hit, double which, Mishap& mishap) noexcept {
+  const std::size_t n = static_cast<std::size_t>(part.model.nx());
+  switch (fault.kind) {
+    case FaultKind::dropout:
+      mishap.lost |= hit;
+      break;
+    case FaultKind::delay:
+      break;
+    case FaultKind::freeze:
+      mishap.frozen = true;
+      break;
+    case FaultKind::nan: {
+      const auto drawn = std::min(static_cast<std::size_t>(which * static_cast<double>(n)), n - 1);
+      const std::size_t number = fault.number >= 0 ? static_cast<std::size_t>(fault.number) : drawn;
+      if (hit) fresh_[part.x + number] = std::numeric_limits<double>::quiet_NaN();
+      break;
     }
+    case FaultKind::jump:
+      for (const auto& [axis, at] : part.positions) {
+        const Vec3<double>& d = fault.offset;
+        if (hit) fresh_[at] += axis == 0 ? d.x : axis == 1 ? d.y : d.z;
+      }
+      break;
   }
 }
 
 void Sensor::surround(const Surroundings& around) noexcept {
+  constexpr std::array kinds = {FaultKind::dropout, FaultKind::freeze, FaultKind::jump};  // as there
   brought_.clear();
-  for (const Surroundings::Fault& fault : around.faults)
-    if (brought_.size() < brought_.capacity()) brought_.push_back(fault);
-}
-
-void Sensor::spoil_as_brought(std::size_t part, double t, Mishap& mishap) noexcept {
-  for (const Surroundings::Fault& one : brought_) {
-    if (at(one.body) != part || t < one.from - same_time || t >= one.until - same_time) continue;
-    mishap.lost |= one.kind == Surroundings::FaultKind::dropout;
-    mishap.frozen |= one.kind == Surroundings::FaultKind::freeze;
-    if (one.kind != Surroundings::FaultKind::jump) continue;
-    for (const auto& [axis, place] : parts_[part].positions)
-      fresh_[place] += axis == 0 ? one.offset.x : axis == 1 ? one.offset.y : one.offset.z;
+  for (const Surroundings::Fault& one : around.faults) {
+    if (brought_.size() == brought_.capacity()) return;
+    brought_.push_back({.kind = kinds[static_cast<std::size_t>(one.kind)],
+                        .body = one.body,
+                        .from = one.from,
+                        .until = one.until,
+                        .offset = one.offset});
   }
 }
 

@@ -76,14 +76,15 @@ class Sensor {
   void turn(const Part& part, double angle) noexcept;
   void add_drift(Part& part, double since) noexcept;
   void spoil(std::size_t part, double t, Mishap& mishap) noexcept;
-  void spoil_as_brought(std::size_t part, double t, Mishap& mishap) noexcept;
+  /// @param which  of its numbers, in [0, 1]; of a fault that makes one of them none
+  void befall(const Fault& fault, const Part& part, bool hit, double which, Mishap& mishap) noexcept;
 
   Noise noise_;
   double delay_;
   std::vector<Part> parts_;
   std::vector<std::size_t> unknown_;  // velocities in the stacked state
   std::vector<Injection> injections_;
-  std::vector<Surroundings::Fault> brought_;   // by events
+  std::vector<Fault> brought_;                 // by events
   std::vector<double> times_, past_;           // ring of states, the oldest at oldest_
   std::vector<double> fresh_, seen_, stamps_;  // as measured now; as it arrived
   std::size_t oldest_ = 0, count_ = 0;

@@ -16,6 +16,7 @@ namespace sightline {
 /// A fault of a body's measurements that begins now; in a simulated world.
 struct InjectFault {
   static constexpr std::string_view key = "fault", expected = "a table with kind, body and for";
+  static constexpr bool changes_surroundings = true;
   static constexpr std::array<std::string_view, 3> words_of_kinds = {"dropout", "freeze", "jump"};
 
   Surroundings::FaultKind kind;

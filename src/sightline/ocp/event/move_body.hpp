@@ -14,6 +14,7 @@ namespace sightline {
 /// A target or an obstacle goes to a place, over the ramp, and rests there; in a simulated world.
 struct MoveBody {
   static constexpr std::string_view key = "move";
+  static constexpr bool changes_surroundings = true;
   static constexpr std::array<std::string_view, 2> kinds = {"target", "obstacle"};
   static constexpr std::array<std::string_view, 1> beside = {"p"};
   static constexpr double usual_ramp = 1.0;

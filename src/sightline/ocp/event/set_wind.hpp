@@ -13,6 +13,7 @@ namespace sightline {
 /// Another steady wind, which comes up over the ramp; in a simulated world.
 struct SetWind {
   static constexpr std::string_view key = "wind", expected = "a table with acceleration";
+  static constexpr bool changes_surroundings = true;
   static constexpr double usual_ramp = 1.0;
 
   Vec3<double> acceleration;  ///< in G [m/s^2]

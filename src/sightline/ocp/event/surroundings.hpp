@@ -2,13 +2,13 @@
 /// measurements. A world that is not simulated is as it is.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "sightline/math/fixed.hpp"
 #include "sightline/ocp/team.hpp"
+#include "sightline/potential/ramp.hpp"
 
 namespace sightline {
 
@@ -42,9 +42,7 @@ struct Surroundings {
 
 /// Where a change that began at `begin` and takes `duration` is at t: 0 to 1, at rest at both ends.
 inline double blended(double t, double begin, double duration) {
-  if (!(duration > 0)) return t >= begin ? 1.0 : 0.0;
-  const double s = std::fmin(std::fmax((t - begin) / duration, 0.0), 1.0);
-  return s * s * (3.0 - 2.0 * s);
+  return Ramp{.begin = begin, .duration = duration, .from = 0.0, .to = 1.0}.at(t);
 }
 
 }  // namespace sightline
