@@ -228,6 +228,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
       bad = true;
     }
   }
+  if (flight.outcome.updates == 0) return bad ? 1 : 0;  // it did not take off
   print_table(summary_lines(flight.summary));
   if (summaries.size() > 1) {
     print("\n");
@@ -240,7 +241,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
   }
   // A report without gnuplot, or a log on a full disk, is not there.
   for (const char* file : {"report.html", "run.mcap", "summary.json"})
-    if (std::error_code error; std::filesystem::exists(folder / file, error))
+    if (std::error_code error; flight.begun && std::filesystem::exists(folder / file, error))
       print("{}\n", (folder / file).native());
   return bad ? 1 : 0;
 }

@@ -111,7 +111,9 @@ TEST_F(Fly, FaultsBeginAndEndByKey) {
 }
 
 TEST_F(Fly, WhereItWaitsForACallNothingIsArmedBefore) {
-  const fs::path fleet = desk("10.0");
+  const fs::path fleet = desk("10.0"), log = folder / "flown/run.mcap";
+  fs::create_directories(log.parent_path());
+  std::ofstream(log) << "of an earlier flight";
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   std::vector<std::string> words = flight(fleet);
   words.emplace_back("--wait");
@@ -119,6 +121,7 @@ TEST_F(Fly, WhereItWaitsForACallNothingIsArmedBefore) {
   ASSERT_TRUE(says("fly.err", "all are ready: /sightline/start lets them take off")) << said("fly.err");
   flyer->end(SIGINT);
   EXPECT_EQ(flyer->code(), 0) << said("fly.err");
+  EXPECT_EQ(said("flown/run.mcap"), "of an earlier flight") << "a folder keeps the flight that it has";
   vehicles->end(SIGINT);
   EXPECT_THAT(said("vehicles.out"), HasSubstr(" 0 requests to arm"));
   EXPECT_THAT(said("vehicles.out"), Not(HasSubstr(" 1 requests to arm")));

@@ -260,11 +260,16 @@ TEST(Log, AnEarlierRunsSummaryAndReportAreRemoved) {
   EXPECT_FALSE(fs::exists(place("again") / "report.html"));
 }
 
-TEST(Log, AnEarlierLogStandsUntilTheNextOneOpens) {
+TEST(Log, AnEarlierLogStandsUntilTheFirstSampleOfTheNextOne) {
   const fs::path folder = place("earlier"), part = folder / "run.mcap.part";
   write(some_scenario(), folder, 50);
   std::ofstream(folder / "summary.json") << "of it";
-  const std::string earlier = read_file(folder / "run.mcap");
+  const std::string earlier = read_file(folder / "run.mcap"), rows = read_file(folder / "timing.csv");
+  EXPECT_EQ(write(some_scenario(), folder, 0).error, "");
+  EXPECT_EQ(read_file(folder / "run.mcap"), earlier);
+  EXPECT_EQ(read_file(folder / "timing.csv"), rows);
+  EXPECT_EQ(read_file(folder / "summary.json"), "of it");
+  EXPECT_FALSE(fs::exists(part) || fs::exists(folder / "timing.csv.part"));
   fs::create_directories(part / "full");
   const Written refused = write(some_scenario(), folder, 5);
   EXPECT_NE(refused.error, "");

@@ -43,6 +43,9 @@ class Log::Files {
  public:
   Files(const Scenario& scenario, const std::filesystem::path& folder, std::size_t controllers,
         std::function<void(double)> written, const McapWords& flown);
+  ~Files() {
+    if (!taken_) remove_parts();
+  }
 
   void take(const Sample& sample) noexcept;
   void end() noexcept;
@@ -53,6 +56,7 @@ class Log::Files {
 
  private:
   void begin();
+  void remove_parts() noexcept;
   void add(const Sample& sample);
   void tell(double time) noexcept;
   void add_timing(const Sample& sample);
@@ -66,7 +70,7 @@ class Log::Files {
   TextFile timing_;
 
   double last_ = 0.0;  // time of the last sample [s]
-  bool begun_ = false, added_ = false;
+  bool taken_ = false, begun_ = false, added_ = false;
 
   // What was thrown, and after which time [s]: by judging, and by writing.
   struct Fault {
@@ -103,21 +107,22 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
   for (std::size_t c = 0; c < controllers; ++c)
     rows_ += controllers > 1 ? fmt::format(",solve_us.controller{}", c) : ",solve_us";
   rows_ += ",allocations,iterations,missed\n";
-  begin();
 }
 
-// From here on the log opens: it takes the place of an earlier run's, whose results are no longer those of the log.
+// With the first sample the log takes the place of an earlier run's, whose results are no longer those of the log.
 void Log::Files::begin() {
   timing_.write(std::exchange(rows_, {}));
-  if (std::error_code ignored; !mcap_.ok() || !timing_.error().empty()) {
-    for (const char* name : {"run.mcap", "timing.csv"})
-      std::filesystem::remove(beside(folder_ / name), ignored);
-    return;
-  }
+  if (!mcap_.ok() || !timing_.error().empty()) return remove_parts();
   remove_results(folder_);
   timing_.settle();
   mcap_.settle(folder_ / "run.mcap");
   begun_ = mcap_.ok();
+}
+
+void Log::Files::remove_parts() noexcept {
+  std::error_code ignored;
+  for (const char* name : {"run.mcap", "timing.csv"})
+    std::filesystem::remove(beside(folder_ / name), ignored);
 }
 
 // Whatever a sample makes of judging and writing it, the next one is taken: a ring that nobody empties stops the flight.
@@ -128,6 +133,7 @@ void Log::Files::take(const Sample& sample) noexcept {
     judging_ = {std::current_exception(), last_};
   }
   try {
+    if (!std::exchange(taken_, true)) begin();
     if (!writing_.what) add(sample);
   } catch (...) {
     writing_.what = std::current_exception();

@@ -43,8 +43,8 @@ namespace sightline {
 /// still drained: the loop goes on, and error() tells what is lost.
 class Log {
  public:
-  /// Makes the folder if need be and begins the files beside those of an earlier run. Once they open, they take their
-  /// place, and the earlier results go.
+  /// Makes the folder if need be and opens the files beside those of an earlier run. With the first sample they take their
+  /// place, and the earlier results go; without one, what stood there stays.
   /// @param ring     outlives the log
   /// @param written  called by the thread with the simulated time [s] up to which all is on its way to the
   ///                 disk; not after a failure, nor after it threw
@@ -62,7 +62,7 @@ class Log {
 
   /// After finish(): the first failure, a sentence; empty if all was written and judged.
   std::string error() const;
-  /// Whether the folder holds this log, and not what was there before.
+  /// After finish(): whether the folder holds this log, and not what was there before.
   bool begun() const;
   /// After finish(): of all samples that could be judged, written or not.
   const Summary& summary() const;

@@ -76,9 +76,10 @@ LoggedFlight fly_logged(const Scenario& scenario, const std::filesystem::path& f
   flight.summary = log.summary().json();
   if (options.summarised) flight.summary = options.summarised(std::move(flight.summary));
   flight.faults = faults_of(flight.outcome, world, log);
-  flight.logged = log.error().empty();
+  flight.begun = log.begun();
+  flight.logged = flight.begun && log.error().empty();
   // Beside an earlier log stands its own summary.
-  std::string lost = log.begun() ? write_summary(folder, flight.summary) : "";
+  std::string lost = flight.begun ? write_summary(folder, flight.summary) : "";
   if (!lost.empty()) {
     flight.faults.push_back(std::move(lost));
     flight.logged = false;

@@ -48,7 +48,8 @@ struct FlightOptions {
 struct LoggedFlight {
   std::string summary;              ///< text of summary.json
   std::vector<std::string> faults;  ///< what makes the run a failure, a sentence each
-  bool logged = false;              ///< its files are whole
+  bool begun = false;               ///< the folder holds its files, and not those of an earlier flight
+  bool logged = false;              ///< they are whole
   LoopOutcome outcome{};
 };
 
