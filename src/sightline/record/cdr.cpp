@@ -1,5 +1,7 @@
 #include "sightline/record/cdr.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <initializer_list>
 
@@ -98,7 +100,7 @@ RosSchema twist_schema() {
 }
 
 RosSchema path_schema() {
-  const std::string pose = "MSG: geometry_msgs/PoseStamped\n" + std::string(pose_stamped);
+  const std::string pose = fmt::format("MSG: geometry_msgs/PoseStamped\n{}", pose_stamped);
   return {"nav_msgs/msg/Path",
           join({"std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n", pose, header, pose_parts})};
 }
