@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <list>
+#include <map>
 #include <span>
 #include <stdexcept>
 #include <thread>
@@ -184,6 +185,27 @@ std::string in_words(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
+/// The scenario of shards and the files that it names, by their places in a folder from which it is flown again. A file that lies
+/// elsewhere keeps its name, and is not there.
+std::map<fs::path, std::string> scenario_files(const CampaignWords& about, const fs::path& folder) {
+  std::map<fs::path, std::string> files = {{folder / (about.scenario + ".toml"), about.text}};
+  for (const auto& [name, text] : about.files) {
+    const fs::path place = fs::path(name).lexically_normal();
+    if (place.is_relative() && *place.begin() != "..")
+      files.emplace(folder / place, text);
+    else
+      say(fmt::format("{} lies outside of the scenario's folder: it is not written into {}", name,
+                      folder.native()));
+  }
+  for (const auto& [file, text] : files)
+    if (fs::exists(file) && read_text(file) != text)
+      throw std::invalid_argument(fmt::format(
+          "{}: is there already and is not that of the shards; give another folder by -o, or move the file "
+          "away",
+          file.native()));
+  return files;
+}
+
 /// One table and page of the folders of all shards, those of scenarios beside too.
 int merge(const CampaignCommand& command, const Parts& parts) {
   const std::vector<fs::path>& from = command.merge;
@@ -204,8 +226,12 @@ int merge(const CampaignCommand& command, const Parts& parts) {
       command.output.empty() ? fs::path("out") / about.scenario / "campaign" : command.output;
   const fs::path scenario_file = out / (about.scenario + ".toml");
   const FolderLock lock(out, {"campaign.json", "campaign.html"});
+  const auto files = scenario_files(about, out);
   merge_shards(tables_in(""), out / "campaign.sqlite");
-  write_text(scenario_file, about.text);
+  for (const auto& [file, text] : files) {
+    fs::create_directories(file.parent_path());
+    write_text(file, text);
+  }
   std::vector<CampaignTable> tables = {{about.scenario, out / "campaign.sqlite"}};
   for (const std::string& name : beside) {
     fs::create_directories(out / name);
@@ -225,8 +251,7 @@ int merge(const CampaignCommand& command, const Parts& parts) {
   for (const CampaignTable& table : tables)
     if (const CampaignWords words = campaign_words(table.file); words.recovered < words.runs) code = 1;
   try {
-    const Scenario scenario =
-        parse_scenario(about.plan.empty() ? about.text : about.plan, scenario_file, parts);
+    const Scenario scenario = parse_scenario(about.text, scenario_file, parts, {.files = about.files});
     const std::string words =
         fmt::format("sightline campaign {} --seed {}", shell_word(scenario_file.native()), about.seed);
     write_text(out / "campaign.html", campaign_html(tables, campaign_plan(scenario), words, out));

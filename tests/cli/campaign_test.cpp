@@ -240,6 +240,45 @@ TEST(Campaign, ShardsThatAreMergedAreTheCampaignOfOneProcess) {
   EXPECT_THAT(again.out, HasSubstr("run 4: ")) << again.err;
 }
 
+TEST(Campaign, ShardsBringTheFilesThatTheirScenarioNames) {
+  const fs::path folder = fresh_folder(), from = folder / "from", out = folder / "merged";
+  fs::create_directories(from / "obstacles");
+  fs::copy_file(fs::path(SIGHTLINE_SOURCE_DIR) / "scenarios/obstacles/line_of_sight.toml",
+                from / "obstacles/line_of_sight.toml");
+  std::ofstream(from / "pillar.toml")
+      << read_file(fs::path(SIGHTLINE_SOURCE_DIR) / "scenarios/line_of_sight.toml")
+      << "\n[campaign]\nduration = 0.5\n[[campaign.draw]]\nkey = "
+         "\"agent.uav0.start.heading\"\nuniform = [2.8, 3.4]\n";
+  const std::string campaign = "campaign " + (from / "pillar.toml").string() + " --runs 3";
+  std::string folders;
+  for (const char* shard : {"1", "2"}) {
+    (void)sightline(campaign + " --shard " + shard + "/2 -o " + (folder / shard).string(), folder);
+    folders += " " + (folder / shard).string();
+  }
+  const std::string merge = "campaign --merge" + folders + " -o ";
+  fs::rename(from, folder / "away");  // they were flown by another machine
+  const auto merged = sightline(merge + out.string(), folder);
+  EXPECT_EQ(merged.err, "");
+  EXPECT_GT(read_file(out / "campaign.html").size(), 1000U);
+  const auto again = sightline(
+      "campaign " + (out / "pillar.toml").string() + " --only 1 -o " + (folder / "run_1").string(), folder);
+  EXPECT_THAT(again.out, HasSubstr("run 1: ")) << again.err;
+
+  // What a folder holds is not written over, and a shard of another file is none of this campaign.
+  std::ofstream(out / "obstacles/line_of_sight.toml") << "mine";
+  EXPECT_THAT(sightline(merge + out.string(), folder).err,
+              HasSubstr("line_of_sight.toml: is there already and is not that of the shards"));
+  EXPECT_EQ(read_file(out / "obstacles/line_of_sight.toml"), "mine");
+  fs::rename(folder / "away", from);
+  std::ofstream(from / "obstacles/line_of_sight.toml", std::ios::app) << "# another\n";
+  const std::string second = campaign + " --shard 2/2 -o " + (folder / "2").string();
+  EXPECT_THAT(sightline(second, folder).err, HasSubstr("another file obstacles/line_of_sight.toml"));
+  fs::remove_all(folder / "2");
+  (void)sightline(second, folder);
+  EXPECT_THAT(sightline(merge + (folder / "other").string(), folder).err,
+              HasSubstr("another file obstacles/line_of_sight.toml"));
+}
+
 TEST(Campaign, ShardsWithAScenarioBesideArePairedAsOneProcessPairsThem) {
   const fs::path folder = fresh_folder();
   const std::string campaign =

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "sightline/base/refuse.hpp"
 #include "sightline/campaign/database.hpp"
@@ -161,10 +162,14 @@ CampaignWords campaign_words(const fs::path& file) {
     Database database(file, Database::Open::as_it_is);
     const auto about = about_campaign(database);
     const auto plan = about.find("plan");
+    FileTexts files;
+    for (const auto& [key, value] : about)
+      if (key.starts_with(file_key)) files.emplace(key.substr(file_key.size()), std::get<std::string>(value));
     Database::Statement count(database, "SELECT count(*), coalesce(sum(outcome = 'recovered'), 0) FROM runs");
     count.step();
     return {.scenario = std::get<std::string>(about.at("scenario")),
             .text = std::get<std::string>(about.at("text")),
+            .files = std::move(files),
             .plan = plan == about.end() ? "" : std::get<std::string>(plan->second),
             .seed = static_cast<std::uint64_t>(std::get<std::int64_t>(about.at("seed"))),
             .runs = static_cast<int>(count.integer(0)),

@@ -6,12 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "sightline/scenario/scenario_text.hpp"
+
 namespace sightline {
 
 /// What a table says of its campaign.
 struct CampaignWords {
   std::string scenario;    ///< its name
   std::string text;        ///< of the scenario
+  FileTexts files;         ///< that it names
   std::string plan;        ///< text of the scenario that draws, where that is another; else empty
   std::uint64_t seed = 0;  ///< of all draws
   int runs = 0, recovered = 0;

@@ -171,6 +171,7 @@ RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, 
                          {"version", std::string(version)},
                          {"compiler", std::string(compiler)}};
   if (!plan.text.empty() && plan.text != scenario.text) about.emplace("plan", plan.text);
+  for (const auto& [name, text] : scenario.files) about.emplace(std::string(file_key) + name, text);
   if (!shard.is_whole()) about.emplace(shard_key, fmt::format("{} of {}", to_string(shard), runs));
   const std::string columns = columns_of(scenario, plan);
   if (std::filesystem::exists(file_)) go_on(about, columns);
@@ -212,11 +213,15 @@ void RunTable::go_on(const AboutCampaign& about, const std::string& columns) {
     last = count.integer(1);
     AboutCampaign there = about_campaign(*database_);
     there.erase(std::string(digest_key));
+    const auto differs = [&](const auto& asked) {
+      const auto found = there.find(asked.first);
+      return found == there.end() || found->second != asked.second;
+    };
     for (const std::string_view key : told_of_campaign)
-      if (const auto asked = about.find(std::string(key)); asked != about.end())
-        if (const auto found = there.find(asked->first);
-            found == there.end() || found->second != asked->second)
-          others.emplace_back(key);
+      if (const auto asked = about.find(std::string(key)); asked != about.end() && differs(*asked))
+        others.emplace_back(key);
+    for (const auto& asked : about)
+      if (asked.first.starts_with(file_key) && differs(asked)) others.push_back(asked.first);
     if (there.size() != about.size() && others.empty()) others.emplace_back("plan or shard");
     Database::Statement made(*database_, "SELECT sql FROM sqlite_master WHERE name = 'runs'");
     if (!(made.step() && made.text(0) == columns)) others.emplace_back("columns");

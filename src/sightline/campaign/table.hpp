@@ -28,7 +28,8 @@ using AboutCampaign = std::map<std::string, Database::Value>;
 ///             energy, chatter, drift, longest_without_plan, barrier_conflict, a column status_NAME for each Status, a column for each number drawn, by its name, and
 ///             ROBOT.energy for each robot
 ///   campaign  key, value: scenario, text, plan (the text of the scenario that draws, where that is another), seed,
-///             duration, version, compiler; of a shard "I/N of RUNS" as shard; at its end a digest of all rows
+///             duration, version, compiler; "file NAME" with the text of each file that the scenario names; of a shard
+///             "I/N of RUNS" as shard; at its end a digest of all rows
 ///
 /// Rows come in the order of the index. A thread commits them, each within half a second and the time that takes, so
 /// that a campaign that is killed leaves all rows but those of the last second, and can go on. At its end the file is
@@ -99,6 +100,8 @@ inline constexpr std::string_view digest_key = "digest";
 
 /// The word of `campaign` that tells the shard.
 inline constexpr std::string_view shard_key = "shard";
+/// Of the text of a file that the scenario names, before its name.
+inline constexpr std::string_view file_key = "file ";
 
 /// What the column of a robot's energy is called, after its name.
 inline constexpr std::string_view energy_ending = ".energy";
