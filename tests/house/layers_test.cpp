@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 #include <regex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -187,6 +188,39 @@ TEST(Layers, a_world_of_its_own_is_known_to_programs_and_tests_alone_and_its_eng
     }
   }
   EXPECT_GT(files, 0);
+}
+
+/// Classes that a file defines at the outermost level, by their namespaces; of unnamed ones, none.
+std::vector<std::string> classes_of(const fs::path& file) {
+  static const std::regex opens("(?:inline )?namespace ?([\\w:]*) ?\\{"),
+      defines("(?:struct|class) (\\w+)(?!\\w|<|;|::).*");
+  std::vector<std::string> spaces, classes;
+  std::ifstream text(file);
+  std::smatch match;
+  for (std::string line; std::getline(text, line);) {
+    if (std::regex_match(line, match, opens)) {
+      spaces.push_back(match[1]);
+    } else if (line.starts_with("}  // ") && line.find("namespace") != std::string::npos && !spaces.empty()) {
+      spaces.pop_back();
+    } else if (std::regex_match(line, match, defines) &&
+               std::find(spaces.begin(), spaces.end(), "") == spaces.end()) {
+      std::string path;
+      for (const std::string& space : spaces) path += space + "::";
+      classes.push_back(path + match[1].str());
+    }
+  }
+  return classes;
+}
+
+/// The linker takes one of two classes of a name for both, and says nothing.
+TEST(Layers, a_name_stands_for_one_class) {
+  std::map<std::string, std::set<std::string>> files;
+  for (const char* folder : {"src", "worlds", "bridges", "cli", "python"})
+    for (const fs::path& file : files_of(folder))
+      for (const std::string& named : classes_of(file)) files[named].insert(name(file));
+  EXPECT_GT(files.size(), 500U);
+  for (const auto& [named, where] : files)
+    EXPECT_EQ(where.size(), 1U) << named << " is in " << testing::PrintToString(where);
 }
 
 TEST(Layers, every_public_header_has_a_test_of_its_name) {

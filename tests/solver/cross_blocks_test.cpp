@@ -37,7 +37,7 @@ void expect_sums(Random& random) {
     batch->pairs.push_back(&pair);
   }
   CrossBlocks<W> blocks(batches, layout, KernelChoice::interpreted);
-  const Surroundings surroundings{Rows(sight_size * n, layout.stages), Rows(1, layout.stages)};
+  const StageParameters parameters{Rows(sight_size * n, layout.stages), Rows(1, layout.stages)};
   Rows s(3, layout.s_length);
   for (int i = 0; i < layout.s_length; ++i)
     s[0][i] = uniform(random, -1.0, 1.0), s[1][i] = uniform(random, -1.0, 1.0);
@@ -46,7 +46,7 @@ void expect_sums(Random& random) {
   for (std::size_t b = 0; b < batches.size(); ++b) {
     PairBatch& batch = batches[b];
     batch.points.resize(static_cast<int>(batch.pairs.size()) * layout.stages);
-    batch.gather(layout, surroundings, s[0]);
+    batch.gather(layout, parameters, s[0]);
     batch.points.derive();
     blocks.take(b);
     for (std::size_t p = 0; p < batch.pairs.size(); ++p) {

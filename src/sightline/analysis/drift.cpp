@@ -47,7 +47,7 @@ void Flow::add(const Weighted& term, std::size_t a, std::size_t b, bool felt_by_
   terms_.push_back({formula, a, b, term.weight, felt_by_a, felt_by_b});
 }
 
-Settled Flow::settle(int steps) const {
+FlowEnd Flow::settle(int steps) const {
   constexpr double damping = 5.0, longest = 0.1, widest = 0.2;  // [1/m^2], of a step [m], [rad]
   constexpr double far = 0.3,
                    steady = 0.2;  // a drift over a sixth of the way [m]; share by which it may change
@@ -120,7 +120,7 @@ Settled Flow::settle(int steps) const {
   }
   marks[2] = centre();
   const Vec3<double> before = marks[1] - marks[0], last = marks[2] - marks[1];
-  Settled settled{std::move(now)};
+  FlowEnd settled{std::move(now)};
   if (norm(last) > far && norm(last - before) < steady * norm(last)) settled.drift = last;
   return settled;
 }

@@ -31,7 +31,7 @@ struct Hold {
 };
 
 /// Where a flow ended.
-struct Settled {
+struct FlowEnd {
   std::vector<Drifting> bodies;
   std::optional<Vec3<double>> drift{};  ///< of those that can move, over the last sixth [m]; none: they rest
 };
@@ -45,7 +45,7 @@ class Flow {
   void add(const Hold& hold) { holds_.push_back(hold); }
 
   /// Follows it until it rests, or for `steps` steps of 0.1 m at most. Set-up: allocates.
-  Settled settle(int steps = 1500) const;
+  FlowEnd settle(int steps = 1500) const;
 
  private:
   struct Term {

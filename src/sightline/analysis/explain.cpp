@@ -240,7 +240,7 @@ class Pair {
         flow.add(m.of->term, observer, 1 - observer, m.felt_by(m.of->between.first),
                  m.felt_by(m.of->between.second));
       }
-      const Settled settled = flow.settle();
+      const FlowEnd settled = flow.settle();
       const Drifting &p = settled.bodies[0], &q = settled.bodies[1];
       a.drift = settled.drift;
       if (settled.drift) continue;

@@ -62,7 +62,7 @@ class LaneCouplings final : public Couplings {
                 std::span<const SwarmPotential> swarms)
       : Couplings(layout),
         first_(pairs.data()),
-        surroundings_{Rows(sight_size * bodies, layout.stages), Rows(1, layout.stages)} {
+        parameters_{Rows(sight_size * bodies, layout.stages), Rows(1, layout.stages)} {
     for (const BodyPotential& pair : pairs) add(pair, choice);
     // Against the order of a chain, so that each slot but one finds its second group written.
     std::sort(slots_.begin(), slots_.end(),
@@ -78,7 +78,7 @@ class LaneCouplings final : public Couplings {
                  layout.groups.size() == 1 && layout.groups[0].ns == relative;
   }
 
-  void set_time(int k, double t) noexcept override { surroundings_.time[0][k] = t; }
+  void set_time(int k, double t) noexcept override { parameters_.time[0][k] = t; }
   void set_weights(double t) noexcept override {
     for (std::vector<PairBatch>* batches : {&relative_, &general_}) {
       for (PairBatch& batch : *batches) batch.points.set_part(batch.pairs[0]->ramp.at(t));
@@ -88,7 +88,7 @@ class LaneCouplings final : public Couplings {
   void set_body(int body, int k, const Sight<double>& sight) noexcept override {
     std::array<double, sight_size> s;
     write_sight(sight, s);
-    for (int i = 0; i < sight_size; ++i) surroundings_.bodies[body * sight_size + i][k] = s[at(i)];
+    for (int i = 0; i < sight_size; ++i) parameters_.bodies[body * sight_size + i][k] = s[at(i)];
   }
 
   void derive(const double* s, double* c, Crew& crew) noexcept override {
@@ -104,7 +104,7 @@ class LaneCouplings final : public Couplings {
       } else if (part < all_batches + slots) {
         if (Slot<W>& slot = slots_[at(part - all_batches)]; slot.in_place) derive_in_place(slot, s);
       } else {
-        crosses_->derive(part - all_batches - slots, surroundings_, s);
+        crosses_->derive(part - all_batches - slots, parameters_, s);
       }
     });
     if (swarms_.empty()) return;
@@ -134,7 +134,7 @@ class LaneCouplings final : public Couplings {
   void values(const double* s, std::span<double> sums) noexcept override {
     for (std::vector<PairBatch>* batches : {&relative_, &general_}) {
       for (PairBatch& batch : *batches) {
-        batch.gather(layout_, surroundings_, s);
+        batch.gather(layout_, parameters_, s);
         batch.points.evaluate();
         int point = 0;
         for (const BodyPotential* pair : batch.pairs) {
@@ -258,7 +258,7 @@ class LaneCouplings final : public Couplings {
   void gather_relative(std::size_t b, const double* s) noexcept {
     if (in_place_[b]) return;
     PairBatch& batch = relative_[b];
-    batch.gather(layout_, surroundings_, s);
+    batch.gather(layout_, parameters_, s);
     batch.points.derive();
     for (std::size_t p = 0; p < batch.pairs.size(); ++p) {
       double* const to = slots_[at(slots_of_[b][p])].out[0] + layout_.place(batch.pairs[p]->a).lane;
@@ -270,7 +270,7 @@ class LaneCouplings final : public Couplings {
   }
   void gather_general(std::size_t b, const double* s) noexcept {
     if (crosses_->in_place(b)) return;
-    general_[b].gather(layout_, surroundings_, s);
+    general_[b].gather(layout_, parameters_, s);
     general_[b].points.derive();
     crosses_->take(b);
   }
@@ -453,7 +453,7 @@ class LaneCouplings final : public Couplings {
   }
 
   const BodyPotential* first_;
-  Surroundings surroundings_;
+  StageParameters parameters_;
   std::vector<PairBatch> general_, relative_;
   std::vector<std::vector<int>> slots_of_;    // [relative batch][pair]
   std::vector<char> in_place_;                // [relative batch]

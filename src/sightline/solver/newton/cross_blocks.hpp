@@ -37,7 +37,7 @@ class CrossBlocks {
   int slots() const { return static_cast<int>(slots_.size()); }
 
   /// Evaluates a slot that is in place at s.
-  void derive(int slot, const Surroundings& surroundings, const double* s) noexcept {
+  void derive(int slot, const StageParameters& parameters, const double* s) noexcept {
     Slot& its = slots_[at(slot)];
     if (!in_place(its.batch)) return;
     const PosePotential& potential = potential_of(its);
@@ -48,7 +48,7 @@ class CrossBlocks {
       for (const int v : potential.variables) {
         L number;
         if (v == PosePotential::time_variable) {
-          number = surroundings.time[0][k];
+          number = parameters.time[0][k];
         } else if (v >= sight_size) {
           const Layout::Part& of = layout_.groups[at(its.group_b)];
           number = permuted(L::load(s + of.s + (k * of.ns + v - sight_size) * W), its.b_of_a);

@@ -13,7 +13,7 @@ bool PairBatch::suits(const BodyPotential& pair) const {
          first.ends.b_is_agent == pair.ends.b_is_agent;
 }
 
-void PairBatch::gather(const Layout& layout, const Surroundings& surroundings, const double* s) noexcept {
+void PairBatch::gather(const Layout& layout, const StageParameters& parameters, const double* s) noexcept {
   const int N = layout.stages;
   const PosePotential& potential = pairs[0]->potential;
   int point = 0;
@@ -35,12 +35,12 @@ void PairBatch::gather(const Layout& layout, const Surroundings& surroundings, c
       const double* from = nullptr;
       std::ptrdiff_t stride = 1;
       if (v == PosePotential::time_variable) {
-        from = surroundings.time[0];
+        from = parameters.time[0];
       } else if (agent >= 0) {
         const Layout::View& view = of_b ? b : a;
         from = s + view(0, component), stride = view.stage;
       } else {
-        from = surroundings.bodies[body * sight_size + component];
+        from = parameters.bodies[body * sight_size + component];
       }
       points.each_in(point, N, static_cast<int>(i), [&](int k, double& in) { in = from[k * stride]; });
     }

@@ -9,9 +9,9 @@
 
 namespace sightline {
 
-/// What potentials see beside the agents, along the horizon.
-struct Surroundings {
-  Rows bodies;  ///< Sights of bodies that are not controlled  (8 bodies x N)
+/// What potentials see beside the agents, stage by stage.
+struct StageParameters {
+  Rows bodies;  ///< Sights of bodies that are not controlled  (10 bodies x N)
   Rows time;    ///< [s]  (1 x N)
 };
 
@@ -23,7 +23,7 @@ struct PairBatch {
   /// Whether this pair has the batch's formula and is felt as its pairs are.
   bool suits(const BodyPotential& pair) const;
   /// The points' inputs at s.
-  void gather(const Layout& layout, const Surroundings& surroundings, const double* s) noexcept;
+  void gather(const Layout& layout, const StageParameters& parameters, const double* s) noexcept;
   /// c += gradients and own Hessians of the last `derive`, of potentials that are not relative.
   void scatter(const Layout& layout, double* c) const noexcept;
 };
