@@ -16,7 +16,7 @@ TEST(Group, EachLaneRollsOutItsOwnRobotByEuler) {
   Random random(1);
   const auto programs =
       std::make_shared<const StagePrograms>(trace_stage(Multirotor{}, h, Seen::pose_and_motion));
-  for (const int width : {2, native_width}) {
+  for (const int width : {2, narrow_width, native_width}) {
     const auto group = make_group(programs, stages, width, KernelChoice::compiled_if_there);
     Rows u(1, stages * 4 * width), s(1, stages * seen_size(Seen::pose_and_motion) * width);
     for (int i = 0; i < stages * 4 * width; ++i) u[0][i] = uniform(random, -1, 1);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <tuple>
 
 #include "tests/support/random_team.hpp"
 
@@ -22,6 +23,22 @@ TEST(Groups, EveryAgentHasALaneAndEqualModelsShareGroups) {
       EXPECT_LT(place.lane, groups.layout().width);
       EXPECT_EQ(groups.group_of(static_cast<int>(a)).sizes().nx, ocp.team().agents()[a].model.nx());
     }
+  }
+}
+
+TEST(Groups, TheNarrowestPacksThatHoldAllOfAKindAtOnceAreTaken) {
+  for (const auto& [multirotors, rovers, width] : {std::tuple{1, 0, 2},
+                                                   {2, 2, 2},
+                                                   {3, 0, narrow_width},
+                                                   {4, 1, narrow_width},
+                                                   {1, 3, narrow_width},
+                                                   {5, 2, native_width},
+                                                   {20, 0, native_width}}) {
+    Team team;
+    for (int i = 0; i < multirotors; ++i) team.add(Multirotor{});
+    for (int i = 0; i < rovers; ++i) team.add(OmniRover{});
+    EXPECT_EQ(Groups(Ocp(team, {.N = 5}), {}, KernelChoice::compiled_if_there).layout().width, width)
+        << multirotors << " and " << rovers;
   }
 }
 

@@ -60,7 +60,7 @@ void expect_same_bits(const M& model, Seen seen, const std::vector<RelaxedBarrie
                       const RateCost& rates = {}) {
   const auto programs =
       std::make_shared<const StagePrograms>(trace_stage(model, 0.04, seen, barriers, {}, rates));
-  for (const int width : {2, native_width}) {
+  for (const int width : {2, narrow_width, native_width}) {
     const auto compiled = make_group(programs, stages, width, KernelChoice::compiled_if_there);
     const auto interpreted = make_group(programs, stages, width, KernelChoice::interpreted);
     EXPECT_EQ(all_results(*compiled, width, 1), all_results(*interpreted, width, 1));

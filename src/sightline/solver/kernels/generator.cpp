@@ -54,7 +54,7 @@ void Generator::add(const Model& model, Seen seen, const std::vector<RelaxedBarr
                                                      "precondition_forward"};
   for (std::size_t i = 0; i < names.size(); ++i) functions_ += member(*programs.all()[i], names[i]);
   functions_ += "};\n\n";
-  for (const std::string_view width : {"2", "native_width"}) {
+  for (const std::string_view width : {"2", "narrow_width", "native_width"}) {
     stage_rows_ += fmt::format("    {{0x{:016x}, {}, {}, make_compiled<{}, {}>}},\n", key, width,
                                in_braces(size_of(programs)), width, name);
   }
@@ -83,8 +83,10 @@ void Generator::add(const Program& program, std::string_view potential_name) {
                             potential_name, name, program.inputs(), program.outputs());
   const std::array<Block, 1> in = {Block{"in", program.inputs()}}, out = {Block{"out", program.outputs()}};
   functions_ += emit(program, "evaluate", in, out) + "};\n\n";
-  formula_rows_ += fmt::format("    {{0x{:016x}, native_width, {}, run_compiled<native_width, {}>}},\n", key,
-                               in_braces(size_of(program)), name);
+  for (const std::string_view width : {"narrow_width", "native_width"}) {
+    formula_rows_ += fmt::format("    {{0x{:016x}, {}, {}, run_compiled<{}, {}>}},\n", key, width,
+                                 in_braces(size_of(program)), width, name);
+  }
 }
 
 std::string Generator::text() const {

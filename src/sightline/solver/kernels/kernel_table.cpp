@@ -33,6 +33,7 @@ std::unique_ptr<Group> make_group(std::shared_ptr<const StagePrograms> programs,
     if (kernel != nullptr) return kernel->make(std::move(programs), stages);
   }
   if (width == native_width) return make_interpreted<native_width>(std::move(programs), stages);
+  if (width == narrow_width) return make_interpreted<narrow_width>(std::move(programs), stages);
   return make_interpreted<2>(std::move(programs), stages);
 }
 

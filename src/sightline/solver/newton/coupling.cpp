@@ -488,6 +488,8 @@ std::unique_ptr<Couplings> make_couplings(std::span<const BodyPotential> pairs, 
                                           std::span<const SwarmPotential> swarms) {
   if (layout.width == native_width)
     return std::make_unique<LaneCouplings<native_width>>(pairs, layout, bodies, choice, swarms);
+  if (layout.width == narrow_width)
+    return std::make_unique<LaneCouplings<narrow_width>>(pairs, layout, bodies, choice, swarms);
   return std::make_unique<LaneCouplings<2>>(pairs, layout, bodies, choice, swarms);
 }
 

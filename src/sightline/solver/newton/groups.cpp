@@ -82,6 +82,13 @@ std::vector<Kind> sort_into_kinds(const Ocp& ocp, std::span<const BodyPotential>
   return kinds;
 }
 
+/// The narrowest packs that hold all robots of each kind at once, else the machine's.
+int width_for(const std::vector<Kind>& kinds) {
+  std::size_t most = 0;
+  for (const Kind& kind : kinds) most = std::max(most, kind.agents.size());
+  return most <= 2 ? 2 : most <= at(narrow_width) ? narrow_width : native_width;
+}
+
 }  // namespace
 
 double Group::tracking_cost(const double* u, int lane) const noexcept {
@@ -135,10 +142,8 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
   for (std::size_t i = 0; i < place.size(); ++i)
     place[order.empty() ? i : at(order[i])] = static_cast<int>(i);
   std::vector<Kind> kinds = sort_into_kinds(ocp, potentials);
-  const bool few =
-      std::all_of(kinds.begin(), kinds.end(), [](const Kind& k) { return k.agents.size() <= 2; });
   layout_.stages = ocp.horizon().N;
-  layout_.width = few ? 2 : native_width;
+  layout_.width = width_for(kinds);
   layout_.agents.resize(ocp.agent_bodies().size());
   std::vector<std::pair<int, int>> turns;  // place of the first agent, first group
   for (Kind& kind : kinds) {
