@@ -102,13 +102,17 @@ py::array_t<double> gradient_of(const Potential& potential, const Sight<double>&
 
 void bind_potential(py::module_& module) {
   py::class_<SensorMount>(module, "SensorMount", "Where the sensor sits on the robot, (45).")
-      .def(py::init([](double pitch, double offset, const std::string& frame) {
-             return SensorMount{pitch, offset, frame_of(frame)};
-           }),
-           py::arg("pitch") = 0.5, py::arg("offset") = 0.17, py::arg("frame") = "level",
-           "pitch [rad], > 0 looks down; offset: lever arm along x [m]; frame: \"level\" or \"body\"")
+      .def(
+          py::init([](double pitch, double offset, const std::string& frame, double sigmas) {
+            return SensorMount{pitch, offset, frame_of(frame), sigmas};
+          }),
+          py::arg("pitch") = 0.5, py::arg("offset") = 0.17, py::arg("frame") = "level",
+          py::arg("sigmas") = 0.0,
+          "pitch [rad], > 0 looks down; offset: lever arm along x [m]; frame: \"level\" or \"body\"; sigmas: "
+          "standard deviations of what is seen by which regions of view shrink, >= 0")
       .def_readonly("pitch", &SensorMount::pitch)
-      .def_readonly("offset", &SensorMount::offset);
+      .def_readonly("offset", &SensorMount::offset)
+      .def_readonly("sigmas", &SensorMount::sigmas);
 
   py::class_<Weighted>(module, "Weighted", "A potential times its weight, as 0.4 * potential.")
       .def_readonly("weight", &Weighted::weight)

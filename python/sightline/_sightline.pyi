@@ -302,13 +302,15 @@ class ScenarioError(ValueError): ...
 
 class SensorMount:
     """Where the sensor sits on the robot, (45)."""
-    def __init__(self, pitch: float = ..., offset: float = ..., frame: str = ...) -> None:
-        """pitch [rad], > 0 looks down; offset: lever arm along x [m]; frame: "level" or "body"
+    def __init__(self, pitch: float = ..., offset: float = ..., frame: str = ..., sigmas: float = ...) -> None:
+        """pitch [rad], > 0 looks down; offset: lever arm along x [m]; frame: "level" or "body"; sigmas: standard deviations of what is seen by which regions of view shrink, >= 0
         """
     @property
     def offset(self) -> float: ...
     @property
     def pitch(self) -> float: ...
+    @property
+    def sigmas(self) -> float: ...
 
 class Sight:
     """What a potential sees of a body: pose, velocity and lean in G."""

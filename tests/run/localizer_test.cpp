@@ -211,6 +211,26 @@ TEST(Localizer, ItTellsHowWellAPositionIsKnownAndWhatWasSeen) {
   EXPECT_NEAR(view.accepted, 1.0, 0.1);
   EXPECT_NEAR(view.sighted, 1.0, 0.1);
   EXPECT_GT(view.bearing_sigma, 0.2);
+  EXPECT_EQ(flight.localizer->doubts()[0].after(1.0), 0.0) << "it needs no view";
+}
+
+/// Nothing is seen from 3 s on. What the robot says then of a second later is what it says then, and at most the double.
+TEST(Localizer, ADoubtAheadIsThatOfARobotThatSeesNothingUntilThen) {
+  for (const FilterKind kind : {FilterKind::heading, FilterKind::attitude}) {
+    auto flight = localized(2, kind, 5, {.from = 3.0, .until = 60.0});
+    const std::vector<double> u(8);
+    std::vector<ViewDoubt> told;
+    for (int k = 0; k < 700; ++k) {
+      const Measured now = flight.measure(k * flight_period);
+      told.push_back(flight.localizer->doubts()[1]);
+      (void)flight.apply(k * flight_period, now.measured, u);
+    }
+    EXPECT_LT(told[250].sigma, 0.03) << "it sees";
+    for (const int k : {320, 400, 500}) {
+      EXPECT_GT(told[size(k)].after(1.0), 0.95 * told[size(k + 100)].sigma) << k;
+      EXPECT_LT(told[size(k)].after(1.0), 2.0 * told[size(k + 100)].sigma) << k;
+    }
+  }
 }
 
 TEST(Localizer, ToldWhereItIsItGoesOnFromThere) {

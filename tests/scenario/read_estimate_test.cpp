@@ -7,6 +7,7 @@
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -134,6 +135,28 @@ TEST(ReadEstimate, CheckSaysWhoIsLocalizedByWhom) {
               HasSubstr("localized   uav1: no position enters, by view of uav0, filter \"heading\", hop 1\n"
                         "localized   uav2: no position enters, by view of uav1, filter \"chain\", hop 2\n"
                         "broadcast   uav0: its pose at 100 Hz, 0.01 m and 0.01 rad, latency 0 to 0 s\n"));
+}
+
+TEST(ReadEstimate, ItsViewsShrinkByTheSigmasOfItsSensorInSolversThatPlanSo) {
+  std::string text = row(2, by_view);
+  for (std::size_t at = 0; (at = text.find("pitch = 0.2", at)) != std::string::npos; at += 20)
+    text.insert(at, "sigmas = 2.5\n");
+  Scenario scenario = scenario_of(text);
+  EXPECT_EQ(scenario.localization.robots[0].mount.sigmas, 2.5);
+  EXPECT_EQ(scenario.team.couplings()[0].term.potential.mount()->sigmas, 2.5);
+  EXPECT_THAT(
+      summary(scenario),
+      HasSubstr("view        uav1: regions of view shrink by 2.5 standard deviations of what it sees\n"));
+  check_solvers(scenario);
+  scenario.simulation.compare = {"cgmres"};
+  EXPECT_THAT(
+      refusal_of([&] { check_solvers(scenario); }),
+      HasSubstr("the solver cgmres lets no view shrink by the sigmas of a sensor, expected newton_riccati"));
+  EXPECT_THAT(
+      scenario_refusal(
+          row(1) +
+          "[agent.b]\nrobot = \"multirotor\"\nstart = { p = [9, 0, 1] }\nsensor = { sigmas = 6.5 }\n"),
+      HasSubstr("agent.b.sensor.sigmas = 6.5, expected 0 to 6"));
 }
 
 TEST(ReadEstimate, WhatCannotBeLocalizedIsRefused) {

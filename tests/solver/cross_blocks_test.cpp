@@ -37,7 +37,8 @@ void expect_sums(Random& random) {
     batch->pairs.push_back(&pair);
   }
   CrossBlocks<W> blocks(batches, layout, KernelChoice::interpreted);
-  const StageParameters parameters{Rows(sight_size * n, layout.stages), Rows(1, layout.stages)};
+  const StageParameters parameters{Rows(sight_size * n, layout.stages), Rows(1, layout.stages),
+                                   Rows(n, layout.stages)};
   Rows s(3, layout.s_length);
   for (int i = 0; i < layout.s_length; ++i)
     s[0][i] = uniform(random, -1.0, 1.0), s[1][i] = uniform(random, -1.0, 1.0);

@@ -41,7 +41,8 @@ TEST(PairBatch, ARobotIsPushedFromAnObstacleAsFarAsItSeesOne) {
   layout.agents = {{0, 0}, {0, 1}};
   PairBatch batch{{potentials.data()}, Points(potentials[0].potential, KernelChoice::interpreted)};
   batch.points.resize(layout.stages);
-  const StageParameters parameters{Rows(sight_size * 3, layout.stages), Rows(1, layout.stages)};
+  const StageParameters parameters{Rows(sight_size * 3, layout.stages), Rows(1, layout.stages),
+                                   Rows(3, layout.stages)};
   Rows s(1, layout.s_length), c(1, layout.c_length);
   for (int k = 0; k < layout.stages; ++k) s[0][layout.s(0)(k, 0)] = 0.5 + k;
   batch.gather(layout, parameters, s[0]);

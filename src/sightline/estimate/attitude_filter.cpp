@@ -185,6 +185,8 @@ PoseEstimate AttitudeFilter::read(const State& s, const MotionSample& motion) co
   set_block(estimate.P, 0, 0, block<3, 3>(s.P, 0, 0));
   set_both(estimate.P, 0, 3, block<3, 3>(s.P, 0, theta_at) * transposed(g));
   estimate.P(3, 3) = yaw_variance(s);
+  estimate.velocity_sigma = sqrt(s.P(v_at, v_at) + s.P(v_at + 1, v_at + 1) + s.P(v_at + 2, v_at + 2));
+  estimate.yaw_rate_sigma = sqrt(s.P(gyro_bias_at + 2, gyro_bias_at + 2));
   return estimate;
 }
 

@@ -166,12 +166,15 @@ void HeadingFilterOf<others>::correct(State& s, const Column<n>& e) const noexce
 
 template <int others>
 PoseEstimate HeadingFilterOf<others>::read(const State& s, const MotionSample& motion) const noexcept {
+  const Vec3<double> v = turn_z(s.psi) * (motion.v_V - s.velocity_bias);
   return {.known = true,
           .p = s.p,
-          .v = turn_z(s.psi) * (motion.v_V - s.velocity_bias),
+          .v = v,
           .psi = s.psi,
           .yaw_rate = motion.yaw_rate - s.rate_bias,
-          .P = block<4, 4>(s.P, 0, 0)};
+          .P = block<4, 4>(s.P, 0, 0),
+          .velocity_sigma = sqrt(s.P(4, 4) + s.P(5, 5) + s.P(6, 6) + dot(v, v) * s.P(3, 3)),
+          .yaw_rate_sigma = sqrt(s.P(7, 7))};
 }
 
 template class HeadingFilterOf<0>;

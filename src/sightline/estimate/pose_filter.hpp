@@ -16,13 +16,15 @@ namespace sightline {
 
 /// Where a robot is, and how sure that is.
 struct PoseEstimate {
-  bool known = false;          ///< false: nothing below means anything
-  double stamp = 0.0;          ///< [s]
-  Vec3<double> p{}, v{};       ///< in G [m], [m/s]
-  double psi = 0.0;            ///< heading [rad], in [-pi, pi]
-  double yaw_rate = 0.0;       ///< [rad/s]
-  Mat<4, 4> P{};               ///< covariance of (p, psi)
-  double last_accepted = 0.0;  ///< stamp of the last measurement that was believed [s]
+  bool known = false;     ///< false: nothing below means anything
+  double stamp = 0.0;     ///< [s]
+  Vec3<double> p{}, v{};  ///< in G [m], [m/s]
+  double psi = 0.0;       ///< heading [rad], in [-pi, pi]
+  double yaw_rate = 0.0;  ///< [rad/s]
+  Mat<4, 4> P{};          ///< covariance of (p, psi)
+  double velocity_sigma = 0.0,
+         yaw_rate_sigma = 0.0;  ///< of v, root of the sum over its axes [m/s]; of yaw_rate [rad/s]
+  double last_accepted = 0.0;   ///< stamp of the last measurement that was believed [s]
 
   /// Root of the sum of the variances of p [m].
   double position_sigma() const noexcept { return sqrt(P(0, 0) + P(1, 1) + P(2, 2)); }

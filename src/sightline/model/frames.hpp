@@ -18,7 +18,7 @@ struct Pose {
   Vec2<S> d;  ///< heading (cos psi, sin psi), (18), (19); |d| = 1
 };
 
-/// All that a potential sees of a robot: pose and velocity in G, and how it leans.
+/// All that a potential sees of a robot: pose and velocity in G, how it leans, and how sure it is of what it looks at.
 ///
 /// The lean xi is the tangent of the tilt of the thrust, horizontal over vertical specific thrust, by its components in V: the
 /// thrust points along (xi_f, xi_s, 1). A robot that stands upright has (0, 0).
@@ -26,9 +26,10 @@ template <class S>
 struct Sight : Pose<S> {
   Vec3<S> v;       ///< velocity [m/s]
   Vec2<S> lean{};  ///< xi = (xi_f, xi_s), forward and to the left [-]
+  S doubt{};       ///< standard deviation of where what it looks at is to it, sideways [m]; 0: it knows
 };
 
-/// Numbers in a Sight, in the order p, d, v, lean.
+/// Numbers in a Sight that follow from state and input, in the order p, d, v, lean.
 inline constexpr int sight_size = 10;
 
 template <class S, class Row>
@@ -68,6 +69,7 @@ struct SensorMount {
   double pitch = 0.5;                    ///< beta [rad], in (-pi/2, pi/2)
   double offset = 0.17;                  ///< d_s [m], lever arm along x of V or B
   MountFrame frame = MountFrame::level;  ///< whose pitch and offset these are
+  double sigmas = 0.0;  ///< standard deviations of Sight::doubt by which what it looks at may be off, >= 0
 
   bool operator==(const SensorMount&) const = default;
 
@@ -84,7 +86,8 @@ struct SensorMount {
   /// have the same bits.
   template <class S>
   Vec3<S> operator()(const Sight<S>& robot, const Vec3<S>& point) const {
-    if (frame == MountFrame::level) return (*this)(static_cast<const Pose<S>&>(robot), point);
+    if (frame == MountFrame::level)
+      return farthest(robot.doubt, (*this)(static_cast<const Pose<S>&>(robot), point));
     const double c = cos(pitch), s = sin(pitch);
     const Vec2<S>& xi = robot.lean;
     const Vec3<S> r = robot.p - point;
@@ -97,7 +100,19 @@ struct SensorMount {
     const S eta = offset * (1.0 - per_x) + per_x * (arm - xi.x * r.z);
     const S y = (of_x * right + xi.y * (xi.x * ahead + r.z)) * (per_x * per_z);
     const S z = (r.z + xi.x * ahead - xi.y * right) * per_z;
-    return {z * s - eta * c, y, -(z * c) - eta * s};
+    return farthest(robot.doubt, Vec3<S>{z * s - eta * c, y, -(z * c) - eta * s});
+  }
+
+  /// Of the points that are `sigmas` standard deviations beside p_S, the one farthest off the axis: where it is in view, all
+  /// are. Within about that radius rho of the axis, where they have no direction, by less: (y, z) grows by rho / sqrt(y^2 + z^2 +
+  /// rho^2) of itself, docs/equations.md, 1.
+  template <class S>
+  Vec3<S> farthest(const S& doubt, const Vec3<S>& p_S) const {
+    if (sigmas == 0.0) return p_S;
+    constexpr double axis = 1e-12;  // rho = 0 on the axis [m^2]
+    const S rho = sigmas * doubt;
+    const S grown = 1.0 + rho / sqrt(square(p_S.y) + square(p_S.z) + square(rho) + axis);
+    return {p_S.x, grown * p_S.y, grown * p_S.z};
   }
 };
 

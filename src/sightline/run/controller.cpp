@@ -48,6 +48,7 @@ Controller::Controller(const Team& world, Solver& given, std::size_t number) : s
   states.resize(size(team.nx()));
   for (std::vector<double>* u : {&plan, &before, &added}) u->resize(size(team.nu()));
   lean.resize(size(team.bodies()));
+  doubts.resize(lean.size());
   u_ref = resting_inputs(team);
   for (int i = 0; i < team.bodies(); ++i) members.push_back(match(world, team, BodyId{i}, number));
 }
@@ -72,6 +73,11 @@ void Controller::set_applied(const AppliedInputs& of_world) noexcept {
     if (!of_world.lean.empty()) lean[i] = of_world.lean[at(m.body)];
   }
   solver->set_applied({before, added, lean, u_ref});
+}
+
+void Controller::set_doubts(std::span<const ViewDoubt> of_world) noexcept {
+  for (std::size_t i = 0; i < members.size(); ++i) doubts[i] = of_world[at(members[i].body)];
+  solver->set_doubts(doubts);
 }
 
 UncontrolledRobot::UncontrolledRobot(const Team& world, BodyId robot, bool lands, double period)

@@ -31,6 +31,7 @@ struct Controller {
   std::vector<double> before{}, added{};  ///< AppliedInputs (its nu)
   std::vector<Vec2<double>> lean{};       ///< the same (its bodies)
   std::vector<double> u_ref{};            ///< the same (its nu)
+  std::vector<ViewDoubt> doubts{};        ///< of its bodies
   Status status{};
   int left_out = 0;                      ///< pairs of swarms, as told last; 0: none are
   bool at_work = false;                  ///< on a late update
@@ -45,6 +46,8 @@ struct Controller {
   void gather(const Team& world, std::span<const double> x, std::span<const double> u) noexcept;
   /// Tells it the applied inputs of the world.
   void set_applied(const AppliedInputs& of_world) noexcept;
+  /// Tells it how sure the robots of the world are of what they look at.
+  void set_doubts(std::span<const ViewDoubt> of_world) noexcept;
 };
 
 /// A robot that no solver steers: it brakes and stays, or sinks to the ground. Its command moves by a little each

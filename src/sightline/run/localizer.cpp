@@ -63,6 +63,15 @@ BroadcastOptions broadcast_of(BodyId body, const LocalizerOptions& options, cons
   return broadcast;
 }
 
+/// The direction's error is one of place beside the target. With time come those of the velocity and the yaw rate, as if they had
+/// one direction.
+ViewDoubt doubt_of(const PoseEstimate& estimate, double bearing_sigma, const Vec3<double>& target) {
+  constexpr double most = 2.0;  // [m], [m/s]: the target may be anywhere then
+  const double range = norm(target - estimate.p);
+  const double growth = sqrt(square(estimate.velocity_sigma) + square(range * estimate.yaw_rate_sigma));
+  return {std::min(most, range * bearing_sigma), std::min(most, growth)};  // not finite: the most
+}
+
 }  // namespace
 
 void LocalizerOptions::check() const {
@@ -82,6 +91,7 @@ Localizer::Localizer(const Team& team, std::span<const double> start, const Loca
       states_(start_),
       stamps_(robot_of_.size(), -infinity),
       sigma_(robot_of_.size()),
+      doubts_(robot_of_.size()),
       estimates_(robot_of_.size()) {
   if (start_.size() != size(team.nx())) refuse("a start of {} states, expected {}", start_.size(), team.nx());
   for (int i = 0; i < team.bodies(); ++i) tracks_.emplace_back(broadcast_of(BodyId{i}, options_, graph_));
@@ -141,6 +151,7 @@ void Localizer::forget(Robot& robot) noexcept {
   robot.told_count = 0;
   stamps_[robot.body] = -infinity;
   sigma_[robot.body] = infinity;
+  doubts_[robot.body] = {};
   estimates_[robot.body] = {};
   std::copy_n(&start_[robot.x], robot.nx, &states_[robot.x]);
 }
@@ -230,8 +241,10 @@ void Localizer::believe(Robot& robot, View& view, double t) noexcept {
   }
   stamps_[robot.body] = estimate.stamp;
   view.position_sigma = sigma_[robot.body] = estimate.position_sigma();
-  if (const auto target = tracks_[at(view.target)].at(t))
+  if (const auto target = tracks_[at(view.target)].at(t)) {
     view.bearing_sigma = estimate.bearing_sigma(*target);
+    doubts_[robot.body] = doubt_of(estimate, view.bearing_sigma, target->p);
+  }
   tracks_[robot.body].take({.stamp = estimate.stamp,
                             .p = estimate.p,
                             .v = estimate.v,

@@ -11,6 +11,7 @@
 #include "sightline/estimate/localization_graph.hpp"
 #include "sightline/estimate/pose_filter.hpp"
 #include "sightline/safety/search.hpp"
+#include "sightline/solver/solver.hpp"
 #include "sightline/world/world.hpp"
 
 namespace sightline {
@@ -70,6 +71,8 @@ class Localizer {
   bool knows_all() const noexcept { return knows_all_; }
   /// Of each body, the standard deviation of its estimated position [m]; 0: it is measured; infinity: nothing is known.
   std::span<const double> sigma() const noexcept { return sigma_; }
+  /// Of each body, how sure it is of the one that it watches and saw last; of one that is not localized, entirely.
+  std::span<const ViewDoubt> doubts() const noexcept { return doubts_; }
   /// Of each body; `known` is false of one that is not localized.
   std::span<const PoseEstimate> estimates() const noexcept { return estimates_; }
   /// What each robot that is localized sees, for a Search; lower tiers first.
@@ -107,6 +110,7 @@ class Localizer {
   std::vector<BroadcastTrack> tracks_;  // of each body
   std::vector<Presence> presence_;
   std::vector<double> start_, states_, stamps_, sigma_;
+  std::vector<ViewDoubt> doubts_;
   std::vector<PoseEstimate> estimates_;
   std::vector<DetectionFit> fits_;
   std::vector<View> views_;  // of the robots, in their order

@@ -356,6 +356,7 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
     controller.gather(world_.team(), believed, u_);
     if (options_.compensation != nullptr) refer(controller, t, believed);
     if (told_) controller.set_applied({applied_, added(), added_lean()});
+    if (options_.localizer != nullptr) controller.set_doubts(options_.localizer->doubts());
     controller.asked_at = t;
     const auto late = std::find_if(options_.late_plans.begin(), options_.late_plans.end(),
                                    [&](const LatePlan& l) { return l.strikes(t); });

@@ -54,6 +54,14 @@ using Can = bool (*)(Solver&);
 
 bool can_plan_in_a_changing_team(Solver& solver) { return solver.team_planner() != nullptr; }
 bool can_keep_apart(Solver& solver) { return solver.keeps_apart(); }
+bool can_plan_with_doubt(Solver& solver) { return solver.plans_with_doubt(); }
+
+/// Whether some view shrinks by what its robot does not know.
+bool has_doubtful_views(const Scenario& scenario) {
+  const auto& robots = scenario.localization.robots;
+  return std::any_of(robots.begin(), robots.end(),
+                     [](const LocalizedRobot& robot) { return robot.mount.sigmas > 0; });
+}
 
 /// Asks the solver of that name, made for one robot.
 bool solver_can(Can can, std::string_view name) {
@@ -90,6 +98,11 @@ void check_solvers(const Scenario& scenario) {
     if (swarms && !solver_can(can_keep_apart, name)) {
       throw std::invalid_argument(
           fmt::format("the solver {} knows no keep_apart, expected {}", name, solvers_that(can_keep_apart)));
+    }
+    if (has_doubtful_views(scenario) && !solver_can(can_plan_with_doubt, name)) {
+      throw std::invalid_argument(
+          fmt::format("the solver {} lets no view shrink by the sigmas of a sensor, expected {}", name,
+                      solvers_that(can_plan_with_doubt)));
     }
     for (const Agent& agent : scenario.team.agents()) {
       if (agent.R_rate.empty()) continue;

@@ -182,6 +182,10 @@ std::string localization_words(const Scenario& scenario) {
                    "localized   {}: no position enters, by view of {}, filter \"{}\", hop {}\n",
                    scenario.team.name(robot.robot), fmt::join(names, ", "),
                    filter_kinds[static_cast<std::size_t>(kind)], localizer.graph().tier(robot.robot.index));
+    if (robot.mount.sigmas > 0)
+      fmt::format_to(std::back_inserter(text),
+                     "view        {}: regions of view shrink by {} standard deviations of what it sees\n",
+                     scenario.team.name(robot.robot), robot.mount.sigmas);
   }
   const Radio& radio = scenario.radio;
   for (const BodyId body : telemetry_options(scenario).broadcasters)

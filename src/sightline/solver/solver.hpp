@@ -21,6 +21,14 @@ struct AppliedInputs {
   std::span<const double> u_ref{};       ///< u* in the costs of the agents; empty: the team's
 };
 
+/// How sure a robot is of where what it looks at is to it, sideways.
+struct ViewDoubt {
+  double sigma = 0.0;   ///< standard deviation now [m]
+  double growth = 0.0;  ///< of it, while nothing is seen [m/s]
+
+  double after(double time) const { return sigma + growth * time; }  ///< [m] after time [s]
+};
+
 /// How an update ended, the better first. In every case `Solution::u` is finite, within its limits and usable.
 enum class Status : std::uint8_t {
   converged,  ///< residual <= tolerance
@@ -78,6 +86,10 @@ class Solver {
   /// and inputs may jump. What a solver does not reckon with, it leaves to the loop, which keeps both limits.
   virtual void set_applied(const AppliedInputs& /*applied*/) noexcept {}
 
+  /// For the updates that follow: Sight::doubt of each body along the horizon. Never told, all are sure. A solver that does not
+  /// reckon with it, plans_with_doubt(), looks at where they take what they see to be.
+  virtual void set_doubts(std::span<const ViewDoubt> /*of_bodies*/) noexcept {}
+
   /// Projected KKT infinity norm of the present iterate at these states, without the solver's own
   /// relaxations; infinity where it is not a number. For acceptance figures, outside the timed part.
   virtual double kkt(double time, std::span<const double> states) noexcept = 0;
@@ -96,6 +108,8 @@ class Solver {
   virtual const Hearing* hearing() const noexcept { return nullptr; }
   /// Whether it plans for teams with swarms, Team::keep_apart().
   virtual bool keeps_apart() const noexcept { return false; }
+  /// Whether its views shrink by what set_doubts() tells.
+  virtual bool plans_with_doubt() const noexcept { return false; }
   /// Which of its formulas are compiled, for messages; nothing where none is ever looked for.
   virtual KernelUse kernels() const { return {}; }
 

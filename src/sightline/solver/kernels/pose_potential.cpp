@@ -14,15 +14,18 @@ namespace {
 /// The weighted sum over given variables, those not given being zero.
 Term record(Graph& graph, std::span<const Weighted* const> terms, double h, std::span<const int> variables,
             Numbers numbers) {
-  std::vector<Symbol> z(at(PosePotential::time_variable + 1), Symbol(graph, graph.constant(0.0)));
+  std::vector<Symbol> z(at(PosePotential::variable_count), Symbol(graph, graph.constant(0.0)));
   int input = 0;
   for (const int v : variables) z[at(v)] = Symbol(graph, graph.input(input++));
   const auto part = [&](int from) { return std::span<const Symbol>(z).subspan(at(from), at(sight_size)); };
-  const Sight<Symbol> a = sight_from<Symbol>(part(0)), b = sight_from<Symbol>(part(sight_size));
+  Sight<Symbol> a = sight_from<Symbol>(part(0));
+  a.doubt = z[at(PosePotential::doubt_variable)];
+  const Sight<Symbol> b = sight_from<Symbol>(part(sight_size));
   Term l = graph.constant(0.0);
   for (const Weighted* term : terms) {
     if (numbers == Numbers::parameters) graph.keep_parameters();
-    l = graph.add(l, (h * term->weight * term->potential(a, b, z.back())).in(graph));
+    l = graph.add(l,
+                  (h * term->weight * term->potential(a, b, z[at(PosePotential::time_variable)])).in(graph));
   }
   return l;
 }
@@ -111,8 +114,8 @@ PosePotential trace_potential(std::span<const Weighted* const> given, double h, 
   }
   {
     Graph graph;
-    const Term l = record(graph, terms, h, range(PosePotential::time_variable + 1), numbers);
-    p.variables = occurring(graph, l, PosePotential::time_variable + 1);
+    const Term l = record(graph, terms, h, range(PosePotential::variable_count), numbers);
+    p.variables = occurring(graph, l, PosePotential::variable_count);
     p.relative = ends.a_is_agent && ends.b_is_agent && is_relative(graph, l, p.variables);
   }
   if (p.relative) p.variables = range(PosePotential::relative_size);
@@ -142,12 +145,12 @@ PosePotential trace_potential(std::span<const Weighted* const> given, double h, 
   for (int i = 0; i < n; ++i) {
     const int v = p.variables[at(i)];
     const Term t = d.first[at(i)];
-    if (v == PosePotential::time_variable || graph.is_zero(t)) continue;
+    if (v >= PosePotential::time_variable || graph.is_zero(t)) continue;
     if (feels(v)) p.gradient.push_back({v, output(t), t.negative});
     for (int j = i; j < n; ++j) {
       const int w = p.variables[at(j)];
       const Term s = d.second[at(upper_index(i, j, n))];
-      if (w == PosePotential::time_variable || graph.is_zero(s)) continue;
+      if (w >= PosePotential::time_variable || graph.is_zero(s)) continue;
       if (of_b(v) == of_b(w)) {
         if (feels(v)) p.own.push_back({v, w, output(s), s.negative});
       } else if (ends.a_is_agent && ends.b_is_agent) {

@@ -23,10 +23,12 @@ struct Ends {
 ///
 /// In the frequent case it depends on r = p_a - p_b and the heading of a alone: then its variables are
 /// (r, d_a), 5 numbers, `derivatives` gives the gradient (5) and the upper triangle of the Hessian (15), and
-/// the entries are empty. Otherwise the variables are those of (s_a, s_b, t) that occur.
+/// the entries are empty. Otherwise the variables are those of (s_a, s_b, t, doubt of a) that occur.
 struct PosePotential {
   static constexpr int relative_size = 5;
-  static constexpr int time_variable = 2 * sight_size;  ///< s_a is 0 .. 9, s_b 10 .. 19
+  /// s_a is 0 .. 9, s_b 10 .. 19; then what no input changes, the time and the doubt of a.
+  static constexpr int time_variable = 2 * sight_size, doubt_variable = time_variable + 1,
+                       variable_count = doubt_variable + 1;
 
   struct First {
     int variable, output;
@@ -38,7 +40,7 @@ struct PosePotential {
   };
 
   bool relative = false;
-  std::vector<int> variables;      ///< of (s_a, s_b, t), inputs of both programs in this order
+  std::vector<int> variables;      ///< of (s_a, s_b, t, doubt), inputs of both programs in this order
   Program value;                   ///< one output
   Program derivatives;             ///< every entry of the lists below, once up to sign
   std::vector<Program> others;     ///< of a relative one: derivatives to be added, compiled apart

@@ -62,7 +62,8 @@ class LaneCouplings final : public Couplings {
                 std::span<const SwarmPotential> swarms)
       : Couplings(layout),
         first_(pairs.data()),
-        parameters_{Rows(sight_size * bodies, layout.stages), Rows(1, layout.stages)} {
+        parameters_{Rows(sight_size * bodies, layout.stages), Rows(1, layout.stages),
+                    Rows(bodies, layout.stages)} {
     for (const BodyPotential& pair : pairs) add(pair, choice);
     // Against the order of a chain, so that each slot but one finds its second group written.
     std::sort(slots_.begin(), slots_.end(),
@@ -79,6 +80,7 @@ class LaneCouplings final : public Couplings {
   }
 
   void set_time(int k, double t) noexcept override { parameters_.time[0][k] = t; }
+  void set_doubt(int body, int k, double sigma) noexcept override { parameters_.doubt[body][k] = sigma; }
   void set_weights(double t) noexcept override {
     for (std::vector<PairBatch>* batches : {&relative_, &general_}) {
       for (PairBatch& batch : *batches) batch.points.set_part(batch.pairs[0]->ramp.at(t));

@@ -21,10 +21,12 @@ class Couplings {
  public:
   virtual ~Couplings() = default;
 
-  /// Time [s] and Sight (8) of a body that is not controlled, at stage k.
+  /// Time [s], and the Sight of a body that is not controlled, at stage k.
   virtual void set_time(int k, double t) noexcept = 0;
   /// Time of the update [s]: the weights have the part of it all along the horizon.
   virtual void set_weights(double t) noexcept = 0;
+  /// Sight::doubt of a body at stage k [m]; 0 before it is told.
+  virtual void set_doubt(int body, int k, double sigma) noexcept = 0;
   virtual void set_body(int body, int k, const Sight<double>& sight) noexcept = 0;
 
   /// Takes the pairs of swarms that come near each other along s for those that count from now on.

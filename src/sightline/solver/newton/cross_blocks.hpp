@@ -42,7 +42,7 @@ class CrossBlocks {
     if (!in_place(its.batch)) return;
     const PosePotential& potential = potential_of(its);
     const double part = batches_[its.batch].points.part();
-    alignas(row_alignment) std::array<double, (PosePotential::time_variable + 1) * W> in;
+    alignas(row_alignment) std::array<double, PosePotential::variable_count * W> in;
     for (int k = 0; k < layout_.stages; ++k) {
       double* to = in.data();
       for (const int v : potential.variables) {
@@ -139,7 +139,8 @@ class CrossBlocks {
     const BodyPotential& first = *batch.pairs[0];
     const bool agents_alone =
         std::all_of(first.potential.variables.begin(), first.potential.variables.end(), [&](int v) {
-          return v == PosePotential::time_variable || (v >= sight_size ? first.b >= 0 : first.a >= 0);
+          return v == PosePotential::time_variable ||
+                 (v < PosePotential::time_variable && (v >= sight_size ? first.b >= 0 : first.a >= 0));
         });
     return W >= 4 && agents_alone && 2 * batch.pairs.size() >= static_cast<std::size_t>(W) * slots;
   }

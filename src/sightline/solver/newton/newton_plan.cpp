@@ -53,6 +53,15 @@ void NewtonUpdate::set_prediction(const Prediction& prediction) noexcept {
   to.sights.assign(prediction.sights.begin(), prediction.sights.end());
 }
 
+void NewtonUpdate::set_doubts(std::span<const ViewDoubt> of_bodies) noexcept {
+  if (of_bodies.size() != predictions_.size()) return;
+  const Horizon& horizon = ocp_.horizon();
+  for (std::size_t b = 0; b < of_bodies.size(); ++b) {
+    for (int k = 0; k < horizon.N; ++k)
+      couplings_->set_doubt(static_cast<int>(b), k, of_bodies[b].after(k * horizon.h()));
+  }
+}
+
 void NewtonUpdate::set_applied(const AppliedInputs& applied) noexcept {
   if (applied.before.size() != u_out_.size() || applied.added.size() != u_out_.size()) return;
   limits_move_ = true;

@@ -47,6 +47,8 @@ class NewtonRiccati final : public Solver, public TeamPlanner {
   const Ocp& ocp() const override;
   Solution solve(double time, std::span<const double> states) noexcept override;
   void set_applied(const AppliedInputs& applied) noexcept override;
+  void set_doubts(std::span<const ViewDoubt> of_bodies) noexcept override;
+  bool plans_with_doubt() const noexcept override { return true; }
   double kkt(double time, std::span<const double> states) noexcept override;
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;

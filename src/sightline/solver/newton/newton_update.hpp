@@ -23,6 +23,7 @@ class NewtonUpdate {
 
   Solution solve(double time, std::span<const double> states) noexcept;
   void set_applied(const AppliedInputs& applied) noexcept;
+  void set_doubts(std::span<const ViewDoubt> of_bodies) noexcept;
   double kkt(double time, std::span<const double> states) noexcept;
   void planned(double time, std::span<double> u) const noexcept;
   void restart() noexcept;

@@ -13,6 +13,7 @@ namespace sightline {
 struct StageParameters {
   Rows bodies;  ///< Sights of bodies that are not controlled  (10 bodies x N)
   Rows time;    ///< [s]  (1 x N)
+  Rows doubt;   ///< Sight::doubt [m]  (bodies x N)
 };
 
 /// Arrays s, c, z, y are those of the layout.

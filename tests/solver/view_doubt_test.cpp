@@ -1,0 +1,100 @@
+/// What a robot does not know of what it looks at shrinks its views in the plan.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "sightline/potential/bearing.hpp"
+#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
+#include "tests/support/closed_loop.hpp"
+#include "tests/support/default_horizon.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr ViewDoubt doubt{.sigma = 0.08, .growth = 0.1};
+
+SensorCone cone_of(double sigmas) {
+  return {.alpha = 0.4, .kappa_G = 0.05, .kappa_A = 20, .mount = {.sigmas = sigmas}};
+}
+
+/// The cone of a robot whose doubt at t = 0 is written into the formula.
+struct WrittenDoubt {
+  double sigmas;
+
+  static constexpr std::string_view name = "written_doubt";
+  template <class S>
+  S operator()(const Sight<S>& observer, const Sight<S>& target, const S& t) const {
+    Sight<S> doubting = observer;
+    doubting.doubt = doubt.sigma + doubt.growth * t;
+    return cone_of(sigmas)(doubting, target);
+  }
+};
+
+/// uav0 looks at uav1, which passes 1.5 m ahead of it.
+template <class View>
+Team looking(const View& view) {
+  Team team;
+  const auto uav0 = team.add(Multirotor{}, {.R = {.1, .1, .1, .1}, .name = "uav0"});
+  const auto uav1 = team.add(Multirotor{}, {.Q = {1, 1, 1, 1, 1}, .R = {1, 1, 1, 1}, .name = "uav1"});
+  team.couple(4.0 * view, {uav0, uav1}, felt_by(uav0));
+  return team;
+}
+constexpr std::array<double, 14> aside = {0, 0, 1.5, 1, 0, 0, 0, /**/ 1.5, 0.5, 0.9, 1, 0, 0, 0};
+
+struct Planned {
+  std::vector<double> u, x;
+};
+template <class View>
+Planned planned(const View& view, std::span<const ViewDoubt> told) {
+  NewtonRiccati solver(Ocp(looking(view), default_horizon));
+  if (!told.empty()) solver.set_doubts(told);
+  Planned plan;
+  for (int update = 0; update < 20; ++update) {
+    const Solution solution = solver.solve(0.0, aside);
+    plan.u.assign(solution.u.begin(), solution.u.end());
+    plan.x.assign(solution.x.begin(), solution.x.end());
+  }
+  return plan;
+}
+
+/// Off the axis after half a horizon [rad].
+double angle_in(const Planned& plan, double sigmas) {
+  const Team team = looking(cone_of(sigmas));
+  const double* x = &plan.x[10 * 14];
+  const std::array<double, 8> u{};
+  const Sight<double> a = team.model(BodyId{0}).sight(x, u.data()),
+                      b = team.model(BodyId{1}).sight(x + 7, u.data());
+  return view_angle(SensorMount{}, a, b.p);
+}
+
+TEST(ViewDoubt, ThatIsToldIsPlannedWithAsOneThatIsWrittenIn) {
+  for (const double sigmas : {0.5, 1.0, 3.0}) {
+    const Planned told = planned(cone_of(sigmas), std::array{doubt, ViewDoubt{}}),
+                  written = planned(WrittenDoubt{sigmas}, {});
+    for (std::size_t i = 0; i < told.x.size(); ++i) EXPECT_NEAR(told.x[i], written.x[i], 1e-9) << sigmas;
+  }
+}
+
+TEST(ViewDoubt, OfNobodyOrOfAnotherNumberOfBodiesChangesNothing) {
+  const Planned sure = planned(cone_of(0.0), {});
+  for (const Planned& other : {planned(cone_of(2.0), {}), planned(cone_of(2.0), std::array{doubt}),
+                               planned(cone_of(0.0), std::array{doubt, doubt}),
+                               planned(cone_of(2.0), std::array{ViewDoubt{}, doubt})})
+    for (std::size_t i = 0; i < sure.x.size(); ++i) EXPECT_NEAR(other.x[i], sure.x[i], 1e-9);
+}
+
+TEST(ViewDoubt, TheMoreOfItTheNearerTheTargetIsPlannedToTheAxis) {
+  const double sure = angle_in(planned(cone_of(0.0), {}), 0.0);
+  double before = sure;
+  for (const double sigmas : {1.0, 2.0, 3.0}) {
+    const double angle = angle_in(planned(cone_of(sigmas), std::array{doubt, ViewDoubt{}}), sigmas);
+    EXPECT_LT(angle, before) << sigmas;
+    before = angle;
+  }
+  EXPECT_LT(before, 0.9 * sure);
+}
+
+}  // namespace
+}  // namespace sightline
