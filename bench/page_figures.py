@@ -58,7 +58,7 @@ def flown(folder, scenario, seconds):
 
 def pictures(look, least, what):
     cpu = sum(look["cpu_ms"].values())
-    print(f"{what}: {look['fps']:.1f} pictures a second, at least {least:g}; {cpu:.0f} ms of the processor for one; page of {look['weight'] / 1000:.0f} kB")
+    print(f"{what}: {look['fps']:.1f} pictures a second, at least {least:g}; {cpu:.0f} ms of the processor for one, with {look['pixels']:.2f} of the pixels along each side; page of {look['weight'] / 1000:.0f} kB")
     return look["fps"] >= least * wide and not look["faults"]
 
 

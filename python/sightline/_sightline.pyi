@@ -303,8 +303,7 @@ class ScenarioError(ValueError): ...
 class SensorMount:
     """Where the sensor sits on the robot, (45)."""
     def __init__(self, pitch: float = ..., offset: float = ..., frame: str = ..., sigmas: float = ...) -> None:
-        """pitch [rad], > 0 looks down; offset: lever arm along x [m]; frame: "level" or "body"; sigmas: standard deviations of what is seen by which regions of view shrink, >= 0
-        """
+        """pitch [rad], > 0 looks down; offset: lever arm along x [m]; frame: "level" or "body"; sigmas: standard deviations of what is seen by which regions of view shrink, >= 0"""
     @property
     def offset(self) -> float: ...
     @property

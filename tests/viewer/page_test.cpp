@@ -66,13 +66,15 @@ TEST(Page, ALogPlaysAndIsSought) {
   const Served served("view " + out + " --port 0 --seconds 30");
   const auto answers =
       browse(served.url(),
-             "wait finished\\nlook\\nlook\\ntime 4\\nlook\\ntheme\\nkey c\\nkey c\\nkey c\\nlook\\n", folder);
-  ASSERT_EQ(answers.size(), 10U);
-  for (const std::size_t look : {1U, 2U, 4U, 9U}) expect_drawn(answers[look]);
-  EXPECT_EQ(answers[8]["camera"], "pair 0");
+             "wait finished\\nlook\\nlook\\ntime 4\\npause 3\\nlook\\ntheme\\nkey c\\nkey c\\nkey c\\nlook\\n", folder);
+  ASSERT_EQ(answers.size(), 11U);
+  for (const std::size_t look : {1U, 2U, 5U, 10U}) expect_drawn(answers[look]);
+  EXPECT_EQ(answers[9]["camera"], "pair 0");
+  EXPECT_GE(answers[2]["pixels"], 0.49);
+  EXPECT_NEAR(answers[5]["pixels"].get<double>(), 1.0, 0.01) << "what rests has all its pixels";
   EXPECT_LT(answers[1]["weight"], 800e3);
   EXPECT_GT(answers[2]["t"], answers[1]["t"]);
-  EXPECT_EQ(answers[4]["t"], 4.0);
+  EXPECT_EQ(answers[5]["t"], 4.0);
   EXPECT_GE(answers[1]["moments"], 800);
   EXPECT_GE(answers[1]["marks"], 1);
 }

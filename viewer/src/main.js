@@ -122,7 +122,7 @@ let before = performance.now();
 function frame(wall) {
   requestAnimationFrame(frame);
   counters.turns += 1;
-  const passed = Math.min(0.25, (wall - before) / 1000);
+  const turn = wall - before, passed = Math.min(0.25, turn / 1000);
   before = wall;
   if (history === null || history.moments.length === 0) return;
   if (isLog() && playing) {
@@ -132,6 +132,7 @@ function frame(wall) {
   if (following) now = history.end;
   const index = history.indexAt(now), moment = history.moments[index];
   counters.t = moment.t;
+  stage.pace(turn, index === drawn && !stage.changed);
   // A picture that would be the same is not drawn again, but for now and then.
   if (index !== drawn || stage.changed || wall - drawnAt > redrawnAfter) {
     drawnAt = wall;

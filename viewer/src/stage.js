@@ -5,6 +5,8 @@ import { colours, robotColour } from './palette.js';
 import { colourSurface, ellipsoid, line, robotShape, setEllipsoid, setLine, surfaceGeometries, surfaceMesh } from './shapes.js';
 
 const pathPoints = 256, trailPoints = 400, ellipsoidSigmas = 3, orbitAngle = 50;
+// Turns of the browser [ms]: where they take longer, pictures get fewer pixels, where shorter, more again. Turns to a change and to rest.
+const slow = 30, quick = 20, turnsToAdapt = 8, turnsToRest = 30, leastScale = 0.5;
 
 // Whether the processor draws: then without smoothed edges, which ask for more samples of each pixel.
 function drawsInSoftware() {
@@ -29,6 +31,9 @@ export class Stage {
     this.controls.target.set(0, 0, 0.8);
     this.followed = null; // {body, sensor}
     this.changed = true; // something is to be drawn anew
+    this.scale = 1; // of the pixels along each side
+    this.turns = []; // of pictures that move [ms]
+    this.resting = 0; // turns
     this.controls.addEventListener('change', () => { this.changed = true; });
     new ResizeObserver(() => this.resize()).observe(element);
     this.resize();
@@ -37,11 +42,31 @@ export class Stage {
   resize() {
     const { clientWidth: w, clientHeight: h } = this.element;
     if (w === 0 || h === 0) return;
-    this.changed = true;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, this.inSoftware ? 1 : 2));
+    this.setScale(this.scale);
     this.renderer.setSize(w, h);
     this.camera.aspect = w / h;
     this.camera.updateProjectionMatrix();
+  }
+
+  setScale(scale) {
+    this.scale = scale;
+    this.changed = true;
+    this.renderer.setPixelRatio(scale * Math.min(devicePixelRatio, this.inSoftware ? 1 : 2));
+  }
+
+  // The browser's last turn took so long [ms]. What moves is drawn as finely as there is time for, what rests with all its pixels.
+  pace(turn, rests) {
+    this.resting = rests ? this.resting + 1 : 0;
+    if (rests) {
+      if (this.resting > turnsToRest && this.scale < 1) this.setScale(1);
+      return;
+    }
+    this.turns.push(turn);
+    if (this.turns.length < turnsToAdapt) return;
+    const median = this.turns.sort((a, b) => a - b)[turnsToAdapt / 2];
+    this.turns = [];
+    if (median > slow && this.scale > leastScale) this.setScale(Math.max(leastScale, 0.8 * this.scale));
+    if (median < quick && this.scale < 1) this.setScale(Math.min(1, 1.25 * this.scale));
   }
 
   // Builds what stays; again for another theme.

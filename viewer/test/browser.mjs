@@ -58,7 +58,7 @@ try {
       for (let i = 0; i < bytes.length; i += 4) found.add((bytes[i] >> 4) * 256 + (bytes[i + 1] >> 4) * 16 + (bytes[i + 2] >> 4));
       const weight = performance.getEntriesByType('resource').concat(performance.getEntriesByType('navigation'))
         .filter((one) => !/json/.test(one.name)).reduce((sum, one) => sum + one.decodedBodySize, 0);
-      return { ...window.sightline, fps, due, weight, colours: found.size, curves: document.querySelectorAll('#curves canvas').length,
+      return { ...window.sightline, fps, due, weight, pixels: canvas.width / canvas.clientWidth / devicePixelRatio, colours: found.size, curves: document.querySelectorAll('#curves canvas').length,
         marks: document.querySelectorAll('#marks button').length, bands: document.querySelectorAll('#bands i').length,
         undrawn: [...document.querySelectorAll('#undrawn li')].map((item) => item.textContent), link: document.getElementById('link').textContent,
         state: window.sightline.link, statuses: document.getElementById('statuses').innerText, overflow: document.documentElement.scrollWidth > innerWidth };
