@@ -135,9 +135,10 @@ struct Recorded {
     program = Program(graph, outputs, pair_size);
   }
   std::vector<double> at(std::span<const double> row) const { return evaluate(program, row); }
-  static std::size_t gradient(int i) { return static_cast<std::size_t>(1 + i); }
+  static std::size_t gradient(int i) { return 1 + static_cast<std::size_t>(i); }
   static std::size_t hessian(int i, int j) {
-    return static_cast<std::size_t>(1 + pair_size + upper_index(i, j, pair_size));
+    const int entry = 1 + pair_size + upper_index(i, j, pair_size);
+    return static_cast<std::size_t>(entry);
   }
 
   Program program;

@@ -55,7 +55,7 @@ TEST(LoggedFlight, OfOneScenarioTwiceHasTheSameBytesWhoeverLooksOn) {
     return counted.emplace(log);
   };
   options.written = [&](double time) { written = time; };
-  options.summarised = [](std::string summary) { return summary + " "; };
+  options.summarised = [](const std::string& summary) { return summary + " "; };
   const LoggedFlight a = flown(scenario, once.path()), b = flown(scenario, watched.path(), options);
   EXPECT_TRUE(a.logged && b.logged);
   EXPECT_EQ(a.outcome.updates, 200);
