@@ -149,9 +149,9 @@ TEST(KernelTable, AProgramOfTheSameHashAndAnotherSizeIsNotTakenForIt) {
   const auto programs = std::make_shared<const StagePrograms>(trace_stage(PointMass{}, 0.04, Seen::pose));
   ProgramSize smaller = size_of(*programs);
   --smaller.instructions;
-  const auto must_not_be_made = +[](std::shared_ptr<const StagePrograms>, int) -> std::unique_ptr<Group> {
+  const auto must_not_be_made = +[](std::shared_ptr<const StagePrograms> given, int n) {
     ADD_FAILURE() << "a kernel of another size";
-    return nullptr;
+    return make_group(std::move(given), n, 2, KernelChoice::interpreted);
   };
   static const std::array<StageKernel, 1> stage = {{{structure(*programs), 2, smaller, must_not_be_made}}};
   static KernelTable third{stage, {}};

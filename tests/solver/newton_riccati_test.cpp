@@ -327,7 +327,7 @@ TEST(NewtonRiccati, AStageOrALengthThatIsNotTheProblemsChangesNothing) {
   (void)other.solve(0.0, paper::start());
   const auto plan = [&] {
     std::vector<double> all(8 * 20);
-    for (int k = 0; k < 20; ++k) solver.plan(k, std::span(all).subspan(static_cast<std::size_t>(8 * k), 8));
+    for (int k = 0; k < 20; ++k) solver.plan(k, std::span(all).subspan(8 * static_cast<std::size_t>(k), 8));
     return all;
   };
   const std::vector<double> before = plan();
