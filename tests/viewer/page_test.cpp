@@ -64,9 +64,10 @@ TEST(Page, ALogPlaysAndIsSought) {
   const std::string out = (folder / "out").string();
   ASSERT_NE(sightline("run " + page_scenario(folder, 9).string() + " -o " + out, folder).code, 2);
   const Served served("view " + out + " --port 0 --seconds 30");
-  const auto answers =
-      browse(served.url(),
-             "wait finished\\nlook\\nlook\\ntime 4\\npause 3\\nlook\\ntheme\\nkey c\\nkey c\\nkey c\\nlook\\n", folder);
+  const auto answers = browse(
+      served.url(),
+      "wait finished\\nlook\\nlook\\ntime 4\\npause 3\\nlook\\ntheme\\nkey c\\nkey c\\nkey c\\nlook\\n",
+      folder);
   ASSERT_EQ(answers.size(), 11U);
   for (const std::size_t look : {1U, 2U, 5U, 10U}) expect_drawn(answers[look]);
   EXPECT_EQ(answers[9]["camera"], "pair 0");
