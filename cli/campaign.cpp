@@ -251,7 +251,10 @@ int merge(const CampaignCommand& command, const Parts& parts) {
   for (const CampaignTable& table : tables)
     if (const CampaignWords words = campaign_words(table.file); words.recovered < words.runs) code = 1;
   try {
-    const Scenario scenario = parse_scenario(about.text, scenario_file, parts, {.files = about.files});
+    // The scenario that draws; the table has the files of its own alone.
+    const Scenario scenario = about.plan.empty()
+                                  ? parse_scenario(about.text, scenario_file, parts, {.files = about.files})
+                                  : parse_scenario(about.plan, scenario_file, parts);
     const std::string words =
         fmt::format("sightline campaign {} --seed {}", shell_word(scenario_file.native()), about.seed);
     write_text(out / "campaign.html", campaign_html(tables, campaign_plan(scenario), words, out));

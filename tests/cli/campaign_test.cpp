@@ -279,6 +279,22 @@ TEST(Campaign, ShardsBringTheFilesThatTheirScenarioNames) {
               HasSubstr("another file obstacles/line_of_sight.toml"));
 }
 
+TEST(Campaign, ShardsOfAScenarioBesideAloneHaveThePageOfTheOneThatDraws) {
+  const fs::path folder = fresh_folder();
+  const std::string paper = read_file(fs::path(SIGHTLINE_SOURCE_DIR) / "scenarios/paper_7_1.toml");
+  std::ofstream(folder / "plain.toml") << paper.substr(0, paper.find("[campaign]"));
+  const std::string campaign =
+      "campaign " + with_runs_of("0.5", folder) + " --runs 4 --beside " + (folder / "plain.toml").string();
+  std::string folders;
+  for (const char* shard : {"1", "2"}) {
+    (void)sightline(campaign + " --shard " + shard + "/2 -o " + (folder / shard).string(), folder);
+    folders += " " + (folder / shard / "plain").string();
+  }
+  const auto merged = sightline("campaign --merge" + folders + " -o " + (folder / "merged").string(), folder);
+  EXPECT_EQ(merged.err, "");
+  EXPECT_GT(read_file(folder / "merged/campaign.html").size(), 1000U);
+}
+
 TEST(Campaign, ShardsWithAScenarioBesideArePairedAsOneProcessPairsThem) {
   const fs::path folder = fresh_folder();
   const std::string campaign =
