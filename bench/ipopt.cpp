@@ -28,6 +28,7 @@ std::vector<std::vector<int>> solving_order(const Ocp& ocp) {
   for (const Coupling& c : team.couplings()) {
     for (const BodyId body : {c.between.first, c.between.second})
       shared &= !team.is_agent(body) || feels(c, body);
+    shared &= !c.has_third() || !team.is_agent(c.third);
   }
   std::vector<std::vector<int>> order;
   if (shared) {
@@ -39,7 +40,7 @@ std::vector<std::vector<int>> solving_order(const Ocp& ocp) {
   const auto waits = [&](int a, int b) {
     const BodyId mine = ocp.agent_bodies()[at(a)], other = ocp.agent_bodies()[at(b)];
     return std::any_of(team.couplings().begin(), team.couplings().end(), [&](const Coupling& c) {
-      return feels(c, mine) && (c.between.first == other || c.between.second == other);
+      return feels(c, mine) && (c.between.first == other || c.between.second == other || c.third == other);
     });
   };
   while (static_cast<int>(order.size()) < n) {

@@ -79,6 +79,11 @@ void MultipleShooting::bind() {
       for (int i = 0; i < ocp_.team().model(body).nu(); ++i) both(u_[u_at(body) + i]);
     }
     both(time_[0]);
+    if (formula.third.index >= 0) {
+      const Model& third = ocp_.team().model(formula.third);
+      for (int i = 0; i < third.nx(); ++i) both(x_[x_at(formula.third) + i]);
+      for (int i = 0; i < third.nu(); ++i) both(u_[u_at(formula.third) + i]);
+    }
     outputs(rows, *formula.first, *formula.second);
   }
 }
@@ -252,7 +257,8 @@ double MultipleShooting::stage(int k) const {
   }
   for (const Coupling& c : team.couplings()) {
     if (!std::any_of(c.felt_by.begin(), c.felt_by.end(), is_free)) continue;
-    l += c.term.weight * c.term.potential(sight(c.between.first), sight(c.between.second), time(k));
+    l += c.term.weight *
+         c.term.potential(first_sight(sight, c.between.first, c.third), sight(c.between.second), time(k));
   }
   return l;
 }

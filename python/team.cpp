@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include "python/bindings.hpp"
+#include "sightline/ocp/shape.hpp"
 
 namespace sightline::python {
 namespace {
@@ -60,9 +61,12 @@ AgentId add_agent(Team& team, const Model& model, const py::object& Q, const py:
                         .R_rate = list(R_rate)});
 }
 
-void couple(Team& team, const py::object& term, const py::sequence& between, const py::object& felt_by) {
-  if (felt_by.is_none()) return team.couple(weighted_of(term), between_of(between));
-  team.couple(weighted_of(term), between_of(between), agents_of(felt_by));
+void couple(Team& team, const py::object& term, const py::sequence& between, const py::object& felt_by,
+            const std::optional<BodyId>& third) {
+  Coupling coupling{.term = weighted_of(term), .between = between_of(between), .felt_by = {}};
+  coupling.felt_by = felt_by.is_none() ? feeling(team, coupling.between, FeltBy::both) : agents_of(felt_by);
+  coupling.third = third.value_or(BodyId{});
+  team.couple(std::move(coupling));
 }
 
 /// A potential that one robot feels by itself, or a limit of its state and input.
@@ -117,8 +121,9 @@ void bind_team(py::module_& module) {
           py::arg("name"), py::kw_only(), py::arg("has_heading") = false,
           "Adds a body that is not controlled, predicted with constant velocity: a target or an obstacle.")
       .def("couple", &couple, py::arg("term"), py::arg("between"), py::arg("felt_by") = none,
+           py::arg("third") = none,
            "Couples two bodies by a weighted potential, the observer first; felt by both robots, or by those "
-           "listed.")
+           "listed. A potential that looks past a third body, as a Region with third.p_x, needs that one.")
       .def("constrain", &constrain, py::arg("term"), py::arg("agent"),
            "A potential that one robot feels by itself, or a RelaxedBarrier of a limit.")
       .def(

@@ -401,8 +401,8 @@ class Team:
         """Adds a body that is not controlled, predicted with constant velocity: a target or an obstacle."""
     def constrain(self, term: Any, agent: Agent) -> None:
         """A potential that one robot feels by itself, or a RelaxedBarrier of a limit."""
-    def couple(self, term: Any, between: Sequence[Any], felt_by: Any = ...) -> None:
-        """Couples two bodies by a weighted potential, the observer first; felt by both robots, or by those listed."""
+    def couple(self, term: Any, between: Sequence[Any], felt_by: Any = ..., third: Optional[Body] = ...) -> None:
+        """Couples two bodies by a weighted potential, the observer first; felt by both robots, or by those listed. A potential that looks past a third body, as a Region with third.p_x, needs that one."""
     def find(self, arg0: str) -> Body: ...
     def input(self, body: Body) -> slice:
         """Where a robot's input stands in the stacked u."""

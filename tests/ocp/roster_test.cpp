@@ -35,6 +35,53 @@ TEST(Roster, ATeamThatNothingHappensToIsTheTeamItWasMadeOf) {
   }
 }
 
+/// uav0 looks at uav1 past uav2.
+Team looking_past() {
+  Team team = event_team(3, 3);
+  team.couple({.term = 1.0 * Region("distance > third.p_x - observer.p_x"),
+               .between = {BodyId{0}, BodyId{1}},
+               .felt_by = {AgentId{BodyId{0}}},
+               .name = "past",
+               .third = BodyId{2}});
+  return team;
+}
+
+TEST(Roster, WhatIsLookedPastIsThereWhileItsBodyIs) {
+  Roster roster(looking_past());
+  ASSERT_EQ(roster.team(0.0).couplings().size(), 1U);
+  EXPECT_EQ(roster.team(0.0).couplings()[0].third, BodyId{2});
+  // What does not steer is looked past too.
+  ASSERT_THAT(roster.apply(RemoveBody{BodyId{2}, Afterwards::hold}, 1.0, 0.0), IsEmpty());
+  const Team held = roster.team(1.0);
+  ASSERT_EQ(held.couplings().size(), 1U);
+  EXPECT_EQ(held.name(held.couplings()[0].third), "uav2");
+  ASSERT_THAT(roster.apply(RemoveBody{BodyId{2}}, 2.0, 1.0), IsEmpty());
+  ASSERT_EQ(roster.team(2.5).couplings().size(), 1U);
+  EXPECT_EQ(roster.team(2.5).couplings()[0].ramp.at(2.5), 0.5) << "it fades out";
+  EXPECT_TRUE(roster.team(3.5).couplings().empty());
+  ASSERT_THAT(roster.apply(AddBody{BodyId{2}}, 4.0, 1.0), IsEmpty());
+  ASSERT_EQ(roster.team(4.5).couplings().size(), 1U);
+  EXPECT_EQ(roster.team(4.5).couplings()[0].ramp.at(4.5), 0.5) << "it fades in";
+}
+
+TEST(Roster, APotentialThatLooksPastNobodyDoesNotTakeThePlaceOfOneThatDoes) {
+  Roster roster(looking_past());
+  EXPECT_EQ(
+      roster.apply(RetuneTerm{.name = "past", .potential = Potential(Region("distance > 1 m"))}, 1.0, 0.0),
+      "region looks past no third body, \"past\" past one, expected one that does alike");
+}
+
+TEST(Roster, ARobotThatIsLookedPastMayBeLookedAt) {
+  Team team = looking_past();
+  team.couple(
+      {.term = 0.4 * SensorCone{}, .between = {BodyId{0}, BodyId{1}}, .felt_by = {AgentId{BodyId{0}}}});
+  Roster roster(team);
+  ASSERT_THAT(roster.apply(Observe{AgentId{BodyId{0}}, BodyId{2}}, 1.0, 1.0), IsEmpty());
+  const Team then = roster.team(3.0);
+  ASSERT_EQ(then.couplings().size(), 1U) << "nothing is to be seen past what is looked at";
+  EXPECT_EQ(then.couplings()[0].between.second, BodyId{2});
+}
+
 TEST(Roster, ARobotThatBrakesOrSinksIsKeptOffByItsSwarm) {
   for (const Afterwards afterwards : {Afterwards::hold, Afterwards::land, Afterwards::vanish}) {
     Team all = event_team(4, 4);

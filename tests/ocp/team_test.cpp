@@ -6,6 +6,7 @@
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/limits.hpp"
+#include "sightline/potential/region.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
@@ -196,6 +197,26 @@ TEST(Team, AnUnsoundCouplingIsRefused) {
   EXPECT_EQ(couple(term, both, {AgentId{{9}}}),
             "body 9 is not in the team, expected an id that add() returned");
   EXPECT_TRUE(t.team.couplings().empty());
+}
+
+TEST(Team, WhatLooksPastAThirdBodyAndNothingElseHasOne) {
+  Trio t;
+  const Region past("abs(observer.p_x - third.p_x) > 1 m");
+  const auto couple = [&](const Region& region, BodyId third) {
+    return refusal_of([&] {
+      t.team.couple({.term = 1.0 * region, .between = {t.uav0, t.uav1}, .felt_by = {t.uav0}, .third = third});
+    });
+  };
+  EXPECT_EQ(couple(past, {}),
+            "region looks past a third body, expected a coupling that names one as its third");
+  EXPECT_EQ(couple(Region("distance > 1 m"), t.rock),
+            "region does not look past the third body \"rock\", expected a potential that does, or none");
+  EXPECT_EQ(couple(past, t.uav1), "the third body of region is \"uav1\", expected another than its two");
+  EXPECT_EQ(couple(past, BodyId{7}), "body 7 is not in the team, expected an id that add() returned");
+  EXPECT_TRUE(t.team.couplings().empty());
+  EXPECT_EQ(couple(past, t.rock), "");
+  EXPECT_FALSE(
+      alike(t.team.couplings()[0], {.term = 1.0 * past, .between = {t.uav0, t.uav1}, .felt_by = {t.uav0}}));
 }
 
 TEST(Team, TwoThingsThatAreNotControlledFeelNothing) {

@@ -52,6 +52,19 @@ TEST(NotFiniteAt, PlacesAroundTheTeamAreLookedAtWhereverItIs) {
   EXPECT_TRUE(not_finite_at(wall, {.centre = {490.0, 0.0, 0.0}}));
 }
 
+TEST(NotFiniteAt, TheThirdBodyMayBeWhereItIsNot) {
+  for (const char* limit :
+       {"sqrt((third.p_x - observer.p_x) * 1 m) < 2 m", "1 m^2 / (third.p_y - target.p_y) < 2 m"}) {
+    const Potential potential = Region(limit);
+    const auto spot = not_finite_at(potential);
+    ASSERT_TRUE(spot && spot->third) << limit;
+    EXPECT_NE(to_string(*spot).find(", third body at ("), std::string::npos);
+  }
+  const auto spot = not_finite_at(Region("sqrt(x * 1 m) < 2 m"));
+  ASSERT_TRUE(spot);
+  EXPECT_FALSE(spot->third);
+}
+
 TEST(NotFiniteAt, ASpotIsSaidWithItsUnits) {
   Spot spot;
   spot.observer.p = {1, 2, 3};

@@ -155,7 +155,9 @@ TEST(Region, EveryQuantityIsWhatItsNameSays) {
     return Region(text + " < 0").seen_from(mount).violation(a, b, t);
   };
   for (int k = 0; k < 200; ++k) {
-    const Sight<double> a = random_sight(random, 3), b = random_sight(random, 3);
+    Sight<double> a = random_sight(random, 3);
+    const Sight<double> b = random_sight(random, 3);
+    a.third = random_sight(random, 3).p;
     mount.frame = k % 2 == 0 ? MountFrame::level : MountFrame::body;
     const Vec3<double> p_S = mount(a, b.p);
     const double t = uniform(random, 0, 9);
@@ -174,6 +176,8 @@ TEST(Region, EveryQuantityIsWhatItsNameSays) {
     EXPECT_EQ(value("observer.lean_f", a, b, t), a.lean.x);
     EXPECT_EQ(value("target.lean_s", a, b, t), b.lean.y);
     EXPECT_EQ(value("t", a, b, t), t);
+    EXPECT_EQ(value("third.p_x", a, b, t), a.third.x);
+    EXPECT_EQ(value("third.p_z", a, b, t), a.third.z);
   }
 }
 
@@ -182,6 +186,15 @@ TEST(Region, IsAViewIfItLooksThroughTheSensor) {
   EXPECT_TRUE(Region(all_of({"distance < 3 m", "bearing < 1"})).is_view());
   EXPECT_FALSE(Region("distance < 3 m").is_view());
   EXPECT_FALSE(Region("target.p_z > observer.p_z").is_view());
+}
+
+TEST(Region, LooksPastAThirdBodyIfAnyOfItsFormulasDoes) {
+  EXPECT_FALSE(Region("distance > 1 m").sees_third());
+  EXPECT_TRUE(Region(all_of({"distance > 1 m", "third.p_z < r_z"})).sees_third());
+  EXPECT_TRUE(Region("high > 1 m", {{"high", "third.p_z"}}).sees_third());
+  const Region grows = Region("distance > 1 m").slope(Quadratic{0.1, "third.p_y^2"});
+  EXPECT_TRUE(grows.sees_third());
+  EXPECT_FALSE(grows.slope(NoSlope{}).sees_third());
 }
 
 TEST(Region, WhatIsSmoothedIsToldAndByWhichWidth) {

@@ -163,6 +163,13 @@ TEST(EventText, a_view_needs_the_observer_s_sensor) {
   EXPECT_EQ(scene.refusal("when = { region = \"distance < 2 m\", between = [\"uav1\", \"uav0\"] }"), "");
 }
 
+TEST(EventText, a_condition_looks_past_no_third_body) {
+  const EventScene scene;
+  EXPECT_EQ(scene.refusal("when = { region = \"third.p_x < 2 m\", between = [\"uav1\", \"uav0\"] }"),
+            "a:1: when.region = \"third.p_x < 2 m\", expected a formula of two bodies, a third is known to a "
+            "coupling alone");
+}
+
 TEST(EventText, a_body_is_removed_by_its_name_or_by_its_kind_and_name) {
   const EventScene scene;
   EXPECT_EQ(scene.one<RemoveBody>("remove = \"rock\"").body, scene.rock);

@@ -1,4 +1,5 @@
-/// scenarios/line_of_sight.toml: a limit as text keeps the line of sight past a pillar that goes round the target.
+/// A limit as text keeps the line of sight past what goes round the target: in scenarios/line_of_sight.toml a pillar, in
+/// scenarios/third_robot.toml another robot.
 #include <gtest/gtest.h>
 
 #include "sightline/scenario/closed_loop.hpp"
@@ -10,7 +11,8 @@ namespace {
 /// What a flight shows of the line of sight from 4 s on.
 class SightWatch final : public Sink<Sample> {
  public:
-  SightWatch(const Scenario& scenario, Sample sample) : scenario_(scenario), sample_(std::move(sample)) {}
+  SightWatch(const Scenario& scenario, Sample sample, std::string_view hides)
+      : scenario_(scenario), sample_(std::move(sample)), hides_(hides) {}
   Sample* claim() noexcept override { return &sample_; }
   void publish() noexcept override {
     constexpr double begun = 4.0;
@@ -20,7 +22,7 @@ class SightWatch final : public Sink<Sample> {
       const auto x = static_cast<std::size_t>(scenario_.team.state_offset(body));
       return Vec3<double>{sample_.x[x], sample_.x[x + 1], sample_.x[x + 2]};
     };
-    const bool hidden = scenario_.vision.hulls[0].hull.hides(place("pillar"), place("uav0"), place("uav1"));
+    const bool hidden = scenario_.vision.hulls[0].hull.hides(place(hides_), place("uav0"), place("uav1"));
     ++periods;
     in_sight += hidden ? 0 : 1;
     detections += static_cast<int>(sample_.detection_count);
@@ -37,29 +39,37 @@ class SightWatch final : public Sink<Sample> {
  private:
   const Scenario& scenario_;
   Sample sample_;
+  std::string_view hides_;
   double last_ = 4.0;
 };
 
-SightWatch flown(const std::vector<std::string>& set) {
+SightWatch flown(const std::string& name, std::string_view hides, const std::vector<std::string>& set) {
   const Scenario scenario =
-      read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/line_of_sight.toml", parts_of_sightline(), set);
+      read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/" + name, parts_of_sightline(), set);
   Controls controls(scenario);
   SimulatedClock clock;
   const Controllers controllers = controls.controllers();
   const auto world = make_world(scenario);
-  SightWatch watch(scenario, sized_sample(*world, controllers));
+  SightWatch watch(scenario, sized_sample(*world, controllers), hides);
   EXPECT_TRUE(ClosedLoop(scenario, *world, controllers, clock, watch).fly().finite);
   return watch;
 }
 
-TEST(LineOfSight, IsKeptByALimitAndWithoutItDetectionsStop) {
-  const SightWatch kept = flown({}), free = flown({"couple[4].weight=0.0"});
+class LineOfSight : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+TEST_P(LineOfSight, IsKeptByALimitAndWithoutItDetectionsStop) {
+  const auto& [name, hides] = GetParam();
+  const SightWatch kept = flown(name, hides, {}), free = flown(name, hides, {"couple[4].weight=0.0"});
   EXPECT_GT(kept.in_sight, 0.95 * kept.periods);
   EXPECT_LT(kept.longest_gap, 0.15);
   EXPECT_LT(free.in_sight, 0.95 * free.periods);
   EXPECT_GT(free.longest_gap, 0.25);
   EXPECT_GT(kept.detections, free.detections);
 }
+
+INSTANTIATE_TEST_SUITE_P(, LineOfSight,
+                         testing::Values(std::pair("line_of_sight.toml", "pillar"),
+                                         std::pair("third_robot.toml", "uav2")));
 
 }  // namespace
 }  // namespace sightline

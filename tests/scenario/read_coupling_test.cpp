@@ -51,6 +51,22 @@ TEST(ReadCoupling, the_first_of_between_looks_with_its_own_sensor) {
             "[agent.rock.sensor]");
 }
 
+TEST(ReadCoupling, a_third_body_is_for_formulas_that_look_past_it) {
+  const CouplingScene scene;
+  const std::string past = "potential = { region = { inside = \"observer.p_x < third.p_x\" } }\n",
+                    blind = "potential = { region = { inside = \"distance > 1 m\" } }\n",
+                    between = "between = [\"uav0\", \"uav1\"]\n";
+  EXPECT_EQ(scene.read(past + between + "third = \"rock\"").third, scene.rock);
+  EXPECT_FALSE(scene.read(blind + between).has_third());
+  EXPECT_EQ(scene.refusal(past + between + "third = \"rocks\""),
+            "a:3: third = \"rocks\", expected the name of a body, the nearest is \"rock\"");
+  EXPECT_EQ(scene.refusal(past + between + "third = \"uav1\""),
+            "a:3: third = \"uav1\", expected another body than those of between");
+  EXPECT_EQ(scene.refusal(blind + between + "third = \"rock\""),
+            "a:3: third = \"rock\", expected no such key: region does not look past a third body, none of "
+            "its formulas has third.p_x");
+}
+
 TEST(ReadCoupling, a_name_that_is_none_is_refused_with_the_nearest) {
   const CouplingScene scene;
   EXPECT_EQ(scene.refusal(fmt::format("{}between = [\"uav0\", \"rocks\"]", keep_out_term)),

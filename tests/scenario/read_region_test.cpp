@@ -10,6 +10,7 @@
 
 #include "sightline/potential/finite.hpp"
 #include "sightline/scenario/scenario.hpp"
+#include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/formula_text.hpp"
 #include "tests/support/refusal.hpp"
@@ -25,10 +26,11 @@ constexpr std::string_view seeing_robots =
     "[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\nsensor = { pitch = 0.3, offset = 0.1 }\n"
     "[agent.b]\nrobot = \"multirotor\"\nstart = { p = [2, 0, 1] }\n";
 
-Scenario scenario_with(std::string_view potential, const fs::path& file = "a.toml") {
-  return parse_scenario(
-      fmt::format("{}[[couple]]\nbetween = [\"a\", \"b\"]\npotential = {{ {} }}\n", seeing_robots, potential),
-      file);
+Scenario scenario_with(std::string_view potential, const fs::path& file = "a.toml",
+                       std::string_view more = "") {
+  return parse_scenario(fmt::format("{}[[couple]]\nbetween = [\"a\", \"b\"]\npotential = {{ {} }}\n{}",
+                                    seeing_robots, potential, more),
+                        file);
 }
 
 std::string region_refusal(std::string_view potential, const fs::path& file = "a.toml") {
@@ -129,12 +131,18 @@ TEST(ReadRegion, EachShippedSensorAndObstacleIsReadAndFiniteAndHasAnInside) {
     for (const auto& entry : fs::directory_iterator(tree / folder)) entries.push_back(entry);
   }
   for (const auto& entry : entries) {
-    const Scenario s = scenario_with(fmt::format("sensor = {{ file = \"{}\" }}", entry.path().native()));
+    const bool looks_past = test::read_file(entry.path()).find("third.") != std::string::npos;
+    const Scenario s =
+        scenario_with(fmt::format("sensor = {{ file = \"{}\" }}", entry.path().native()), "a.toml",
+                      looks_past ? "third = \"c\"\n[obstacle.c]\np = [1, 1, 1]\n" : "");
     const Region& region = region_of(s);
+    EXPECT_EQ(region.sees_third(), looks_past) << entry.path();
     EXPECT_FALSE(not_finite_at(region)) << entry.path();
     int inside = 0;
     for (int k = 0; k < 5000; ++k) {
-      inside += region.unit_step(random_sight(random, 3), random_sight(random, 3), 0) == 0.0;
+      Sight<double> observer = random_sight(random, 3);
+      if (looks_past) observer.third = random_sight(random, 3).p;
+      inside += region.unit_step(observer, random_sight(random, 3), 0) == 0.0;
     }
     EXPECT_GT(inside, 10) << entry.path();
     ++files;

@@ -157,7 +157,7 @@ Flow flow_of(const Team& team, std::span<const double> x0, std::span<const Agent
   }
   Flow flow(std::move(bodies));
   for (const Hold& hold : holds) flow.add(hold);
-  for (const Coupling& c : team.couplings()) {
+  for (const Coupling& c : with_thirds_at(team, x0)) {
     const auto feels = [&](BodyId body) {
       return std::find(c.felt_by.begin(), c.felt_by.end(), body) != c.felt_by.end();
     };

@@ -402,7 +402,7 @@ Explanation explain(const Team& team, std::span<const double> x0) {
     if (x0.empty()) return Vec3<double>{};
     return team.model(body).sight(x0.data() + team.state_offset(body), none.data()).p;
   };
-  const auto& couplings = team.couplings();
+  const std::vector<Coupling> couplings = with_thirds_at(team, x0);
   std::vector<bool> taken(couplings.size(), false);
   KnownPairs known;
   for (std::size_t i = 0; i < couplings.size(); ++i) {

@@ -58,14 +58,15 @@ double steepness(const FieldValue& f, std::span<const int> free) {
   return most;
 }
 
-/// A potential seen from another origin of G.
+/// A potential seen from another origin of G, its third body, if it has one, at a place of it.
 struct Moved {
   Potential of;
-  Vec3<double> origin;
+  Vec3<double> origin, third{};
 
   template <class S>
   Sight<S> there(Sight<S> s) const {
     s.p = {s.p.x + origin.x, s.p.y + origin.y, s.p.z + origin.z};
+    s.third = {third.x, third.y, third.z};
     return s;
   }
   template <class S>
@@ -80,15 +81,28 @@ struct Moved {
   }
   std::string_view name() const { return of.name(); }
   std::optional<double> kappa_A() const { return of.kappa_A(); }
-  Moved sigmoid(double kappa_A) const { return {of.sharpened(kappa_A), origin}; }
+  Moved sigmoid(double kappa_A) const { return {of.sharpened(kappa_A), origin, third}; }
   bool is_view() const { return of.mount() != nullptr; }
   const SensorMount& mount() const { return *of.mount(); }
-  Moved seen_from(const SensorMount& mount) const { return {of.seen_from(mount), origin}; }
+  Moved seen_from(const SensorMount& mount) const { return {of.seen_from(mount), origin, third}; }
 };
 
 }  // namespace
 
 Potential moved_to(const Vec3<double>& place, const Potential& potential) { return Moved{potential, place}; }
+
+std::vector<Coupling> with_thirds_at(const Team& team, std::span<const double> x) {
+  std::vector<Coupling> couplings = team.couplings();
+  const std::vector<double> none(static_cast<std::size_t>(team.nu()) + 1, 0.0);
+  for (Coupling& c : couplings) {
+    if (!c.has_third()) continue;
+    const Vec3<double> place =
+        x.empty() ? Vec3<double>{}
+                  : team.model(c.third).sight(x.data() + team.state_offset(c.third), none.data()).p;
+    c.term.potential = Moved{c.term.potential, {}, place};
+  }
+  return couplings;
+}
 
 Sight<double> observer_of(const Station& s) { return {{s.observer, {std::cos(s.psi), std::sin(s.psi)}}, {}}; }
 Sight<double> target_of(const Station& s) {

@@ -7,7 +7,7 @@
 
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
-#include "sightline/potential/potential.hpp"
+#include "sightline/ocp/team.hpp"
 
 namespace sightline {
 
@@ -50,6 +50,9 @@ Program formula_of(const Potential& potential);
 bool sees_place(const Potential& potential);
 /// The same potential as it is around a place of G: that place becomes the origin.
 Potential moved_to(const Vec3<double>& place, const Potential& potential);
+
+/// The couplings of a team, each as it is while its third body stays where the states x (team.nx()) have it; empty: at the origin.
+std::vector<Coupling> with_thirds_at(const Team& team, std::span<const double> x);
 
 /// A potential of a coupling as its field counts it.
 struct FieldTerm {

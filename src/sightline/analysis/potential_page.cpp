@@ -14,8 +14,7 @@ namespace sightline {
 namespace {
 
 /// Where the first of a coupling starts, if its potential depends on that.
-std::optional<Vec3<double>> place_of(const Team& team, std::size_t coupling, std::span<const double> x0) {
-  const Coupling& c = team.couplings()[coupling];
+std::optional<Vec3<double>> place_of(const Team& team, const Coupling& c, std::span<const double> x0) {
   if (x0.empty() || !sees_place(c.term.potential)) return {};
   const std::vector<double> none(static_cast<std::size_t>(team.nu()) + 1, 0.0);
   return team.model(c.between.first).sight(x0.data() + team.state_offset(c.between.first), none.data()).p;
@@ -27,10 +26,11 @@ std::vector<JudgedCoupling> judge_couplings(const Team& team, std::optional<std:
                                             const VerdictOptions& options, std::span<const double> x0) {
   std::vector<JudgedCoupling> judged;
   std::multimap<std::string, std::pair<Program, std::size_t>, std::less<>> known;
-  for (std::size_t i = 0; i < team.couplings().size(); ++i) {
+  const std::vector<Coupling> couplings = with_thirds_at(team, x0);
+  for (std::size_t i = 0; i < couplings.size(); ++i) {
     if (only && *only != i) continue;
-    const Potential& given = team.couplings()[i].term.potential;
-    const std::optional<Vec3<double>> around = place_of(team, i, x0);
+    const Potential& given = couplings[i].term.potential;
+    const std::optional<Vec3<double>> around = place_of(team, couplings[i], x0);
     const Potential potential = around ? moved_to(*around, given) : given;
     Program program = formula_of(potential);
     JudgedCoupling one{i, {}, {}};
@@ -51,12 +51,15 @@ std::vector<JudgedCoupling> judge_couplings(const Team& team, std::optional<std:
 
 std::string title_of(const Team& team, std::size_t coupling) {
   const Coupling& c = team.couplings()[coupling];
-  return fmt::format("couple[{}] {} of {} and {}", coupling, c.term.potential.name(),
-                     team.name(c.between.first), team.name(c.between.second));
+  std::string title = fmt::format("couple[{}] {} of {} and {}", coupling, c.term.potential.name(),
+                                  team.name(c.between.first), team.name(c.between.second));
+  if (c.has_third()) title += fmt::format(", past {}", team.name(c.third));
+  return title;
 }
 
 std::string potential_html(const Scenario& scenario, const std::vector<JudgedCoupling>& judged) {
   std::string page = page_head(fmt::format("Potentials of {}", scenario.name));
+  const std::vector<Coupling> couplings = with_thirds_at(scenario.team, scenario.x0);
   std::size_t figures = 0;
   for (const JudgedCoupling& one : judged) {
     page += fmt::format("<h1 style=\"margin-top: 4rem\">{}</h1>\n",
@@ -72,7 +75,7 @@ std::string potential_html(const Scenario& scenario, const std::vector<JudgedCou
     for (const std::string& sentence : one.verdict.words)
       page += fmt::format("<li>{}</li>\n", escaped(sentence));
     page += "</ul>\n</details>\n";
-    const Potential& potential = scenario.team.couplings()[one.coupling].term.potential;
+    const Potential& potential = couplings[one.coupling].term.potential;
     const auto& around = one.verdict.around;
     for (const Figure& figure :
          draw(drawings_of(around ? moved_to(*around, potential) : potential, one.verdict), figures)) {

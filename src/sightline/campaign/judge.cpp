@@ -155,7 +155,9 @@ void Judge::publish() noexcept {
   for (View& view : views_) {
     if (!view.asked) continue;
     any_asked = true;
-    const Sight<double>&observer = sights_[at(view.pair.observer)], &target = sights_[at(view.pair.target)];
+    const auto sight = [&](BodyId body) { return sights_[at(body)]; };
+    const Sight<double> observer = first_sight(sight, view.pair.observer, view.pair.third);
+    const Sight<double>& target = sights_[at(view.pair.target)];
     view.seen = view.pair.potential.violation(observer, target, sample_.time) <= 0;
     if (view.seen) view.first = std::min(view.first, sample_.time), view.last = sample_.time;
     result_.longest_out_of_view = std::max(result_.longest_out_of_view, sample_.time - view.last);

@@ -18,15 +18,17 @@ struct Pose {
   Vec2<S> d;  ///< heading (cos psi, sin psi), (18), (19); |d| = 1
 };
 
-/// All that a potential sees of a robot: pose and velocity in G, how it leans, and how sure it is of what it looks at.
+/// All that a potential sees of a robot: pose and velocity in G, how it leans, how sure it is of what it looks at, and what may
+/// stand in its way.
 ///
 /// The lean xi is the tangent of the tilt of the thrust, horizontal over vertical specific thrust, by its components in V: the
 /// thrust points along (xi_f, xi_s, 1). A robot that stands upright has (0, 0).
 template <class S>
 struct Sight : Pose<S> {
-  Vec3<S> v;       ///< velocity [m/s]
-  Vec2<S> lean{};  ///< xi = (xi_f, xi_s), forward and to the left [-]
-  S doubt{};       ///< standard deviation of where what it looks at is to it, sideways [m]; 0: it knows
+  Vec3<S> v;        ///< velocity [m/s]
+  Vec2<S> lean{};   ///< xi = (xi_f, xi_s), forward and to the left [-]
+  S doubt{};        ///< standard deviation of where what it looks at is to it, sideways [m]; 0: it knows
+  Vec3<S> third{};  ///< where in G the third body of a coupling is [m], by the first of its two
 };
 
 /// Numbers in a Sight that follow from state and input, in the order p, d, v, lean.

@@ -141,12 +141,20 @@ PairFormula Tracing::trace_pair(std::span<const Coupling* const> couplings) {
   Graph graph;
   const auto z_symbols = variables(graph, 0, za + zb);
   const Symbol t(graph, graph.input(za + zb));
+  int inputs = za + zb + 1;
   const auto part = [&](int from, int n) {
     return std::span<const Symbol>(z_symbols).subspan(static_cast<std::size_t>(from),
                                                       static_cast<std::size_t>(n));
   };
-  const Sight<Symbol> sight_a = a.sight(part(0, a.nx()), part(a.nx(), a.nu()));
+  Sight<Symbol> sight_a = a.sight(part(0, a.nx()), part(a.nx(), a.nu()));
   const Sight<Symbol> sight_b = b.sight(part(za, b.nx()), part(za + b.nx(), b.nu()));
+  const BodyId third = couplings[0]->third;
+  if (couplings[0]->has_third()) {
+    const Model& c = team_.model(third);
+    const auto x = variables(graph, inputs, c.nx()), u = variables(graph, inputs + c.nx(), c.nu());
+    sight_a.third = c.sight(std::span<const Symbol>(x), std::span<const Symbol>(u)).p;
+    inputs += c.nx() + c.nu();
+  }
   Symbol l = 0.0;
   for (const Coupling* c : couplings) l += c->term.weight * c->term.potential(sight_a, sight_b, t);
 
@@ -156,8 +164,13 @@ PairFormula Tracing::trace_pair(std::span<const Coupling* const> couplings) {
     return std::find(felt_by.begin(), felt_by.end(), owner(i)) != felt_by.end();
   };
 
-  PairFormula formula{
-      .a = between.first, .b = between.second, .first = {}, .second = {}, .gradient = {}, .hessian = {}};
+  PairFormula formula{.a = between.first,
+                      .b = between.second,
+                      .third = third,
+                      .first = {},
+                      .second = {},
+                      .gradient = {},
+                      .hessian = {}};
   const std::vector<Term> z = terms(graph, z_symbols);
   const Derivatives d = derive(graph, l.in(graph), z);
   std::vector<Term> first, second;
@@ -170,8 +183,8 @@ PairFormula Tracing::trace_pair(std::span<const Coupling* const> couplings) {
   list_hessian(
       graph, d.second, za + zb, [&](int i, int j) { return felt(i) && team_.is_agent(owner(j)); }, second,
       formula.hessian);
-  formula.first = shared(Program(graph, first, za + zb + 1));
-  formula.second = shared(Program(graph, second, za + zb + 1));
+  formula.first = shared(Program(graph, first, inputs));
+  formula.second = shared(Program(graph, second, inputs));
   return formula;
 }
 
@@ -242,8 +255,8 @@ double stage_cost(const Team& team, double t, std::span<const double> x, std::sp
                       std::span<const double>(input(b.agent), static_cast<std::size_t>(model.nu())));
   }
   for (const Coupling& c : team.couplings()) {
-    cost +=
-        c.ramp.at(t) * c.term.weight * c.term.potential(sight(c.between.first), sight(c.between.second), t);
+    cost += c.ramp.at(t) * c.term.weight *
+            c.term.potential(first_sight(sight, c.between.first, c.third), sight(c.between.second), t);
   }
   std::vector<Sight<double>> seen;
   for (const Swarm& swarm : team.swarms()) {

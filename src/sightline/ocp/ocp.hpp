@@ -45,14 +45,14 @@ struct AgentFormula {
 
 /// The couplings between one pair of bodies that are alike, at their whole weights, z = (x_a, u_a, x_b, u_b):
 ///
-///   inputs    z, t
+///   inputs    z, t, then x and u of the third body, if there is one
 ///   first     l_z for each variable in `gradient`
 ///   second    the nonzeros of the Hessian with respect to the agents' part of z
 ///
 /// Only what is felt is there: rows of agents that do not feel the coupling are missing, so the mask acts on
 /// H_u and H_x alike, (9), (10).
 struct PairFormula {
-  BodyId a, b;
+  BodyId a, b, third;
   std::shared_ptr<const Program> first, second;
   std::vector<Entry> gradient;  ///< row in z; column unused (0), output of `first`
   std::vector<Entry> hessian;   ///< row and column in z, output of `second`

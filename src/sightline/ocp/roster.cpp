@@ -59,7 +59,7 @@ Team Roster::team(double t) const {
     if (c.ramp.is_over(t)) return false;
     const bool fades_out = !c.ramp.lasts();
     const auto there = [&](BodyId body) { return fades_out || presence(body) != Presence::absent; };
-    return there(c.between.first) && there(c.between.second) &&
+    return there(c.between.first) && there(c.between.second) && (!c.has_third() || there(c.third)) &&
            std::any_of(c.felt_by.begin(), c.felt_by.end(), steered);
   };
   std::vector<Coupling> couplings = now_.couplings, of_swarms = swarm_couplings();
@@ -70,7 +70,9 @@ Team Roster::team(double t) const {
         steered(BodyId{i}) || (!now_.all.is_agent(BodyId{i}) && presence(BodyId{i}) != Presence::absent);
   }
   for (const Coupling& c : couplings) {
-    if (in_force(c)) wanted[at(c.between.first)] = wanted[at(c.between.second)] = true;
+    if (!in_force(c)) continue;
+    wanted[at(c.between.first)] = wanted[at(c.between.second)] = true;
+    if (c.has_third()) wanted[at(c.third)] = true;
   }
 
   Team team;
@@ -93,6 +95,7 @@ Team Roster::team(double t) const {
     std::erase_if(c.felt_by, [&](AgentId agent) { return !steered(agent); });
     for (AgentId& agent : c.felt_by) agent = AgentId{id[at(agent)]};
     c.between = {id[at(c.between.first)], id[at(c.between.second)]};
+    if (c.has_third()) c.third = id[at(c.third)];
     c.ramp = settled(c.ramp, t);
     team.couple(std::move(c));
   }

@@ -86,6 +86,8 @@ void Swarm::check() const {
   if (!term.potential.is_pair()) {
     refuse("{} sees one robot alone, expected a potential between two bodies", name);
   }
+  if (term.potential.sees_third())
+    refuse("{} looks past a third body, expected a potential between two", name);
   if (agents.size() < 2) refuse("{} robots are kept apart, expected at least two", agents.size());
   if (!sees_differences_alone(term.potential, radius)) {
     refuse(

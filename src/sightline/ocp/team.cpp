@@ -142,7 +142,7 @@ void Team::check_new_name(std::string_view called) const {
 }
 
 bool alike(const Coupling& a, const Coupling& b) {
-  return a.between.first == b.between.first && a.between.second == b.between.second &&
+  return a.between.first == b.between.first && a.between.second == b.between.second && a.third == b.third &&
          a.felt_by == b.felt_by && a.ramp == b.ramp;
 }
 
@@ -160,7 +160,7 @@ void Team::couple(const Weighted& term, Between between, std::vector<AgentId> fe
 }
 
 void Team::couple(Coupling coupling) {
-  const auto& [term, between, felt_by, called, ramp] = coupling;
+  const auto& [term, between, felt_by, called, ramp, third] = coupling;
   check_new_name(called);
   check_body(between.first);
   check_body(between.second);
@@ -170,6 +170,7 @@ void Team::couple(Coupling coupling) {
   }
   if (between.first == between.second)
     refuse("\"{}\" is coupled with itself, expected two bodies", name(between.first));
+  check_third(coupling);
   if (felt_by.empty()) {
     refuse("the coupling {} of \"{}\" and \"{}\" is felt by nobody, expected at least one robot of the two",
            term.potential.name(), name(between.first), name(between.second));
@@ -185,6 +186,21 @@ void Team::couple(Coupling coupling) {
     }
   }
   couplings_.push_back(std::move(coupling));
+}
+
+/// What looks past a body, and no other potential, has one, which is neither of its two.
+void Team::check_third(const Coupling& coupling) const {
+  const auto& [first, second] = coupling.between;
+  const std::string_view potential = coupling.term.potential.name();
+  if (coupling.has_third()) check_body(coupling.third);
+  if (coupling.has_third() != coupling.term.potential.sees_third()) {
+    if (coupling.has_third())
+      refuse("{} does not look past the third body \"{}\", expected a potential that does, or none",
+             potential, name(coupling.third));
+    refuse("{} looks past a third body, expected a coupling that names one as its third", potential);
+  }
+  if (coupling.third == first || coupling.third == second)
+    refuse("the third body of {} is \"{}\", expected another than its two", potential, name(coupling.third));
 }
 
 void Team::keep_apart(const Weighted& term, std::vector<AgentId> agents, double radius, int capacity) {

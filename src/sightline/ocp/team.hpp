@@ -88,7 +88,19 @@ struct Coupling {
   std::vector<AgentId> felt_by;
   std::string name{};  ///< for events to speak of it
   Ramp ramp{};
+  BodyId third{};  ///< a body that the potential looks past; it feels nothing. Index -1: none
+
+  bool has_third() const { return third.index >= 0; }
 };
+
+/// The first of a coupling's bodies as its potential sees it: with the place of the third, if there is one.
+/// @param sight  of a body by its BodyId
+template <class SightOf>
+auto first_sight(const SightOf& sight, BodyId first, BodyId third) {
+  auto seen = sight(first);
+  if (third.index >= 0) seen.third = sight(third).p;
+  return seen;
+}
 
 /// Whether one formula serves both: the same bodies, felt by the same agents, by the same part.
 bool alike(const Coupling& a, const Coupling& b);
@@ -248,6 +260,7 @@ class Team {
   void check_body(BodyId body) const;
   void check_weight(const Weighted& term) const;
   void check_new_name(std::string_view name) const;
+  void check_third(const Coupling& coupling) const;
 
   std::vector<Entry> bodies_;
   std::vector<Agent> agents_;

@@ -8,13 +8,14 @@
 #include <cstdint>
 #include <random>
 
+#include "sightline/base/index.hpp"
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr int inputs = 2 * sight_size + 1;
+constexpr int third_at = 2 * sight_size, inputs = third_at + 3 + 1;  // both sights, the third body, the time
 constexpr int batch = 512;
 
 using Random = std::mt19937_64;
@@ -29,8 +30,9 @@ struct Recorded {
 Recorded record(const Potential& potential) {
   Graph graph;
   const std::vector<Symbol> z = variables(graph, 0, inputs);
-  const Term l =
-      potential(sight_from<Symbol>(z.data()), sight_from<Symbol>(z.data() + sight_size), z.back()).in(graph);
+  Sight<Symbol> observer = sight_from<Symbol>(z.data());
+  observer.third = {z[third_at], z[third_at + 1], z[third_at + 2]};
+  const Term l = potential(observer, sight_from<Symbol>(z.data() + sight_size), z.back()).in(graph);
   std::vector<Term> of;
   for (int i = 0; i < inputs; ++i) of.push_back(graph.input(i));
   const Derivatives d = derive(graph, l, of);
@@ -57,8 +59,13 @@ Sight<double> draw_sight(Random& random, double reach, bool on_axes) {
   return {{{place(), place(), place()}, d}, {place() / 10, place() / 10, place() / 10}};
 }
 
-/// @param leans  draws how they lean, beside what `random` draws
-InputNumbers draw(Random& random, Random& leans, const FiniteSearch& search) {
+/// Each draws something of its own.
+struct Draws {
+  Random places{1}, leans{2}, thirds{3};
+};
+
+InputNumbers draw(Draws& draws, const FiniteSearch& search) {
+  auto& [random, leans, thirds] = draws;
   constexpr std::array reaches = {0.3, 3.0, 30.0};
   const bool on_axes = random() % 4 == 0;
   const double reach = reaches[random() % reaches.size()];
@@ -72,6 +79,14 @@ InputNumbers draw(Random& random, Random& leans, const FiniteSearch& search) {
     write_sight(sight, std::span(z).subspan(first));
   }
   z.back() = std::uniform_real_distribution<double>(search.from, search.until)(random);
+  // At one of the two, between them, or anywhere.
+  const double part = clamp(std::uniform_real_distribution<double>(-0.5, 1.5)(thirds), 0.0, 1.0);
+  const bool is_between = thirds() % 2 == 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double a = z[at(axis)], b = z[at(sight_size + axis)];
+    const double anywhere = std::uniform_real_distribution<double>(-reach, reach)(thirds);
+    z[at(third_at + axis)] = is_between ? a + part * (b - a) : anywhere;
+  }
   return z;
 }
 
@@ -133,12 +148,12 @@ std::optional<Spot> not_finite_at(const Potential& potential, const FiniteSearch
   constexpr double periods_max = 200'000;
   const Recorded recorded = record(potential);
   Seeker seeker(recorded.program);
-  Random random(1), leans(2);
-  auto found = seeker.first(search.samples, [&](std::int64_t) { return draw(random, leans, search); });
+  Draws draws;
+  auto found = seeker.first(search.samples, [&](std::int64_t) { return draw(draws, search); });
   if (!found && recorded.sees_time && search.period > 0) {
     const double length = search.until - search.from;
     const double step = search.period * std::max(1.0, std::ceil(length / search.period / periods_max));
-    const InputNumbers place = draw(random, leans, search);
+    const InputNumbers place = draw(draws, search);
     found = seeker.first(static_cast<std::int64_t>(length / step) + 1, [&](std::int64_t n) {
       InputNumbers z = place;
       z.back() = std::min(search.until, search.from + static_cast<double>(n) * step);
@@ -147,7 +162,8 @@ std::optional<Spot> not_finite_at(const Potential& potential, const FiniteSearch
   }
   if (!found) return {};
   const InputNumbers& z = *found;
-  Spot spot{sight_from<double>(z.data()), sight_from<double>(z.data() + sight_size), z.back(), {}};
+  Spot spot{sight_from<double>(z.data()), sight_from<double>(z.data() + sight_size), z.back(), {}, {}};
+  if (potential.sees_third()) spot.third = Vec3<double>{z[third_at], z[third_at + 1], z[third_at + 2]};
   if (recorded.sees_time) spot.ends = end_of(seeker, z, search.from);
   return spot;
 }
@@ -159,8 +175,11 @@ std::string to_string(const Spot& spot) {
   };
   const std::string ends =
       spot.ends ? fmt::format("; there it is finite until t = {:.6g} s", *spot.ends) : "";
-  return fmt::format("observer {}, target {}, t = {:.6g} s{}", words(spot.observer), words(spot.target),
-                     spot.t, ends);
+  const std::string third = spot.third ? fmt::format(", third body at ({:.6g}, {:.6g}, {:.6g}) m",
+                                                     spot.third->x, spot.third->y, spot.third->z)
+                                       : "";
+  return fmt::format("observer {}, target {}{}, t = {:.6g} s{}", words(spot.observer), words(spot.target),
+                     third, spot.t, ends);
 }
 
 }  // namespace sightline

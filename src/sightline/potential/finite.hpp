@@ -11,8 +11,9 @@ namespace sightline {
 /// What a potential sees at one time.
 struct Spot {
   Sight<double> observer, target;
-  double t = 0.0;                ///< [s]
-  std::optional<double> ends{};  ///< there it is finite from the beginning on until this time [s]
+  double t = 0.0;                       ///< [s]
+  std::optional<double> ends{};         ///< there it is finite from the beginning on until this time [s]
+  std::optional<Vec3<double>> third{};  ///< where the third body is [m], of one that looks past it
 };
 
 /// Where and when to search.

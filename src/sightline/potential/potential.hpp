@@ -16,6 +16,7 @@
 ///   mount         the sensor's place on the observer; a scenario sets it from [agent.NAME.sensor]
 ///   alpha         of one that watches: the angle of view [rad]
 ///   d_min, d_max  the distances that it keeps [m]
+///   sees_third    whether Sight::third of the first body is something to it; left out: no
 #pragma once
 
 #include <concepts>
@@ -112,6 +113,8 @@ class Potential {
   std::optional<double> d_max() const { return block_->d_max(); }
   /// The angle of view up to which it counts as kept [rad], of one that watches and has a field of this name.
   std::optional<double> alpha() const { return block_->alpha(); }
+  /// Whether it depends on where a third body is, by Sight::third of the first of its two.
+  bool sees_third() const { return block_->sees_third(); }
   /// What its violation is measured in: "m", "rad"; "in its own unit" where it does not say.
   std::string_view limit_unit() const { return block_->limit_unit; }
   /// What it says of itself; none: it does not. keeps_apart() and watches() of protection.hpp know then.
@@ -156,6 +159,7 @@ class Potential {
     virtual std::optional<double> d_min() const = 0;
     virtual std::optional<double> d_max() const = 0;
     virtual std::optional<double> alpha() const = 0;
+    virtual bool sees_third() const = 0;
     virtual std::vector<Potential> conjuncts() const = 0;
     virtual std::optional<Rounding> rounding() const = 0;
     virtual std::optional<Potential> smoothed_over(double width) const = 0;
@@ -231,6 +235,10 @@ class Potential {
         if (mount() != nullptr) return potential.alpha;
       }
       return {};
+    }
+    bool sees_third() const override {
+      if constexpr (requires { bool{potential.sees_third()}; }) return potential.sees_third();
+      return false;
     }
     std::vector<Potential> conjuncts() const override {
       std::vector<Potential> all;

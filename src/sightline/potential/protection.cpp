@@ -7,7 +7,7 @@ namespace sightline {
 namespace {
 
 constexpr int samples = 64;
-constexpr double near = 1e-6, far = 1e4;  // [m]
+constexpr double near = 1e-6, far = 1e4, away = 1e6;  // [m]
 
 /// Two bodies; `from` is where on the observer's axis the distance is measured from [m].
 struct Encounter {
@@ -21,6 +21,7 @@ struct Encounter {
     observer.d = heading(2.0 * i);
     target.d = heading(5.0 * i + 1.0);
     observer.v = {std::cos(i), std::sin(i), 0.0};
+    observer.third = {away, away, away};
     target.v = {std::sin(2.0 * i), std::cos(2.0 * i), 0.0};
     const Vec3<double> direction = {r * std::cos(around), r * std::sin(around), z};
     const Vec3<double> origin = {from * observer.d.x, from * observer.d.y, 1.0};

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "sightline/base/index.hpp"
 #include "sightline/potential/step.hpp"
 
 namespace sightline {
@@ -17,7 +18,7 @@ struct Variable {
   std::string_view name;
   Unit unit;
 };
-constexpr int sensor_variables = 3;
+constexpr int sensor_variables = 3, time_at = 6 + 2 * sight_size, third_at = time_at + 1;
 constexpr std::array own_variables = {
     Variable{"x", units::length},   Variable{"y", units::length},   Variable{"z", units::length},
     Variable{"r_x", units::length}, Variable{"r_y", units::length}, Variable{"r_z", units::length},
@@ -47,6 +48,7 @@ Vocabulary own_names() {
     for (const Variable& v : sight_variables) add(fmt::format("{}.{}", who, v.name), v.unit);
   }
   add("t", units::time);
+  for (const char* axis : {"x", "y", "z"}) add(fmt::format("third.p_{}", axis), units::length);
   std::vector<Definition> definitions;
   for (const auto& [name, text] : derived) definitions.push_back({std::string(name), std::string(text)});
   define(names, definitions);
@@ -209,7 +211,9 @@ Region::Variables<S> Region::variables(const Sight<S>& observer, const Sight<S>&
   Variables<S> v = {p_S.x, p_S.y, p_S.z, r.x, r.y, r.z};
   write_sight(observer, v.begin() + 6);
   write_sight(target, v.begin() + 6 + sight_size);
-  v.back() = t;
+  v[at(time_at)] = t;
+  v[at(third_at)] = observer.third.x, v[at(third_at + 1)] = observer.third.y;
+  v[at(third_at + 2)] = observer.third.z;
   return v;
 }
 
@@ -299,6 +303,17 @@ bool Region::is_view() const {
   return std::any_of(parsed_->leaves.begin(), parsed_->leaves.end(), [](const Leaf& leaf) {
     return leaf.c.uses(0) || leaf.c.uses(1) || leaf.c.uses(sensor_variables - 1);
   });
+}
+
+bool Region::sees_third() const {
+  const auto sees = [](const Expression& e) {
+    return e.uses(third_at) || e.uses(third_at + 1) || e.uses(third_at + 2);
+  };
+  const bool grows = std::holds_alternative<Quadratic>(slope_);
+  return (grows && sees(grows_)) ||
+         std::any_of(parsed_->leaves.begin(), parsed_->leaves.end(), [&](const Leaf& leaf) {
+           return sees(leaf.c) || (grows && leaf.grows_by_itself && sees(leaf.grows));
+         });
 }
 
 std::vector<Region> Region::conjuncts() const {

@@ -11,6 +11,7 @@
 ///   r_x, r_y, r_z, distance       from observer to target in G, and how far [m]
 ///   observer.p_x .. target.lean_s p_x, p_y, p_z [m], d_x, d_y, v_x, v_y, v_z [m/s] of both in G, and lean_f, lean_s
 ///   t                             the time [s]
+///   third.p_x, .p_y, .p_z         a third body of the coupling, which the two may look past, in G [m]
 #pragma once
 
 #include <array>
@@ -110,6 +111,8 @@ class Region {
   double width() const { return width_; }
   /// Whether it says where the sensor sees its target: x, y, z or what is made of them occurs.
   bool is_view() const;
+  /// Whether where a third body is occurs.
+  bool sees_third() const;
   /// Each of the limits that all have to hold, as a region of its own; itself where there is one.
   std::vector<Region> conjuncts() const;
   /// Functions with corners that are rounded off.
@@ -151,7 +154,7 @@ class Region {
   double excess(const Part& part, std::span<const double> variables,
                 std::span<double> scratch) const noexcept;
   template <class S>
-  using Variables = std::array<S, 6 + 2 * sight_size + 1>;  // x, y, z, r, both sights, t
+  using Variables = std::array<S, 6 + 2 * sight_size + 1 + 3>;  // x, y, z, r, both sights, t, the third body
   template <class S>
   Variables<S> variables(const Sight<S>& observer, const Sight<S>& target, const S& t) const;
 

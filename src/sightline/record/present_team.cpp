@@ -21,7 +21,8 @@ std::vector<Observation> observations(std::span<const Coupling> couplings) {
     if (std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); }))
       continue;
     const SensorMount mount = potential.mount() != nullptr ? *potential.mount() : SensorMount{};
-    found.push_back({a, b, potential, mount, potential.alpha().value_or(no_value), no_value, no_value});
+    found.push_back(
+        {a, b, potential, mount, potential.alpha().value_or(no_value), no_value, no_value, c.third});
   }
   // A distance has no direction. fmax and fmin pass over what is not a number.
   for (const Coupling& c : couplings) {
@@ -47,7 +48,7 @@ std::vector<Coupling> all_couplings(const Scenario& scenario) {
       for (const Coupling& c : roster.couplings()) {
         const auto same = [&](const Coupling& other) {
           return other.between.first == c.between.first && other.between.second == c.between.second &&
-                 other.term.potential.name() == c.term.potential.name();
+                 other.third == c.third && other.term.potential.name() == c.term.potential.name();
         };
         if (std::none_of(all.begin(), all.end(), same)) all.push_back(c);
       }
@@ -102,7 +103,9 @@ std::vector<Coupling> PresentTeam::couplings() const {
     const bool felt = std::any_of(c.felt_by.begin(), c.felt_by.end(), [&](AgentId agent) {
       return roster_.presence(agent) == Presence::steered;
     });
-    if (c.ramp.to > 0 && felt && is_there(c.between.first) && is_there(c.between.second)) list.push_back(c);
+    const bool has_third = !c.has_third() || is_there(c.third);
+    if (c.ramp.to > 0 && felt && has_third && is_there(c.between.first) && is_there(c.between.second))
+      list.push_back(c);
   }
   return list;
 }

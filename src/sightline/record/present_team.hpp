@@ -19,6 +19,7 @@ struct Observation {
   SensorMount mount;
   double alpha;         ///< limit of the view angle [rad]; not a number for a region
   double d_min, d_max;  ///< tightest of the couplings between the two [m]; not a number where none states it
+  BodyId third{};       ///< that the potential looks past; index -1: none
 };
 
 /// All observations among couplings, in their order.

@@ -67,9 +67,9 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
   const std::vector<Coupling> couplings = all_couplings(scenario_);
   for (const Observation& pair : observations(couplings)) add_view(pair);
   for (const Coupling& c : couplings) {
-    add_limit(c.term.potential, c.between.first, c.between.second);
+    add_limit(c.term.potential, c.between.first, c.between.second, c.third);
   }
-  for (const Constraint& c : team.constraints()) add_limit(c.term.potential, c.agent, c.agent);
+  for (const Constraint& c : team.constraints()) add_limit(c.term.potential, c.agent, c.agent, {});
   for (int i = 0; i < team.bodies(); ++i) {
     if (!team.is_agent(BodyId{i})) continue;
     robots_.push_back({BodyId{i}, roles_of(team.model(BodyId{i}))});
@@ -89,12 +89,14 @@ void Summary::add_view(const Observation& pair) {
   views_.back().from_leaning = leans_[at(pair.observer)];
 }
 
-void Summary::add_limit(const Potential& potential, BodyId a, BodyId b) {
+void Summary::add_limit(const Potential& potential, BodyId a, BodyId b, BodyId third) {
   if (potential.violation({}, {}) == -infinity) return;
   const Team& team = scenario_.team;
   const std::string who =
       a == b ? std::string(team.name(a)) : fmt::format("{}-{}", team.name(a), team.name(b));
-  limits_.push_back({fmt::format("{} {}", potential.name(), who), potential, a, b, no_value});
+  const std::string past = third.index < 0 ? "" : fmt::format(" past {}", team.name(third));
+  limits_.push_back({fmt::format("{} {}{}", potential.name(), who, past), potential, a, b, no_value});
+  limits_.back().third = third;
 }
 
 /// Views and limits of what is not in force do not count.
@@ -114,7 +116,7 @@ void Summary::find_what_is_in_force() {
       return o.observer == view.pair.observer && o.target == view.pair.target;
     });
     const bool was_in_force = std::exchange(view.in_force, now != observed.end());
-    if (view.in_force) view.pair.potential = now->potential;
+    if (view.in_force) view.pair.potential = now->potential, view.pair.third = now->third;
     if (view.in_force && !was_in_force) view.in_since = view.out_since = no_value;
   }
   find_limits_in_force(couplings, constraints);
@@ -132,17 +134,17 @@ void Summary::find_limits_in_force(const std::vector<Coupling>& couplings,
                                    const std::vector<Constraint>& constraints) {
   struct Stated {
     const Potential* potential;
-    BodyId a, b;
+    BodyId a, b, third{};
   };
   std::vector<Stated> stated;
   for (const Coupling& c : couplings) {
-    stated.push_back({&c.term.potential, c.between.first, c.between.second});
+    stated.push_back({&c.term.potential, c.between.first, c.between.second, c.third});
   }
   for (const Constraint& c : constraints) stated.push_back({&c.term.potential, c.agent, c.agent});
   for (Limit& limit : limits_) limit.in_force = false;
   const auto take = [&](const Stated& s, auto&& fits) {
     const auto limit = std::find_if(limits_.begin(), limits_.end(), [&](const Limit& l) {
-      return !l.in_force && l.a == s.a && l.b == s.b && fits(l);
+      return !l.in_force && l.a == s.a && l.b == s.b && l.third == s.third && fits(l);
     });
     if (limit == limits_.end()) return false;
     limit->in_force = true;
@@ -161,7 +163,7 @@ void Summary::find_limits_in_force(const std::vector<Coupling>& couplings,
     const bool follows = take(s, [&](const Limit& limit) {
       return std::isnan(limit.broken_since) && limit.potential.name() == s.potential->name();
     });
-    if (!follows) add_limit(*s.potential, s.a, s.b);
+    if (!follows) add_limit(*s.potential, s.a, s.b, s.third);
   }
 }
 
@@ -265,7 +267,9 @@ void Summary::add_views(const Sample& sample) {
   for (View& view : views_) {
     if (!view.in_force) continue;
     view.time.count(time, period_);
-    const Sight<double>&observer = sight(view.pair.observer), &target = sight(view.pair.target);
+    const auto seen_of = [&](BodyId body) { return sight(body); };
+    const Sight<double> observer = first_sight(seen_of, view.pair.observer, view.pair.third);
+    const Sight<double>& target = sight(view.pair.target);
     const double angle = view_angle(view.pair.mount, observer, target.p);
     const bool seen = view.pair.potential.violation(observer, target, time) <= 0;
     double &begun = seen ? view.in_since : view.out_since, &over = seen ? view.out_since : view.in_since;
@@ -286,9 +290,12 @@ void Summary::add_views(const Sample& sample) {
 
 void Summary::add_limits(double time) {
   for (Limit& limit : limits_) {
-    if (!limit.in_force && (std::isnan(limit.broken_since) || !is_there(limit.a) || !is_there(limit.b)))
-      continue;
-    const double excess = limit.potential.violation(sight(limit.a), sight(limit.b), time);
+    const bool all_there =
+        is_there(limit.a) && is_there(limit.b) && (limit.third.index < 0 || is_there(limit.third));
+    if (!limit.in_force && (std::isnan(limit.broken_since) || !all_there)) continue;
+    const auto seen_of = [&](BodyId body) { return sight(body); };
+    const double excess =
+        limit.potential.violation(first_sight(seen_of, limit.a, limit.third), sight(limit.b), time);
     if (excess <= 0) limit.broken_since = no_value;
     if (excess <= 0 && !limit.in_force) continue;
     ++limit.counted;

@@ -157,6 +157,7 @@ class Summary {
     Potential potential;
     BodyId a, b;
     double broken_since;  // [s]; NaN while it holds
+    BodyId third{};       // that it looks past; index -1: none
     double longest = 0.0, worst = 0.0;
     std::int64_t broken = 0, counted = 0;
     bool in_force = true;
@@ -180,7 +181,7 @@ class Summary {
 
   const Sight<double>& sight(BodyId body) const { return sights_[at(body)]; }
   void add_view(const Observation& pair);
-  void add_limit(const Potential& potential, BodyId a, BodyId b);
+  void add_limit(const Potential& potential, BodyId a, BodyId b, BodyId third);
   void find_what_is_in_force();
   void find_limits_in_force(const std::vector<Coupling>& couplings,
                             const std::vector<Constraint>& constraints);

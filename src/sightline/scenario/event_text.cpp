@@ -104,6 +104,7 @@ Reference EventText::reference(AgentId agent) const {
 
 Potential EventText::limits(std::string_view key, BodyId first, std::string_view named_by) const {
   Region region = key == "formula" ? read_formula(*this, key) : read_inside(*this, key);
+  if (region.sees_third()) refuse(key, "a formula of two bodies, a third is known to a coupling alone");
   if (region.is_view()) region = region.seen_from(sensor_of(first, named_by));
   return checked([&] { return Potential(region); });
 }
@@ -140,7 +141,9 @@ std::vector<std::string_view> EventText::signals() const {
 Coupling read_added_coupling(const TomlTable& couple, const EventScope& scope) {
   Coupling coupling = read_coupling(couple, scope.team, scope.observers);
   Team trial = scope.team;
-  couple.checked([&] { trial.couple(coupling.term, coupling.between, coupling.felt_by); });
+  Coupling unnamed = coupling;
+  unnamed.name.clear();
+  couple.checked([&] { trial.couple(std::move(unnamed)); });
   return coupling;
 }
 

@@ -27,6 +27,20 @@ std::vector<AgentId> read_feeling(const TomlTable& at, Between between, const Te
   return agents;
 }
 
+/// The body that a coupling looks past: none of its two, and its potential sees one.
+BodyId read_third(const TomlTable& at, const Coupling& coupling, const Team& team) {
+  const BodyId third =
+      team.find(at.value("third", "a name").word(body_names(team, Among::bodies), "the name of a body"));
+  const auto& [first, second] = coupling.between;
+  if (third == first || third == second) at.refuse("third", "another body than those of between");
+  if (!coupling.term.potential.sees_third())
+    at.refuse(
+        "third",
+        fmt::format("no such key: {} does not look past a third body, none of its formulas has third.p_x",
+                    coupling.term.potential.name()));
+  return third;
+}
+
 /// The robots of a [[keep_apart]].
 std::vector<AgentId> read_agents(const TomlTable& at, const Team& team) {
   std::vector<AgentId> agents;
@@ -84,15 +98,17 @@ std::string read_term_name(const TomlTable& at) {
 std::string name_or_place(const TomlTable& at) { return at.has("name") ? read_label(at, "name") : at.path(); }
 
 Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& observers) {
-  at.expect_only({"name", "potential", "between", "felt_by", "weight"});
+  at.expect_only({"name", "potential", "between", "felt_by", "weight", "third"});
   const std::vector<BodyId> ends = bodies_named(at, "between", 2, team);
   const Between between = {ends[0], ends[1]};
   if (between.first == between.second) at.refuse("between", "two different bodies");
-  return {
+  Coupling coupling{
       .term = read_potential(at, observer_of(team, observers, between.first)),
       .between = between,
       .felt_by = at.has("felt_by") ? read_feeling(at, between, team) : feeling(team, between, FeltBy::both),
       .name = read_term_name(at)};
+  if (at.has("third")) coupling.third = read_third(at, coupling, team);
+  return coupling;
 }
 
 void read_couple(const TomlTable& at, const Observers& observers, Team& team) {

@@ -476,9 +476,10 @@ std::string summary(const Scenario& scenario) {
     std::string feeling;
     for (const AgentId id : coupling.felt_by)
       feeling += fmt::format("{}{}", feeling.empty() ? "" : ", ", team.name(id));
-    line("couple      {} {} between {} and {}, felt by {}", coupling.term.weight,
+    const std::string past = coupling.has_third() ? fmt::format(" past {}", team.name(coupling.third)) : "";
+    line("couple      {} {} between {} and {}{}, felt by {}", coupling.term.weight,
          coupling.term.potential.name(), team.name(coupling.between.first),
-         team.name(coupling.between.second), feeling);
+         team.name(coupling.between.second), past, feeling);
   }
   for (const Swarm& swarm : team.swarms()) {
     line("keep_apart  {} {} between pairs of {} robots within {} m, at most {} at one time",

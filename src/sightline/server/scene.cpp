@@ -134,7 +134,12 @@ std::vector<Drawn> Scene::draw(std::span<const std::optional<Sight<double>>> bod
     if (const auto& seen = bodies[size(i)]) draw_body(all, i, *seen);
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const auto &a = bodies[size(pairs_[k].a.index)], &b = bodies[size(pairs_[k].b.index)];
-    if (a && b) draw_pair(all, static_cast<int>(k), pairs_[k], *a, *b, t);
+    if (!a || !b) continue;
+    Sight<double> observer = *a;
+    const auto& view = pairs_[k].view;
+    if (view && view->third.index >= 0)
+      if (const auto& third = bodies[size(view->third.index)]) observer.third = third->p;
+    draw_pair(all, static_cast<int>(k), pairs_[k], observer, *b, t);
   }
   return all;
 }

@@ -290,7 +290,8 @@ std::string SceneJson::moment(const ShownState& state, const std::vector<Happeni
     const bool asked = state.asked.empty() || state.asked[number] != 0;
     ++number;
     if (!asked || !there(pair.observer) || !there(pair.target)) return text.raw("null");
-    const Sight<double>&a = *state.seen[size(pair.observer.index)], &b = *state.seen[size(pair.target.index)];
+    const auto sight = [&](BodyId body) { return state.seen[size(body.index)].value_or(Sight<double>{}); };
+    const Sight<double> a = first_sight(sight, pair.observer, pair.third), b = sight(pair.target);
     text.raw(pair.potential.violation(a, b, state.time) <= 0 ? "[1," : "[0,");
     text.number(norm(a.p - b.p), millimetres);
     text.next();

@@ -26,7 +26,7 @@ struct AddBody {
     }
     presence = robot ? Presence::steered : Presence::hold;
     for (Coupling& c : change.now.couplings) {
-      const bool of_it = c.between.first == body || c.between.second == body;
+      const bool of_it = c.between.first == body || c.between.second == body || c.third == body;
       const bool felt_before = was_there && (c.felt_by.size() > 1 || c.felt_by[0] != body);
       if (of_it && c.ramp.lasts() && !felt_before) c.ramp = change.fading_in();
     }

@@ -94,6 +94,7 @@ inline std::string Observe::apply(const TeamChange& change) const {
     } else {
       std::erase(next.felt_by, AgentId{before});
     }
+    if (next.third == target) next.felt_by.clear();  // nothing is to be seen past what is looked at
     if (stays) {
       if (next.felt_by.empty() || is_kept_off(target, couplings, n, i, next.felt_by)) continue;
       next.name.clear();
@@ -106,6 +107,7 @@ inline std::string Observe::apply(const TeamChange& change) const {
       for (Potential& limit : keep_outs(couplings[i].term.potential)) {
         Coupling apart = couplings[i];
         apart.term.potential = std::move(limit);
+        if (!apart.term.potential.sees_third()) apart.third = {};
         apart.name.clear();
         apart.ramp = change.fading_in();
         couplings.push_back(std::move(apart));

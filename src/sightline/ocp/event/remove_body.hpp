@@ -50,7 +50,8 @@ struct RemoveBody {
     auto& couplings = change.now.couplings;
     for (std::size_t i = 0, n = couplings.size(); i < n; ++i) {
       Coupling ghost = couplings[i];
-      if (!ghost.ramp.lasts() || (ghost.between.first != body && ghost.between.second != body)) continue;
+      const auto& [first, second] = ghost.between;
+      if (!ghost.ramp.lasts() || (first != body && second != body && ghost.third != body)) continue;
       couplings.push_back(std::move(ghost));
       change.fade_out(couplings, couplings.size() - 1);
     }

@@ -40,6 +40,12 @@ struct RetuneTerm {
                               potential->name(), name);
         return;
       }
+      if (potential && potential->sees_third() != next.term.potential.sees_third()) {
+        refusal = fmt::format("{} looks past {} third body, \"{}\" past {}, expected one that does alike",
+                              potential->name(), potential->sees_third() ? "a" : "no", name,
+                              potential->sees_third() ? "none" : "one");
+        return;
+      }
       if (potential) next.term.potential = *potential;
       change.replace(terms, static_cast<std::size_t>(found - terms.begin()), std::move(next));
     };

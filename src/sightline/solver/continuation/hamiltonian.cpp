@@ -95,6 +95,9 @@ void Hamiltonian::bind() {
         take(run, next, u_, team.input_offset(body), team.model(body).nu());
       }
       take(run, next, t_, 0, 1);
+      if (pair.third.index < 0) return;
+      take(run, next, x_, team.state_offset(pair.third), team.model(pair.third).nx());
+      take(run, next, u_, team.input_offset(pair.third), team.model(pair.third).nu());
     };
     Evaluation& first = pair_first_run_.emplace_back(*pair.first, N_);
     inputs(first);

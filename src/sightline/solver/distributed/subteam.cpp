@@ -37,7 +37,8 @@ Team subteam_of(const Team& whole, std::span<const AgentId> own, Others others) 
   std::vector<bool> seen(at(whole.bodies()), others == Others::all);
   for (const Coupling& c : whole.couplings()) {
     if (felt_within(c, own).empty()) continue;
-    seen[at(c.between.first.index)] = seen[at(c.between.second.index)] = true;
+    seen[at(c.between.first)] = seen[at(c.between.second)] = true;
+    if (c.has_third()) seen[at(c.third)] = true;
   }
   Team subteam;
   for (int i = 0; i < whole.bodies(); ++i) {
@@ -53,6 +54,7 @@ Team subteam_of(const Team& whole, std::span<const AgentId> own, Others others) 
     for (AgentId& agent : feel) agent = AgentId{here(agent)};
     Coupling of_subteam = c;
     of_subteam.between = {here(c.between.first), here(c.between.second)};
+    if (c.has_third()) of_subteam.third = here(c.third);
     of_subteam.felt_by = std::move(feel);
     subteam.couple(std::move(of_subteam));
   }

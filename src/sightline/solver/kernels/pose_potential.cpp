@@ -20,6 +20,8 @@ Term record(Graph& graph, std::span<const Weighted* const> terms, double h, std:
   const auto part = [&](int from) { return std::span<const Symbol>(z).subspan(at(from), at(sight_size)); };
   Sight<Symbol> a = sight_from<Symbol>(part(0));
   a.doubt = z[at(PosePotential::doubt_variable)];
+  const Symbol* const third = &z[at(PosePotential::third_variable)];
+  a.third = {third[0], third[1], third[2]};
   const Sight<Symbol> b = sight_from<Symbol>(part(sight_size));
   Term l = graph.constant(0.0);
   for (const Weighted* term : terms) {
@@ -235,9 +237,10 @@ std::vector<BodyPotential> trace_potentials(const Ocp& ocp, const IsCompiled& is
     };
     const BodyId a = first.between.first, b = first.between.second;
     const Ends ends{team.is_agent(a), team.is_agent(b), feels(a), feels(b)};
+    const int third = first.has_third() ? agent_of[at(first.third.index)] : -1;
     for (PosePotential& p : trace_terms(terms, h, ends, is_compiled))
-      list.push_back(
-          {agent_of[at(a.index)], agent_of[at(b.index)], a.index, b.index, ends, std::move(p), first.ramp});
+      list.push_back({agent_of[at(a.index)], agent_of[at(b.index)], a.index, b.index, third,
+                      first.third.index, ends, std::move(p), first.ramp});
   }
   std::vector<bool> constrained(team.constraints().size(), false);
   for (std::size_t i = 0; i < constrained.size(); ++i) {
@@ -253,7 +256,7 @@ std::vector<BodyPotential> trace_potentials(const Ocp& ocp, const IsCompiled& is
     const Ends ends{true, false, true, false};
     const int body = first.agent.index;
     for (PosePotential& p : trace_terms(terms, h, ends, is_compiled))
-      list.push_back({agent_of[at(body)], -1, body, -1, ends, std::move(p), first.ramp});
+      list.push_back({agent_of[at(body)], -1, body, -1, -1, -1, ends, std::move(p), first.ramp});
   }
   return list;
 }

@@ -23,12 +23,12 @@ struct Ends {
 ///
 /// In the frequent case it depends on r = p_a - p_b and the heading of a alone: then its variables are
 /// (r, d_a), 5 numbers, `derivatives` gives the gradient (5) and the upper triangle of the Hessian (15), and
-/// the entries are empty. Otherwise the variables are those of (s_a, s_b, t, doubt of a) that occur.
+/// the entries are empty. Otherwise the variables are those of (s_a, s_b, t, doubt of a, place of the third body) that occur.
 struct PosePotential {
   static constexpr int relative_size = 5;
-  /// s_a is 0 .. 9, s_b 10 .. 19; then what no input changes, the time and the doubt of a.
+  /// s_a is 0 .. 9, s_b 10 .. 19; then what no input of a or b changes, the time, the doubt of a, and where the third body is.
   static constexpr int time_variable = 2 * sight_size, doubt_variable = time_variable + 1,
-                       variable_count = doubt_variable + 1;
+                       third_variable = doubt_variable + 1, variable_count = third_variable + 3;
 
   struct First {
     int variable, output;
@@ -40,7 +40,7 @@ struct PosePotential {
   };
 
   bool relative = false;
-  std::vector<int> variables;      ///< of (s_a, s_b, t, doubt), inputs of both programs in this order
+  std::vector<int> variables;      ///< of (s_a, s_b, t, doubt, third), inputs of both programs in this order
   Program value;                   ///< one output
   Program derivatives;             ///< every entry of the lists below, once up to sign
   std::vector<Program> others;     ///< of a relative one: derivatives to be added, compiled apart
@@ -71,6 +71,7 @@ using IsCompiled = std::function<bool(const Program&)>;
 struct BodyPotential {
   int a = -1, b = -1;  ///< agents, or -1: not controlled
   int body_a = -1, body_b = -1;
+  int third = -1, third_body = -1;  ///< as a and body_a; -1: none
   Ends ends;
   PosePotential potential;
   Ramp ramp{};

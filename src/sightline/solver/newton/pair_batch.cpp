@@ -29,9 +29,10 @@ void PairBatch::gather(const Layout& layout, const StageParameters& parameters, 
     }
     for (std::size_t i = 0; i < potential.variables.size(); ++i) {
       const int v = potential.variables[i];
-      const bool of_b = v >= sight_size;
-      const int agent = of_b ? pair->b : pair->a, body = of_b ? pair->body_b : pair->body_a;
-      const int component = of_b ? v - sight_size : v;
+      const bool of_b = v >= sight_size, of_third = v >= PosePotential::third_variable;
+      const int agent = of_third ? pair->third : of_b ? pair->b : pair->a;
+      const int body = of_third ? pair->third_body : of_b ? pair->body_b : pair->body_a;
+      const int component = of_third ? v - PosePotential::third_variable : of_b ? v - sight_size : v;
       const double* from = nullptr;
       std::ptrdiff_t stride = 1;
       if (v == PosePotential::time_variable) {
@@ -39,7 +40,7 @@ void PairBatch::gather(const Layout& layout, const StageParameters& parameters, 
       } else if (v == PosePotential::doubt_variable) {
         from = parameters.doubt[pair->body_a];
       } else if (agent >= 0) {
-        const Layout::View& view = of_b ? b : a;
+        const Layout::View view = of_third ? layout.s(agent) : of_b ? b : a;
         from = s + view(0, component), stride = view.stage;
       } else {
         from = parameters.bodies[body * sight_size + component];
