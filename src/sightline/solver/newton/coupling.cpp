@@ -457,9 +457,8 @@ class LaneCouplings final : public Couplings {
   const BodyPotential* first_;
   StageParameters parameters_;
   std::vector<PairBatch> general_, relative_;
-  std::vector<std::vector<int>> slots_of_;    // [relative batch][pair]
-  std::vector<char> in_place_;                // [relative batch]
-  std::vector<int> zeros_in_c_, zeros_in_y_;  // groups
+  std::vector<std::vector<int>> slots_of_;  // [relative batch][pair]
+  std::vector<char> in_place_;              // [relative batch]
   std::vector<Slot<W>> slots_;
   std::optional<CrossBlocks<W>> crosses_;
   std::vector<FeltRows> rows_into_;  // [group]
