@@ -76,7 +76,7 @@ TEST(Krylov, StepsThatAreAlikeAreCompletedInFewerIterationsToTheSame) {
   std::array<int, 3> iterations{};
   for (int& n : iterations) {
     groups.solve(u[0], u[1], c[0], u[2], u[3], s[1]);
-    n = krylov.complete(groups, *couplings, u[3], s[1], alone, true);
+    n = krylov.complete(groups, *couplings, u[3], s[1], alone, Likeness::of_updates);
     if (&n == iterations.data()) std::copy_n(u[3], layout.u_length, u[4]);
   }
   EXPECT_GT(iterations[0], 1);

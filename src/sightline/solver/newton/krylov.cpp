@@ -91,8 +91,8 @@ double Krylov::sum_of_groups() const noexcept {
 }
 
 int Krylov::complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew,
-                     bool steady, const Deadline& deadline) noexcept {
-  const Work work{groups, couplings, du, ds, crew, steady, deadline};
+                     Likeness likeness, const Deadline& deadline) noexcept {
+  const Work work{groups, couplings, du, ds, crew, likeness, deadline};
   switch (kind_) {
     case Influence::none:
       return 0;
@@ -180,7 +180,8 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
 /// What robots see of those whose turn has not come yet: their own step and a share of what the couplings added to the one before.
 void Krylov::guess(const Work& work) noexcept {
   std::fill(visited_.begin(), visited_.end(), 0);
-  if (!work.steady) share_ = 0.0;
+  if (work.likeness == Likeness::none) share_ = 0.0;
+  if (work.likeness == Likeness::of_attempts) share_ = has_added_ ? 1.0 : 0.0;
   if (share_ == 0.0) return;
   const L part = share_;
   work.groups.each(work.crew, [&](int g, int) noexcept {
@@ -242,7 +243,7 @@ int Krylov::substitute(const Work& work) noexcept {
     remember(work);
     return pass;
   }
-  share_ = 0.0;
+  forget();
   std::copy_n(ds_alone, layout_.s_length, work.ds);
   std::copy_n(du_alone, layout_.u_length, work.du);
   return late ? pass : pass + general(work);

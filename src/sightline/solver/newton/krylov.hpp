@@ -25,6 +25,13 @@ struct KrylovDeadline {
   bool passed() const noexcept { return holds && std::chrono::steady_clock::now() >= at; }
 };
 
+/// What a step has in common with the one before it.
+enum class Likeness {
+  none,
+  of_updates,   ///< what the couplings add changes from update to update, as far as it did last time
+  of_attempts,  ///< the same step, with other limits active
+};
+
 class Krylov {
  public:
   using Deadline = KrylovDeadline;
@@ -34,9 +41,9 @@ class Krylov {
          bool has_swarms = false);
 
   /// Completes a step of all agents by themselves, du and ds, to the team's. @return iterations
-  /// @param steady  the step before was like this one: substitution begins with what the couplings added to it
+  /// @param likeness  substitution begins with what the couplings added to a step that was like this one
   int complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew,
-               bool steady = false, const Deadline& deadline = {}) noexcept;
+               Likeness likeness = Likeness::none, const Deadline& deadline = {}) noexcept;
 
   /// No step was before: the next is completed as the first was.
   void forget() noexcept { share_ = 0.0, has_added_ = false; }
@@ -48,7 +55,7 @@ class Krylov {
     const Couplings& couplings;
     double *du, *ds;
     Crew& crew;
-    bool steady;
+    Likeness likeness;
     Deadline deadline;
   };
   /// One group's rows in the arrays, whole packs.

@@ -131,7 +131,7 @@ bool NewtonUpdate::descend(bool settled) noexcept {
     const auto at_high = [&](int i) { return u_[i] > high_[i] - nearby / per_scale_[i] && H_u_[i] < 0; };
     for (int i = 0; i < n; ++i) active_[i] = at_low(i) || at_high(i) ? infinity : 0.0;
     solve_alone();
-    krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, false, deadline());
+    krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, Likeness::none, deadline());
     for (int i = 0; i < n; ++i) {
       if (at_low(i)) du_[i] = low_[i] - u_[i];
       if (at_high(i)) du_[i] = high_[i] - u_[i];
@@ -166,8 +166,10 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
     if (attempt == 0) couplings_->find_neighbours(s_);
     damped = solve_alone() > 0;
     if (!late()) {
-      const bool steady = attempt == 0 && !damped && !globalising_;
-      result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, steady, deadline());
+      const Likeness likeness = attempt > 0              ? Likeness::of_attempts
+                                : damped || globalising_ ? Likeness::none
+                                                         : Likeness::of_updates;
+      result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, likeness, deadline());
     }
     proposal = examine();
     result.residual = proposal.residual;
