@@ -23,10 +23,16 @@ TEST(Descent, WhatItsUnitsPayDoesNotRiseAndLimitsHold) {
     std::fill_n(u[2], layout.u_length, -1.0);
     std::fill_n(u[3], layout.u_length, 1.0);
     std::vector<double> value(potentials.size());
+    Rows own(static_cast<int>(layout.groups.size()), layout.width);
     const auto cost = [&](const double* inputs) {
       groups.roll_out(inputs, s[0]);
       couplings->values(s[0], value);
-      return std::array{groups.own_cost(inputs, 0) + value[0], groups.own_cost(inputs, 1)};
+      const auto own_of = [&](int a) {
+        const Layout::Place& place = layout.place(a);
+        groups.own_costs(place.group, inputs, own[place.group]);
+        return own[place.group][place.lane];
+      };
+      return std::array{own_of(0) + value[0], own_of(1)};
     };
     for (int trial = 0; trial < 50; ++trial) {
       for (int a = 0; a < 2; ++a) {

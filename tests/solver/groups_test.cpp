@@ -64,8 +64,10 @@ TEST(Groups, AnAgentsTrackingCostIsItsOwnSum) {
   Groups groups(ocp, {}, KernelChoice::compiled_if_there);
   Rows u(1, groups.layout().u_length), s(1, groups.layout().s_length);
   groups.roll_out(u[0], s[0]);
-  EXPECT_NEAR(groups.own_cost(u[0], 0), 0.5 * 0.01, 1e-15);
-  EXPECT_EQ(groups.own_cost(u[0], 1), 0.0);
+  Rows own(1, groups.layout().width);
+  groups.own_costs(0, u[0], own[0]);
+  EXPECT_NEAR(own[0][0], 0.5 * 0.01, 1e-15);
+  EXPECT_EQ(own[0][1], 0.0);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ TEST(Points, EachIsThePotentialThere) {
       for (int i = 0; i < 5; ++i) points.in(p, i) = z[static_cast<std::size_t>(i)];
     }
     points.derive();
-    points.evaluate();
+    points.evaluate(count);
     for (int p = 0; p < count; ++p) {
       const auto& z = in[static_cast<std::size_t>(p)];
       EXPECT_EQ(points.value(p), evaluate(potential.value, z)[0]);

@@ -133,18 +133,9 @@ class LaneCouplings final : public Couplings {
     crosses_->add(group, c);
   }
 
-  void values(const double* s, std::span<double> sums) noexcept override {
+  void values(const double* s, std::span<double> sums, std::span<const char> wanted) noexcept override {
     for (std::vector<PairBatch>* batches : {&relative_, &general_}) {
-      for (PairBatch& batch : *batches) {
-        batch.gather(layout_, parameters_, s);
-        batch.points.evaluate();
-        int point = 0;
-        for (const BodyPotential* pair : batch.pairs) {
-          double& sum = sums[static_cast<std::size_t>(pair - first_)];
-          sum = 0.0;
-          for (int k = 0; k < layout_.stages; ++k) sum += batch.points.value(point++);
-        }
-      }
+      for (PairBatch& batch : *batches) batch.sum_values(layout_, parameters_, s, first_, sums, wanted);
     }
   }
 

@@ -42,9 +42,10 @@ class Couplings {
   /// Both, for all groups.
   void evaluate(const double* s, double* c, Crew& crew) noexcept;
   void evaluate(const double* s, double* c) noexcept;
-  /// Each potential's sum along the horizon, times h, at s; one number for each entry of the list it was made
-  /// of.
-  virtual void values(const double* s, std::span<double> sums) noexcept = 0;
+  /// Each potential's sum along the horizon, times h, at s; one number for each entry of the list it was made of.
+  /// @param wanted  of each entry whether its number is looked for, the others stay; empty: all are
+  virtual void values(const double* s, std::span<double> sums,
+                      std::span<const char> wanted = {}) noexcept = 0;
   /// of_agents += what the pairs of each agent's swarms cost along the horizon, times h, at s.
   virtual void swarm_values(const double* s, std::span<double> of_agents) noexcept = 0;
   /// y = C z, with the Hessian blocks of the last `derive`.

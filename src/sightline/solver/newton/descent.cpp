@@ -14,7 +14,12 @@ constexpr int deepest = 4;          // beyond it a cascade is searched along at 
 }  // namespace
 
 Descent::Descent(std::span<const BodyPotential> potentials, const Layout& layout, const InfluenceGraph& graph)
-    : layout_(layout), values_(potentials.size()), of_swarms_(layout.agents.size()) {
+    : layout_(layout),
+      values_(potentials.size()),
+      wanted_(potentials.size()),
+      moved_(layout.groups.size()),
+      own_(static_cast<int>(layout.groups.size()), layout.width),
+      of_swarms_(layout.agents.size()) {
   const int agents = static_cast<int>(layout.agents.size()), all = static_cast<int>(potentials.size());
   if (graph.kind == Influence::mutual) {
     Unit& team = units_.emplace_back();
@@ -54,18 +59,36 @@ void Descent::move(const Unit& unit, double alpha, const double* start, const do
   }
 }
 
-void Descent::evaluate_costs(Groups& groups, Couplings& couplings, const double* u, double* s,
+/// Of the units of a level that are not settled: they alone have moved, and are looked at.
+void Descent::evaluate_costs(int level, Groups& groups, Couplings& couplings, const double* u, double* s,
                              Crew& crew) noexcept {
-  groups.roll_out(u, s, crew);
-  couplings.values(s, values_);
+  std::fill(wanted_.begin(), wanted_.end(), 0);
+  std::fill(moved_.begin(), moved_.end(), 0);
+  const auto each = [&](auto&& f) {
+    for (Unit& unit : units_) {
+      if (unit.level == level && !unit.settled) f(unit);
+    }
+  };
+  each([&](const Unit& unit) {
+    for (const int a : unit.agents) moved_[static_cast<std::size_t>(layout_.place(a).group)] = 1;
+    for (const int p : unit.potentials) wanted_[static_cast<std::size_t>(p)] = 1;
+  });
+  groups.each(crew, [&](int g, int) noexcept {
+    if (moved_[static_cast<std::size_t>(g)] == 0) return;
+    groups.roll_out(g, u, s);
+    groups.own_costs(g, u, own_[g]);
+  });
+  couplings.values(s, values_, wanted_);
   std::fill(of_swarms_.begin(), of_swarms_.end(), 0.0);
   couplings.swarm_values(s, of_swarms_);
-  for (Unit& unit : units_) {
+  each([&](Unit& unit) {
     unit.cost = 0.0;
-    for (const int a : unit.agents)
-      unit.cost += groups.own_cost(u, a) + share_ * of_swarms_[static_cast<std::size_t>(a)];
+    for (const int a : unit.agents) {
+      const Layout::Place& place = layout_.place(a);
+      unit.cost += own_[place.group][place.lane] + share_ * of_swarms_[static_cast<std::size_t>(a)];
+    }
     for (const int p : unit.potentials) unit.cost += values_[static_cast<std::size_t>(p)];
-  }
+  });
 }
 
 double Descent::search(Groups& groups, Couplings& couplings, const double* start, const double* d,
@@ -74,6 +97,7 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
   double smallest = 1.0;
   fell_ = false;
   for (int level = 0; level < levels_; ++level) {
+    groups.roll_out(u, s, crew);
     const auto each = [&](auto&& f) {
       for (Unit& unit : units_) {
         if (unit.level == level) f(unit);
@@ -83,13 +107,13 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
       each([&](Unit& unit) {
         if (!unit.settled) move(unit, alpha, start, d, low, high, u);
       });
-      evaluate_costs(groups, couplings, u, s, crew);
+      evaluate_costs(level, groups, couplings, u, s, crew);
     };
-    evaluate_costs(groups, couplings, u, s, crew);
+    each([](Unit& unit) { unit.settled = false; });
+    evaluate_costs(level, groups, couplings, u, s, crew);
     each([](Unit& unit) {
       unit.before = unit.best = unit.cost;
       unit.alpha = 0.0;
-      unit.settled = false;
     });
     bool pending = true;
     double alpha = 1.0;

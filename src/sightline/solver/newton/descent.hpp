@@ -35,11 +35,15 @@ class Descent {
 
   void move(const Unit& unit, double alpha, const double* start, const double* d, const double* low,
             const double* high, double* u) const noexcept;
-  void evaluate_costs(Groups& groups, Couplings& couplings, const double* u, double* s, Crew& crew) noexcept;
+  void evaluate_costs(int level, Groups& groups, Couplings& couplings, const double* u, double* s,
+                      Crew& crew) noexcept;
 
   Layout layout_;
   std::vector<Unit> units_;
-  std::vector<double> values_;
+  std::vector<double> values_;     // of each potential
+  std::vector<char> wanted_;       // of each potential
+  std::vector<char> moved_;        // of each group
+  Rows own_;                       // of each lane of each group
   std::vector<double> of_swarms_;  // of each agent
   double share_ = 1.0;             // of a pair's cost that each of the two has
   int levels_ = 1;

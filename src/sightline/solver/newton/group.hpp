@@ -33,8 +33,8 @@ class Group {
   /// States of all stages of the agents in lanes 0 .. n - 1, each stage by stage.
   void copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept;
 
-  /// One agent's own cost along the trajectory, times h; the part of x_0 is constant.
-  double tracking_cost(const double* u, int lane) const noexcept;
+  /// Of each lane: the agent's own cost along the trajectory, times h; the part of x_0 is constant.
+  virtual void tracking_costs(const double* u, double* of_lanes) const noexcept = 0;
 
   /// x of all stages from x of stage 0 under u; s of all stages but the last.
   virtual void roll_out(const double* u, double* s) noexcept = 0;
@@ -91,6 +91,26 @@ class StageGroup final : public Group {
       next.store(x, n.nx * W);
       now.take(next);
     }
+  }
+
+  void tracking_costs(const double* u, double* of_lanes) const noexcept override {
+    using L = Lane<W>;
+    const StageSizes n = kernel_.sizes();
+    const auto squares = [](const double* weights, const double* a, const double* b, int count, L sum) {
+      for (int i = 0; i < count * W; i += W) {
+        const L e = L::load(a + i) - L::load(b + i);
+        sum += L::load(weights + i) * e * e;
+      }
+      return sum;
+    };
+    const double *const Q = weights_[0], *const R = Q + n.nx * W, *const u_ref = R + n.nu * W;
+    const double *x = x_[0], *x_ref = x_ref_[0];
+    L running = 0.0;
+    for (int k = 0; k < stages_; ++k, x += n.nx * W, x_ref += n.nx * W, u += n.nu * W) {
+      running = squares(Q, x, x_ref, n.nx, running);
+      running = squares(R, u, u_ref, n.nu, running);
+    }
+    (L(0.5) * running + squares(Q_f_[0], x, x_ref, n.nx, 0.0)).store(of_lanes);
   }
 
   bool backward(const double* u, const double* held, const double* c, double* H_u) noexcept override {

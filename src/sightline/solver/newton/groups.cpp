@@ -91,25 +91,6 @@ int width_for(const std::vector<Kind>& kinds) {
 
 }  // namespace
 
-double Group::tracking_cost(const double* u, int lane) const noexcept {
-  const int nx = sizes_.nx, nu = sizes_.nu;
-  double running = 0.0, end = 0.0;
-  const auto weight = [&](int i) { return *(weights_[0] + at(0, 0, i, lane)); };
-  for (int k = 0; k <= stages_; ++k) {
-    for (int i = 0; i < nx; ++i) {
-      const double e = x(k, i, lane) - *(x_ref_[0] + at(k, nx, i, lane));
-      if (k < stages_) running += weight(i) * e * e;
-      if (k == stages_) end += *(Q_f_[0] + at(0, 0, i, lane)) * e * e;
-    }
-    if (k == stages_) continue;
-    for (int i = 0; i < nu; ++i) {
-      const double e = u[at(k, nu, i, lane)] - weight(nx + nu + i);
-      running += weight(nx + i) * e * e;
-    }
-  }
-  return 0.5 * running + end;
-}
-
 void Group::copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept {
   const double* from = x_[0];
   for (int k = 0; k <= stages_; ++k, from += sizes_.nx * width_) {
@@ -224,10 +205,15 @@ void Groups::roll_out(int g, const double* u, double* s) noexcept {
   }
 }
 
-double Groups::own_cost(const double* u, int agent) noexcept {
-  const Group& group = group_of(agent);
+void Groups::own_costs(int g, const double* u, double* of_lanes) noexcept {
+  const Group& group = *groups_[at(g)];
+  group.tracking_costs(u + layout_.groups[at(g)].u, of_lanes);
+  for (const int a : members_[at(g)]) add_limits(group, u, a, of_lanes[layout_.place(a).lane]);
+}
+
+/// Adds what an agent's barriers and its inputs' rates cost along the last roll-out, times h.
+void Groups::add_limits(const Group& group, const double* u, int agent, double& cost) noexcept {
   const int lane = layout_.place(agent).lane;
-  double cost = group.tracking_cost(u + layout_.part(agent).u, lane);
   Limited& robot = limited_[at(agent)];
   const Layout::View input = layout_.u(agent);
   const int own = group.sizes().nx - group.sizes().before;
@@ -237,7 +223,7 @@ double Groups::own_cost(const double* u, int agent) noexcept {
       cost += robot.R_rate[at(i)] / (k > 0 ? h_ : dt_) * change * change;
     }
   }
-  if (robot.barriers.empty()) return cost;
+  if (robot.barriers.empty()) return;
   for (int k = 0; k < layout_.stages; ++k) {
     for (int i = 0; i < own; ++i) robot.x[at(i)] = group.x(k, i, lane);
     for (int i = 0; i < group.sizes().nu; ++i) robot.u[at(i)] = u[input(k, i)];
@@ -246,7 +232,6 @@ double Groups::own_cost(const double* u, int agent) noexcept {
       cost += h_ * barrier(sight, std::span<const double>(robot.x), std::span<const double>(robot.u));
     }
   }
-  return cost;
 }
 
 int Groups::solve(int g, const double* u, const double* active, const double* c, double* H_u, double* du,

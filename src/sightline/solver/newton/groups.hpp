@@ -41,6 +41,7 @@ class Groups {
   /// Lanes without an agent begin where one of their like does, a state that exists.
   /// @param x_at  where each agent's states are in x
   void rest_at(const double* x, std::span<const int> x_at) noexcept;
+  void roll_out(int group, const double* u, double* s) noexcept;
   void roll_out(const double* u, double* s, Crew& crew) noexcept {
     each(crew, [&](int g, int) noexcept { roll_out(g, u, s); });
   }
@@ -49,8 +50,8 @@ class Groups {
   }
   /// States of the last roll-out, agent a of stage k at x + k stage + x_at[a].
   void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at, Crew& crew) const noexcept;
-  /// Tracking cost, barriers and the inputs' rates of one agent along the last roll-out, times h.
-  double own_cost(const double* u, int agent) noexcept;
+  /// Tracking cost, barriers and the inputs' rates of a group's agents along the last roll-out, times h, lane by lane.
+  void own_costs(int group, const double* u, double* of_lanes) noexcept;
   /// The step of each agent of a group by itself: factorises at the last roll-out, and goes forward while the gains are near.
   /// Where a pivot is not sound, the lane is damped (Levenberg) until all are.
   /// @param c  of the group alone
@@ -82,7 +83,7 @@ class Groups {
   std::span<const int> members(int group) const { return members_[static_cast<std::size_t>(group)]; }
 
  private:
-  void roll_out(int group, const double* u, double* s) noexcept;
+  void add_limits(const Group& group, const double* u, int agent, double& cost) noexcept;
   /// What the barriers of an agent are evaluated with, and the cost of its inputs' rates.
   struct Limited {
     Model model;

@@ -25,8 +25,16 @@ struct PairBatch {
   bool suits(const BodyPotential& pair) const;
   /// The points' inputs at s.
   void gather(const Layout& layout, const StageParameters& parameters, const double* s) noexcept;
+  /// The value of each pair that is wanted, added up along the horizon at s, into sums[pair - first].
+  /// @param wanted  as `sums`, what is 0 stays as it is; empty: all
+  void sum_values(const Layout& layout, const StageParameters& parameters, const double* s,
+                  const BodyPotential* first, std::span<double> sums, std::span<const char> wanted) noexcept;
   /// c += gradients and own Hessians of the last `derive`, of potentials that are not relative.
   void scatter(const Layout& layout, double* c) const noexcept;
+
+ private:
+  void gather(const BodyPotential& pair, int point, const Layout& layout, const StageParameters& parameters,
+              const double* s) noexcept;
 };
 
 }  // namespace sightline

@@ -83,7 +83,8 @@ class Points {
       (Lane<W>(part_) * Lane<W>::load(&out_.all()[i])).store(&out_.all()[i]);
   }
 
-  void evaluate() noexcept { value_.run(in_[0], values_[0], packs_); }
+  /// The first so many.
+  void evaluate(int points) noexcept { value_.run(in_[0], values_[0], (points + W - 1) / W); }
   double value(int point) const { return part_ * values_[0][point]; }
 
   /// The part of the weights that is in force.
