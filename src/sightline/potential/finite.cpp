@@ -15,7 +15,8 @@
 namespace sightline {
 namespace {
 
-constexpr int third_at = 2 * sight_size, inputs = third_at + 3 + 1;  // both sights, the third body, the time
+constexpr int third_input = 2 * sight_size,
+              inputs = third_input + 3 + 1;  // both sights, the third body, the time
 constexpr int batch = 512;
 
 using Random = std::mt19937_64;
@@ -31,7 +32,7 @@ Recorded record(const Potential& potential) {
   Graph graph;
   const std::vector<Symbol> z = variables(graph, 0, inputs);
   Sight<Symbol> observer = sight_from<Symbol>(z.data());
-  observer.third = {z[third_at], z[third_at + 1], z[third_at + 2]};
+  observer.third = {z[third_input], z[third_input + 1], z[third_input + 2]};
   const Term l = potential(observer, sight_from<Symbol>(z.data() + sight_size), z.back()).in(graph);
   std::vector<Term> of;
   for (int i = 0; i < inputs; ++i) of.push_back(graph.input(i));
@@ -85,7 +86,7 @@ InputNumbers draw(Draws& draws, const FiniteSearch& search) {
   for (int axis = 0; axis < 3; ++axis) {
     const double a = z[at(axis)], b = z[at(sight_size + axis)];
     const double anywhere = std::uniform_real_distribution<double>(-reach, reach)(thirds);
-    z[at(third_at + axis)] = is_between ? a + part * (b - a) : anywhere;
+    z[at(third_input + axis)] = is_between ? a + part * (b - a) : anywhere;
   }
   return z;
 }
@@ -163,7 +164,8 @@ std::optional<Spot> not_finite_at(const Potential& potential, const FiniteSearch
   if (!found) return {};
   const InputNumbers& z = *found;
   Spot spot{sight_from<double>(z.data()), sight_from<double>(z.data() + sight_size), z.back(), {}, {}};
-  if (potential.sees_third()) spot.third = Vec3<double>{z[third_at], z[third_at + 1], z[third_at + 2]};
+  if (potential.sees_third())
+    spot.third = Vec3<double>{z[third_input], z[third_input + 1], z[third_input + 2]};
   if (recorded.sees_time) spot.ends = end_of(seeker, z, search.from);
   return spot;
 }
