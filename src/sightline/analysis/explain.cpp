@@ -397,11 +397,6 @@ void add_hits(const Team& team, Explanation& e) {
 
 Explanation explain(const Team& team, std::span<const double> x0) {
   Explanation e;
-  const std::vector<double> none(static_cast<std::size_t>(team.nu()) + 1, 0.0);
-  const auto start = [&](BodyId body) {
-    if (x0.empty()) return Vec3<double>{};
-    return team.model(body).sight(x0.data() + team.state_offset(body), none.data()).p;
-  };
   const std::vector<Coupling> couplings = with_thirds_at(team, x0);
   std::vector<bool> taken(couplings.size(), false);
   KnownPairs known;
@@ -417,7 +412,8 @@ Explanation explain(const Team& team, std::span<const double> x0) {
       const Potential& potential = couplings[j].term.potential;
       members.push_back({j, &couplings[j], !straight, potential.mount(), sees_place(potential)});
     }
-    const Ends ends = {pair.first, pair.second, start(pair.first), start(pair.second)};
+    const Ends ends = {pair.first, pair.second, place_at(team, pair.first, x0),
+                       place_at(team, pair.second, x0)};
     e.pairs.push_back(known.advice(std::move(members), ends, e.pairs));
   }
   add_hits(team, e);

@@ -91,15 +91,16 @@ struct Moved {
 
 Potential moved_to(const Vec3<double>& place, const Potential& potential) { return Moved{potential, place}; }
 
+Vec3<double> place_at(const Team& team, BodyId body, std::span<const double> x) {
+  if (x.empty()) return {};
+  const std::vector<double> none(static_cast<std::size_t>(team.nu()) + 1, 0.0);
+  return team.model(body).sight(x.data() + team.state_offset(body), none.data()).p;
+}
+
 std::vector<Coupling> with_thirds_at(const Team& team, std::span<const double> x) {
   std::vector<Coupling> couplings = team.couplings();
-  const std::vector<double> none(static_cast<std::size_t>(team.nu()) + 1, 0.0);
   for (Coupling& c : couplings) {
-    if (!c.has_third()) continue;
-    const Vec3<double> place =
-        x.empty() ? Vec3<double>{}
-                  : team.model(c.third).sight(x.data() + team.state_offset(c.third), none.data()).p;
-    c.term.potential = Moved{c.term.potential, {}, place};
+    if (c.has_third()) c.term.potential = Moved{c.term.potential, {}, place_at(team, c.third, x)};
   }
   return couplings;
 }

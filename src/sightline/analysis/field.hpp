@@ -51,6 +51,9 @@ bool sees_place(const Potential& potential);
 /// The same potential as it is around a place of G: that place becomes the origin.
 Potential moved_to(const Vec3<double>& place, const Potential& potential);
 
+/// Where a body is at the states x (team.nx()) and inputs of 0; empty: at the origin.
+Vec3<double> place_at(const Team& team, BodyId body, std::span<const double> x);
+
 /// The couplings of a team, each as it is while its third body stays where the states x (team.nx()) have it; empty: at the origin.
 std::vector<Coupling> with_thirds_at(const Team& team, std::span<const double> x);
 

@@ -16,8 +16,7 @@ namespace {
 /// Where the first of a coupling starts, if its potential depends on that.
 std::optional<Vec3<double>> place_of(const Team& team, const Coupling& c, std::span<const double> x0) {
   if (x0.empty() || !sees_place(c.term.potential)) return {};
-  const std::vector<double> none(static_cast<std::size_t>(team.nu()) + 1, 0.0);
-  return team.model(c.between.first).sight(x0.data() + team.state_offset(c.between.first), none.data()).p;
+  return place_at(team, c.between.first, x0);
 }
 
 }  // namespace

@@ -135,11 +135,9 @@ std::vector<Drawn> Scene::draw(std::span<const std::optional<Sight<double>>> bod
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const auto &a = bodies[size(pairs_[k].a.index)], &b = bodies[size(pairs_[k].b.index)];
     if (!a || !b) continue;
-    Sight<double> observer = *a;
-    const auto& view = pairs_[k].view;
-    if (view && view->third.index >= 0)
-      if (const auto& third = bodies[size(view->third.index)]) observer.third = third->p;
-    draw_pair(all, static_cast<int>(k), pairs_[k], observer, *b, t);
+    const auto sight = [&](BodyId body) { return bodies[size(body.index)].value_or(Sight<double>{}); };
+    const BodyId third = pairs_[k].view ? pairs_[k].view->third : BodyId{};
+    draw_pair(all, static_cast<int>(k), pairs_[k], first_sight(sight, pairs_[k].a, third), *b, t);
   }
   return all;
 }
