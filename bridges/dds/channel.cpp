@@ -8,6 +8,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "sightline/base/now.hpp"
+
 namespace sightline::dds {
 namespace {
 
@@ -50,16 +52,7 @@ dds_entity_t made_topic(dds_entity_t participant, const dds_topic_descriptor_t& 
 
 std::string on_wire(const std::string& topic) { return topic.starts_with('/') ? wire_topic(topic) : topic; }
 
-std::int64_t now_of(clockid_t clock) noexcept {
-  timespec t{};
-  ::clock_gettime(clock, &t);
-  return t.tv_sec * std::int64_t{1'000'000'000} + t.tv_nsec;
-}
-
 }  // namespace
-
-std::int64_t monotonic_now() noexcept { return now_of(CLOCK_MONOTONIC); }
-std::int64_t realtime_now() noexcept { return now_of(CLOCK_REALTIME); }
 
 RawWriter::RawWriter(Port at, const dds_topic_descriptor_t& type, const std::string& topic, Quality quality)
     : topic_(on_wire(topic)), type_(wire_type(type.m_typename)) {

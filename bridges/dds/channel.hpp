@@ -164,7 +164,4 @@ RawReader::Take taking(std::function<void(const M&, const Arrival&)> take) {
   };
 }
 
-std::int64_t monotonic_now() noexcept;  ///< [ns]
-std::int64_t realtime_now() noexcept;   ///< since 1970 [ns]
-
 }  // namespace sightline::dds

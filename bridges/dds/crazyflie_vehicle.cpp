@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bridges/dds/service.hpp"
+#include "sightline/base/now.hpp"
 
 extern "C" {
 #include "crazyflie.h"

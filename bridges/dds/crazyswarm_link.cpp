@@ -7,6 +7,7 @@
 
 #include "bridges/dds/flatness.hpp"
 #include "bridges/dds/seen_poses.hpp"
+#include "sightline/base/now.hpp"
 
 extern "C" {
 #include "crazyflie.h"

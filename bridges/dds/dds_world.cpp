@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/now.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -65,11 +66,6 @@ double cpu_seconds() noexcept {
 
 LinkTiming::Delay delay_of(const DelayHistogram& times) {
   return {times.within(0.5), times.within(0.99), times.within(1.0)};
-}
-
-void sleep_until(std::int64_t t) noexcept {
-  const timespec wake = {t / 1'000'000'000, t % 1'000'000'000};
-  while (monotonic_now() < t) ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, nullptr);
 }
 
 }  // namespace
@@ -265,8 +261,8 @@ void DdsWorld::show(const Sample& sample) noexcept {
 template <class Done>
 void DdsWorld::steps_until(LinkOrder order, const Interrupts& interrupts, const TellPerson& tell,
                            Done&& done) {
-  for (std::int64_t next = monotonic_now(); !done();
-       next = std::max(next + period_, monotonic_now() - period_)) {
+  for (std::int64_t next = next_multiple(monotonic_now(), period_); !done();
+       next = next_multiple(std::max(next + period_, monotonic_now() - period_), period_)) {
     sleep_until(next);
     step_all(interrupts >= 2 ? LinkOrder::hand_over : order, {}, {});
     if (talk_) stand(order);

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <limits>
 
+#include "sightline/base/now.hpp"
+
 namespace sightline::dds {
 namespace {
 

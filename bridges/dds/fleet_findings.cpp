@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline::dds {

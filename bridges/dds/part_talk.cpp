@@ -8,6 +8,7 @@
 #include "bridges/dds/ros_words.hpp"
 #include "bridges/dds/topics_out.hpp"
 #include "sightline/base/index.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/scenario/read_partition.hpp"
 
 extern "C" {

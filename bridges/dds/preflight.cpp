@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sightline/base/now.hpp"
+
 namespace sightline::dds {
 namespace {
 

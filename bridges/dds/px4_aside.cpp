@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bridges/dds/px4_release.hpp"
+#include "sightline/base/now.hpp"
 
 extern "C" {
 #include "px4.h"

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "bridges/dds/seen_poses.hpp"
+#include "sightline/base/now.hpp"
 
 extern "C" {
 #include "px4.h"

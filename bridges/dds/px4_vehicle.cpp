@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/base/now.hpp"
+
 extern "C" {
 #include "px4.h"
 }

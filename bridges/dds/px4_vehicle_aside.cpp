@@ -6,6 +6,7 @@
 
 #include "bridges/dds/px4_link.hpp"
 #include "bridges/dds/px4_release.hpp"
+#include "sightline/base/now.hpp"
 
 extern "C" {
 #include "px4.h"

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/base/now.hpp"
+
 extern "C" {
 #include "ros.h"
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sightline/base/now.hpp"
 #include "sightline/world/flight_controller.hpp"
 
 extern "C" {

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "bridges/dds/seen_poses.hpp"
+#include "sightline/base/now.hpp"
 
 extern "C" {
 #include "ros.h"

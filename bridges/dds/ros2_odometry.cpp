@@ -1,5 +1,7 @@
 #include "bridges/dds/ros2_odometry.hpp"
 
+#include "sightline/base/now.hpp"
+
 extern "C" {
 #include "ros.h"
 }

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "sightline/base/now.hpp"
+
 extern "C" {
 #include "ros.h"
 }

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
-#include <thread>
 
 #include "bridges/dds/crazyflie_vehicle.hpp"
 #include "bridges/dds/px4_release.hpp"
@@ -14,6 +12,7 @@
 #include "bridges/dds/ros2_flyer.hpp"
 #include "bridges/dds/ros2_rover.hpp"
 #include "sightline/base/index.hpp"
+#include "sightline/base/now.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -148,12 +147,13 @@ void DdsStandIns::step(Robot& robot, std::int64_t number) {
 }
 
 void DdsStandIns::run(double duration, const Interrupts& interrupts, const TellPerson& tell) {
-  using Time = std::chrono::steady_clock;
-  const auto period = std::chrono::microseconds(std::llround(1e6 * StandIn::period));
+  const std::int64_t period = std::llround(1e9 * StandIn::period);
+  const std::int64_t flown = std::llround(1e9 * scenario_.horizon.dt);
   const std::int64_t steps = std::llround(std::min(duration, 1e9) / StandIn::period);
-  const Time::time_point begin = Time::now();
+  // Between the beginnings of the periods of those who fly: which pose one has does not hang on a race.
+  const std::int64_t begin = next_multiple(monotonic_now(), flown) + std::min(period, flown) / 2;
   for (std::int64_t k = 0; k < steps && interrupts == 0; ++k) {
-    std::this_thread::sleep_until(begin + k * period);
+    sleep_until(begin + k * period);
     follow_plan(k, tell);
     for (Robot& robot : robots_) step(robot, k);
     motions_.clear();

@@ -13,6 +13,7 @@
 #include "bridges/dds/stand_in.hpp"
 #include "bridges/dds/tag_frames.hpp"
 #include "sightline/base/index.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/scenario/read_camera.hpp"
 #include "sightline/world/synthetic_detections.hpp"
 #include "sightline/world/tag_pose.hpp"

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/now.hpp"
 
 extern "C" {
 #include "ros.h"

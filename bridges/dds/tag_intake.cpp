@@ -9,6 +9,7 @@
 #include "bridges/dds/fleet_findings.hpp"  // clocks_apart
 #include "bridges/dds/tag_frames.hpp"
 #include "sightline/base/index.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/world/tag_pose.hpp"
 
 extern "C" {

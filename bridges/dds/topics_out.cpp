@@ -18,6 +18,7 @@
 #include "bridges/dds/mailbox.hpp"
 #include "bridges/dds/ros_words.hpp"
 #include "sightline/base/index.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/event_words.hpp"
 #include "sightline/run/ring.hpp"

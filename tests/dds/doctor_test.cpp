@@ -10,6 +10,7 @@
 
 #include "bridges/dds/px4_layout.hpp"
 #include "bridges/dds/ros2_rover.hpp"
+#include "sightline/base/now.hpp"
 #include "tests/dds/rig.hpp"
 
 extern "C" {

@@ -13,6 +13,7 @@
 #include "bridges/dds/mailbox.hpp"
 #include "bridges/dds/px4_release.hpp"
 #include "cli/allocations.hpp"
+#include "sightline/base/now.hpp"
 #include "tests/dds/own_domain.hpp"
 #include "tests/support/refusal.hpp"
 

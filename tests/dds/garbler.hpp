@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "bridges/dds/channel.hpp"
+#include "sightline/base/now.hpp"
 
 namespace sightline::dds {
 

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "bridges/dds/domain.hpp"
+#include "sightline/base/now.hpp"
 #include "tests/dds/own_domain.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/newton_riccati_of.hpp"

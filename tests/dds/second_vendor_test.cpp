@@ -11,6 +11,7 @@
 #include "bridges/dds/px4_layout.hpp"
 #include "bridges/dds/px4_link.hpp"
 #include "bridges/dds/service.hpp"
+#include "sightline/base/now.hpp"
 #include "tests/dds/fly.hpp"
 
 extern "C" {

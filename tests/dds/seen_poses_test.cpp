@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "sightline/base/now.hpp"
 #include "tests/dds/rig.hpp"
 
 extern "C" {

@@ -9,6 +9,7 @@
 
 #include "bridges/dds/domain.hpp"
 #include "bridges/dds/tag_frames.hpp"
+#include "sightline/base/now.hpp"
 #include "tests/dds/own_domain.hpp"
 #include "tests/support/command.hpp"
 

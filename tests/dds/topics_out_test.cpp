@@ -11,6 +11,7 @@
 #include <set>
 #include <thread>
 
+#include "sightline/base/now.hpp"
 #include "tests/dds/rig.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/refusal.hpp"

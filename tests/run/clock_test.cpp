@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
+
+#include "sightline/base/now.hpp"
 
 namespace sightline {
 namespace {
@@ -34,7 +37,7 @@ TEST(SteadyClock, NoPeriodBeginsBeforeItsTime) {
 TEST(SteadyClock, PeriodsThatAreOverAreMissedAndNotMadeUpFor) {
   SteadyClock clock;
   clock.start(0.005);
-  std::this_thread::sleep_for(milliseconds(26));
+  std::this_thread::sleep_for(milliseconds(31));
   const std::int64_t now = clock.wait(1);
   EXPECT_GE(now, 5);  // 1 to 4 are over
   EXPECT_GT(clock.wait(now + 1), now);
@@ -50,6 +53,21 @@ TEST(SteadyClock, ALatePeriodDoesNotMoveTheGrid) {
   // It begins on a multiple of the period after the start, or later, never on one after the late wake-up.
   EXPECT_GE(Time::now() - start, milliseconds(20) * k);
   EXPECT_GE(k, 2);
+}
+
+TEST(SteadyClock, PeriodsBeginWhereThoseOfOtherProgramsDo) {
+  constexpr std::int64_t period = 5'000'000;  // [ns]
+  for (const int later : {0, 1, 3}) {
+    std::this_thread::sleep_for(milliseconds(later));
+    SteadyClock clock;
+    clock.start(1e-9 * period);
+    std::int64_t earliest = period;  // that one of them begins behind a multiple
+    for (std::int64_t k = 0; k < 20; ++k) {
+      k = clock.wait(k);
+      earliest = std::min(earliest, monotonic_now() % period);
+    }
+    EXPECT_LT(earliest, period / 4) << later;
+  }
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ class Clock {
  public:
   virtual ~Clock() = default;
 
-  /// Period 0 begins now.
+  /// Period 0 begins now, or in a moment.
   /// @param period  [s], > 0
   virtual void start(double period) noexcept = 0;
   /// Waits until period k begins.
@@ -39,9 +39,9 @@ class SimulatedClock final : public Clock {
   bool waits_for_log() const noexcept override { return true; }
 };
 
-/// The machine's monotonic clock. Periods lie on a fixed grid: a late one is followed by the grid's next, no
-/// delay adds up; one that was over before it could begin is missed, and the one that runs instead begins at
-/// once.
+/// The machine's monotonic clock. Periods begin at its multiples of the period, so that all programs of one machine share a
+/// grid: a late period is followed by the grid's next, no delay adds up; one that was over before it could begin is missed, and
+/// the one that runs instead begins at once.
 class SteadyClock final : public Clock {
  public:
   void start(double period) noexcept override;

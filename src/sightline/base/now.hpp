@@ -1,0 +1,22 @@
+/// The machine's clocks, which all programs of one machine read.
+#pragma once
+
+#include <cstdint>
+
+namespace sightline {
+
+std::int64_t monotonic_now() noexcept;  ///< [ns]
+std::int64_t realtime_now() noexcept;   ///< since 1970 [ns]
+
+/// Sleeps until the monotonic clock says t [ns]; a signal does not end it early.
+void sleep_until(std::int64_t t) noexcept;
+
+/// The first multiple of `period` that is not before t [ns]. Programs whose periods begin there keep one grid, whenever
+/// each of them was started.
+/// @param t       >= 0
+/// @param period  > 0
+constexpr std::int64_t next_multiple(std::int64_t t, std::int64_t period) {
+  return (t + period - 1) / period * period;
+}
+
+}  // namespace sightline
