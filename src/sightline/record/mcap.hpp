@@ -138,6 +138,8 @@ class McapWriter final : public MessageSink {
 
   void write(const Bytes& bytes);
   void fail(std::string_view what, int error_number);
+  Bytes chunk_indexes();
+  bool read_back(std::uint64_t at, std::span<std::byte> bytes);
   void write_summary();
 
   std::string path_;
@@ -153,7 +155,7 @@ class McapWriter final : public MessageSink {
   std::vector<Channel> channels_;
 
   // the summary as it grows, one run of records per kind
-  Bytes schema_records_, channel_records_, chunk_indexes_, metadata_indexes_;
+  Bytes schema_records_, channel_records_, metadata_indexes_;
   std::uint64_t first_ = 0, last_ = 0, messages_ = 0;
   std::uint32_t chunks_ = 0, metadata_count_ = 0;
   std::uint16_t schemas_ = 0;

@@ -5,10 +5,12 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cerrno>
 #include <concepts>
 #include <cstdio>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -35,6 +37,13 @@ constexpr int zstd_level = 1;
 template <std::unsigned_integral T>
 void store(std::byte* place, T value) {
   for (std::size_t i = 0; i < sizeof(T); ++i) place[i] = static_cast<std::byte>(value >> (8 * i));
+}
+
+template <std::unsigned_integral T>
+T load(const std::byte* place) {
+  T value = 0;
+  for (std::size_t i = 0; i < sizeof(T); ++i) value |= static_cast<T>(static_cast<T>(place[i]) << (8 * i));
+  return value;
 }
 
 template <std::unsigned_integral T>
@@ -77,7 +86,7 @@ void close_record(Bytes& to, std::size_t at) {
 McapWriter::McapWriter(const std::filesystem::path& path, std::string_view profile, std::string_view library)
     : path_(path.string()), zstd_(ZSTD_createCCtx(), ZSTD_freeCCtx) {
   do {
-    file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   } while (file_ < 0 && errno == EINTR);
   if (file_ < 0) fail("cannot be opened for writing", errno);
 
@@ -166,20 +175,10 @@ void McapWriter::flush() {
   store(out_.data() + length_at, std::uint64_t{compressed});
   close_record(out_, record);
 
-  // Where each channel's messages are, and where those lists are.
-  const std::uint64_t chunk_at = position_, chunk_length = out_.size();
-  const std::size_t index = open_record(chunk_indexes_, chunk_index);
-  put(chunk_indexes_, chunk_first_);
-  put(chunk_indexes_, chunk_last_);
-  put(chunk_indexes_, chunk_at);
-  put(chunk_indexes_, chunk_length);
-  const std::size_t offsets_at = chunk_indexes_.size();
-  put(chunk_indexes_, std::uint32_t{0});
+  // Where each channel's messages are.
   for (std::size_t id = 0; id < channels_.size(); ++id) {
     const std::vector<Entry>& entries = channels_[id].entries;
     if (entries.empty()) continue;
-    put(chunk_indexes_, static_cast<std::uint16_t>(id));
-    put(chunk_indexes_, std::uint64_t{chunk_at + out_.size()});
     const std::size_t list = open_record(out_, message_index);
     put(out_, static_cast<std::uint16_t>(id));
     put(out_, static_cast<std::uint32_t>(16 * entries.size()));
@@ -189,14 +188,6 @@ void McapWriter::flush() {
     }
     close_record(out_, list);
   }
-  store(chunk_indexes_.data() + offsets_at,
-        static_cast<std::uint32_t>(chunk_indexes_.size() - offsets_at - 4));
-  put(chunk_indexes_, std::uint64_t{out_.size() - chunk_length});
-  put_string(chunk_indexes_, "zstd");
-  put(chunk_indexes_, std::uint64_t{compressed});
-  put(chunk_indexes_, std::uint64_t{chunk_.size()});
-  close_record(chunk_indexes_, index);
-
   write(out_);
 
   // The next chunk begins empty; the buffers keep their room.
@@ -244,7 +235,64 @@ void McapWriter::close() {
   if (closed != 0 && errno != EINTR) fail("cannot be closed", errno);
 }
 
+// Where each chunk is, and where its lists are, read back from the file: in memory it would grow for as long as one flies.
+McapWriter::Bytes McapWriter::chunk_indexes() {
+  constexpr std::size_t chunk_head = record_head + 44;  // up to the compressed records
+  std::array<std::byte, chunk_head> head;
+  Bytes all;
+  std::optional<std::size_t> open;  // the index of the chunk before this record
+  std::size_t offsets_at = 0;
+  std::uint64_t lists = 0, compressed = 0, uncompressed = 0;  // [B]
+  const auto close_index = [&] {
+    if (!open) return;
+    store(all.data() + offsets_at, static_cast<std::uint32_t>(all.size() - offsets_at - 4));
+    put(all, lists);
+    put_string(all, "zstd");
+    put(all, compressed);
+    put(all, uncompressed);
+    close_record(all, *open);
+    open.reset();
+  };
+  for (std::uint64_t at = magic.size(), length = 0; at < position_; at += length) {
+    if (!read_back(at, std::span(head).first(std::min<std::uint64_t>(head.size(), position_ - at)))) return {};
+    length = record_head + load<std::uint64_t>(&head[1]);
+    const auto kind = static_cast<RecordKind>(head[0]);
+    if (kind == message_index && open) {
+      put(all, load<std::uint16_t>(&head[record_head]));
+      put(all, at);
+      lists += length;
+    }
+    if (kind != chunk_record) continue;
+    close_index();
+    open = open_record(all, chunk_index);
+    put(all, load<std::uint64_t>(&head[record_head]));      // first time
+    put(all, load<std::uint64_t>(&head[record_head + 8]));  // last time
+    put(all, at);
+    put(all, length);
+    offsets_at = all.size();
+    put(all, std::uint32_t{0});
+    lists = 0;
+    uncompressed = load<std::uint64_t>(&head[record_head + 16]);
+    compressed = length - chunk_head;
+  }
+  close_index();
+  return all;
+}
+
+bool McapWriter::read_back(std::uint64_t at, std::span<std::byte> bytes) {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t count =
+        ::pread(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(at + done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return fail("cannot be read back", count < 0 ? errno : EIO), false;
+    done += static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
 void McapWriter::write_summary() {
+  const Bytes indexes = chunk_indexes();
+  if (file_ < 0) return;
   out_.clear();
   const std::size_t end = open_record(out_, data_end);
   put(out_, crc_);
@@ -285,7 +333,7 @@ void McapWriter::write_summary() {
   group(schema_record, schema_records_);
   group(channel_record, channel_records_);
   group(statistics, counts);
-  group(chunk_index, chunk_indexes_);
+  group(chunk_index, indexes);
   group(metadata_index, metadata_indexes_);
   const std::uint64_t offsets_at = summary_at + out_.size();
   put_bytes(out_, offsets);
