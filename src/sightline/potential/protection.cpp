@@ -6,7 +6,7 @@
 namespace sightline {
 namespace {
 
-constexpr int samples = 64;
+constexpr int encounters = 64;
 constexpr double near = 1e-6, far = 1e4, away = 1e6;  // [m]
 
 /// Two bodies; `from` is where on the observer's axis the distance is measured from [m].
@@ -15,7 +15,7 @@ struct Encounter {
 
   Encounter(int i, double distance, double from) {
     const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
-    const double z = 1.0 - (2.0 * i + 1.0) / samples, r = std::sqrt(1.0 - z * z), around = golden * i;
+    const double z = 1.0 - (2.0 * i + 1.0) / encounters, r = std::sqrt(1.0 - z * z), around = golden * i;
     const auto heading = [](double angle) { return Vec2<double>{std::cos(angle), std::sin(angle)}; };
     observer.p = {0.0, 0.0, 1.0};
     observer.d = heading(2.0 * i);
@@ -31,7 +31,7 @@ struct Encounter {
 
 /// Whether the limit is broken in all encounters at this distance, or holds in all.
 bool is_always(bool broken, const Potential& potential, double distance, double from) {
-  for (int i = 0; i < samples; ++i) {
+  for (int i = 0; i < encounters; ++i) {
     const Encounter e(i, distance, from);
     if ((potential.violation(e.observer, e.target, 0.1 * i) > 0) != broken) return false;
   }
