@@ -286,10 +286,11 @@ void DdsWorld::stand(LinkOrder order) noexcept {
 
 /// The parts that are heard begin together, if none lets the others wait for long.
 void DdsWorld::begin_together(const Interrupts& interrupts, const TellPerson& tell) {
-  const std::int64_t until = monotonic_now() + std::llround(1e9 * begins_together);
+  const Nanoseconds until = monotonic_now() + std::llround(1e9 * begins_together);
   const auto flies = [&] { return each_is({LinkState::holding}) && interrupts == 0 && !calls_.to_land(); };
-  steps_until(LinkOrder::hold, interrupts, tell,
-              [&] { return !flies() || talk_->all_hold() || monotonic_now() > until; });
+  steps_until(LinkOrder::hold, interrupts, tell, [&] {
+    return !flies() || monotonic_now() >= std::min(until, talk_->begins().value_or(until));
+  });
   if (flies() && !talk_->all_hold())
     tell_all(fmt::format("begins without part {}, which does not hold after {} s", talk_->awaited(),
                          begins_together),

@@ -20,6 +20,8 @@ namespace {
 
 constexpr std::size_t messages_kept = 16;  // at least
 constexpr Quality of_predictions = {false, false, 1};
+constexpr Nanoseconds agreed_in = 300'000'000;       // time for all to hear when the task begins [ns]
+constexpr Nanoseconds begins_soon = 10'000'000'000;  // [ns]
 
 /// The difference of the two clocks: realtime minus monotonic.
 Nanoseconds realtime_ahead() noexcept { return realtime_now() - monotonic_now(); }
@@ -60,6 +62,7 @@ PartTalk::PartTalk(const Scenario& scenario, dds_entity_t participant)
     : team_(scenario.team),
       own_(place_of(scenario.partition->parts, scenario.partition->part)),
       step_(scenario.horizon.h()),
+      period_(std::llround(1e9 * scenario.horizon.dt)),
       stages_(size(scenario.horizon.N + 1)),
       part_of_(size(team_.bodies()), -1),
       no_input_(size(std::max(1, team_.nu()))),
@@ -109,6 +112,8 @@ void PartTalk::take(OtherPart& from, const void* raw, const Arrival& arrival) {
   const auto& message = *static_cast<const sightline_msgs_msg_dds__Prediction_*>(raw);
   const bool fits = message.part != nullptr && from.name == message.part && message.stamp > 0 &&
                     message.phase <= static_cast<std::uint8_t>(PartPhase::landing) &&
+                    (message.begins == 0 ||
+                     (message.begins > 0 && std::abs(message.begins - message.stamp) < begins_soon)) &&
                     std::abs(message.step - step_) < 1e-9 && message.robots._length == from.robots.size();
   PartMessage* const slot = fits ? from.came->claim() : nullptr;
   if (slot == nullptr) {
@@ -121,6 +126,7 @@ void PartTalk::take(OtherPart& from, const void* raw, const Arrival& arrival) {
   slot->stamp = message.stamp;
   slot->steers = message.steers;
   slot->phase = message.phase;
+  slot->begins = message.begins;
   for (std::size_t i = 0; i < from.robots.size(); ++i) {
     const auto& robot = message.robots._buffer[i];
     Prediction& prediction = slot->predictions[i];
@@ -206,6 +212,7 @@ PartMessage* PartTalk::claim(ClockTime stamp, PartPhase phase, bool steers) noex
   message->stamp = stamp;
   message->steers = steers;
   message->phase = static_cast<std::uint8_t>(phase);
+  message->begins = begins_ ? *begins_ + realtime_ahead() : 0;
   peers_.answer(stamp, message->echoes);
   return message;
 }
@@ -220,6 +227,7 @@ void PartTalk::send(double t, std::span<const Prediction> predictions) noexcept 
 
 void PartTalk::stand(PartPhase phase, std::span<const double> states) noexcept {
   drain();
+  agree(phase);
   PartMessage* const message = claim(realtime_now(), phase, false);
   if (message == nullptr) return;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
@@ -246,6 +254,20 @@ bool PartTalk::all_hold() const noexcept {
   for (int i = 0; i < static_cast<int>(others_.size()); ++i)
     if (waits_for(i)) return false;
   return true;
+}
+
+void PartTalk::agree(PartPhase phase) noexcept {
+  if (phase != PartPhase::holding || !all_hold()) return begins_.reset();
+  // In the middle of a period: clocks that differ by less than half of one find the same.
+  if (!begins_) begins_ = next_multiple(monotonic_now() + agreed_in, period_) + period_ / 2;
+  for (std::size_t i = 0; i < others_.size(); ++i) {
+    const int part = static_cast<int>(i);
+    const bool holds = others_[i]->came != nullptr && others_[i]->state == PeerState::idle &&
+                       peers_.phase(part) == static_cast<std::uint8_t>(PartPhase::holding);
+    if (!holds || peers_.begins(part) == 0) continue;
+    const Nanoseconds theirs = peers_.begins(part) - others_[i]->offset - realtime_ahead();
+    begins_ = std::min(*begins_, theirs);
+  }
 }
 
 std::string PartTalk::awaited() const {
@@ -319,6 +341,7 @@ void PartTalk::write_all() {
     out.step = step_;
     out.steers = message->steers;
     out.phase = message->phase;
+    out.begins = message->begins;
     for (std::size_t i = 0; i < robots.size(); ++i) {
       const std::vector<Sight<double>>& sights = message->predictions[i].sights;
       numbers[i].resize(sights.size() * sight_size);

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -41,6 +42,9 @@ class PartTalk final : public PartExchange {
   void stand(PartPhase phase, std::span<const double> states) noexcept;
   /// Whether no part that is heard is still on its way to where it holds.
   bool all_hold() const noexcept;
+  /// When the task begins, by the monotonic clock, as agreed with those that hold: once all do, each says when, and the earliest
+  /// that one of them said counts. None before.
+  std::optional<Nanoseconds> begins() const noexcept { return begins_; }
   /// The parts that it waits for, in words.
   std::string awaited() const;
 
@@ -71,6 +75,7 @@ class PartTalk final : public PartExchange {
   void take(OtherPart& from, const void* message, const Arrival& arrival);
   void drain() noexcept;
   bool waits_for(int part) const noexcept;
+  void agree(PartPhase phase) noexcept;
   Nanoseconds delay_of(const PartMessage& message) const noexcept;
   PartMessage* claim(ClockTime stamp, PartPhase phase, bool steers) noexcept;
   void write_all();
@@ -78,6 +83,7 @@ class PartTalk final : public PartExchange {
   Team team_;
   int own_;
   double step_;
+  Nanoseconds period_;
   std::size_t stages_;
   std::vector<std::string> parts_;
   std::vector<std::unique_ptr<OtherPart>> others_;  // of each part; of our own: nothing
@@ -87,6 +93,7 @@ class PartTalk final : public PartExchange {
   ExchangeOptions exchange_;
   Peers peers_;
   Nanoseconds origin_ = 0;
+  std::optional<Nanoseconds> begins_;
   std::uint64_t session_, number_ = 0;
   std::atomic<std::int64_t> sent_{0};
   RawWriter writer_;

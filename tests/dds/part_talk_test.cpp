@@ -98,6 +98,30 @@ TEST_F(TwoComputers, HearEachOtherOnceTheyFlyAndNotAnyLongerThanThey) {
   EXPECT_THAT(left.talk.counts().back(), HasSubstr("part right: "));
 }
 
+TEST_F(TwoComputers, ThoseThatHoldBeginInTheSamePeriodThoughMessagesAreLostAndLate) {
+  const std::string network = R"(delay = 0.03
+loss = 0.3
+flown_by = "simulation")";
+  Computer left("left", network, &domain), right("right", network, &domain);
+  const auto begun = [](const Computer& c) { return c.talk.begins() && monotonic_now() > *c.talk.begins(); };
+  left.stand();
+  EXPECT_TRUE(left.talk.begins()) << "it hears nobody";
+  ASSERT_TRUE(test::eventually(
+      [&] {
+        left.talk.stand(PartPhase::rising, left.scenario.x0), right.stand(), pass_period();
+        return !right.talk.all_hold();
+      },
+      std::chrono::seconds(10)));
+  EXPECT_FALSE(left.talk.begins()) << "it does not hold";
+  ASSERT_TRUE(test::eventually(
+      [&] {
+        left.stand(), right.stand(), pass_period();
+        return begun(left) && begun(right);
+      },
+      std::chrono::seconds(10)));
+  EXPECT_LT(std::abs(*left.talk.begins() - *right.talk.begins()), 5'000'000) << "[ns]";
+}
+
 TEST_F(TwoComputers, WhatIsPredictedElsewhereIsPlannedWith) {
   Computer left("left", "", &domain), right("right", "", &domain);
   struct Planner final : PartExchange {
@@ -165,6 +189,8 @@ TEST_F(TwoComputers, MessagesOfAnotherShapeAreCountedAndDropped) {
       [&](Message& m, Robot&, Numbers&) { m.step *= 2; },
       [&](Message& m, Robot&, Numbers&) { m.stamp = -5; },
       [&](Message& m, Robot&, Numbers&) { m.phase = 200; },
+      [&](Message& m, Robot&, Numbers&) { m.begins = m.stamp + 60'000'000'000; },
+      [&](Message& m, Robot&, Numbers&) { m.begins = std::numeric_limits<std::int64_t>::min(); },
       [&](Message& m, Robot&, Numbers&) { m.robots._length = 0; },
       [&](Message&, Robot& r, Numbers&) { r.robot = nobody.data(); },
       [&](Message&, Robot& r, Numbers&) { r.sights._length -= 1; },

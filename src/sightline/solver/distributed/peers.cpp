@@ -59,6 +59,7 @@ bool Peers::receive(const PartMessage& message, ClockTime now) noexcept {
   peer.arrived = now;
   peer.steers = message.steers;
   peer.phase = message.phase;
+  peer.begins = message.begins;
   if (message.echoes.size() == peers_.size()) peer.clock.hear(now, message.stamp, message.echoes[at(own_)]);
   return true;
 }

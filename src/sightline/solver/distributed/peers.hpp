@@ -49,6 +49,7 @@ struct PartMessage {
   ClockTime stamp = 0;         ///< of the first sight of each prediction, by the sender's clock
   bool steers = false;         ///< its robots fly as they predict, and keep their distances
   std::uint8_t phase = 0;      ///< of its flight; of no meaning here
+  ClockTime begins = 0;        ///< when its task begins, by the sender's clock; 0: not said
   ClockTime arrived = 0;       ///< by another clock of the receiver's, where it keeps one; of no meaning here
   std::vector<Prediction> predictions{};  ///< of its robots, `who` of the whole team
   std::vector<Echo> echoes{};             ///< of each part
@@ -101,6 +102,8 @@ class Peers {
   /// Theirs minus ours; none where it is not known.
   std::optional<ClockTime> offset(int part) const noexcept;
   std::uint8_t phase(int part) const noexcept { return peers_[static_cast<std::size_t>(part)].phase; }
+  /// When its task begins, by its clock; 0: not said.
+  ClockTime begins(int part) const noexcept { return peers_[static_cast<std::size_t>(part)].begins; }
   /// What goes into the next message.
   void answer(ClockTime now, std::vector<Echo>& echoes) const noexcept;
 
@@ -114,7 +117,7 @@ class Peers {
  private:
   struct Peer {
     std::uint64_t session = 0, sequence = 0;
-    ClockTime stamp = 0, arrived = 0;
+    ClockTime stamp = 0, arrived = 0, begins = 0;
     bool steers = false;
     std::uint8_t phase = 0;
     ClockOffsetByEcho clock{};
