@@ -212,7 +212,7 @@ PartMessage* PartTalk::claim(ClockTime stamp, PartPhase phase, bool steers) noex
   message->stamp = stamp;
   message->steers = steers;
   message->phase = static_cast<std::uint8_t>(phase);
-  message->begins = begins_ ? *begins_ + realtime_ahead() : 0;
+  message->begins = phase == PartPhase::holding && begins_ ? *begins_ + realtime_ahead() : 0;
   peers_.answer(stamp, message->echoes);
   return message;
 }

@@ -122,6 +122,24 @@ flown_by = "simulation")";
   EXPECT_LT(std::abs(*left.talk.begins() - *right.talk.begins()), 5'000'000) << "[ns]";
 }
 
+TEST_F(TwoComputers, OneThatFliesSaysNoMoreWhenItBegins) {
+  using Message = sightline_msgs_msg_dds__Prediction_;
+  Computer left("left", "", &domain);
+  std::atomic<int> held{0}, flown{0}, wrong{0};
+  const RawReader listener(domain.another_participant(), sightline_msgs_msg_dds__Prediction__desc,
+                           prediction_topic(left.scenario.name, "left"), of_sensors, std::nullopt,
+                           Writers::all, taking<Message>([&](const Message& m, const Arrival&) {
+                             ++(m.steers ? flown : held);
+                             wrong += (m.begins != 0) == m.steers;
+                           }));
+  const auto until = [](const std::atomic<int>& some, auto&& say) {
+    return test::eventually([&] { return say(), pass_period(), some > 5; }, std::chrono::seconds(10));
+  };
+  EXPECT_TRUE(until(held, [&] { left.stand(); }));
+  EXPECT_TRUE(until(flown, [&] { left.fly(0.0); }));
+  EXPECT_EQ(wrong, 0);
+}
+
 TEST_F(TwoComputers, WhatIsPredictedElsewhereIsPlannedWith) {
   Computer left("left", "", &domain), right("right", "", &domain);
   struct Planner final : PartExchange {
