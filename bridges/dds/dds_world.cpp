@@ -37,6 +37,8 @@ const Scenario& flown(const Scenario& scenario) {
 
 /// A part waits for robots of others, and for its own to land that fly without it.
 constexpr double ready_of_part = 120.0, begins_together = 20.0;  // [s]
+/// Of a robot that holds: how long the task waits until it has ceased to rise, and when it has.
+constexpr double stands_within = 2.0, standing = 0.03;  // [s], [m/s]
 
 LinkTimes times_of_task(LinkTimes times, const Scenario& scenario) {
   times.task = scenario.simulation.duration + 60.0;
@@ -219,6 +221,13 @@ bool DdsWorld::each_is(std::initializer_list<LinkState> states) const {
   });
 }
 
+bool DdsWorld::each_stands() const {
+  return std::all_of(robots_.begin(), robots_.end(), [](const Robot& r) {
+    SeenMotion seen;
+    return r.end->look(seen) && norm(seen.motion.v) < standing;
+  });
+}
+
 bool DdsWorld::in_our_hands() const {
   return std::any_of(robots_.begin(), robots_.end(), [](const Robot& r) { return r.machine.in_our_hands(); });
 }
@@ -276,7 +285,7 @@ void DdsWorld::stand(LinkOrder order) noexcept {
     SeenMotion seen;
     if (robot.end->look(seen)) robot.model.write(seen.motion, &measured_[robot.x]);
   }
-  const bool holds = each_is({LinkState::holding});
+  const bool holds = settled_ && each_is({LinkState::holding});
   const PartPhase phase = order == LinkOrder::check  ? PartPhase::ground
                           : order >= LinkOrder::land ? PartPhase::landing
                           : holds                    ? PartPhase::holding
@@ -351,8 +360,14 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
     });
     if (!out())
       steps_until(LinkOrder::hold, interrupts, tell, [&] { return out() || each_is({S::holding}); });
+    const Nanoseconds until = monotonic_now() + std::llround(1e9 * stands_within);
+    if (!out())
+      steps_until(LinkOrder::hold, interrupts, tell,
+                  [&] { return out() || each_stands() || monotonic_now() > until; });
+    settled_ = !out();
     if (!out() && talk_) begin_together(interrupts, tell);
     if (!out()) {
+      tell_all("the task begins", tell);
       calls_.is_at(FlightPhase::task);
       const std::scoped_lock lock(news_);
       news_go_to_ = tell;

@@ -85,6 +85,7 @@ class DdsWorld final : public LinkedWorld {
   void stand(LinkOrder order) noexcept;
   void begin_together(const Interrupts& interrupts, const TellPerson& tell);
   bool each_is(std::initializer_list<LinkState> states) const;
+  bool each_stands() const;
   bool in_our_hands() const;
 
   Scenario scenario_;
@@ -105,6 +106,7 @@ class DdsWorld final : public LinkedWorld {
   std::vector<std::string> refusals_;           // of a fleet that was ready
   std::unique_ptr<TopicsOut> topics_;           // none where nobody is to see the flight
   std::int64_t origin_ = 0;                     // time 0 of the loop, of the monotonic clock [ns]
+  bool settled_ = false;                        // all hold, and stand
   bool begun_ = false, seen_ = false;
   std::int64_t periods_ = 0, missed_ = 0;
   DelayHistogram wakes_;

@@ -68,7 +68,7 @@ TEST_F(TwoFlyers, TheSecondIsRefusedAndTheFirstFliesOn) {
   const auto fleet = desk("60.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto first = begin(to(fleet, "first"), "first");
-  ASSERT_TRUE(says("first.err", "uav1: holding")) << said("first.err") << said("vehicles.err");
+  ASSERT_TRUE(says("first.err", "the task begins")) << said("first.err") << said("vehicles.err");
   const auto begun = std::chrono::steady_clock::now();
   const auto second = begin(to(fleet, "second"), "second");
   EXPECT_TRUE(test::eventually([&] { return second->ended(); }, std::chrono::seconds(10)));

@@ -18,7 +18,7 @@ TEST_F(FlyInterrupted, CtrlCLandsAllAndTheFlightIsReplayed) {
   const fs::path fleet = desk("60.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flyer = begin(flight(fleet), "fly");
-  ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
+  ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
   std::this_thread::sleep_for(std::chrono::seconds(1));
   ::kill(flyer->pid(), SIGINT);
   EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(20)));
@@ -34,7 +34,7 @@ TEST_F(FlyInterrupted, VehiclesThatAreKilledAreGivenUpAndTheFlightIsReplayed) {
   const fs::path fleet = desk("60.0");
   auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flyer = begin(flight(fleet), "fly");
-  ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
+  ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
   vehicles->end(SIGKILL);
   // Whose last message is older is given up first; then all land.
@@ -51,7 +51,7 @@ TEST_F(FlyInterrupted, AFlyerThatIsKilledLeavesALogThatIsReplayedAndVehiclesThat
   const fs::path fleet = desk("60.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flyer = begin(flight(fleet), "fly");
-  ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
+  ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
   flyer->end(SIGKILL);
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
@@ -81,7 +81,7 @@ TEST_F(FlyInterrupted, CrazyfliesWhoseFlyerIsKilledLevelOutAndStopTheirMotors) {
   const fs::path fleet = fleet_of("crazyflies", "60.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flyer = begin(flight(fleet), "fly");
-  ASSERT_TRUE(says("fly.err", "cf2: holding")) << said("fly.err") << said("vehicles.err");
+  ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
   flyer->end(SIGKILL);
   std::this_thread::sleep_for(std::chrono::milliseconds(2500));

@@ -24,7 +24,7 @@ class Forged : public FlyTest {
     const auto fleet = desk("60.0");
     const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
     const auto flyer = begin(flight(fleet), "fly");
-    ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err") << said("vehicles.err");
+    ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
     const std::vector<test::Packet> models = test::overheard(600, std::chrono::seconds(3));
     ASSERT_GT(models.size(), 300U);
     EXPECT_GT(test::forge(models, packets, rate), packets * 9 / 10);

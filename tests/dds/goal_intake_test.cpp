@@ -149,7 +149,7 @@ TEST_F(FlyGoals, AFlightWithGoalsAndAPathIsReplayedBitForBit) {
   {
     const Domain domain{test::own_network()};
     Operator person(domain, "uav1");
-    ASSERT_TRUE(says("fly.err", "uav1: holding")) << said("fly.err");
+    ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err");
     ASSERT_TRUE(test::eventually([&] { return person.is_heard(); }, std::chrono::seconds(5)));
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     person.goal({0.3, 0.6, 1.2});

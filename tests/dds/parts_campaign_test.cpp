@@ -69,7 +69,7 @@ TEST_F(PartsFlown, OneThatIsKilledJoinsAgainAndFliesOnceItsRobotHasLandedAndSome
   std::this_thread::sleep_for(std::chrono::seconds(1));
   EXPECT_THAT(said("again.err"), Not(HasSubstr("arming"))) << "nobody has called";
   EXPECT_THAT(person.call(), StartsWith("yes: "));
-  EXPECT_TRUE(says("again.err", "uav1: holding")) << said("again.err");
+  EXPECT_TRUE(says("again.err", "the task begins")) << said("again.err");
   EXPECT_TRUE(test::eventually([&] { return times("left.err", flies) > flew; }, std::chrono::seconds(20)))
       << said("left.err");
 
