@@ -2,7 +2,6 @@
 
 #include <dds/ddsi/ddsi_serdata.h>
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <memory>
