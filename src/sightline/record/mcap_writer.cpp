@@ -254,7 +254,8 @@ McapWriter::Bytes McapWriter::chunk_indexes() {
     open.reset();
   };
   for (std::uint64_t at = magic.size(), length = 0; at < position_; at += length) {
-    if (!read_back(at, std::span(head).first(std::min<std::uint64_t>(head.size(), position_ - at)))) return {};
+    if (!read_back(at, std::span(head).first(std::min<std::uint64_t>(head.size(), position_ - at))))
+      return {};
     length = record_head + load<std::uint64_t>(&head[1]);
     const auto kind = static_cast<RecordKind>(head[0]);
     if (kind == message_index && open) {
