@@ -118,6 +118,22 @@ TEST(Peers, WhoDoesNotSteerIsHeardAndIdle) {
   EXPECT_EQ(talk.first.state(1, talk.now + 3 * ms), PeerState::idle);
 }
 
+TEST(Peers, WhoSaidWhenItBeginsIsCountedOnFromThenOn) {
+  for (const ClockTime ahead : {-15 * ms, ClockTime{0}, 15 * ms}) {
+    Talk talk{.ahead = ahead, .there = 2 * ms, .back = 2 * ms};
+    for (int i = 0; i < 5; ++i) talk.period();
+    ++talk.number;
+    const ClockTime begins = talk.now + 50 * ms;
+    PartMessage holds = talk.message(1);
+    holds.steers = false;
+    holds.begins = begins + ahead;
+    EXPECT_TRUE(talk.first.receive(holds, talk.now + 2 * ms));
+    EXPECT_EQ(talk.first.state(1, begins - ms), PeerState::idle);
+    EXPECT_EQ(talk.first.state(1, begins + ms), PeerState::heard);
+    EXPECT_EQ(talk.first.state(1, talk.now + 202 * ms), PeerState::stale) << "nothing more came";
+  }
+}
+
 TEST(Peers, NoMessageTakesMemory) {
   Talk talk{.ahead = 0, .there = 2 * ms, .back = 2 * ms};
   ++talk.number;

@@ -72,7 +72,8 @@ PeerState Peers::state(int part, ClockTime now) const noexcept {
   // From later than now it is where a clock was set anew, until the next answer.
   if (const ClockTime age = now - (peer.stamp - *offset); age > stale_after_ || age < -offset_max)
     return PeerState::stale;
-  return peer.steers ? PeerState::heard : PeerState::idle;
+  const bool begun = peer.begins != 0 && now >= peer.begins - *offset;
+  return peer.steers || begun ? PeerState::heard : PeerState::idle;
 }
 
 std::optional<ClockTime> Peers::offset(int part) const noexcept { return peers_[at(part)].clock.offset(); }
