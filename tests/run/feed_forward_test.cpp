@@ -68,6 +68,37 @@ TEST(FeedForward, AClimbIsFedWhetherItLagsOrNot) {
   }
 }
 
+TEST(FeedForward, ATurnIsFedWhereAHeadingIsAsked) {
+  const double rate = 0.4;
+  const Reference turn([&](double t) { return Pose<double>{{}, {std::cos(rate * t), std::sin(rate * t)}}; });
+  for (Agent agent : {agent_of(Multirotor{}), agent_of(LaggingHoverMultirotor{}),
+                      agent_of(VelocityMultirotor{}), agent_of(OmniRover{}), agent_of(Unicycle{})}) {
+    std::vector<double> u(agent.R.size());
+    FeedForward{agent}(turn, 1.0, {0.6, 0.8}, u);
+    EXPECT_EQ(u, agent.u_ref) << agent.model.name();
+    for (std::size_t i = 0; i < agent.Q.size(); ++i)
+      if (agent.model.states()[i] == "d_x" || agent.model.states()[i] == "d_y") agent.Q[i] = 1.0;
+    FeedForward{agent}(turn, 1.0, {0.6, 0.8}, u);
+    std::vector<double> x(agent.Q.size());
+    agent.model.at_rest({{}, {1, 0}}, x.data());
+    const auto heading = [&] {
+      const Vec2<double> d = agent.model.sight(x.data(), u.data()).d;
+      return std::atan2(d.y, d.x);
+    };
+    const auto fly = [&](int periods) {
+      for (int k = 0; k < periods; ++k) {
+        agent.model.step(x.data(), u.data(), 0.01);
+        EXPECT_TRUE(agent.model.normalise(x.data()));
+      }
+    };
+    fly(200);
+    const double before = heading();
+    fly(100);
+    EXPECT_NEAR(heading() - before, rate, 1e-4) << agent.model.name();
+    EXPECT_LT(norm(agent.model.sight(x.data(), u.data()).p), 1e-9) << agent.model.name();
+  }
+}
+
 TEST(FeedForward, OfAReferenceThatStandsOrIsNoNumberIsUStarOfTheTeam) {
   Agent agent = agent_of(Multirotor{});
   agent.u_ref = {0.1, -0.2, 0.3, 0.4};

@@ -17,9 +17,12 @@ FeedForward::FeedForward(const Agent& agent)
   const auto add = [&](const Settled& more, const Settled& less, double by) {
     const Vec3<double> v = (1 / by) * (more.velocity - less.velocity),
                        a = (1 / by) * (more.acceleration - less.acceleration);
-    columns.push_back({v.x, v.y, v.z, a.x, a.y, a.z});
+    columns.push_back({v.x, v.y, v.z, a.x, a.y, a.z, turns_ ? (more.turn - less.turn) / by : 0.0});
   };
-  for (const int state : roles_of(model_).velocities) {
+  const StateRoles roles = roles_of(model_);
+  for (const int state : {roles.direction[0], roles.direction[1], roles.angle})
+    turns_ = turns_ || (state >= 0 && agent.Q[size(state)] > 0);
+  for (const int state : roles.velocities) {
     constexpr double by = 0.1;  // [m/s]
     std::vector<double> up = state_at_rest(model_), down = up;
     up[size(state)] += by, down[size(state)] -= by;
@@ -34,7 +37,7 @@ FeedForward::FeedForward(const Agent& agent)
     up[k] += part * reach[k], down[k] -= part * reach[k];
     add(settle(model_, state_at_rest(model_), up), settle(model_, state_at_rest(model_), down), 2 * part);
   }
-  // (M'M + damping) y = M' e for each unit vector e of v and a; of y, what the inputs are.
+  // (M'M + damping) y = M' e for each unit vector e of v, a and r; of y, what the inputs are.
   constexpr double damping = 1e-9;
   const auto product = [](const Column& a, const Column& b) {
     double sum = 0.0;
@@ -57,13 +60,16 @@ FeedForward::FeedForward(const Agent& agent)
 
 void FeedForward::operator()(const Reference& x_ref, double t, const Vec2<double>& d,
                              std::span<double> u) noexcept {
-  const auto place = [&](double time) {
+  const auto pose = [&](double time) -> Pose<double> {
     x_ref(time, model_, x_);
-    return model_.sight(x_.data(), u_ref_.data()).p;
+    return model_.sight(x_.data(), u_ref_.data());
   };
-  const Vec3<double> before = place(t - difference), now = place(t), after = place(t + difference);
-  Vec3<double> v = (0.5 / difference) * (after - before),
-               a = (1 / (difference * difference)) * ((after - now) - (now - before));
+  const Pose<double> before = pose(t - difference), now = pose(t), after = pose(t + difference);
+  Vec3<double> v = (0.5 / difference) * (after.p - before.p),
+               a = (1 / (difference * difference)) * ((after.p - now.p) - (now.p - before.p));
+  const double r = std::atan2(before.d.x * after.d.y - before.d.y * after.d.x,
+                              before.d.x * after.d.x + before.d.y * after.d.y) *
+                   (0.5 / difference);
   if (model_.turns()) {
     const Vec2<double> v_V = rotate<double>({d.x, -d.y}, {v.x, v.y}),
                        a_V = rotate<double>({d.x, -d.y}, {a.x, a.y});
@@ -71,7 +77,7 @@ void FeedForward::operator()(const Reference& x_ref, double t, const Vec2<double
   }
   for (std::size_t k = 0; k < u_ref_.size(); ++k) {
     const std::array<double, rows>& g = gain_[k];
-    const double by = g[0] * v.x + g[1] * v.y + g[2] * v.z + g[3] * a.x + g[4] * a.y + g[5] * a.z;
+    const double by = g[0] * v.x + g[1] * v.y + g[2] * v.z + g[3] * a.x + g[4] * a.y + g[5] * a.z + g[6] * r;
     u[k] = std::isfinite(by) ? u_ref_[k] + by : u_ref_[k];
   }
 }

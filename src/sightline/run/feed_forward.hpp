@@ -1,13 +1,14 @@
 /// The input by which a robot's model follows its reference, for u* in its cost.
 ///
 /// R holds a plan back from the inputs that a moving reference needs: against u* = 0 the plan cuts a circle, the more the less
-/// an input does. With velocity v and acceleration a of the reference, from its places 0.1 s before and after,
+/// an input does. With velocity v, acceleration a and turn r of the reference, from its poses 0.1 s before and after,
 ///
-///   u* = u_ref + argmin_u min_z |(C z + E u, D z + B u) - (v, a)|^2
+///   u* = u_ref + argmin_u min_z |(C z + E u, D z + B u, F u) - (v, a, r)|^2
 ///
-/// where C, D are what the states that are velocities (z) change of the robot's velocity and acceleration, E, B what its inputs do
-/// once the lags are over. What a robot cannot do is left out by the least squares; the heading is not fed forward. Numbers are
-/// those of the robot at rest, by components of V where it turns: drag, lags and gains count, a yaw rate does not.
+/// where C, D are what the states that are velocities (z) change of the robot's velocity and acceleration, E, B, F what its inputs do
+/// to these and to how fast it turns once the lags are over. What a robot cannot do is left out by the least squares, and r where no
+/// heading is asked of it. Numbers are those of the robot at rest, by components of V where it turns: drag, lags and gains count, the
+/// acceleration that a turn makes of a velocity does not.
 #pragma once
 
 #include <array>
@@ -31,11 +32,12 @@ class FeedForward {
   static constexpr double difference = 0.1;  ///< of times at which the reference is looked at [s]
 
  private:
-  static constexpr std::size_t rows = 6;  // v and a
+  static constexpr std::size_t rows = 7;  // v, a and r
 
   Model model_;
+  bool turns_ = false;  // with its reference
   std::vector<double> u_ref_, x_;
-  std::vector<std::array<double, rows>> gain_;  // of each input, of v and a
+  std::vector<std::array<double, rows>> gain_;  // of each input, of v, a and r
 };
 
 }  // namespace sightline

@@ -38,9 +38,9 @@ Settled settle(const Model& model, std::vector<double> x, std::span<const double
   model.f(x.data(), u.data(), rate.data());
   std::vector<double> later = x;
   for (std::size_t i = 0; i < x.size(); ++i) later[i] += difference * rate[i];
-  const Sight<double> now = model.sight(x.data(), u.data());
-  const Vec3<double> a = (1 / difference) * (model.sight(later.data(), u.data()).v - now.v);
-  return {std::move(x), now.v, a, now.lean};
+  const Sight<double> now = model.sight(x.data(), u.data()), then = model.sight(later.data(), u.data());
+  const Vec3<double> a = (1 / difference) * (then.v - now.v);
+  return {std::move(x), now.v, a, (now.d.x * then.d.y - now.d.y * then.d.x) / difference, now.lean};
 }
 
 }  // namespace sightline

@@ -12,6 +12,7 @@ struct Settled {
   std::vector<double> x;      ///< its state, inner states settled
   Vec3<double> velocity;      ///< [m/s], in G
   Vec3<double> acceleration;  ///< [m/s^2], in G
+  double turn = 0.0;          ///< of the heading, anticlockwise [rad/s]
   Vec2<double> lean;          ///< Sight::lean
 };
 
