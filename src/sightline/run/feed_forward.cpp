@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
+#include "sightline/math/elementary.hpp"
 #include "sightline/math/symmetric.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/run/settled.hpp"
@@ -12,16 +13,17 @@ namespace sightline {
 
 FeedForward::FeedForward(const Agent& agent)
     : model_(agent.model), u_ref_(agent.u_ref), x_(size(model_.nx())), gain_(u_ref_.size()) {
+  const StateRoles roles = roles_of(model_);
+  bool asks_heading = false;
+  for (const int state : {roles.direction[0], roles.direction[1], roles.angle})
+    asks_heading = asks_heading || (state >= 0 && agent.Q[size(state)] > 0);
   using Column = std::array<double, rows>;
   std::vector<Column> columns;  // of the velocities, then of the inputs in parts of what they reach
   const auto add = [&](const Settled& more, const Settled& less, double by) {
     const Vec3<double> v = (1 / by) * (more.velocity - less.velocity),
                        a = (1 / by) * (more.acceleration - less.acceleration);
-    columns.push_back({v.x, v.y, v.z, a.x, a.y, a.z, turns_ ? (more.turn - less.turn) / by : 0.0});
+    columns.push_back({v.x, v.y, v.z, a.x, a.y, a.z, asks_heading ? (more.turn - less.turn) / by : 0.0});
   };
-  const StateRoles roles = roles_of(model_);
-  for (const int state : {roles.direction[0], roles.direction[1], roles.angle})
-    turns_ = turns_ || (state >= 0 && agent.Q[size(state)] > 0);
   for (const int state : roles.velocities) {
     constexpr double by = 0.1;  // [m/s]
     std::vector<double> up = state_at_rest(model_), down = up;
@@ -67,9 +69,8 @@ void FeedForward::operator()(const Reference& x_ref, double t, const Vec2<double
   const Pose<double> before = pose(t - difference), now = pose(t), after = pose(t + difference);
   Vec3<double> v = (0.5 / difference) * (after.p - before.p),
                a = (1 / (difference * difference)) * ((after.p - now.p) - (now.p - before.p));
-  const double r = std::atan2(before.d.x * after.d.y - before.d.y * after.d.x,
-                              before.d.x * after.d.x + before.d.y * after.d.y) *
-                   (0.5 / difference);
+  const Vec2<double> turned = rotate<double>({before.d.x, -before.d.y}, after.d);
+  const double r = (0.5 / difference) * atan2(turned.y, turned.x);
   if (model_.turns()) {
     const Vec2<double> v_V = rotate<double>({d.x, -d.y}, {v.x, v.y}),
                        a_V = rotate<double>({d.x, -d.y}, {a.x, a.y});

@@ -35,7 +35,6 @@ class FeedForward {
   static constexpr std::size_t rows = 7;  // v, a and r
 
   Model model_;
-  bool turns_ = false;  // with its reference
   std::vector<double> u_ref_, x_;
   std::vector<std::array<double, rows>> gain_;  // of each input, of v, a and r
 };

@@ -49,7 +49,7 @@ struct PartMessage {
   ClockTime stamp = 0;         ///< of the first sight of each prediction, by the sender's clock
   bool steers = false;         ///< its robots fly as they predict, and keep their distances
   std::uint8_t phase = 0;      ///< of its flight; of no meaning here
-  ClockTime begins = 0;        ///< when its robots begin to, by the sender's clock; 0: not said
+  ClockTime begins = 0;        ///< from when on it steers them, by the sender's clock; 0: not said
   ClockTime arrived = 0;       ///< by another clock of the receiver's, where it keeps one; of no meaning here
   std::vector<Prediction> predictions{};  ///< of its robots, `who` of the whole team
   std::vector<Echo> echoes{};             ///< of each part
@@ -83,7 +83,7 @@ enum class PeerState : std::uint8_t {
   heard,       ///< its newest message is young
   stale,       ///< it is older than stale_after
   other_time,  ///< its clock is too far from ours
-  idle,        ///< it is heard, and does not steer its robots; nor has it said that by now it would
+  idle,  ///< it is heard, and does not steer its robots: it neither says so nor said that by now it would
 };
 
 /// Of one part. Nothing allocates after construction.
