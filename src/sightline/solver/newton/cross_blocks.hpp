@@ -18,7 +18,8 @@ Lane<W> masked(Lane<W> mask, Lane<W> x) {
 }
 
 /// Pairs whose agents stand in two groups, each lane used once, are one slot: its numbers are side by side in the lanes of a, or of b
-/// where a is not controlled. Arrays s, c, z, y are those of the layout.
+/// where a is not controlled. Of a slot with one pair that is gathered they stay where its points are. Arrays s, c, z, y are those of
+/// the layout.
 template <int W>
 class CrossBlocks {
  public:
@@ -29,6 +30,9 @@ class CrossBlocks {
       const std::size_t before = slots_.size();
       for (const BodyPotential* pair : batches[b].pairs) slots_of_[b].push_back(add(*pair, b, choice));
       in_place_.push_back(fills_lanes(batches[b], slots_.size() - before));
+      lines_.push_back(
+          {lines(batches[b].pairs[0]->potential, false), lines(batches[b].pairs[0]->potential, true)});
+      if (!in_place(b)) find_lone(b);
     }
   }
 
@@ -71,6 +75,7 @@ class CrossBlocks {
     const int N = layout_.stages;
     for (std::size_t p = 0; p < slots.size(); ++p) {
       Slot& slot = slots_[at(slots[p])];
+      if (slot.lone_at >= 0) continue;
       const BodyPotential& pair = *batches_[batch].pairs[p];
       double* const to = slot.out[0] + layout_.place(pair.a >= 0 ? pair.a : pair.b).lane;
       for (int o = 0; o < slot.outputs; ++o) {
@@ -85,15 +90,19 @@ class CrossBlocks {
     const int stage = layout_.groups[at(group)].nc() * W;
     for (const Felt& felt : into_[at(group)]) {
       const Slot& slot = slots_[at(felt.slot)];
-      const double* out = slot.out[0];
-      for (int k = 0; k < layout_.stages; ++k, out += slot.outputs * W) {
-        for (const Own& own : felt.own) {
-          double* const to = c + k * stage + own.entry * W;
-          L number = L(own.sign) * L::load(out + own.output * W);
-          if (felt.of_b) number = masked(slot.b_mask, permuted(number, slot.lead_of_b));
-          (L::load(to) + number).store(to);
-        }
+      if (slot.lone_at >= 0) {
+        add_lone(slot, felt, stage, c);
+        continue;
       }
+      const L b_mask = slot.b_mask;
+      each_stage(slot, [&](int k, auto&& number) {
+        double* const c_k = c + k * stage;
+        for (const Own& own : felt.own) {
+          const L of_a = number(own.output),
+                  felt_number = felt.of_b ? masked(b_mask, permuted(of_a, slot.lead_of_b)) : of_a;
+          fma(L(own.sign), felt_number, L::load(c_k + own.entry)).store(c_k + own.entry);
+        }
+      });
     }
   }
 
@@ -116,9 +125,10 @@ class CrossBlocks {
     std::size_t batch = 0;
     int outputs = 0;
     PackFormula<W> formula;
-    Rows out{};  // [stage][output][lane], zero in lanes not in use
+    int lone_at = -1;  // first point of its only pair; -1: numbers are in `out`
+    Rows out{};        // [stage][output][lane], zero in lanes not in use
   };
-  /// One number of c from one output.
+  /// One number of c, at `entry` within its stage, from one output.
   struct Own {
     int entry, output;
     double sign;
@@ -127,8 +137,31 @@ class CrossBlocks {
   struct Felt {
     int slot;
     bool of_b;
+    int lane;  // of its only pair
     std::vector<Own> own;
   };
+  /// One row of C, over what is seen of the partner: `factor` counts the partner's numbers, then the same negated.
+  struct Line {
+    struct Term {
+      int output, factor;
+    };
+    int row;
+    std::vector<Term> terms;
+  };
+
+  /// use(k, number) at each stage, where number(o) is the slot's output o over the lanes of a; of a lone pair over all lanes.
+  template <class Use>
+  void each_stage(const Slot& slot, Use&& use) const noexcept {
+    for (int k = 0; k < layout_.stages; ++k) {
+      if (slot.lone_at >= 0) {
+        const double* const out = batches_[slot.batch].points.out(slot.lone_at + k, 0);
+        use(k, [&](int o) { return L(out[o * Points::W]); });
+      } else {
+        const double* const out = slot.out[0] + k * slot.outputs * W;
+        use(k, [&](int o) { return L::load(out + o * W); });
+      }
+    }
+  }
 
   const PosePotential& potential_of(const Slot& slot) const {
     return batches_[slot.batch].pairs[0]->potential;
@@ -180,43 +213,79 @@ class CrossBlocks {
     const int group = layout_.place(of_b ? pair.b : pair.a).group, ns = layout_.groups[at(group)].ns;
     const int from = of_b ? sight_size : 0;
     const PosePotential& potential = potential_of(slots_[at(slot)]);
-    Felt felt{slot, of_b, {}};
+    Felt felt{slot, of_b, layout_.place(of_b ? pair.b : pair.a).lane, {}};
+    const auto own = [&](bool negative, int entry, int output) {
+      felt.own.push_back({entry * W, output, negative ? -1.0 : 1.0});
+    };
     for (const auto& g : potential.gradient)
-      if ((g.variable >= sight_size) == of_b)
-        felt.own.push_back({g.variable - from, g.output, g.negative ? -1.0 : 1.0});
+      if ((g.variable >= sight_size) == of_b) own(g.negative, g.variable - from, g.output);
     for (const auto& h : potential.own)
       if ((h.row >= sight_size) == of_b)
-        felt.own.push_back(
-            {ns + upper_index(h.row - from, h.column - from, ns), h.output, h.negative ? -1.0 : 1.0});
+        own(h.negative, ns + upper_index(h.row - from, h.column - from, ns), h.output);
     into_[at(group)].push_back(std::move(felt));
   }
 
-  void product(const Slot& slot, bool of_b, const double* z, double* y) const noexcept {
-    const std::vector<PosePotential::Second>& cross = potential_of(slot).cross;
-    if (cross.empty()) return;
-    const Layout::Part &part_a = layout_.groups[at(slot.group_a)], &part_b = layout_.groups[at(slot.group_b)];
-    const double* out = slot.out[0];
-    for (int k = 0; k < layout_.stages; ++k, out += slot.outputs * W) {
-      const std::ptrdiff_t a = part_a.s + k * part_a.ns * W, b = part_b.s + k * part_b.ns * W;
-      for (const PosePotential::Second& entry : cross) {
-        const std::ptrdiff_t i = a + entry.row * W, j = b + (entry.column - sight_size) * W;
-        const L block = L(entry.negative ? -1.0 : 1.0) * L::load(out + entry.output * W);
-        if (of_b) {
-          (L::load(y + j) + masked(slot.b_mask, permuted(block * L::load(z + i), slot.lead_of_b)))
-              .store(y + j);
-        } else {
-          (L::load(y + i) + block * permuted(L::load(z + j), slot.b_of_a)).store(y + i);
-        }
-      }
+  static std::vector<Line> lines(const PosePotential& potential, bool of_b) {
+    std::vector<Line> all;
+    for (const PosePotential::Second& entry : potential.cross) {
+      const int of_a = entry.row, of_partner = entry.column - sight_size;
+      const int row = of_b ? of_partner : of_a, factor = of_b ? of_a : of_partner;
+      auto line = std::find_if(all.begin(), all.end(), [&](const Line& l) { return l.row == row; });
+      if (line == all.end()) line = all.insert(line, {row, {}});
+      line->terms.push_back({entry.output, entry.negative ? factor + sight_size : factor});
     }
+    return all;
+  }
+
+  void find_lone(std::size_t batch) {
+    const std::vector<int>& slots = slots_of_[batch];
+    for (std::size_t p = 0; p < slots.size(); ++p) {
+      if (std::count(slots.begin(), slots.end(), slots[p]) > 1) continue;
+      slots_[at(slots[p])].lone_at = static_cast<int>(p) * layout_.stages;
+      slots_[at(slots[p])].out = Rows();
+    }
+  }
+
+  void add_lone(const Slot& slot, const Felt& felt, int stage, double* c) const noexcept {
+    for (const Own& own : felt.own) {
+      double* const to = c + own.entry + felt.lane;
+      const double sign = own.sign;
+      batches_[slot.batch].points.each_out(slot.lone_at, layout_.stages, own.output,
+                                           [&](int k, double value) { to[k * stage] += sign * value; });
+    }
+  }
+
+  void product(const Slot& slot, bool of_b, const double* z, double* y) const noexcept {
+    const std::vector<Line>& lines = lines_[slot.batch][of_b];
+    if (lines.empty()) return;
+    const Layout::Part &part_a = layout_.groups[at(slot.group_a)], &part_b = layout_.groups[at(slot.group_b)];
+    const Layout::Part &part = of_b ? part_b : part_a, &partner = of_b ? part_a : part_b;
+    const L mask = of_b ? slot.b_mask : slot.mask;
+    std::array<L, 2 * sight_size> factors;
+    each_stage(slot, [&](int k, auto&& number) {
+      const double* const z_k = z + partner.s + k * partner.ns * W;
+      double* const y_k = y + part.s + k * part.ns * W;
+      for (int i = 0; i < partner.ns; ++i) {
+        const L of_partner = L::load(z_k + i * W),
+                factor = of_b ? of_partner : permuted(of_partner, slot.b_of_a);
+        factors[at(i)] = factor, factors[at(i + sight_size)] = -factor;
+      }
+      for (const Line& line : lines) {
+        L row = 0.0;
+        for (const auto& term : line.terms) row = fma(number(term.output), factors[at(term.factor)], row);
+        if (of_b) row = permuted(row, slot.lead_of_b);
+        (L::load(y_k + line.row * W) + masked(mask, row)).store(y_k + line.row * W);
+      }
+    });
   }
 
   const std::vector<PairBatch>& batches_;
   const Layout& layout_;
   std::vector<Slot> slots_;
-  std::vector<std::vector<int>> slots_of_;  // [batch][pair]
-  std::vector<char> in_place_;              // [batch]
-  std::vector<std::vector<Felt>> into_;     // [group]
+  std::vector<std::vector<int>> slots_of_;               // [batch][pair]
+  std::vector<char> in_place_;                           // [batch]
+  std::vector<std::array<std::vector<Line>, 2>> lines_;  // [batch][of b]
+  std::vector<std::vector<Felt>> into_;                  // [group]
 };
 
 }  // namespace sightline

@@ -31,7 +31,7 @@ class Group {
   double& rho(int lane) { return weight(sizes_.nx + 2 * sizes_.nu, lane); }
 
   /// States of all stages of the agents in lanes 0 .. n - 1, each stage by stage.
-  void copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept;
+  virtual void copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept = 0;
 
   /// Of each lane: the agent's own cost along the trajectory, times h; the part of x_0 is constant.
   virtual void tracking_costs(const double* u, double* of_lanes) const noexcept = 0;
@@ -90,6 +90,17 @@ class StageGroup final : public Group {
       kernel_.step(now.numbers(), u, next.numbers(), s);
       next.store(x, n.nx * W);
       now.take(next);
+    }
+  }
+
+  void copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept override {
+    const StageSizes sizes = kernel_.sizes();
+    const double* from = x_[0];
+    for (int k = 0; k <= stages_; ++k, from += sizes.nx * W) {
+      for (int lane = 0; lane < n; ++lane) {
+        double* const of_stage = to[lane] + k * stage;
+        for (int i = 0; i < sizes.nx - sizes.before; ++i) of_stage[i] = from[i * W + lane];
+      }
     }
   }
 

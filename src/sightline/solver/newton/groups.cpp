@@ -91,16 +91,6 @@ int width_for(const std::vector<Kind>& kinds) {
 
 }  // namespace
 
-void Group::copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept {
-  const double* from = x_[0];
-  for (int k = 0; k <= stages_; ++k, from += sizes_.nx * width_) {
-    for (int lane = 0; lane < n; ++lane) {
-      double* const of_stage = to[lane] + k * stage;
-      for (int i = 0; i < sizes_.nx - sizes_.before; ++i) of_stage[i] = from[i * width_ + lane];
-    }
-  }
-}
-
 void Groups::copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at,
                          Crew& crew) const noexcept {
   each(crew, [&](int g, int) noexcept {

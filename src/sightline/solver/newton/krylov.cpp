@@ -63,6 +63,9 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterat
   due_.resize(turns_.size());
   visited_.resize(turns_.size());
   added_ = Rows(1, layout.s_length);
+  std::vector<char> feels(graph.feelers.size(), 0);
+  for (const std::vector<int>& feelers : graph.feelers)
+    for (const int feeler : feelers) feels[at(feeler)] = 1;
   for (std::size_t a = 0; a < graph.feelers.size(); ++a) {
     const Layout::Place& of = layout.place(static_cast<int>(a));
     Turn& turn = turns_[at(layout.groups[at(of.group)].turn)];
@@ -70,7 +73,9 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterat
     std::vector<int>& wakes = turn.wakes[static_cast<std::size_t>(group)][at(of.lane)];
     for (const int feeler : graph.feelers[a]) {
       const int woken = layout.groups[at(layout.place(feeler).group)].turn;
-      turns_[at(woken)].feels = turn.is_felt = true;
+      turns_[at(woken)].feels = true;
+      if (feels[a] == 0) continue;  // its own step stands
+      turn.is_felt = goes_on_ = true;
       if (std::find(wakes.begin(), wakes.end(), woken) == wakes.end()) wakes.push_back(woken);
     }
   }
@@ -179,7 +184,6 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
 
 /// What robots see of those whose turn has not come yet: their own step and a share of what the couplings added to the one before.
 void Krylov::guess(const Work& work) noexcept {
-  std::fill(visited_.begin(), visited_.end(), 0);
   if (work.likeness == Likeness::none) share_ = 0.0;
   if (work.likeness == Likeness::of_attempts) share_ = has_added_ ? 1.0 : 0.0;
   if (share_ == 0.0) return;
@@ -218,10 +222,10 @@ int Krylov::substitute(const Work& work) noexcept {
   const int most = generous * max_iterations_;
   const bool may_fail = kind_ == Influence::cyclic;
   double *const ds_alone = s_vectors_[4], *const du_alone = u_vectors_[1];
-  std::copy_n(work.ds, layout_.s_length, ds_alone);
+  std::fill(visited_.begin(), visited_.end(), 0);
+  if (goes_on_) std::copy_n(work.ds, layout_.s_length, ds_alone);
   if (may_fail) std::copy_n(work.du, layout_.u_length, du_alone);
-  std::fill_n(s_vectors_[1], layout_.s_length, 0.0);
-  guess(work);
+  if (goes_on_) guess(work);
   for (std::size_t t = 0; t < turns_.size(); ++t) due_[t] = turns_[t].feels;
   double first = 0.0, last = 0.0;
   int pass = 0;
@@ -240,7 +244,7 @@ int Krylov::substitute(const Work& work) noexcept {
     late = work.deadline.passed();
   }
   if (!may_fail || ((!is_due() || last <= first) && first < 1e300)) {
-    remember(work);
+    if (goes_on_) remember(work);
     return pass;
   }
   forget();
@@ -256,8 +260,8 @@ double Krylov::take_turn(int turn, const Work& work) noexcept {
   double *const r = s_vectors_[0], *const before = s_vectors_[1], *const z = s_vectors_[2];
   double* const z_u = u_vectors_[0];
   const int groups = static_cast<int>(its.groups.size());
-  const bool guessed = visited_[at(turn)] == 0 && share_ > 0.0;
-  const double* const from = visited_[at(turn)] == 0 ? s_vectors_[4] : work.ds;
+  const bool first_visit = visited_[at(turn)] == 0, guessed = first_visit && share_ > 0.0;
+  const double* const from = first_visit ? s_vectors_[4] : work.ds;
   visited_[at(turn)] = 1;
   // Groups of one turn see each other as they were before it.
   work.crew.share(groups, [&](int i, int) noexcept {
@@ -265,7 +269,7 @@ double Krylov::take_turn(int turn, const Work& work) noexcept {
     work.couplings.product(g, work.ds, r);
     each_pack(s_of(g), [&](std::ptrdiff_t k) {
       const L now = L::load(r + k);
-      (now - L::load(before + k)).store(r + k);
+      if (!first_visit) (now - L::load(before + k)).store(r + k);
       now.store(before + k);
     });
     work.groups.precondition(g, r, z_u, z);

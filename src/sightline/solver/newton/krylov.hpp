@@ -78,13 +78,14 @@ class Krylov {
   struct Turn {
     std::vector<int> groups{};
     bool feels = false;                                  // any of its robots another
-    bool is_felt = false;                                // by any other
+    bool is_felt = false;                                // any that feels another, by any other
     std::vector<std::vector<std::vector<int>>> wakes{};  // [group][lane]: turns of those that feel that robot
   };
 
   Layout layout_;
   Influence kind_;
   std::vector<Turn> turns_;
+  bool goes_on_ = false;  // what a robot feels is felt by others: else one visit to each turn is all
   std::vector<char> due_, visited_;
   Rows added_;          // by the couplings to ds in the last substitution; grows old where there was none
   double share_ = 0.0;  // of it that came back in the one after

@@ -164,8 +164,9 @@ void NewtonUpdate::set_time(double time) noexcept {
     const int nu = groups_.layout().part(a).nu;
     const Layout::View u = groups_.layout().u(a);
     const std::size_t input = at(team.input_offset(ocp_.agent_bodies()[at(a)]));
+    const bool constant = agent.limits.times().size() <= 1 && agent.rate_max.empty();
     for (int k = 0; k < N; ++k) {
-      find_limits(agent, input, time, k * h);
+      if (k == 0 || !constant) find_limits(agent, input, time, k * h);
       for (int i = 0; i < nu; ++i) {
         low_[u(k, i)] = limits_[at(i)];
         high_[u(k, i)] = limits_[at(nu + i)];
@@ -190,7 +191,7 @@ void NewtonUpdate::set_time(double time) noexcept {
   // A limit that moved takes its inputs along, or lets them go.
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     u_[i] = clamp(u_[i], low_[i], high_[i]);
-    if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 0.0;
+    active_[i] = u_[i] == low_[i] || u_[i] == high_[i] ? active_[i] : 0.0;
   }
 }
 

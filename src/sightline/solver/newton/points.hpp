@@ -1,6 +1,7 @@
 /// One potential at many points, one for each stage of each coupling, in packs: [pack][variable][lane].
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <vector>
@@ -97,9 +98,10 @@ class Points {
   template <class Number, class Use>
   static void each(Number* at, int first, int count, int rows, Use&& use) noexcept {
     int lane = first % W;
-    for (int k = 0; k < count; ++k, ++at) {
-      use(k, *at);
-      if (++lane == W) lane = 0, at += static_cast<std::ptrdiff_t>(rows - 1) * W;
+    for (int k = 0; k < count;) {
+      const int end = std::min(k + W - lane, count);
+      for (; k < end; ++k) use(k, *at++);
+      lane = 0, at += static_cast<std::ptrdiff_t>(rows - 1) * W;
     }
   }
   static std::ptrdiff_t place(int point, int row, int rows) {
