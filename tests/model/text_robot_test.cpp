@@ -105,6 +105,22 @@ TEST(TextRobot, AtRestItStandsInItsPose) {
   }
 }
 
+TEST(TextRobot, AtRestInManyPosesItIsAsInEachAsOneOfOurOwn) {
+  Random random(4);
+  for (const Model& model : {unicycle.model(), angle.model(), Model(Multirotor{}), Model(Unicycle{})}) {
+    const int n = 5, stage = 3 * model.nx() + 1, entry = 3, length = n * stage;
+    std::vector<Pose<double>> poses;
+    for (int k = 0; k < n; ++k) poses.push_back(random_pose(random, 3));
+    std::vector<double> x(length, 7.0), expected(length, 7.0), one(model.nx());
+    model.at_rest(poses, x.data(), stage, entry);
+    for (int k = 0; k < n; ++k) {
+      model.at_rest(poses[k], one.data());
+      for (int i = 0; i < model.nx(); ++i) expected[k * stage + i * entry] = one[i];
+    }
+    EXPECT_EQ(x, expected);
+  }
+}
+
 TEST(TextRobot, AnAngleIsWrappedAndAStateThatIsNotFiniteRefused) {
   const Model model = angle.model();
   std::array<double, 5> x = {0, 0, 7.0, 0, 0};

@@ -68,7 +68,8 @@ class Model {
     virtual void f(const double* x, const double* u, double* rate) const noexcept = 0;
     virtual Sight<double> sight(const double* x, const double* u) const noexcept = 0;
     virtual void step(double* x, const double* u, double dt) const noexcept = 0;
-    virtual void at_rest(const Pose<double>& pose, double* x) const noexcept = 0;
+    virtual void at_rest(std::span<const Pose<double>> poses, double* x, std::ptrdiff_t stage,
+                         std::ptrdiff_t entry) const noexcept = 0;
     virtual void push(const double* x, const Vec3<double>& a, double* rate) const noexcept = 0;
     virtual bool normalise(double* x) const noexcept = 0;
     virtual void f(std::span<const Symbol> x, std::span<const Symbol> u, std::span<Symbol> rate) const = 0;
@@ -98,7 +99,12 @@ class Model {
   /// x after one Runge-Kutta step of dt [s] with u held.
   void step(double* x, const double* u, double dt) const noexcept { block_->step(x, u, dt); }
   /// The state of rest in a pose; a heading of (0, 0) stands for "any".
-  void at_rest(const Pose<double>& pose, double* x) const noexcept { block_->at_rest(pose, x); }
+  void at_rest(const Pose<double>& pose, double* x) const noexcept { at_rest({&pose, 1}, x, 0, 1); }
+  /// Those in many poses; entry i of the k-th at x[k stage + i entry].
+  void at_rest(std::span<const Pose<double>> poses, double* x, std::ptrdiff_t stage,
+               std::ptrdiff_t entry) const noexcept {
+    block_->at_rest(poses, x, stage, entry);
+  }
   /// Adds the rate of the state under an acceleration of G [m/s^2] to `rate`; nothing for a model without
   /// `push`.
   void push(const double* x, const Vec3<double>& acceleration, double* rate) const noexcept {
@@ -184,11 +190,14 @@ struct Model::Block final : Model::Interface {
     };
     write_or_nan(x, states_n, [&] { rk4_step(rate, std::span<double>(x, states_n), dt, {rows}); });
   }
-  void at_rest(const Pose<double>& pose, double* x) const noexcept override {
-    write_or_nan(x, states_n, [&] {
-      const auto r = model.at_rest(pose);
-      for (std::size_t i = 0; i < states_n; ++i) x[i] = r[i];
-    });
+  void at_rest(std::span<const Pose<double>> poses, double* x, std::ptrdiff_t stage,
+               std::ptrdiff_t entry) const noexcept override {
+    for (const Pose<double>& pose : poses) {
+      std::array<double, states_n> r;
+      write_or_nan(r.data(), states_n, [&] { r = model.at_rest(pose); });
+      for (std::size_t i = 0; i < states_n; ++i) x[static_cast<std::ptrdiff_t>(i) * entry] = r[i];
+      x += stage;
+    }
   }
   void push([[maybe_unused]] const double* x, [[maybe_unused]] const Vec3<double>& a,
             [[maybe_unused]] double* rate) const noexcept override {

@@ -72,12 +72,17 @@ struct Parsed final : Model::Interface {
     rk4_step(rate, std::span<double>(x, n), dt,
              {std::span<double>(rows).first(RungeKuttaScratch::rows_needed * n)});
   }
-  void at_rest(const Pose<double>& pose, double* x) const noexcept override {
-    std::fill_n(x, nx, 0.0);
-    const std::array<double, 3> p = {pose.p.x, pose.p.y, pose.p.z};
-    for (std::size_t i = 0; i < 3; ++i) x[position_[i]] = p[i];
-    if (heading_.size() == 1) x[heading_[0]] = std::atan2(pose.d.y, pose.d.x);
-    if (heading_.size() == 2) x[heading_[0]] = pose.d.x, x[heading_[1]] = pose.d.y;
+  void at_rest(std::span<const Pose<double>> poses, double* x, std::ptrdiff_t stage,
+               std::ptrdiff_t entry) const noexcept override {
+    for (const Pose<double>& pose : poses) {
+      const auto number = [&](std::size_t i) -> double& { return x[static_cast<std::ptrdiff_t>(i) * entry]; };
+      for (std::size_t i = 0; i < rates_.size(); ++i) number(i) = 0.0;
+      const std::array<double, 3> p = {pose.p.x, pose.p.y, pose.p.z};
+      for (std::size_t i = 0; i < 3; ++i) number(position_[i]) = p[i];
+      if (heading_.size() == 1) number(heading_[0]) = std::atan2(pose.d.y, pose.d.x);
+      if (heading_.size() == 2) number(heading_[0]) = pose.d.x, number(heading_[1]) = pose.d.y;
+      x += stage;
+    }
   }
   void push(const double*, const Vec3<double>&, double*) const noexcept override {}
   bool normalise(double* x) const noexcept override {

@@ -105,23 +105,20 @@ class Reference {
   template <std::invocable<double> F>
   requires std::same_as<std::invoke_result_t<F, double>, Pose<double>> Reference(F pose)
       : write_([pose](const Times& times, const Model& model, const Target& x) {
-          std::array<double, max_states> state;
-          expect(model.nx() <= max_states);
-          const auto write = [&](int k, const Pose<double>& p) {
-            model.at_rest(p, state.data());
-            x.put(k, std::span<const double>(state).first(static_cast<std::size_t>(model.nx())), model.nx());
-          };
-          if constexpr (std::invocable<F, NativeLane>) {
-            // Many times at once.
-            for (int k = 0; k < times.n; k += native_width) {
+          std::array<Pose<double>, native_width> poses;
+          for (int k = 0; k < times.n; k += native_width) {
+            const int count = std::min(native_width, times.n - k);
+            if constexpr (std::invocable<F, NativeLane>) {
               NativeLane t = times.t;
               for (int l = 0; l < native_width; ++l) t.v[l] = times.at(k + l);
               const Pose<NativeLane> p = pose(t);
-              for (int l = 0; l < native_width && k + l < times.n; ++l)
-                write(k + l, {{p.p.x[l], p.p.y[l], p.p.z[l]}, {p.d.x[l], p.d.y[l]}});
+              for (int l = 0; l < native_width; ++l)
+                poses[static_cast<std::size_t>(l)] = {{p.p.x[l], p.p.y[l], p.p.z[l]}, {p.d.x[l], p.d.y[l]}};
+            } else {
+              for (int l = 0; l < count; ++l) poses[static_cast<std::size_t>(l)] = pose(times.at(k + l));
             }
-          } else {
-            for (int k = 0; k < times.n; ++k) write(k, pose(times.at(k)));
+            model.at_rest(std::span(poses).first(static_cast<std::size_t>(count)), x.x + k * x.stage, x.stage,
+                          x.entry);
           }
         }) {
     if constexpr (requires { pose.check(); }) pose.check();
@@ -174,7 +171,7 @@ class Reference {
   /// Numbers in the state it gives; 0 for a pose, which suits any robot.
   std::size_t length() const { return length_; }
 
-  /// A pose suits robots of at most so many states.
+  /// States of a robot whose reference is between two.
   static constexpr int max_states = 64;
 
  private:
