@@ -26,7 +26,8 @@ TEST(Generator, EachStructureIsPrintedOnce) {
   generator.add({0.4 * KeepOut{}});
   generator.add({0.3 * KeepOut{}});
   EXPECT_EQ(count(generator.text(), "struct Stage_"), 2u);
-  EXPECT_EQ(count(generator.text(), "struct Formula_"), 2u) << "between robots, and around what is not one";
+  EXPECT_EQ(count(generator.text(), "struct Formula_"), 4u)
+      << "derivatives and value, between robots, and around what is not one";
 }
 
 TEST(Generator, ARobotIsPrintedOnceWhateverItsParameters) {

@@ -66,8 +66,11 @@ void Generator::add(const std::vector<Weighted>& terms) {
   std::vector<Ends> kinds = {{true, false, true, false}};
   if (terms.at(0).potential.is_pair())
     kinds.insert(kinds.end(), {{}, {.b_feels = false}, {.a_feels = false}});
-  for (const Ends& ends : kinds)
-    add(trace_potential(pointers, any_h, ends, Numbers::parameters).derivatives, terms[0].potential.name());
+  for (const Ends& ends : kinds) {
+    const PosePotential potential = trace_potential(pointers, any_h, ends, Numbers::parameters);
+    for (const Program* program : {&potential.derivatives, &potential.value})
+      add(*program, terms[0].potential.name());
+  }
 }
 
 void Generator::add_swarm(const Weighted& term) {

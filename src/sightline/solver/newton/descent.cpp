@@ -53,7 +53,8 @@ void Descent::move(const Unit& unit, double alpha, const double* start, const do
     for (int k = 0; k < layout_.stages; ++k) {
       for (int i = 0; i < layout_.part(a).nu; ++i) {
         const std::ptrdiff_t at = view(k, i);
-        u[at] = clamp(start[at] + alpha * d[at], low[at], high[at]);
+        u[at] =
+            alpha > 0.0 ? clamp(start[at] + alpha * d[at], low[at], high[at]) : start[at];  // d may be none
       }
     }
   }
@@ -66,7 +67,7 @@ void Descent::evaluate_costs(int level, Groups& groups, Couplings& couplings, co
   std::fill(moved_.begin(), moved_.end(), 0);
   const auto each = [&](auto&& f) {
     for (Unit& unit : units_) {
-      if (unit.level == level && !unit.settled) f(unit);
+      if (unit.level == level && unit.searches && !unit.settled) f(unit);
     }
   };
   each([&](const Unit& unit) {
@@ -92,15 +93,17 @@ void Descent::evaluate_costs(int level, Groups& groups, Couplings& couplings, co
 }
 
 double Descent::search(Groups& groups, Couplings& couplings, const double* start, const double* d,
-                       const double* low, const double* high, double* u, double* s, Crew& crew) noexcept {
+                       const double* low, const double* high, double* u, double* s, Crew& crew,
+                       Searching who) noexcept {
   std::copy_n(start, layout_.u_length, u);
   double smallest = 1.0;
   fell_ = false;
+  for (Unit& unit : units_) unit.searches = who == Searching::all || unit.alpha == 0.0;
   for (int level = 0; level < levels_; ++level) {
     groups.roll_out(u, s, crew);
     const auto each = [&](auto&& f) {
       for (Unit& unit : units_) {
-        if (unit.level == level) f(unit);
+        if (unit.level == level && unit.searches) f(unit);
       }
     };
     const auto try_at = [&](double alpha) {

@@ -11,6 +11,12 @@
 
 namespace sightline {
 
+/// Who searches.
+enum class Searching {
+  all,
+  who_stood,  ///< whoever found no way in the search before; the others stay where they are
+};
+
 class Descent {
  public:
   Descent(std::span<const BodyPotential> potentials, const Layout& layout, const InfluenceGraph& graph);
@@ -18,7 +24,8 @@ class Descent {
   /// u <- start + alpha d within the limits, alpha of each unit such that its cost does not rise.
   /// @return the smallest alpha; 0 where a cost rises along d from the start
   double search(Groups& groups, Couplings& couplings, const double* start, const double* d, const double* low,
-                const double* high, double* u, double* s, Crew& crew) noexcept;
+                const double* high, double* u, double* s, Crew& crew,
+                Searching who = Searching::all) noexcept;
   /// Whether costs are sure to lead on: one cost for all, or agents in order. Not where all search at once.
   bool sure() const { return sure_; }
   /// Whether a cost fell in the last search, beyond what rounding does to it.
@@ -30,7 +37,7 @@ class Descent {
     int level = 0;
     std::vector<int> agents, potentials;
     double before = 0.0, best = 0.0, cost = 0.0, alpha = 0.0;
-    bool settled = false;
+    bool searches = true, settled = false;
   };
 
   void move(const Unit& unit, double alpha, const double* start, const double* d, const double* low,

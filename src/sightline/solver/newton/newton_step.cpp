@@ -109,38 +109,72 @@ void NewtonUpdate::take() noexcept {
   });
 }
 
-/// Goes from u_start towards the step only as far as costs fall. Where that is not far, on by projected
-/// Newton (Bertsekas 1982): inputs that are pushed against a limit nearby become active, which makes the
-/// step one of descent. Where even that fails, down the gradient.
-/// @return whether the step could be taken as it was
-bool NewtonUpdate::descend(bool settled) noexcept {
-  constexpr double far_enough = 0.25;  // of the step
-  constexpr double nearby = 0.05;      // of an input's scale
-  const int n = groups_.layout().u_length;
-  const auto search = [&] {
-    return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_, *crew_);
-  };
-  for (int i = 0; i < n; ++i) du_[i] = u_[i] + du_[i] - u_start_[i];
-  const double alpha = search();
-  if ((alpha < far_enough || !settled || (descent_.sure() && !descent_.fell())) && !late()) {
-    // Inputs that the gradient holds near a limit go there, the others by a step of their own.
-    std::copy_n(u_, n, u_start_);
-    groups_.roll_out(u_, s_, *crew_);
-    linearise([&](int g, const double* c) { groups_.differentiate(g, u_, active_, c, H_u_); });
-    const auto at_low = [&](int i) { return u_[i] < low_[i] + nearby / per_scale_[i] && H_u_[i] > 0; };
-    const auto at_high = [&](int i) { return u_[i] > high_[i] - nearby / per_scale_[i] && H_u_[i] < 0; };
-    for (int i = 0; i < n; ++i) active_[i] = at_low(i) || at_high(i) ? infinity : 0.0;
-    solve_alone();
-    krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, Likeness::none, deadline());
-    for (int i = 0; i < n; ++i) {
-      if (at_low(i)) du_[i] = low_[i] - u_[i];
-      if (at_high(i)) du_[i] = high_[i] - u_[i];
-    }
-    if (search() == 0.0) {
-      for (int i = 0; i < n; ++i) du_[i] = -0.5 / ocp_.horizon().h() * H_u_[i] * scale_2_[i];
-      search();
-    }
+/// Inputs of a group that the gradient holds near a limit are to go there. @return whether the set changed
+bool NewtonUpdate::hold_near_limits(int g) noexcept {
+  constexpr double nearby = 0.05;  // of an input's scale
+  bool changed = false;
+  const Layout::Part& part = groups_.layout().groups[at(g)];
+  const std::ptrdiff_t end = part.u + padded(groups_.layout().stages * part.nu * groups_.layout().width);
+  for (std::ptrdiff_t i = part.u; i < end; ++i) {
+    const double reach = nearby / per_scale_[i];
+    const bool holds = H_u_[i] > 0 ? u_[i] < low_[i] + reach : H_u_[i] < 0 && u_[i] > high_[i] - reach;
+    const double active = holds ? infinity : 0.0;
+    changed |= active != active_[i];
+    active_[i] = active;
   }
+  return changed;
+}
+
+/// A step of projected Newton from u (Bertsekas 1982), as far as costs fall: inputs that the gradient holds near a limit go there, the
+/// others by a step of their own. Whoever finds no way goes down the gradient.
+NewtonUpdate::Step NewtonUpdate::project() noexcept {
+  const int n = groups_.layout().u_length;
+  std::copy_n(u_, n, u_start_);
+  groups_.roll_out(u_, s_, *crew_);
+  couplings_->find_neighbours(s_);
+  linearise([&](int g, const double* c) {
+    const auto solve = [&] { return groups_.solve(g, u_, active_, c, H_u_, du_, ds_); };
+    repeated_[at(g)] = solve();
+    if (hold_near_limits(g)) repeated_[at(g)] = solve();
+  });
+  const bool damped = std::accumulate(repeated_.begin(), repeated_.end(), 0) > 0;
+  Step result;
+  result.iterations = krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, Likeness::none, deadline());
+  result.residual = examine().residual;
+  result.finite = slope_is_finite();
+  if (!result.finite) return result;
+  for (int i = 0; i < n; ++i) {
+    if (active_[i] != 0.0) du_[i] = (H_u_[i] > 0 ? low_[i] : high_[i]) - u_[i];
+  }
+  const double alpha = search();
+  if (alpha == 0.0) {
+    std::copy_n(u_, n, u_start_);
+    for (int i = 0; i < n; ++i) du_[i] = -0.5 / ocp_.horizon().h() * H_u_[i] * scale_2_[i];
+    search(Searching::who_stood);
+  }
+  result.whole = alpha >= 1.0 && !damped;
+  return result;
+}
+
+/// From u_start along du, the team's way of it. @return the shortest way of a robot, in steps
+double NewtonUpdate::search(Searching who) noexcept {
+  return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_, *crew_, who);
+}
+
+/// Goes from u_start towards the step only as far as costs fall. Where that is not far, on by projected Newton. The step is whole where it
+/// could be taken as it was.
+void NewtonUpdate::descend(bool settled, Step& step) noexcept {
+  constexpr double far_enough = 0.25;  // of the step
+  for (int i = 0; i < groups_.layout().u_length; ++i) du_[i] = u_[i] + du_[i] - u_start_[i];
+  const double alpha = search();
+  if ((alpha < far_enough || !settled || (descent_.sure() && !descent_.fell())) && !late())
+    step.iterations += project().iterations;
+  step.whole = alpha >= 1.0 && settled;
+}
+
+/// What was watched is where the next step begins: free but for inputs on their limits.
+void NewtonUpdate::release() noexcept {
+  const int n = groups_.layout().u_length;
   all_free_ = true;
   for (int i = 0; i < n; ++i) {
     if (u_[i] != low_[i] && u_[i] != high_[i]) active_[i] = 0.0;
@@ -148,12 +182,20 @@ bool NewtonUpdate::descend(bool settled) noexcept {
     du_[i] = 0.0;
   }
   std::copy_n(u_, n, u_before_);
-  return alpha >= 1.0 && settled;
 }
 
 NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
   constexpr int attempts = 3;
+  constexpr double near = 0.02;  // residual from which on steps are trusted again
   Step result;
+  if (globalising_) {
+    result = project();
+    if (!result.finite) return result;
+    release();
+    globalising_ = descent_.sure() && result.residual > near && !result.whole;
+    result.in_time = !late();
+    return result;
+  }
   Proposal proposal;
   bool damped = false, settled = false;
   bool started_from = false;  // u_start is known
@@ -166,9 +208,9 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
     if (attempt == 0) couplings_->find_neighbours(s_);
     damped = solve_alone() > 0;
     if (!late()) {
-      const Likeness likeness = attempt > 0              ? Likeness::of_attempts
-                                : damped || globalising_ ? Likeness::none
-                                                         : Likeness::of_updates;
+      const Likeness likeness = attempt > 0 ? Likeness::of_attempts
+                                : damped    ? Likeness::none
+                                            : Likeness::of_updates;
       result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, likeness, deadline());
     }
     proposal = examine();
@@ -189,14 +231,14 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
     std::fill_n(du_, groups_.layout().u_length, 0.0);  // the gradient is left
     result.finite = true;
   }
-  constexpr double near = 0.02;  // residual from which on steps are trusted again
-  globalising_ |=
+  globalising_ =
       !proposal.finite || damped || std::max(proposal.largest, proposal.residual) > options_.step_cap;
   if (globalising_) {
     keep_start();
-    const bool whole = descend(settled);
-    globalising_ = descent_.sure() && proposal.residual > near && !whole;
-    result.whole = whole && !damped && proposal.finite;
+    descend(settled, result);
+    release();
+    globalising_ = descent_.sure() && proposal.residual > near && !result.whole;
+    result.whole &= !damped && proposal.finite;
   } else {
     take();
     result.whole = settled;

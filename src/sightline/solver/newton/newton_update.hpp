@@ -63,7 +63,11 @@ class NewtonUpdate {
   bool slope_is_finite() const noexcept;
   bool update_active_set() noexcept;
   void take() noexcept;
-  bool descend(bool settled) noexcept;
+  bool hold_near_limits(int group) noexcept;
+  Step project() noexcept;
+  double search(Searching who = Searching::all) noexcept;
+  void descend(bool settled, Step& step) noexcept;
+  void release() noexcept;
   Krylov::Deadline deadline() const noexcept;
   bool late() const noexcept;
   bool is_stage(int k, std::span<const double> u) const noexcept;

@@ -45,9 +45,7 @@ class Points {
   static constexpr int W = native_width;
 
   Points(const PosePotential& potential, KernelChoice choice)
-      : potential_(potential),
-        value_(potential.value, KernelChoice::interpreted),
-        derivatives_(potential.derivatives, choice) {
+      : potential_(potential), value_(potential.value, choice), derivatives_(potential.derivatives, choice) {
     for (const Program& p : potential.others) others_.emplace_back(p, choice);
   }
 
