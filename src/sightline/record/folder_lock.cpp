@@ -2,17 +2,14 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
-#include <chrono>
 #include <stdexcept>
 #include <string>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 #include "sightline/base/reason.hpp"
@@ -40,13 +37,12 @@ bool is_at(int file, const fs::path& name) {
          open.st_ino == named.st_ino;
 }
 
-/// Locks for writing. Who asks whether the folder is written holds the lock for microseconds: once more a little later.
-bool locked(int file) {
-  for (int tries = 0; ::flock(file, LOCK_EX | LOCK_NB) != 0; ++tries) {
-    if (errno != EWOULDBLOCK || tries == 3) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
+/// All of a file, locked for writing by whoever holds the open file: until it is closed, whatever ends its process.
+struct flock whole_file() {
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  return lock;
 }
 
 void expect_file(const fs::path& file) {
@@ -85,9 +81,10 @@ void FolderLock::lock() {
       throw std::invalid_argument(fmt::format("{}: cannot be written ({}), expected a folder that can",
                                               folder_.native(), reason(errno)));
     }
-    if (!locked(lock_)) {
+    struct flock all = whole_file();
+    if (::fcntl(lock_, F_OFD_SETLK, &all) != 0) {
       const std::string sentence =
-          errno == EWOULDBLOCK
+          errno == EAGAIN || errno == EACCES
               ? fmt::format(
                     "{}: another sightline{} writes into this folder, expected one at a time: wait for "
                     "it, or give another folder by -o",
@@ -114,7 +111,8 @@ FolderLock::~FolderLock() {
 bool is_written(const fs::path& folder) {
   const int file = ::open((folder / ".lock").c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (file < 0) return false;
-  const bool taken = ::flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  struct flock other = whole_file();  // asked for, not taken: who looks on keeps no writer out
+  const bool taken = ::fcntl(file, F_OFD_GETLK, &other) == 0 && other.l_type != F_UNLCK;
   ::close(file);
   return taken;
 }
