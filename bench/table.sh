@@ -83,7 +83,7 @@ other programs took of the core. *Error* is the infinity norm of
 u - u*, where u* is the optimum at the same state, converged to 1e-10; *before* are all updates up to 2 s except the
 first. IPOPT (3.11, MUMPS) solves every 50th problem as sparse multiple shooting with exact derivatives, started at the
 optimum of the update before, to a tolerance of 1e-13; where the team is masked, robot by robot. Its time is processor time, its error that of
-whole horizons against u*. Robots of one model are computed in SIMD lanes: two where a team has at most two robots of each model, else all lanes of the processor (eight with AVX-512). So chains of 4 and of 8 take nearly the same time.
+whole horizons against u*. Robots of one model are computed in SIMD lanes: two or four where a team has so few robots of each model, else all lanes of the processor (eight with AVX-512).
 
 TEXT
   printf 'Load of the machine at the start: %s (0: idle).\n\n' "$load"
@@ -120,7 +120,7 @@ CASES
 ![Median time of an update over the number of robots, both axes logarithmic](scaling.svg)
 
 Time grows with the power $joint of the number of robots from 2 to 64, where all feel the couplings ($joint_from_8 from 8 to
-64); with the power $masked where only the observer does ($masked_from_8 from 8 to 64).
+64); with the power $masked where only the observer does ($masked_from_8 from 8 to 64). Teams of other kinds, of up to 1024 robots: [families.md](families.md).
 TEXT
 } >bench/README.md
 echo "table.sh: wrote bench/README.md and bench/scaling.svg" >&2

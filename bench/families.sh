@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# Times teams of six kinds, of 8 to 1024 robots, and writes bench/families.md and bench/families.svg:  bench/families.sh
+# All on one core (CORE, else 1), with the release preset; some 15 minutes.
+set -euo pipefail
+cd "$(dirname "$0")/.." || exit 1
+core=${CORE:-1}
+sightline=build/release/bin/sightline
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+[[ -x $sightline ]] || { echo "families.sh: $sightline is not there, expected the release preset built" >&2; exit 2; }
+
+load=$(cut -d' ' -f1 /proc/loadavg)
+families='chain cascade strong_chain mutual_chain grid'
+number() { sed -nE "s/.*\"$1\": ([-0-9.e+]+),?/\1/p" "$work/case.json" | head -n 1; }
+# Of each size: robots, median, p99, first update [us], error after 2 s.
+for family in $families; do
+  for robots in 8 16 32 64 128 256 512 1024; do
+    echo "${family}_$robots" >&2
+    taskset -c "$core" "$sightline" bench --case "${family}_$robots" --updates 1000 --json 2>/dev/null >"$work/case.json"
+    echo "$robots $(number median_us) $(number p99_us) $(number first_us) $(number input_error_max)" >>"$work/$family.txt"
+  done
+done
+# Of swarms the worst second.
+for robots in 8 16 32 64 128 256; do
+  echo "swarm_$robots" >&2
+  taskset -c "$core" "$sightline" bench --case "swarm_$robots" 2>/dev/null |
+    awk -F'|' -v n="$robots" '$2 == " swarm_" n "_crossing " { print n, $5 + 0, $6 + 0 }' >>"$work/swarm.txt"
+done
+
+gnuplot <<PLOT
+set terminal svg size 760,520 font "Helvetica,14" background "white"
+set output "bench/families.svg"
+set title "Time of one update over the number of robots"
+set xlabel "robots"
+set ylabel "median time of one update [us]"
+set logscale xy
+set xrange [6:1400]
+set xtics (8, 16, 32, 64, 128, 256, 512, 1024)
+set format y "10^{%L}"
+set grid
+set key right bottom
+plot "$work/swarm.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#7a3b9a" lw 2 title "swarm, its worst second", \
+  "$work/mutual_chain.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#b3002d" lw 2 title "mutual\\\\_chain", \
+  "$work/strong_chain.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#d95f02" lw 2 title "strong\\\\_chain (B)", \
+  "$work/cascade.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#c9a400" lw 2 title "cascade", \
+  "$work/grid.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#2f7d32" lw 2 title "grid", \
+  "$work/chain.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#1b6ca8" lw 2 title "chain (A)"
+PLOT
+
+# $1: file of "robots time"; $2, $3: from, to. The exponent of time over robots.
+exponent() {
+  awk -v from="$2" -v to="$3" '$1 >= from && $1 <= to { x = log($1); y = log($2); n++; sx += x; sy += y; sxx += x * x; sxy += x * y }
+    END { printf "%.2f", (n * sxy - sx * sy) / (n * sxx - sx * sx) }' "$1"
+}
+{
+  cat <<'TEXT'
+# Teams of many kinds and sizes
+
+Made by `bench/families.sh`, in one run on one core; do not edit. How a case is flown and judged: [README.md](README.md).
+
+| family | robots and couplings |
+|---|---|
+| `chain` (A) | each watches the next; weak couplings (0.4) that both feel |
+| `cascade` | in the words of `scenarios/chain8.toml`: the first flies a circle, each other watches the one before it and alone feels that |
+| `strong_chain` (B) | the same, and robots two apart keep their distance, which both feel but the first |
+| `mutual_chain` | B, all of it felt by both |
+| `grid` | four robots a row, each on a circle of its own, apart from those beside it; felt by both |
+| `swarm` | `keep_apart` among all, which swap places across a circle; the second of the flight whose median is worst |
+
+TEXT
+  printf 'Load of the machine at the start: %s (0: idle).\n\n' "$load"
+  taskset -c "$core" "$sightline" bench --case pair --updates 100 --times 2>/dev/null | head -n 1
+  cat <<'TEXT'
+
+![Median time of an update of each family, both axes logarithmic](families.svg)
+
+10 s of closed loop (1000 updates); swarms 60 s, up to 32 robots 26 s. *First* is the cold start; *error* that of inputs from 2 s on, beyond
+64 robots at every 50th update. The robots of all chains but A begin at their limits for a second, which is most of their p99.
+
+| case | median us | p99 us | first ms | error |
+|---|---|---|---|---|
+TEXT
+  for family in $families; do
+    awk -v f="$family" '{ printf "| %s_%s | %.1f | %.1f | %.2f | %.1e |\n", f, $1, $2, $3, $4 / 1000, $5 }' "$work/$family.txt"
+  done
+  awk '{ printf "| swarm_%s | %.1f | %.1f | - | - |\n", $1, $2, $3 }' "$work/swarm.txt"
+  printf '\n| family | exponent 8 to 512 | 64 to 1024 |\n|---|---|---|\n'
+  for family in $families; do
+    echo "| $family | $(exponent "$work/$family.txt" 8 512) | $(exponent "$work/$family.txt" 64 1024) |"
+  done
+} >bench/families.md
+echo "families.sh: wrote bench/families.md and bench/families.svg" >&2
