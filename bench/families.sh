@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Times teams of six kinds, of 8 to 1024 robots, and writes bench/families.md and bench/families.svg:  bench/families.sh
-# All on one core (CORE, else 1), with the release preset; some 15 minutes.
+# All on one core (CORE, else 1), with the release preset; some 5 minutes.
 set -euo pipefail
 cd "$(dirname "$0")/.." || exit 1
 core=${CORE:-1}
 sightline=build/release/bin/sightline
+. bench/fit.sh
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 [[ -x $sightline ]] || { echo "families.sh: $sightline is not there, expected the release preset built" >&2; exit 2; }
@@ -47,11 +48,7 @@ plot "$work/swarm.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#7a3b9a" l
   "$work/chain.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#1b6ca8" lw 2 title "chain (A)"
 PLOT
 
-# $1: file of "robots time"; $2, $3: from, to. The exponent of time over robots.
-exponent() {
-  awk -v from="$2" -v to="$3" '$1 >= from && $1 <= to { x = log($1); y = log($2); n++; sx += x; sy += y; sxx += x * x; sxy += x * y }
-    END { printf "%.2f", (n * sxy - sx * sy) / (n * sxx - sx * sx) }' "$1"
-}
+exponent() { power_law "$work/$1.txt" 2 "$2" "$3" | cut -d' ' -f1; }
 {
   cat <<'TEXT'
 # Teams of many kinds and sizes
@@ -86,7 +83,7 @@ TEXT
   awk '{ printf "| swarm_%s | %.1f | %.1f | - | - |\n", $1, $2, $3 }' "$work/swarm.txt"
   printf '\n| family | exponent 8 to 512 | 64 to 1024 |\n|---|---|---|\n'
   for family in $families; do
-    echo "| $family | $(exponent "$work/$family.txt" 8 512) | $(exponent "$work/$family.txt" 64 1024) |"
+    echo "| $family | $(exponent "$family" 8 512) | $(exponent "$family" 64 1024) |"
   done
 } >bench/families.md
 echo "families.sh: wrote bench/families.md and bench/families.svg" >&2

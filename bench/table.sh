@@ -6,6 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.." || exit 1
 prototype=$(realpath -m "${1:-../shared/reference/solver_generic}")
 core=${CORE:-1}
+. bench/fit.sh
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -38,11 +39,8 @@ prototype_median() { sed -nE "s/^$1: med +([0-9.]+) .*/\1/p" "$work/prototype.tx
 for robots in 2 4 8 16 32 64; do
   echo "$robots $(median chain_$robots) $(median chain_${robots}_masked) $(ipopt chain_$robots)"
 done >"$work/scaling.txt"
-# Slope and intercept of log time over log robots, from this many robots on; column 2: all feel, 3: masked, 4: IPOPT.
-fit() {
-  awk -v column="$1" -v from="$2" '$1 >= from { x = log($1); y = log($column); n++; sx += x; sy += y; sxx += x * x; sxy += x * y }
-    END { b = (n * sxy - sx * sy) / (n * sxx - sx * sx); printf "%.2f %.6f\n", b, exp((sy - b * sx) / n) }' "$work/scaling.txt"
-}
+# Column 2: all feel, 3: masked, 4: IPOPT.
+fit() { power_law "$work/scaling.txt" "$1" "$2" 64; }
 read -r joint joint_at_1 <<<"$(fit 2 2)"
 read -r joint_from_8 _ <<<"$(fit 2 8)"
 read -r masked masked_at_1 <<<"$(fit 3 2)"

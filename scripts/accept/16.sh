@@ -6,6 +6,7 @@ set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 build=build/release
 . scripts/accept/sections.sh
+. bench/fit.sh
 sightline=$build/bin/sightline
 core=${CORE:-1}
 
@@ -26,10 +27,7 @@ asked() {
   [[ $verdict == ok ]] || ! whole
 }
 # $1: file of "robots time"; $2, $3: from, to. The exponent of time over robots.
-exponent() {
-  awk -v from="$2" -v to="$3" '$1 >= from && $1 <= to { x = log($1); y = log($2); n++; sx += x; sy += y; sxx += x * x; sxy += x * y }
-    END { if (n > 1) printf "%.2f\n", (n * sxy - sx * sy) / (n * sxx - sx * sx) }' "$1"
-}
+exponent() { power_law "$1" 2 "$2" "$3" | cut -d' ' -f1; }
 
 # Medians, 99th percentiles, cold starts and errors of each family, and how they grow.
 times() {

@@ -22,7 +22,7 @@ class Descent {
   Descent(std::span<const BodyPotential> potentials, const Layout& layout, const InfluenceGraph& graph);
 
   /// u <- start + alpha d within the limits, alpha of each unit such that its cost does not rise.
-  /// @return the smallest alpha; 0 where a cost rises along d from the start
+  /// @return the smallest alpha of those that search; 0 where a cost rises along d from the start
   double search(Groups& groups, Couplings& couplings, const double* start, const double* d, const double* low,
                 const double* high, double* u, double* s, Crew& crew,
                 Searching who = Searching::all) noexcept;

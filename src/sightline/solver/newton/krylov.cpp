@@ -19,9 +19,9 @@ double sum(L a) {
 }
 
 /// f(place) for each pack of a group's rows.
-template <class GroupRows, class F>
-void each_pack(const GroupRows& rows, F&& f) {
-  for (std::ptrdiff_t i = rows.first; i < rows.first + rows.length; i += L::width) f(i);
+template <class F>
+void each_pack(const Layout::Span& rows, F&& f) {
+  for (std::ptrdiff_t i = rows.first; i < rows.end(); i += L::width) f(i);
 }
 
 double dot_packs(const double* a, const double* b, int n) {
@@ -81,16 +81,6 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterat
   }
 }
 
-Krylov::Span Krylov::s_of(int group) const noexcept {
-  const Layout::Part& part = layout_.groups[at(group)];
-  return {part.s, padded(layout_.stages * part.ns * layout_.width)};
-}
-
-Krylov::Span Krylov::u_of(int group) const noexcept {
-  const Layout::Part& part = layout_.groups[at(group)];
-  return {part.u, padded(layout_.stages * part.nu * layout_.width)};
-}
-
 double Krylov::sum_of_groups() const noexcept {
   return std::accumulate(of_groups_.begin(), of_groups_.end(), 0.0);
 }
@@ -125,7 +115,7 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
     groups.each(work.crew, [&](int g, int) noexcept {
       if (k == 0 && !swarms) couplings.product(g, work.ds, r);
       groups.precondition(g, r, z_u, z);
-      const Span s = s_of(g);
+      const Layout::Span s = layout_.s_of(g);
       of_groups_[at(g)] = dot_packs(r + s.first, z + s.first, s.length);
     });
     const double next_rho = sum_of_groups();
@@ -138,7 +128,7 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
       w = r;
     } else {
       groups.each(work.crew, [&](int g, int) noexcept {
-        const Span s = s_of(g), u = u_of(g);
+        const Layout::Span s = layout_.s_of(g), u = layout_.u_of(g);
         each_pack(s, [&](std::ptrdiff_t i) {
           fma(beta, L::load(p + i), L::load(z + i)).store(z + i);
           fma(beta, L::load(w + i), L::load(r + i)).store(w + i);
@@ -150,7 +140,7 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
     const auto image = [&](std::ptrdiff_t i) { return L::load(w + i) + L::load(Cp + i); };
     groups.each(work.crew, [&](int g, int) noexcept {
       if (!swarms) couplings.product(g, z, Cp);
-      const Span s = s_of(g);
+      const Layout::Span s = layout_.s_of(g);
       L even = 0.0, odd = 0.0;
       for (int i = 0; i < s.length; i += 2 * L::width) {
         const std::ptrdiff_t at_i = s.first + i;
@@ -166,11 +156,11 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
     const bool last = k == max_iterations_ || std::sqrt(rho) < stop_ || work.deadline.passed();
     double* const next_r = k == 1 ? s_vectors_[1] : r;  // r lives on as w
     groups.each(work.crew, [&](int g, int) noexcept {
-      each_pack(u_of(g), [&](std::ptrdiff_t i) {
+      each_pack(layout_.u_of(g), [&](std::ptrdiff_t i) {
         subtract_product(alpha, L::load(z_u + i), L::load(work.du + i)).store(work.du + i);
       });
       if (last) return;
-      each_pack(s_of(g), [&](std::ptrdiff_t i) {
+      each_pack(layout_.s_of(g), [&](std::ptrdiff_t i) {
         subtract_product(alpha, image(i), L::load(r + i)).store(next_r + i);
       });
     });
@@ -189,7 +179,7 @@ void Krylov::guess(const Work& work) noexcept {
   if (share_ == 0.0) return;
   const L part = share_;
   work.groups.each(work.crew, [&](int g, int) noexcept {
-    each_pack(s_of(g), [&](std::ptrdiff_t i) {
+    each_pack(layout_.s_of(g), [&](std::ptrdiff_t i) {
       fma(part, L::load(added_[0] + i), L::load(work.ds + i)).store(work.ds + i);
     });
   });
@@ -200,7 +190,7 @@ void Krylov::remember(const Work& work) noexcept {
   const double* const ds_alone = s_vectors_[4];
   work.groups.each(work.crew, [&](int g, int) noexcept {
     L now_then = 0.0, then_then = 0.0;
-    each_pack(s_of(g), [&](std::ptrdiff_t i) {
+    each_pack(layout_.s_of(g), [&](std::ptrdiff_t i) {
       const L now = L::load(work.ds + i) - L::load(ds_alone + i), then = L::load(added_[0] + i);
       now_then = fma(now, then, now_then);
       then_then = fma(then, then, then_then);
@@ -267,20 +257,21 @@ double Krylov::take_turn(int turn, const Work& work) noexcept {
   work.crew.share(groups, [&](int i, int) noexcept {
     const int g = its.groups[at(i)];
     work.couplings.product(g, work.ds, r);
-    each_pack(s_of(g), [&](std::ptrdiff_t k) {
+    each_pack(layout_.s_of(g), [&](std::ptrdiff_t k) {
       const L now = L::load(r + k);
       if (!first_visit) (now - L::load(before + k)).store(r + k);
       now.store(before + k);
     });
     work.groups.precondition(g, r, z_u, z);
-    each_pack(u_of(g),
+    each_pack(layout_.u_of(g),
               [&](std::ptrdiff_t k) { (L::load(work.du + k) - L::load(z_u + k)).store(work.du + k); });
     if (!its.is_felt) return;
     L energy = 0.0, length = 0.0, moved = 0.0;
-    each_pack(s_of(g), [&](std::ptrdiff_t k) { energy = fma(L::load(r + k), L::load(z + k), energy); });
+    each_pack(layout_.s_of(g),
+              [&](std::ptrdiff_t k) { energy = fma(L::load(r + k), L::load(z + k), energy); });
     if (guessed) {
       // Others have seen the guess: what counts is how far from it the step is, by as much energy as the correction has.
-      each_pack(s_of(g), [&](std::ptrdiff_t k) {
+      each_pack(layout_.s_of(g), [&](std::ptrdiff_t k) {
         const L correction = L::load(z + k), off = L::load(from + k) - correction - L::load(work.ds + k);
         length = fma(correction, correction, length);
         moved = fma(off, off, moved);
@@ -298,7 +289,8 @@ double Krylov::take_turn(int turn, const Work& work) noexcept {
   if (!its.is_felt) return largest;
   for (int i = 0; i < groups; ++i) {
     const int g = its.groups[at(i)];
-    each_pack(s_of(g), [&](std::ptrdiff_t k) { (L::load(from + k) - L::load(z + k)).store(work.ds + k); });
+    each_pack(layout_.s_of(g),
+              [&](std::ptrdiff_t k) { (L::load(from + k) - L::load(z + k)).store(work.ds + k); });
     for (int lane = 0; lane < layout_.width; ++lane) {
       const double of_robot = changes_[at(g * layout_.width + lane)];
       largest = std::max(largest, of_robot);
@@ -323,16 +315,17 @@ int Krylov::general(const Work& work) noexcept {
   const auto product = [&](const double* v, double* out) {
     coupled(v, [&](int g) {
       work.groups.precondition(g, image, u_vectors_[0], out);
-      each_pack(s_of(g), [&](std::ptrdiff_t i) { (L::load(out + i) + L::load(v + i)).store(out + i); });
+      each_pack(layout_.s_of(g),
+                [&](std::ptrdiff_t i) { (L::load(out + i) + L::load(v + i)).store(out + i); });
     });
   };
   std::copy_n(work.ds, ns, b);
   std::copy_n(work.ds, ns, y);
   const Gmres::Outcome outcome = gmres_.solve(product, b, y, 0.1 * stop_);
   coupled(y, [&](int g) {
-    each_pack(s_of(g), [&](std::ptrdiff_t i) { (-L::load(image + i)).store(image + i); });
+    each_pack(layout_.s_of(g), [&](std::ptrdiff_t i) { (-L::load(image + i)).store(image + i); });
     work.groups.precondition(g, image, u_vectors_[0], work.ds);
-    each_pack(u_of(g), [&](std::ptrdiff_t i) {
+    each_pack(layout_.u_of(g), [&](std::ptrdiff_t i) {
       (L::load(work.du + i) + L::load(u_vectors_[0] + i)).store(work.du + i);
     });
   });

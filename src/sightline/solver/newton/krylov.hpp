@@ -58,18 +58,11 @@ class Krylov {
     Likeness likeness;
     Deadline deadline;
   };
-  /// One group's rows in the arrays, whole packs.
-  struct Span {
-    std::ptrdiff_t first;
-    int length;
-  };
 
   int conjugate_gradients(const Work& work) noexcept;
   int substitute(const Work& work) noexcept;
   double take_turn(int turn, const Work& work) noexcept;
   int general(const Work& work) noexcept;
-  Span s_of(int group) const noexcept;
-  Span u_of(int group) const noexcept;
   double sum_of_groups() const noexcept;
   void guess(const Work& work) noexcept;
   void remember(const Work& work) noexcept;

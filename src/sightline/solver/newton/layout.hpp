@@ -19,6 +19,12 @@ struct Layout {
   struct Place {
     int group = 0, lane = 0;
   };
+  /// One group's numbers in an array, whole packs.
+  struct Span {
+    std::ptrdiff_t first;
+    int length;
+    std::ptrdiff_t end() const { return first + length; }
+  };
   /// One agent's numbers: the entry i of stage k is at first + k stage + i width.
   struct View {
     std::ptrdiff_t first = 0, stage = 0;
@@ -33,11 +39,20 @@ struct Layout {
 
   void add(int nu, int ns) {
     groups.push_back({nu, ns, u_length, s_length, c_length});
-    u_length += padded(stages * nu * width);
-    s_length += padded(stages * ns * width);
+    const int group = static_cast<int>(groups.size()) - 1;
+    u_length += u_of(group).length;
+    s_length += s_of(group).length;
     c_length += padded(stages * groups.back().nc() * width);
   }
 
+  Span u_of(int group) const {
+    const Part& g = groups[static_cast<std::size_t>(group)];
+    return {g.u, padded(stages * g.nu * width)};
+  }
+  Span s_of(int group) const {
+    const Part& g = groups[static_cast<std::size_t>(group)];
+    return {g.s, padded(stages * g.ns * width)};
+  }
   View u(int agent) const {
     const Part& g = part(agent);
     return {g.u + place(agent).lane, g.nu * width, width};

@@ -47,9 +47,8 @@ NewtonUpdate::Proposal NewtonUpdate::examine() noexcept {
 NewtonUpdate::Proposal NewtonUpdate::examine(int g) const noexcept {
   const double per_h = 1.0 / ocp_.horizon().h();
   L step = 0.0, residual = 0.0, beyond = 0.0, not_finite = 0.0;
-  const Layout::Part& part = groups_.layout().groups[at(g)];
-  const std::ptrdiff_t end = part.u + padded(groups_.layout().stages * part.nu * groups_.layout().width);
-  for (std::ptrdiff_t i = part.u; i < end; i += L::width) {
+  const Layout::Span its = groups_.layout().u_of(g);
+  for (std::ptrdiff_t i = its.first; i < its.end(); i += L::width) {
     const L u = L::load(u_ + i), du = L::load(du_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
     const L next = u + du, per_scale = L::load(per_scale_ + i);
     step = maximum(absolute(du) * per_scale, step);
@@ -100,9 +99,8 @@ bool NewtonUpdate::update_active_set() noexcept {
 void NewtonUpdate::take() noexcept {
   std::swap(u_, u_before_);
   groups_.each(*crew_, [&](int g, int) noexcept {
-    const Layout::Part& part = groups_.layout().groups[at(g)];
-    const std::ptrdiff_t end = part.u + padded(groups_.layout().stages * part.nu * groups_.layout().width);
-    for (std::ptrdiff_t i = part.u; i < end; i += L::width) {
+    const Layout::Span its = groups_.layout().u_of(g);
+    for (std::ptrdiff_t i = its.first; i < its.end(); i += L::width) {
       const L u = L::load(u_before_ + i) + L::load(du_ + i);
       within(u, L::load(low_ + i), L::load(high_ + i)).store(u_ + i);
     }
@@ -113,9 +111,8 @@ void NewtonUpdate::take() noexcept {
 bool NewtonUpdate::hold_near_limits(int g) noexcept {
   constexpr double nearby = 0.05;  // of an input's scale
   bool changed = false;
-  const Layout::Part& part = groups_.layout().groups[at(g)];
-  const std::ptrdiff_t end = part.u + padded(groups_.layout().stages * part.nu * groups_.layout().width);
-  for (std::ptrdiff_t i = part.u; i < end; ++i) {
+  const Layout::Span its = groups_.layout().u_of(g);
+  for (std::ptrdiff_t i = its.first; i < its.end(); ++i) {
     const double reach = nearby / per_scale_[i];
     const bool holds = H_u_[i] > 0 ? u_[i] < low_[i] + reach : H_u_[i] < 0 && u_[i] > high_[i] - reach;
     const double active = holds ? infinity : 0.0;
