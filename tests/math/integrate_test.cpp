@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -31,6 +33,23 @@ TEST(Integrate, ACubicRateIsIntegratedExactly) {
     };
     const double exact = T * (c[0] + T * (c[1] / 2 + T * (c[2] / 3 + T * c[3] / 4)));
     EXPECT_LE(relative_error(integrate(f, {0.0, 0.0}, T, 1)[1], exact), 1e-14);
+  }
+}
+
+TEST(Integrate, AStateOfAKnownLengthHasTheSameBits) {
+  Random random(4);
+  for (int k = 0; k < 500; ++k) {
+    const auto x = uniform_array<3>(random, -2, 2);
+    const double s = uniform(random, 0.001, 0.5);
+    const auto rates = [](const auto& z) {
+      return std::array<double, 3>{z[1] * z[2], -std::sin(z[0]), z[0] / 3 - z[2]};
+    };
+    const auto written = [&](std::span<const double> z, std::span<double> rate) {
+      const auto r = rates(z);
+      std::copy(r.begin(), r.end(), rate.begin());
+    };
+    const std::array<double, 3> after = rk4_step(rates, x, s);
+    EXPECT_EQ(integrate(written, {x.begin(), x.end()}, s, 1), std::vector(after.begin(), after.end()));
   }
 }
 

@@ -1,6 +1,7 @@
 /// Any robot behind one interface, so that teams are composed at run time.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <memory>
@@ -183,12 +184,11 @@ struct Model::Block final : Model::Interface {
   }
   void step(double* x, const double* u, double dt) const noexcept override {
     const auto held = take<inputs_n>(u);
-    std::array<double, RungeKuttaScratch::rows_needed * states_n> rows;
-    const auto rate = [&](std::span<const double> z, std::span<double> r) {
-      const auto f = model.f(take<states_n>(z.data()), held);
-      for (std::size_t i = 0; i < states_n; ++i) r[i] = f[i];
-    };
-    write_or_nan(x, states_n, [&] { rk4_step(rate, std::span<double>(x, states_n), dt, {rows}); });
+    write_or_nan(x, states_n, [&] {
+      const auto rate = [&](const std::array<double, states_n>& z) { return model.f(z, held); };
+      const std::array<double, states_n> after = rk4_step(rate, take<states_n>(x), dt);
+      std::copy(after.begin(), after.end(), x);
+    });
   }
   void at_rest(std::span<const Pose<double>> poses, double* x, std::ptrdiff_t stage,
                std::ptrdiff_t entry) const noexcept override {
