@@ -237,7 +237,8 @@ Arguments::Arguments()
   bench_command->add_option("--solver", bench.solver, "Solver [newton_riccati]");
   bench_command->add_flag("--json", bench.json, "JSON instead of a table");
   add_threads(*bench_command, bench.threads);
-  bench_command->add_option("--updates", bench.updates, "Updates of each case")
+  bench_command
+      ->add_option("--updates", bench.updates, "Updates of each case; swarm_N and events_8 have their own")
       ->capture_default_str()
       ->check(CLI::Range(100, 10'000'000));
   bench_command->add_flag("--times", bench.times_only, "Times alone, not compared with the optimum");

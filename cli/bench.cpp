@@ -38,7 +38,8 @@ int bench(const BenchCommand& command) {
   std::vector<BenchRow> rows;
   if (command.name && is_barrier_case(*command.name)) {
     rows.push_back(run_barrier_bench(
-        *command.name, {.allocations = allocations,
+        *command.name, {.updates = command.updates,
+                        .allocations = allocations,
                         .progress = [](int conflicts) { tell("{} of 500 conflicts\n", conflicts); }}));
   }
   if (command.name && is_swarm_case(*command.name)) {
@@ -50,7 +51,8 @@ int bench(const BenchCommand& command) {
         {.allocations = allocations, .progress = [](int changes) { tell("{} changes\n", changes); }});
   }
   if (command.name == estimate_case_name) {
-    rows = run_estimate_bench({.allocations = allocations,
+    rows = run_estimate_bench({.updates = command.updates,
+                               .allocations = allocations,
                                .progress = [](int believed) { tell("{} sightings believed\n", believed); }});
   }
   for (const BenchCase& what : cases) {
