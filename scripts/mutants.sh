@@ -11,34 +11,34 @@ trap 'rm -rf "$work"' EXIT
 
 # As the build compiles the library's own barrier, at -O1.
 flags=(-std=c++20 -O1 -march=native -ffp-contract=off -fno-math-errno -fno-trapping-math -Wno-psabi)
-sources=(authority escape projection barrier barrier_several way_out)
+sources=(authority escape projection barrier barrier_threats barrier_several way_out)
 tests=(authority escape projection barrier barrier_several way_out)
 filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:WaysOut.*'
 
 # name | file | what stands there | what the mutant has in its place
 mutants=(
-  'sign of the normal flipped|barrier_several.hpp|return least - value(next);|return least + value(next);'
-  'sign of the velocity flipped|barrier_several.hpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
-  'sign of the thrust flipped|escape.cpp|const double side = g.x \* x\[k\] + g.y \* y\[k\] < 0 ? -1.0 : 1.0;|const double side = g.x * x[k] + g.y * y[k] < 0 ? 1.0 : -1.0;'
+  'sign of the normal flipped|barrier_parts.hpp|return least - value(next);|return least + value(next);'
+  'sign of the velocity flipped|barrier_parts.hpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
+  'sign of the thrust flipped|escape.cpp|const S side = where_negative(g.x \* x\[k\] + g.y \* y\[k\], S(-1.0), S(1.0));|const S side = where_negative(g.x * x[k] + g.y * y[k], S(1.0), S(-1.0));'
   'drag dropped|barrier.cpp|plans_(can_.drag, dt)|plans_(0.0, dt)'
   'deceleration doubled|authority.cpp|const double reach = part|const double reach = 2 * part'
-  'deceleration of members doubled|barrier.cpp|tube.beta = both \* 2 \* b_;|tube.beta = both * 4 * b_;'
-  'margin zero|barrier.cpp|n.d_hard + options_.margin + 3 \* n.sigma|n.d_hard'
-  'margin of age zero|barrier.cpp|anywhere.rho0 += n.speed_max \* age;|;'
-  'speed of a stranger halved|barrier.cpp|anywhere.speed = n.speed_max;|anywhere.speed = 0.5 * n.speed_max;'
+  'deceleration of members doubled|barrier_threats.cpp|tube.beta = both \* 2 \* b_;|tube.beta = both * 4 * b_;'
+  'margin zero|barrier_threats.cpp|n.d_hard + options_.margin + 3 \* n.sigma|n.d_hard'
+  'margin of age zero|barrier_threats.cpp|tube.rho0 += n.speed_max \* age;|;'
+  'speed of a stranger halved|barrier_threats.cpp|tube.speed = n.speed_max;|tube.speed = 0.5 * n.speed_max;'
   'share of a member doubled|barrier.cpp|options_.share \* spare|2 * options_.share * spare'
   'step not looked ahead|barrier.cpp|const EscapeShape left = plans_.left(touch);|const EscapeShape left = touch.shape;'
   'cuts left out|barrier.cpp|    add_cuts(self, there, rows);||'
   'floor traded for a distance|barrier.cpp|h.hard = row.wall != Wall::none;|h.hard = false;'
   'hard rows missed as others are|projection.cpp|missable(row) ? slack_part : 0.0|slack_part'
   'several each for itself|barrier_several.cpp|if (uncooperative.size() < 2) return infinity;|return infinity;'
-  'other corners not looked at|escape.cpp|if (a.x == known.x \&\& a.y == known.y) continue;|continue;'
+  'other corners not looked at|escape.cpp|if (a.x == plan.a.x \&\& a.y == plan.a.y) continue;|continue;'
   'nothing looked at below a ceiling|barrier_several.cpp|if (speed != 0 \&\& room == 0) continue;|if (speed != 0 \&\& room == 0) break;'
-  'plan for several climbs twice as fast|escape.cpp|std::clamp(tube.climb \* t, -tube.room, tube.room)|std::clamp(2 * tube.climb * t, -tube.room, tube.room)'
+  'plan for several climbs twice as fast|escape.cpp|minimum(tube.climb \* t, tube.room)|minimum(S(2.0) * tube.climb * t, tube.room)'
   'height lags behind the plan|barrier_several.cpp|side \* self.p.z + step - lag|side * self.p.z + step - 1.0'
   'lag of the climb ignored|barrier.cpp|self.p.z += can_.climb_lag \* self.v.z;|self.p.z += 0.0 * self.v.z;'
   'limits that are left ignored|authority.cpp|return std::max(least, (left - (1.0 - free)) / free);|return 1.0;'
-  'part of a member ignored|barrier.cpp|std::min(part, n.part)|part'
+  'part of a member ignored|barrier_threats.cpp|std::min(part, n.part)|part'
   'margin of the floor zero|barrier.cpp|options_.floor += options_.wall_margin;|;'
   'ring not noticed|barrier.cpp|  if (lost) {|  if (lost \&\& joint > 1.0) {'
   'chasers stand still|way_out.cpp|Pack(chaser.speed \* step.h)|Pack(0.0 * step.h)'
@@ -70,7 +70,7 @@ begin=$SECONDS
 survivors=0
 prepare
 mkdir -p "$work/none/sightline/safety"
-cp src/sightline/safety/barrier_several.hpp "$work/none/sightline/safety"
+cp src/sightline/safety/barrier_parts.hpp "$work/none/sightline/safety"
 for source in "${sources[@]}"; do cp "src/sightline/safety/$source.cpp" "$work/none"; done
 program "$work/none" || fail "the barrier does not build"
 "$work/none/tests" --gtest_filter="$filter" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "the tests fail without a mutant"; }

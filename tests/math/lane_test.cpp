@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <vector>
@@ -59,6 +60,15 @@ class LaneLaws : public testing::Test {
 using Widths = testing::Types<Lane<1>, Lane<2>, Lane<4>, Lane<8>>;
 TYPED_TEST_SUITE(LaneLaws, Widths);
 
+TYPED_TEST(LaneLaws, FindsALaneBelowZero) {
+  Random random(2);
+  for (int k = 0; k < 5000; ++k) {
+    const auto row = TestFixture::row(random);
+    const bool any = std::any_of(row.begin(), row.end(), [](double v) { return v < 0; });
+    ASSERT_EQ(any_negative(TypeParam::load(row.data())), any);
+  }
+}
+
 TYPED_TEST(LaneLaws, EveryOperationIsThatOfADoubleInEachLane) {
   const auto law = [](auto f) { TestFixture::expect_elementwise(f, f); };
   law([](auto a, auto b, auto) { return a + b; });
@@ -70,6 +80,8 @@ TYPED_TEST(LaneLaws, EveryOperationIsThatOfADoubleInEachLane) {
   law([](auto a, auto, auto) { return sqrt(a); });
   law([](auto a, auto b, auto c) { return where_negative(a, b, c); });
   law([](auto a, auto, auto) { return clamp(a, -0.5, 1.5); });
+  law([](auto a, auto b, auto) { return maximum(a, b); });
+  law([](auto a, auto b, auto) { return minimum(a, b); });
   law([](auto a, auto b, auto) { return detail::keep_nan(a, b); });
   law([](auto a, auto b, auto c) {
     a += b;

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "tests/support/period.hpp"
 #include "tests/support/random.hpp"
@@ -71,8 +73,10 @@ TEST(Escape, FindsTheLeastGapThatIntegrationFinds) {
     EXPECT_LE(plan.later(), least_by_integration(tube, a) + 2e-2);
     EXPECT_NEAR(plan.later(), plans.touch(tube, a, plan.touches[0].time).gap, 1e-12);
     EXPECT_NEAR(plan.now, norm(tube.r) - tube.rho0, 1e-12);
-    EXPECT_GE(plans.least(tube, a), plan.reserve() - 1e-9);
-    EXPECT_LE(plans.least(tube, a), plan.reserve() + 0.1);
+    const Tube* const one = &tube;
+    const EscapeFlight flight = {a, tube.climb, tube.room};
+    EXPECT_TRUE(plans.may_leave({&one, 1}, flight, plan.reserve() - 1e-9));
+    EXPECT_FALSE(plans.may_leave({&one, 1}, flight, plan.reserve() + 0.1));
   }
 }
 
@@ -150,6 +154,61 @@ TEST(Escape, OfThePartnerIsTheMirroredOne) {
     EXPECT_EQ(a.a.x, -b.a.x);
     EXPECT_EQ(a.touches[0].n.y, -b.touches[0].n.y);
     EXPECT_EQ(a.touches[0].n.z, -b.touches[0].n.z);
+  }
+}
+
+bool same(const Touch& a, const Touch& b) {
+  return a.gap == b.gap && a.time == b.time && a.n.x == b.n.x && a.n.y == b.n.y && a.n.z == b.n.z &&
+         a.shape.e == b.shape.e && a.shape.E == b.shape.E && a.shape.F == b.shape.F && a.level == b.level &&
+         a.slope == b.slope && a.curvature == b.curvature;
+}
+
+// Of as many tubes as fill a pack, and of fewer; every fourth on the robot itself, every fifth beyond help.
+TEST(Escape, OfTubesSideBySideAreThoseOneByOne) {
+  const EscapePlans plans(drag, control_period);
+  Random random(6);
+  for (int k = 0; k < 2000; ++k) {
+    const bool thrusts = k % 2 == 0;
+    std::vector<Tube> tubes(1 + random() % 20);
+    std::vector<const Tube*> of;
+    std::vector<Escape> escapes(tubes.size());
+    std::vector<Escape*> to;
+    for (Tube& tube : tubes) {
+      of.push_back(&tube);
+      to.push_back(&escapes[to.size()]);
+      tube = random_tube(random, thrusts);
+      tube.thrusts = tubes.front().thrusts;
+      if (random() % 4 == 0) tube.r = {};
+      if (random() % 5 == 0) tube.rho0 += 3.0;
+    }
+    plans.best(of, to);
+    for (std::size_t i = 0; i < tubes.size(); ++i) {
+      const Escape one = plans.best(tubes[i]), &beside = escapes[i];
+      ASSERT_EQ(beside.now, one.now);
+      ASSERT_EQ(beside.a.x, one.a.x);
+      ASSERT_EQ(beside.a.y, one.a.y);
+      ASSERT_EQ(beside.count, one.count);
+      for (std::size_t j = 0; j < one.count; ++j) ASSERT_TRUE(same(beside.touches[j], one.touches[j]));
+    }
+    // A flight that climbs, and what it leaves of all.
+    const EscapeFlight flight = {
+        {uniform(random, -1, 1), uniform(random, -1, 1)}, uniform(random, -1, 1), 0.5};
+    plans.with(of, flight, escapes);
+    double least = 1e9;
+    for (std::size_t i = 0; i < tubes.size(); ++i) {
+      tubes[i].climb = flight.climb;
+      tubes[i].room = flight.room;
+      const Escape one = plans.with(tubes[i], flight.a);
+      ASSERT_EQ(escapes[i].count, one.count);
+      for (std::size_t j = 0; j < one.count; ++j) ASSERT_TRUE(same(escapes[i].touches[j], one.touches[j]));
+      least = std::min(least, one.reserve());
+    }
+    const double wanted = least + uniform(random, -0.01, 0.05);
+    const bool each = std::all_of(of.begin(), of.end(), [&](const Tube* const& one) {
+      return plans.may_leave({&one, 1}, flight, wanted);
+    });
+    ASSERT_EQ(plans.may_leave(of, flight, wanted), each);
+    ASSERT_TRUE(plans.may_leave(of, flight, least - 1e-9));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <type_traits>
 
 namespace sightline {
@@ -19,6 +20,11 @@ class Bounded {
     assert(size_ < N && "the items fit the list");
     return *std::construct_at(&items_[size_++], item);
   }
+  /// Made in place, of zeros and its own defaults.
+  T& emplace_back() noexcept {
+    assert(size_ < N && "the items fit the list");
+    return *std::construct_at(&items_[size_++]);
+  }
   void clear() noexcept { size_ = 0; }
 
   std::size_t size() const noexcept { return size_; }
@@ -26,6 +32,7 @@ class Bounded {
   bool is_full() const noexcept { return size_ == N; }
   T& operator[](std::size_t i) noexcept { return items_[i]; }
   const T& operator[](std::size_t i) const noexcept { return items_[i]; }
+  std::span<const T> items() const noexcept { return {items_, size_}; }
   T* begin() noexcept { return items_; }
   T* end() noexcept { return items_ + size_; }
   const T* begin() const noexcept { return items_; }

@@ -225,6 +225,31 @@ Lane<W> maximum(Lane<W> a, Lane<W> b) {
   return Lane<W>(a.v > b.v ? a.v : b.v);
 }
 
+/// The lesser of a and b; b where one of them is not a number.
+template <std::same_as<double> D>
+D minimum(D a, D b) {
+  return a < b ? a : b;
+}
+
+template <int W>
+Lane<W> minimum(Lane<W> a, Lane<W> b) {
+  return Lane<W>(a.v < b.v ? a.v : b.v);
+}
+
+/// Whether a lane is below zero.
+inline bool any_negative(double a) { return a < 0; }
+
+template <int W>
+bool any_negative(Lane<W> a) {
+#if defined(__AVX512F__)
+  if constexpr (W == 8) return _mm512_cmp_pd_mask((__m512d)a.v, _mm512_setzero_pd(), _CMP_LT_OQ) != 0;
+#endif
+  const auto below = a.v < 0.0;
+  std::int64_t any = 0;
+  for (int i = 0; i < W; ++i) any |= below[i];
+  return any != 0;
+}
+
 /// x within [low, high]; not a number stays so.
 inline double clamp(double x, double low, double high) {
   x = x < low ? low : x;

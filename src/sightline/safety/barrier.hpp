@@ -147,10 +147,11 @@ class Barrier {
   enum class Approach { slowing, at_once };  // of floor and ceiling
 
   Next next(std::span<const double> x, std::span<const double> u) const noexcept;
-  Tube tube_of(const Sight<double>& self, const Neighbour& neighbour, double part,
-               double beside) const noexcept;
-  Threat threat(const Sight<double>& self, const Neighbour& neighbour, double part,
-                double beside) const noexcept;
+  void fill(Tube& tube, const Sight<double>& self, const Neighbour& neighbour, double part,
+            double beside) const noexcept;
+  /// Adds those neighbours with their plans.
+  void add_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
+                   std::span<const int> chosen, Rows& rows) const noexcept;
   Within within(const Tube& tube) const noexcept;
   Sight<double> settled(Sight<double> self) const noexcept;
   Row keep_away(const Sight<double>& self, const Rows& rows, int threat, const Touch& touch) const noexcept;

@@ -1,26 +1,21 @@
 // What a barrier does about several uncooperative neighbours at once.
-#include "sightline/safety/barrier_several.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "sightline/base/no_value.hpp"
+#include "sightline/safety/barrier_parts.hpp"
 
 namespace sightline {
 
 /// The search of one plan for several uncooperative neighbours. Those whose own plan it is have its reserve already.
 struct Barrier::Joint {
-  struct Plan {
-    Vec2<double> a;
-    double climb, room;
-  };
   /// An uncooperative neighbour at the one time that is the tightest for its own plan: mostly that tells that a plan is none.
   struct Look {
     Vec3<double> q;
     double t, F, rho;
   };
-  using Escapes = Bounded<Escape, most_neighbours>;
+  using Escapes = std::array<Escape, most_neighbours>;
 
   Joint(const EscapePlans& escape_plans, std::span<Threat*> uncooperative)
       : plans(escape_plans), all(uncooperative), kept(&first), tried(&second) {
@@ -36,62 +31,59 @@ struct Barrier::Joint {
     }
   }
 
-  static Tube climbing(const Tube& tube, const Plan& plan) {
-    Tube with = tube;
-    with.climb = plan.climb;
-    with.room = plan.room;
-    return with;
+  static bool own(const Threat& threat, const EscapeFlight& flight) {
+    return flight.climb == 0 && threat.plan.a.x == flight.a.x && threat.plan.a.y == flight.a.y;
   }
-  static bool own(const Threat& threat, const Plan& plan) {
-    return plan.climb == 0 && threat.plan.a.x == plan.a.x && threat.plan.a.y == plan.a.y;
+  /// Takes those whose own plan it is not into `others`. @return the least reserve of those whose it is
+  double sort(const EscapeFlight& flight) {
+    double reserve = infinity;
+    others.clear();
+    for (const Threat* threat : all) {
+      if (own(*threat, flight))
+        reserve = std::min(reserve, threat->reserve);
+      else
+        others.push_back(&threat->tube);
+    }
+    return reserve;
   }
 
-  /// Whether one look at each leaves it open that the plan is better than the best.
-  bool is_open(const Plan& plan) {
+  /// Whether one look at each leaves it open that the flight is better than the best.
+  bool is_open(const EscapeFlight& flight) {
     for (Look& look : looks) {
-      const double x = look.q.x + look.F * plan.a.x, y = look.q.y + look.F * plan.a.y,
-                   z = look.q.z + std::clamp(plan.climb * look.t, -plan.room, plan.room);
+      const double x = look.q.x + look.F * flight.a.x, y = look.q.y + look.F * flight.a.y,
+                   z = look.q.z + std::clamp(flight.climb * look.t, -flight.room, flight.room);
       if (x * x + y * y + z * z >= square(std::max(0.0, best + look.rho))) continue;
       std::swap(looks[0], look);  // it will tell of the next ones too
       return false;
     }
-    for (const Threat* threat : all) {
-      const double most =
-          own(*threat, plan) ? threat->reserve : plans.least(climbing(threat->tube, plan), plan.a);
-      if (most < best) return false;
-    }
-    return true;
+    return sort(flight) >= best && plans.may_leave(others.items(), flight, best);
   }
 
-  /// Takes the plan where it is better than the best.
-  void consider(const Plan& plan) {
-    double own_reserve = infinity, beside = infinity;
-    tried->clear();
-    for (const Threat* threat : all) {
-      if (own(*threat, plan)) {
-        own_reserve = std::min(own_reserve, threat->reserve);
-      } else {
-        const Escape& escape = tried->push_back(plans.with(climbing(threat->tube, plan), plan.a));
-        beside = std::min(beside, escape.reserve());
-      }
-      if (std::min(own_reserve, beside) < best) return;
-    }
+  /// Takes the flight where it is better than the best.
+  void consider(const EscapeFlight& flight) {
+    const double own_reserve = sort(flight);
+    if (own_reserve < best) return;
+    plans.with(others.items(), flight, *tried);
+    double beside = infinity;
+    for (std::size_t k = 0; k < others.size(); ++k) beside = std::min(beside, (*tried)[k].reserve());
+    if (beside < best) return;
     std::swap(kept, tried);
     best = std::min(own_reserve, beside);
-    others = beside;
-    taken = plan;
+    reserve_of_others = beside;
+    taken = flight;
     found = true;
   }
 
   const EscapePlans& plans;
   std::span<Threat*> all;
   Bounded<Look, most_neighbours> looks;
+  Bounded<const Tube*, most_neighbours> others;
   Escapes first, second;  // of `taken`, and of the plan that is tried, for those whose own plan is another
   Escapes *kept, *tried;
-  double best = 0.0;    // the reserve of `taken` [m]
-  double others = 0.0;  // of those whose own plan is another
+  double best = 0.0;               // the reserve of `taken` [m]
+  double reserve_of_others = 0.0;  // of those whose own plan is another
   bool found = false;
-  Plan taken{};
+  EscapeFlight taken{};
 };
 
 double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
@@ -120,20 +112,21 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
     if (speed != 0 && room == 0) continue;
     for (const Vec2<double>& whole : joint_) {
       const Vec2<double> a_V = {rows.part * whole.x, rows.part * whole.y};
-      const Joint::Plan plan = {can_.turns ? rotate(self.d, a_V) : a_V, speed, room};
-      if (joint.is_open(plan)) joint.consider(plan);
+      const EscapeFlight flight = {can_.turns ? rotate(self.d, a_V) : a_V, speed, room};
+      if (joint.is_open(flight)) joint.consider(flight);
       if (enough()) break;
     }
   }
   if (!joint.found) return -infinity;
   // The rows of each keep this plan too where it is their own, and the others cannot lose it in a sample.
-  if (std::max(joint.best, joint.others) >= ample) return infinity;
-  const Joint::Plan& taken = joint.taken;
+  if (std::max(joint.best, joint.reserve_of_others) >= ample) return infinity;
+  const EscapeFlight& taken = joint.taken;
   const double reserve = joint.best - spare;
-  const Escape* escape = joint.kept->begin();
+  auto escape = joint.kept->begin();
   for (Threat* threat : uncooperative) {
     if (!Joint::own(*threat, taken)) {
-      threat->tube = Joint::climbing(threat->tube, taken);
+      threat->tube.climb = taken.climb;
+      threat->tube.room = taken.room;
       threat->plan = *escape++;
     }
     threat->reserve = reserve;

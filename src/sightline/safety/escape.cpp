@@ -4,44 +4,91 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 namespace sightline {
 namespace {
 
 constexpr double tiny_length = 1e-9;
 
-/// v / |v|, or `other` where v has no direction.
-Vec2<double> direction(const Vec2<double>& v, const Vec2<double>& other) {
-  const double length = std::sqrt(dot(v, v));
-  return length > tiny_length ? Vec2<double>{v.x / length, v.y / length} : other;
+/// Numbers side by side in S.
+template <class S>
+constexpr std::size_t lanes = 1;
+template <int W>
+constexpr std::size_t lanes<Lane<W>> = W;
+
+double lane(double number, std::size_t) { return number; }
+template <int W>
+double lane(Lane<W> pack, std::size_t i) {
+  return pack[static_cast<int>(i)];
 }
 
-/// Whether the plan climbed or sank, and has done so as far as it may.
-bool is_level(const Tube& tube, double t) { return tube.climb != 0 && std::abs(tube.climb) * t >= tube.room; }
+template <class S>
+S absolute(S x) {
+  return where_negative(x, -x, x);
+}
 
-/// By how much it has climbed [m].
-double risen(const Tube& tube, double t) { return std::clamp(tube.climb * t, -tube.room, tube.room); }
+/// v / |v|, or `other` where v has no direction.
+template <class S>
+Vec2<S> direction(const Vec2<S>& v, const Vec2<S>& other) {
+  const S length = sqrt(dot(v, v)), none = S(tiny_length) - length;
+  return {where_negative(none, v.x / length, other.x), where_negative(none, v.y / length, other.y)};
+}
+
+/// By how much the robot has climbed [m].
+template <class S>
+S risen(const TubeOf<S>& tube, S t) {
+  return maximum(minimum(tube.climb * t, tube.room), -tube.room);
+}
 
 /// The allowed acceleration that leads farthest along a direction.
-Vec2<double> farthest(const Tube& tube, const Vec2<double>& along) {
+template <class S>
+Vec2<S> farthest(const TubeOf<S>& tube, const Vec2<S>& along) {
   if (tube.thrust_count == 0) return {tube.beta * along.x, tube.beta * along.y};
-  Vec2<double> a;
+  Vec2<S> a;
   for (int k = 0; k < tube.thrust_count; ++k) {
-    const Vec2<double>& g = tube.thrusts[static_cast<std::size_t>(k)];
-    const double side = std::copysign(1.0, dot(g, along));
+    const Vec2<S>& g = tube.thrusts[static_cast<std::size_t>(k)];
+    const S side = where_negative(dot(g, along), S(-1.0), S(1.0));
     a = {a.x + side * g.x, a.y + side * g.y};
   }
   return a;
 }
 
-}  // namespace
+// The place in a curve rides in the last bits of its value, where it is worth 1e-14 of it: one minimum finds both.
+constexpr std::int64_t place_bits = 31;
 
-/// q_a and f_a at one t, with derivatives.
-struct EscapePlans::Point {
-  Vec3<double> q, n;
-  Shape shape;
-  double f = 0.0, slope = 0.0, curvature = 0.0;
-};
+double with_place(double f, std::int64_t place) {
+  return std::bit_cast<double>((std::bit_cast<std::int64_t>(f) & ~place_bits) | place);
+}
+template <int W>
+Lane<W> with_place(Lane<W> f, std::int64_t place) {
+  using L = Lane<W>;
+  return L((typename L::Vector)(((typename L::Bits)f.v & ~place_bits) | place));
+}
+
+/// Tubes of one robot that climbs.
+template <int W>
+TubeOf<Lane<W>> side_by_side(EscapePlans::Tubes tubes, double climb, double room) {
+  const Tube& first = *tubes.front();
+  TubeOf<Lane<W>> all{.climb = climb, .room = room, .thrust_count = first.thrust_count};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(all.thrust_count); ++k)
+    all.thrusts[k] = {first.thrusts[k].x, first.thrusts[k].y};
+  for (int i = 0; i < W; ++i) {
+    const Tube& tube = *tubes[std::min(static_cast<std::size_t>(i), tubes.size() - 1)];
+    all.r.x.v[i] = tube.r.x, all.r.y.v[i] = tube.r.y, all.r.z.v[i] = tube.r.z;
+    all.w.x.v[i] = tube.w.x, all.w.y.v[i] = tube.w.y;
+    all.drift.x.v[i] = tube.drift.x, all.drift.y.v[i] = tube.drift.y, all.drift.z.v[i] = tube.drift.z;
+    all.beta.v[i] = tube.beta;
+    all.rho0.v[i] = tube.rho0;
+    all.speed.v[i] = tube.speed;
+    all.growth.v[i] = tube.growth;
+    all.spread.v[i] = tube.spread;
+    all.tie.x.v[i] = tube.tie.x, all.tie.y.v[i] = tube.tie.y;
+  }
+  return all;
+}
+
+}  // namespace
 
 EscapePlans::EscapePlans(double drag, double dt)
     : c_(drag), per_c_(drag > 0 ? 1.0 / drag : 0.0), dt_(dt), e_back_(std::exp(drag * dt)) {
@@ -54,234 +101,390 @@ EscapePlans::EscapePlans(double drag, double dt)
   }
 }
 
-double EscapePlans::E(double t) const noexcept { return shape(t).E; }
-double EscapePlans::F(double t) const noexcept { return shape(t).F; }
-
-EscapePlans::Shape EscapePlans::shape(double t) const noexcept {
-  const double e = exp(-c_ * t);
-  if (c_ * t < 1e-3) return {e, t * (1.0 - 0.5 * c_ * t), 0.5 * t * t * (1.0 - c_ * t / 3.0)};
-  const double E = (1.0 - e) * per_c_;
-  return {e, E, (t - E) * per_c_};
+template <class S>
+EscapeShapeOf<S> EscapePlans::shape_at(S t) const noexcept {
+  const S ct = c_ * t, e = exp(-ct), E = (S(1.0) - e) * S(per_c_), F = (t - E) * S(per_c_);
+  const S small = ct - S(1e-3);  // < 0: by the series
+  return {e, where_negative(small, t * (S(1.0) - S(0.5) * ct), E),
+          where_negative(small, S(0.5) * t * t * (S(1.0) - ct * S(1.0 / 3.0)), F)};
 }
 
-EscapePlans::Shape EscapePlans::left(const Touch& touch) const noexcept {
+double EscapePlans::E(double t) const noexcept { return shape(t).E; }
+double EscapePlans::F(double t) const noexcept { return shape(t).F; }
+EscapeShape EscapePlans::shape(double t) const noexcept { return shape_at(t); }
+
+EscapeShape EscapePlans::left(const Touch& touch) const noexcept {
   const double t = touch.time - dt_;
   if (c_ * t < 1e-3) return shape(t);
   const double e = touch.shape.e * e_back_, E = (1.0 - e) * per_c_;
   return {e, E, (t - E) * per_c_};
 }
 
-EscapePlans::Point EscapePlans::at(const Tube& tube, const Vec2<double>& a, double t) const noexcept {
-  Point p;
-  p.shape = shape(t);
-  const auto [e, E, F] = p.shape;
-  p.q = {tube.r.x + E * tube.w.x + F * a.x - t * tube.drift.x,
-         tube.r.y + E * tube.w.y + F * a.y - t * tube.drift.y, tube.r.z + risen(tube, t) - t * tube.drift.z};
-  const Vec3<double> rate = {e * tube.w.x + E * a.x - tube.drift.x, e * tube.w.y + E * a.y - tube.drift.y,
-                             (is_level(tube, t) ? 0.0 : tube.climb) - tube.drift.z};
-  const Vec2<double> bend = {e * (a.x - c_ * tube.w.x), e * (a.y - c_ * tube.w.y)};
-  const double squared = dot(p.q, p.q), length = std::sqrt(squared);
-  const double inverse = length > tiny_length ? 1.0 / length : 0.0, along = dot(p.q, rate) * inverse;
-  p.n = inverse * p.q;
-  if (inverse == 0) {
-    const Vec2<double> level = direction(a, tube.tie);
-    p.n = {level.x, level.y, 0.0};
+/// Looks for the plan of a tube, or of several side by side.
+template <class S>
+struct EscapePlans::Search {
+  using Curve = std::array<S, times>;
+  using Places = std::array<std::size_t, lanes<S>>;
+
+  /// q_a and f_a at one t, with derivatives.
+  struct Point {
+    S t;
+    Vec3<S> q, n;
+    EscapeShapeOf<S> shape;
+    S f, slope, curvature;
+  };
+  struct Plan {
+    S now;  // f(0)
+    Vec2<S> a;
+    Point first, second;  // the least f; the other one
+    S is_alone;           // < 0: there is another one
+  };
+  struct Found {
+    Plan plan;
+    S in_doubt;  // < 0: another plan may be better
+  };
+
+  Search(const EscapePlans& escape_plans, const TubeOf<S>& of) : plans(escape_plans), tube(of) {
+    const S half = S(0.5) * tube.growth;
+    for (std::size_t k = 0; k < times; ++k) {
+      const S t(plans.t_[k]), E(plans.E_[k]);
+      const S z = tube.r.z + risen(tube, t) - t * tube.drift.z;
+      x[k] = tube.r.x + E * tube.w.x - t * tube.drift.x;
+      y[k] = tube.r.y + E * tube.w.y - t * tube.drift.y;
+      height_squared[k] = z * z;
+      reach[k] = t * (tube.speed + half * t) + tube.spread * E;
+    }
   }
-  p.f = length - tube.rho0 - t * (tube.speed + 0.5 * tube.growth * t) - tube.spread * E;
-  p.slope = along - tube.speed - tube.growth * t - tube.spread * e;
-  p.curvature = (p.q.x * bend.x + p.q.y * bend.y + dot(rate, rate) - along * along) * inverse - tube.growth +
-                c_ * tube.spread * e;
-  return p;
-}
+
+  Point at(const Vec2<S>& a, S t) const {
+    Point p;
+    p.t = t;
+    p.shape = plans.shape_at(t);
+    const auto& [e, E, F] = p.shape;
+    const S climb = where_negative(absolute(tube.climb) * t - tube.room, tube.climb, S(0.0));
+    p.q = {tube.r.x + E * tube.w.x + F * a.x - t * tube.drift.x,
+           tube.r.y + E * tube.w.y + F * a.y - t * tube.drift.y,
+           tube.r.z + risen(tube, t) - t * tube.drift.z};
+    const Vec3<S> rate = {e * tube.w.x + E * a.x - tube.drift.x, e * tube.w.y + E * a.y - tube.drift.y,
+                          climb - tube.drift.z};
+    const S c(plans.c_);
+    const Vec2<S> bend = {e * (a.x - c * tube.w.x), e * (a.y - c * tube.w.y)};
+    const S length = norm(p.q), apart = S(tiny_length) - length;
+    const S inverse = where_negative(apart, S(1.0) / length, S(0.0)), along = dot(p.q, rate) * inverse;
+    p.n = inverse * p.q;
+    if (const S touching = where_negative(apart, S(1.0), S(-1.0)); any_negative(touching)) {
+      const Vec2<S> level = direction(a, tube.tie);
+      p.n = {where_negative(touching, level.x, p.n.x), where_negative(touching, level.y, p.n.y),
+             where_negative(touching, S(0.0), p.n.z)};
+    }
+    p.f = length - tube.rho0 - t * (tube.speed + S(0.5) * tube.growth * t) - tube.spread * E;
+    p.slope = along - tube.speed - tube.growth * t - tube.spread * e;
+    p.curvature = (p.q.x * bend.x + p.q.y * bend.y + dot(rate, rate) - along * along) * inverse -
+                  tube.growth + c * tube.spread * e;
+    return p;
+  }
+
+  /// f + rho0 on the grid of times.
+  Curve along(const Curve& a_x, const Curve& a_y) const {
+    Curve f;
+    for (std::size_t k = 0; k < times; ++k) {
+      const S q_x = x[k] + S(plans.F_[k]) * a_x[k], q_y = y[k] + S(plans.F_[k]) * a_y[k];
+      f[k] = sqrt(q_x * q_x + q_y * q_y + height_squared[k]) - reach[k];
+    }
+    return f;
+  }
+  Curve along(const Vec2<S>& a) const {
+    Curve a_x, a_y;
+    a_x.fill(a.x);
+    a_y.fill(a.y);
+    return along(a_x, a_y);
+  }
+
+  static Places lowest(const Curve& f) {
+    constexpr std::size_t third = times / 3;
+    static_assert(times <= place_bits && third == 8);
+    Curve g;
+    for (std::size_t k = 0; k < times; ++k) g[k] = with_place(f[k], static_cast<std::int64_t>(k));
+    for (std::size_t k = 0; k < third; ++k) g[k] = minimum(minimum(g[k], g[k + third]), g[k + 2 * third]);
+    for (std::size_t half = third / 2; half > 0; half /= 2) {
+      for (std::size_t k = 0; k < half; ++k) g[k] = minimum(g[k], g[k + half]);
+    }
+    Places place;
+    for (std::size_t i = 0; i < place.size(); ++i)
+      place[i] = static_cast<std::size_t>(std::bit_cast<std::int64_t>(lane(g[0], i)) & place_bits);
+    return place;
+  }
+
+  static S value(const Curve& f, const Places& i) {
+    if constexpr (lanes<S> == 1) {
+      return f[i[0]];
+    } else {
+      S values;
+      for (std::size_t l = 0; l < lanes<S>; ++l) values.v[l] = f[i[l]].v[l];
+      return values;
+    }
+  }
+  S time(const Places& i) const {
+    if constexpr (lanes<S> == 1) {
+      return plans.t_[i[0]];
+    } else {
+      return S::gather(plans.t_.data(), i);
+    }
+  }
+
+  /// Where f is least around places of the grid.
+  S least_of(const Curve& f, const Places& i) const {
+    // The vertex of the parabola through three points.
+    Places inner, before, after;
+    for (std::size_t l = 0; l < i.size(); ++l) {
+      inner[l] = std::clamp<std::size_t>(i[l], 1, times - 2);
+      before[l] = inner[l] - 1;
+      after[l] = inner[l] + 1;
+    }
+    const S t = time(inner), middle = value(f, inner);
+    const S a = t - time(before), b = time(after) - t, fa = value(f, before) - middle,
+            fb = value(f, after) - middle;
+    const S up = fa * b * b - fb * a * a, down = S(2.0) * (fa * b + fb * a);
+    const S vertex = t + where_negative(-down, maximum(minimum(up / down, b), -a), S(0.0));
+    // An end of the grid is taken as it is.
+    const S at_i = time(i);
+    return where_negative(-absolute(at_i - t), at_i, vertex);
+  }
+
+  /// The least around places of the grid.
+  Point nearest(const Vec2<S>& a, const Curve& f, const Places& i) const {
+    S t = least_of(f, i);
+    Point p = at(a, t);
+    constexpr double near = 1e-4;  // [s]
+    S stays(-1.0);                 // < 0: not yet
+    for (int round = 0; round < 3; ++round) {
+      const S next = clamp(t - clamp(p.slope / p.curvature, -0.25, 0.25), plans.dt_, longest);
+      const S step = absolute(next - t);
+      stays = where_negative(step - S(near), S(1.0), where_negative(-p.curvature, stays, S(1.0)));
+      if (!any_negative(stays)) break;
+      t = where_negative(stays, next, t);
+      p = at(a, t);
+      stays = where_negative(step - S(0.03), S(1.0), stays);  // the next would be a thousandth of it
+    }
+    // The grid's least stands where the refinement went astray.
+    const S astray = value(f, i) - tube.rho0 - p.f;
+    return any_negative(astray) ? at(a, where_negative(astray, time(i), t)) : p;
+  }
+
+  Plan refined(const Vec2<S>& a, const Curve& f) const {
+    const Places i = lowest(f);
+    Plan plan;
+    plan.now = norm(tube.r) - tube.rho0;
+    plan.a = a;
+    plan.first = nearest(a, f, i);
+    // Another least, nearly as low: a step could make it the lower one.
+    constexpr double none = 1e300, nearly = 0.1;  // [m]
+    Curve least;
+    for (std::size_t k = 1; k + 1 < times; ++k)
+      least[k] = where_negative(f[k] - f[k + 1], where_negative(f[k - 1] - f[k], S(none), f[k]), S(none));
+    least[0] = where_negative(f[0] - f[1], f[0], S(none));
+    least[times - 1] = S(none);
+    for (std::size_t l = 0; l < i.size(); ++l) {
+      if constexpr (lanes<S> == 1)
+        least[i[l]] = none;
+      else
+        least[i[l]].v[l] = none;
+    }
+    const Places other = lowest(least);
+    plan.is_alone = value(least, other) - (plan.first.f + tube.rho0 + S(nearly));
+    if (any_negative(plan.is_alone)) plan.second = nearest(a, f, other);
+    return plan;
+  }
+
+  /// The plan that is best for the time at which the bound is least.
+  Found best() const {
+    Curve a_x{}, a_y{};
+    S turns(1.0);  // < 0: another corner is best for another time
+    for (std::size_t j = 0; j < static_cast<std::size_t>(tube.thrust_count); ++j) {
+      const Vec2<S>& g = tube.thrusts[j];
+      S sides(0.0);
+      for (std::size_t k = 0; k < times; ++k) {
+        const S side = where_negative(g.x * x[k] + g.y * y[k], S(-1.0), S(1.0));
+        a_x[k] += side * g.x;
+        a_y[k] += side * g.y;
+        sides += side;
+      }
+      turns = minimum(turns, absolute(sides) - S(static_cast<double>(times) - 0.5));
+    }
+    if (tube.thrust_count == 0) {
+      turns = S(-1.0);
+      for (std::size_t k = 0; k < times; ++k) {
+        const S out = tube.beta / sqrt(x[k] * x[k] + y[k] * y[k] + S(tiny_length * tiny_length));
+        a_x[k] = out * x[k];
+        a_y[k] = out * y[k];
+      }
+    }
+    Curve f = along(a_x, a_y);
+    if (!any_negative(turns)) return {refined({a_x[0], a_y[0]}, f), turns};
+
+    const Places i = lowest(f);
+    Vec2<S> a = {value(a_x, i), value(a_y, i)};
+    if (tube.thrust_count == 0) {
+      const S t = least_of(f, i);
+      a = best_at(t, plans.shape_at(t).E);
+    }
+    f = along(a);
+    const Plan plan = refined(a, f);
+    // Where at its own nearest time no other is better, it is the optimum.
+    const Point& nearest = plan.first;
+    const Vec2<S> there = best_at(nearest.t, nearest.shape.E);
+    constexpr double met = 1e-4;  // [m]
+    const S better = tube.thrust_count == 0 ? plan.first.f + S(met) - at(there, nearest.t).f
+                                            : -absolute(there.x - a.x) - absolute(there.y - a.y);
+    return {plan, where_negative(turns, better, S(1.0))};
+  }
+  Vec2<S> away() const { return direction<S>({tube.r.x, tube.r.y}, direction(tube.w, tube.tie)); }
+  Vec2<S> best_at(S t, S E) const {
+    const Vec2<S> coast = {tube.r.x + E * tube.w.x - t * tube.drift.x,
+                           tube.r.y + E * tube.w.y - t * tube.drift.y};
+    return farthest(tube, direction(coast, away()));
+  }
+
+  Plan with(const Vec2<double>& acceleration) const {
+    const Vec2<S> a = {S(acceleration.x), S(acceleration.y)};
+    return refined(a, along(a));
+  }
+  /// Whether f, now and at the times of the grid, is nowhere less.
+  bool is_at_least(double wanted, const Vec2<double>& a) const {
+    const Curve f = along({S(a.x), S(a.y)});
+    S least = norm(tube.r);
+    for (const S& value : f) least = minimum(least, value);
+    return !any_negative(least - tube.rho0 - S(wanted));
+  }
+
+  void write(const Point& p, std::size_t l, Touch& to) const {
+    const double t = lane(p.t, l), climb = lane(tube.climb, l);
+    to.gap = lane(p.f, l);
+    to.time = t;
+    to.n.x = lane(p.n.x, l), to.n.y = lane(p.n.y, l), to.n.z = lane(p.n.z, l);
+    to.shape.e = lane(p.shape.e, l), to.shape.E = lane(p.shape.E, l), to.shape.F = lane(p.shape.F, l);
+    to.level = climb != 0 && std::abs(climb) * t >= lane(tube.room, l);
+    to.slope = lane(p.slope, l);
+    to.curvature = lane(p.curvature, l);
+  }
+  void write(const Plan& plan, std::size_t l, Escape& to) const {
+    to.now = lane(plan.now, l);
+    to.a.x = lane(plan.a.x, l), to.a.y = lane(plan.a.y, l);
+    to.count = lane(plan.is_alone, l) < 0 ? 2 : 1;
+    write(plan.first, l, to.touches[0]);
+    if (to.count == 2) write(plan.second, l, to.touches[1]);
+  }
+  Escape escape(const Plan& plan) const {
+    Escape escape;
+    write(plan, 0, escape);
+    return escape;
+  }
+
+  const EscapePlans& plans;
+  const TubeOf<S>& tube;
+  Curve x, y, height_squared, reach;  // of q_0; the way that rho has grown
+};
 
 Touch EscapePlans::touch(const Tube& tube, const Vec2<double>& a, double t) const noexcept {
-  const Point p = at(tube, a, t);
-  return {p.f, t, p.n, p.shape, is_level(tube, t), p.slope, p.curvature};
-}
-
-std::size_t EscapePlans::lowest(const Curve& f) noexcept {
-  // The place rides in the last bits of f, where it is worth 1e-14 of it: one minimum finds both.
-  constexpr std::uint64_t place = 31;
-  constexpr std::size_t third = times / 3;
-  static_assert(times <= place && third == 8);
-  Curve g;
-  for (std::size_t k = 0; k < times; ++k)
-    g[k] = std::bit_cast<double>((std::bit_cast<std::uint64_t>(f[k]) & ~place) | k);
-  for (std::size_t k = 0; k < third; ++k) g[k] = std::min(std::min(g[k], g[k + third]), g[k + 2 * third]);
-  for (std::size_t half = third / 2; half > 0; half /= 2) {
-    for (std::size_t k = 0; k < half; ++k) g[k] = std::min(g[k], g[k + half]);
-  }
-  return std::bit_cast<std::uint64_t>(g[0]) & place;
-}
-
-double EscapePlans::least_of(const Curve& f, std::size_t i) const noexcept {
-  if (i == 0 || i + 1 == times) return t_[i];
-  // The vertex of the parabola through three points.
-  const double a = t_[i] - t_[i - 1], b = t_[i + 1] - t_[i], fa = f[i - 1] - f[i], fb = f[i + 1] - f[i];
-  const double up = fa * b * b - fb * a * a, down = 2 * (fa * b + fb * a);
-  return down > 0 ? t_[i] + std::clamp(up / down, -a, b) : t_[i];
-}
-
-[[gnu::flatten]] Touch EscapePlans::nearest(const Tube& tube, const Vec2<double>& a, const Curve& f,
-                                            std::size_t i) const noexcept {
-  double t = least_of(f, i);
-  Point p = at(tube, a, t);
-  constexpr double near = 1e-4;  // [s]
-  for (int round = 0; round < 3 && p.curvature > 0; ++round) {
-    const double next = std::clamp(t - std::clamp(p.slope / p.curvature, -0.25, 0.25), dt_, longest);
-    const double step = std::abs(next - t);
-    if (step < near) break;
-    t = next;
-    p = at(tube, a, t);
-    if (step < 0.03) break;  // the next would be a thousandth of it
-  }
-  // The grid's least stands where the refinement went astray.
-  if (f[i] - tube.rho0 < p.f) {
-    t = t_[i];
-    p = at(tube, a, t);
-  }
-  return {p.f, t, p.n, p.shape, is_level(tube, t), p.slope, p.curvature};
-}
-
-Escape EscapePlans::refined(const Tube& tube, const Vec2<double>& a, const Curve& f) const noexcept {
-  const std::size_t i = lowest(f);
-  Escape plan{};
-  plan.count = 1;
-  plan.now = norm(tube.r) - tube.rho0;
-  plan.a = a;
-  plan.touches[0] = nearest(tube, a, f, i);
-  // Another least, nearly as low: a step could make it the lower one.
-  constexpr double none = 1e300, nearly = 0.1;  // [m]
-  Curve least;
-  for (std::size_t k = 1; k + 1 < times; ++k) {
-    const bool low = f[k] < f[k + 1] && f[k] <= f[k - 1];
-    least[k] = low ? f[k] : none;
-  }
-  least[0] = f[0] < f[1] ? f[0] : none;
-  least[times - 1] = least[i] = none;
-  const std::size_t other = lowest(least);
-  if (least[other] < plan.later() + tube.rho0 + nearly) {
-    plan.touches[1] = nearest(tube, a, f, other);
-    plan.count = 2;
-  }
-  return plan;
-}
-
-EscapePlans::Curve EscapePlans::curve(const Tube& tube, const Curve& x, const Curve& y) const noexcept {
-  Curve f;
-  const double half = 0.5 * tube.growth;
-  Curve height;
-  for (std::size_t k = 0; k < times; ++k) height[k] = tube.r.z - t_[k] * tube.drift.z;
-  if (tube.climb != 0) {
-    for (std::size_t k = 0; k < times; ++k) height[k] += risen(tube, t_[k]);
-  }
-  for (std::size_t k = 0; k < times; ++k) {
-    const double t = t_[k], z = height[k];
-    f[k] = std::sqrt(x[k] * x[k] + y[k] * y[k] + z * z) - t * (tube.speed + half * t) - tube.spread * E_[k];
-  }
-  return f;
-}
-
-EscapePlans::Curve EscapePlans::along(const Tube& tube, const Vec2<double>& a) const noexcept {
-  Curve x, y;
-  for (std::size_t k = 0; k < times; ++k) {
-    x[k] = tube.r.x + E_[k] * tube.w.x + F_[k] * a.x - t_[k] * tube.drift.x;
-    y[k] = tube.r.y + E_[k] * tube.w.y + F_[k] * a.y - t_[k] * tube.drift.y;
-  }
-  return curve(tube, x, y);
+  const Search<double> search(*this, tube);
+  Touch touch;
+  search.write(search.at(a, t), 0, touch);
+  return touch;
 }
 
 Escape EscapePlans::with(const Tube& tube, const Vec2<double>& a) const noexcept {
-  return refined(tube, a, along(tube, a));
-}
-
-double EscapePlans::least(const Tube& tube, const Vec2<double>& a) const noexcept {
-  const Curve f = along(tube, a);
-  return std::min(norm(tube.r), f[lowest(f)]) - tube.rho0;
+  const Search<double> search(*this, tube);
+  return search.escape(search.with(a));
 }
 
 Escape EscapePlans::best(const Tube& tube) const noexcept {
-  Curve x, y, a_x{}, a_y{};
-  for (std::size_t k = 0; k < times; ++k) {
-    x[k] = tube.r.x + E_[k] * tube.w.x - t_[k] * tube.drift.x;
-    y[k] = tube.r.y + E_[k] * tube.w.y - t_[k] * tube.drift.y;
-  }
-  // The bound: at each time the a that is best for it.
-  bool one_corner = tube.thrust_count > 0;
-  for (std::size_t j = 0; j < static_cast<std::size_t>(tube.thrust_count); ++j) {
-    const Vec2<double> g = tube.thrusts[j];
-    double sides = 0.0;
-    for (std::size_t k = 0; k < times; ++k) {
-      const double side = g.x * x[k] + g.y * y[k] < 0 ? -1.0 : 1.0;
-      a_x[k] += side * g.x;
-      a_y[k] += side * g.y;
-      sides += side;
-    }
-    one_corner = one_corner && std::abs(sides) == static_cast<double>(times);
-  }
-  if (tube.thrust_count == 0) {
-    for (std::size_t k = 0; k < times; ++k) {
-      const double out = tube.beta / std::sqrt(x[k] * x[k] + y[k] * y[k] + tiny_length * tiny_length);
-      a_x[k] = out * x[k];
-      a_y[k] = out * y[k];
-    }
-  }
-  Curve x_out, y_out;
-  for (std::size_t k = 0; k < times; ++k) {
-    x_out[k] = x[k] + F_[k] * a_x[k];
-    y_out[k] = y[k] + F_[k] * a_y[k];
-  }
-  const Curve f = curve(tube, x_out, y_out);
-  if (one_corner) return refined(tube, {a_x[0], a_y[0]}, f);
+  const Search<double> search(*this, tube);
+  const auto found = search.best();
+  const Escape plan = search.escape(found.plan);
+  return found.in_doubt < 0 ? best_of_all(search, plan) : plan;
+}
 
-  const Vec2<double> away = direction({tube.r.x, tube.r.y}, direction(tube.w, tube.tie));
-  const auto best_at = [&](double t, double E) {
-    const Vec2<double> coast = {tube.r.x + E * tube.w.x - t * tube.drift.x,
-                                tube.r.y + E * tube.w.y - t * tube.drift.y};
-    return farthest(tube, direction(coast, away));
+template <class Visit>
+void EscapePlans::in_packs(Tubes tubes, double climb, double room, Visit visit) const noexcept {
+  const auto pack = [&]<int W>(std::size_t first, std::size_t count, std::integral_constant<int, W>) {
+    const auto all = side_by_side<W>(tubes.subspan(first, count), climb, room);
+    return visit(Search<Lane<W>>(*this, all), first, count);
   };
-  if (tube.thrust_count > 0) {
-    const std::size_t i = lowest(f);
-    const Escape plan = with(tube, {a_x[i], a_y[i]});
-    // At its own nearest time no other corner is better: it is the optimum.
-    const Touch& nearest = plan.touches[0];
-    const Vec2<double> a = best_at(nearest.time, nearest.shape.E);
-    return a.x == plan.a.x && a.y == plan.a.y ? plan : best_corner(tube, plan);
-  }
-  const double t = least_of(f, lowest(f));
-  const Escape plan = with(tube, best_at(t, E(t)));
-  const Touch& nearest = plan.touches[0];
-  constexpr double met = 1e-4;  // [m]
-  const Vec2<double> a = best_at(nearest.time, nearest.shape.E);
-  return touch(tube, a, nearest.time).gap <= plan.later() + met ? plan : climbed(tube, plan, away);
-}
-
-Escape EscapePlans::best_corner(const Tube& tube, Escape best) const noexcept {
-  const Vec2<double> known = best.a;
-  for (unsigned corner = 0; corner < 1U << tube.thrust_count; ++corner) {
-    Vec2<double> a;
-    for (int k = 0; k < tube.thrust_count; ++k) {
-      const Vec2<double>& g = tube.thrusts[static_cast<std::size_t>(k)];
-      const double side = (corner >> k & 1U) != 0 ? 1.0 : -1.0;
-      a = {a.x + side * g.x, a.y + side * g.y};
+  constexpr std::size_t narrow = narrow_width, wide = native_width;
+  for (std::size_t i = 0, count; i < tubes.size(); i += count) {
+    count = std::min(tubes.size() - i, wide);
+    bool goes_on;
+    if (count == 1) {
+      Tube one = *tubes[i];
+      one.climb = climb, one.room = room;
+      goes_on = visit(Search<double>(*this, one), i, count);
+    } else if (count <= narrow) {
+      goes_on = pack(i, count, std::integral_constant<int, narrow_width>());
+    } else {
+      goes_on = pack(i, count, std::integral_constant<int, native_width>());
     }
-    if (a.x == known.x && a.y == known.y) continue;
-    const Curve f = along(tube, a);
-    if (f[lowest(f)] - tube.rho0 <= best.later())
-      continue;  // between the times of the grid it is lower still
-    const Escape plan = refined(tube, a, f);
-    if (plan.later() > best.later()) best = plan;
+    if (!goes_on) return;
   }
-  return best;
 }
 
-Escape EscapePlans::climbed(const Tube& tube, Escape plan, const Vec2<double>& away) const noexcept {
-  const auto along = [&](const Vec2<double>& m) { return with(tube, farthest(tube, direction(m, away))); };
-  Escape other = along(away);
-  for (Escape* start : {&plan, &other}) {
+void EscapePlans::best(Tubes tubes, std::span<Escape* const> plans) const noexcept {
+  in_packs(tubes, 0.0, 0.0, [&](const auto& search, std::size_t first, std::size_t count) {
+    const auto found = search.best();
+    for (std::size_t l = 0; l < count; ++l) {
+      Escape& plan = *plans[first + l];
+      search.write(found.plan, l, plan);
+      if (lane(found.in_doubt, l) < 0) plan = best_of_all(Search<double>(*this, *tubes[first + l]), plan);
+    }
+    return true;
+  });
+}
+
+void EscapePlans::with(Tubes tubes, const EscapeFlight& flight, std::span<Escape> plans) const noexcept {
+  in_packs(tubes, flight.climb, flight.room, [&](const auto& search, std::size_t first, std::size_t count) {
+    const auto plan = search.with(flight.a);
+    for (std::size_t l = 0; l < count; ++l) search.write(plan, l, plans[first + l]);
+    return true;
+  });
+}
+
+bool EscapePlans::may_leave(Tubes tubes, const EscapeFlight& flight, double wanted) const noexcept {
+  bool may = true;
+  in_packs(tubes, flight.climb, flight.room, [&](const auto& search, std::size_t, std::size_t) {
+    return may = search.is_at_least(wanted, flight.a);
+  });
+  return may;
+}
+
+Escape EscapePlans::best_of_all(const Search<double>& search, const Escape& plan) const noexcept {
+  const Tube& tube = search.tube;
+  if (tube.thrust_count > 0) {
+    Escape best = plan;
+    for (unsigned corner = 0; corner < 1U << tube.thrust_count; ++corner) {
+      Vec2<double> a;
+      for (int k = 0; k < tube.thrust_count; ++k) {
+        const Vec2<double>& g = tube.thrusts[static_cast<std::size_t>(k)];
+        const double side = (corner >> k & 1U) != 0 ? 1.0 : -1.0;
+        a = {a.x + side * g.x, a.y + side * g.y};
+      }
+      if (a.x == plan.a.x && a.y == plan.a.y) continue;
+      const auto f = search.along(a);
+      if (search.value(f, search.lowest(f)) - tube.rho0 <= best.later())
+        continue;  // between the times of the grid it is lower still
+      const Escape other = search.escape(search.refined(a, f));
+      if (other.later() > best.later()) best = other;
+    }
+    return best;
+  }
+  // Ascent in the disc from the plan and from straight away.
+  const Vec2<double> away = search.away();
+  const auto along = [&](const Vec2<double>& m) {
+    return search.escape(search.with(farthest(tube, direction(m, away))));
+  };
+  Escape from_plan = plan, from_away = along(away);
+  for (Escape* start : {&from_plan, &from_away}) {
     for (int round = 0; round < 6; ++round) {
       const double t = start->touches[0].time, E_t = E(t);
-      const Vec2<double> m = direction({tube.r.x + E_t * tube.w.x, tube.r.y + E_t * tube.w.y}, away);
+      const Vec2<double> m = direction<double>({tube.r.x + E_t * tube.w.x, tube.r.y + E_t * tube.w.y}, away);
       const Escape next = along(m),
                    half = along({tube.beta * m.x + start->a.x, tube.beta * m.y + start->a.y});
       const Escape& taken = next.later() > half.later() ? next : half;
@@ -289,7 +492,7 @@ Escape EscapePlans::climbed(const Tube& tube, Escape plan, const Vec2<double>& a
       *start = taken;
     }
   }
-  return other.later() > plan.later() ? other : plan;
+  return from_away.later() > from_plan.later() ? from_away : from_plan;
 }
 
 }  // namespace sightline

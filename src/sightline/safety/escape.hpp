@@ -18,32 +18,37 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "sightline/math/fixed.hpp"
 
 namespace sightline {
 
-/// A neighbour as a plan sees it.
-struct Tube {
-  Vec3<double> r{};      ///< from the centre to the robot [m]
-  Vec2<double> w{};      ///< what drag takes off: velocity of the robot, less that of a member [m/s]
-  Vec3<double> drift{};  ///< velocity of the centre [m/s]
-  double climb = 0.0;    ///< vertical speed of the robot [m/s], until it has
-  double room = 0.0;     ///< risen or sunk by this much [m], >= 0
-  double beta = 0.0;     ///< radius of the disc [m/s^2], where there are no thrusts
-  std::array<Vec2<double>, 4> thrusts{};  ///< g_k [m/s^2]
+/// A neighbour as a plan sees it; of packs of numbers, several side by side.
+template <class S>
+struct TubeOf {
+  Vec3<S> r{};      ///< from the centre to the robot [m]
+  Vec2<S> w{};      ///< what drag takes off: velocity of the robot, less that of a member [m/s]
+  Vec3<S> drift{};  ///< velocity of the centre [m/s]
+  S climb{};        ///< vertical speed of the robot [m/s], until it has
+  S room{};         ///< risen or sunk by this much [m], >= 0
+  S beta{};         ///< radius of the disc [m/s^2], where there are no thrusts
+  std::array<Vec2<S>, 4> thrusts{};  ///< g_k [m/s^2]
   int thrust_count = 0;
-  double rho0 = 0.0;       ///< [m]
-  double speed = 0.0;      ///< [m/s]
-  double growth = 0.0;     ///< [m/s^2]
-  double spread = 0.0;     ///< [m/s]
-  Vec2<double> tie{1, 0};  ///< where to where nothing else tells it
+  S rho0{};                     ///< [m]
+  S speed{};                    ///< [m/s]
+  S growth{};                   ///< [m/s^2]
+  S spread{};                   ///< [m/s]
+  Vec2<S> tie{S(1.0), S(0.0)};  ///< where to where nothing else tells it
 };
+using Tube = TubeOf<double>;
 
 /// e^(-c t), E and F at one t.
-struct EscapeShape {
-  double e, E, F;
+template <class S>
+struct EscapeShapeOf {
+  S e, E, F;
 };
+using EscapeShape = EscapeShapeOf<double>;
 
 /// A plan at one time.
 struct Touch {
@@ -68,19 +73,33 @@ struct Escape {
   double reserve() const { return now < later() ? now : later(); }
 };
 
+/// What a robot may do: an acceleration [m/s^2], and a vertical speed [m/s] until it has risen or sunk by room [m].
+struct EscapeFlight {
+  Vec2<double> a;
+  double climb = 0.0, room = 0.0;
+};
+
+/// Neither throws nor allocates once it is made. Tubes in one call are those of several neighbours of one robot, with the
+/// same thrusts; the bits are the same as one by one.
 class EscapePlans {
  public:
+  using Tubes = std::span<const Tube* const>;
+
   EscapePlans() = default;
   /// @param drag  c [1/s], >= 0
   /// @param dt    [s], from where on plans are looked at
   EscapePlans(double drag, double dt);
 
-  /// The best plan. Neither throws nor allocates.
+  /// The best plan that keeps its height.
   Escape best(const Tube& tube) const noexcept;
+  void best(Tubes tubes, std::span<Escape* const> plans) const noexcept;
   /// The plan with one acceleration.
   Escape with(const Tube& tube, const Vec2<double>& a) const noexcept;
-  /// The least f of that plan over now and a grid of times [m]: up to 0.1 m more than its reserve.
-  double least(const Tube& tube, const Vec2<double>& a) const noexcept;
+  /// Those of one flight.
+  void with(Tubes tubes, const EscapeFlight& flight, std::span<Escape> plans) const noexcept;
+  /// Whether the flight may have a reserve of `wanted` [m] from all: by now and a grid of times, which tell up to 0.1 m
+  /// more than it is.
+  bool may_leave(Tubes tubes, const EscapeFlight& flight, double wanted) const noexcept;
   Touch touch(const Tube& tube, const Vec2<double>& a, double t) const noexcept;
 
   double E(double t) const noexcept;
@@ -93,28 +112,19 @@ class EscapePlans {
  private:
   static constexpr std::size_t times = 24;
   static constexpr double longest = 8.0;  // [s]
-  using Curve = std::array<double, times>;
-  using Shape = EscapeShape;
-  struct Point;
+  template <class S>
+  struct Search;
 
-  Point at(const Tube& tube, const Vec2<double>& a, double t) const noexcept;
-  /// The best of all corners, where one of them is known.
-  Escape best_corner(const Tube& tube, Escape best) const noexcept;
-  /// Ascent in the disc from a plan and from straight away.
-  Escape climbed(const Tube& tube, Escape plan, const Vec2<double>& away) const noexcept;
-
-  /// f + rho0 of horizontal positions x and y.
-  Curve curve(const Tube& tube, const Curve& x, const Curve& y) const noexcept;
-  Curve along(const Tube& tube, const Vec2<double>& a) const noexcept;
-  static std::size_t lowest(const Curve& f) noexcept;
-  /// Where f is least around point i of the grid.
-  double least_of(const Curve& f, std::size_t i) const noexcept;
-  /// The least around point i of the grid.
-  Touch nearest(const Tube& tube, const Vec2<double>& a, const Curve& f, std::size_t i) const noexcept;
-  Escape refined(const Tube& tube, const Vec2<double>& a, const Curve& f) const noexcept;
+  template <class S>
+  EscapeShapeOf<S> shape_at(S t) const noexcept;
+  /// visit(search, first, count) for packs of tubes, until it returns false.
+  template <class Visit>
+  void in_packs(Tubes tubes, double climb, double room, Visit visit) const noexcept;
+  /// The best of all, where the search has not proven that a plan is.
+  Escape best_of_all(const Search<double>& search, const Escape& plan) const noexcept;
 
   double c_ = 0.0, per_c_ = 0.0, dt_ = 0.0, e_back_ = 1.0;
-  Curve t_{}, E_{}, F_{};
+  std::array<double, times> t_{}, E_{}, F_{};
 };
 
 }  // namespace sightline

@@ -1,4 +1,4 @@
-/// What the two sources of Barrier share: the next state, the neighbours and the rows.
+/// What the sources of Barrier share: the next state, the neighbours and the rows.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +10,8 @@
 
 namespace sightline {
 
+inline constexpr double far_away = 1e6;  // [m] what is farther cannot matter
+
 /// What of the next sampled state counts.
 struct Barrier::Next {
   Vec3<double> p;  // as Barrier::settled()
@@ -19,9 +21,9 @@ struct Barrier::Next {
 
 /// A neighbour and the plan to flee it.
 struct Barrier::Threat {
-  Tube tube;
-  Escape plan;
-  Conduct conduct;
+  Tube tube{};
+  Escape plan{};
+  Conduct conduct = Conduct::uncooperative;
   int neighbour = -1;
   double reserve = 0.0;  // that the rows keep: of this plan, or of all that it is for [m]
   double margin = 0.0;   // that they keep beside it [m]

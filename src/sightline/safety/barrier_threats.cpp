@@ -1,0 +1,191 @@
+// Which neighbours press a robot, and the best plan to flee each.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sightline/base/index.hpp"
+#include "sightline/base/no_value.hpp"
+#include "sightline/safety/barrier_parts.hpp"
+#include "sightline/safety/crowd.hpp"
+
+namespace sightline {
+namespace {
+
+bool finite(const Neighbour& n) {
+  const std::array<double, 12> numbers = {n.p.x,    n.p.y,       n.p.z, n.v.x,   n.v.y, n.v.z,
+                                          n.d_hard, n.speed_max, n.age, n.sigma, n.tie, n.part};
+  return all_finite(numbers) && !std::isnan(n.acceleration_max);
+}
+
+bool is_far(const Vec3<double>& r) {
+  return !(std::max({std::abs(r.x), std::abs(r.y), std::abs(r.z)}) < far_away);
+}
+
+}  // namespace
+
+/// Makes of a tube that is zero the neighbour for plans; of an uncooperative one without what is known of its motion.
+void Barrier::fill(Tube& tube, const Sight<double>& self, const Neighbour& n, double part,
+                   double beside) const noexcept {
+  tube.r = self.p - n.p;
+  tube.w = {self.v.x, self.v.y};
+  tube.beta = part * b_;
+  tube.rho0 = n.d_hard + options_.margin + 3 * n.sigma + beside;
+  tube.spread = 3 * options_.velocity_sigma;
+  tube.tie.x = n.tie;
+  if (n.conduct != Conduct::member) return;
+  // Measured motion, and what it may have done since by an acceleration that is bounded.
+  const double age = std::max(n.age, 0.0), both = std::min(part, n.part),
+               a = std::min(n.acceleration_max, 3 * b_);
+  tube.r = tube.r - age * n.v;
+  tube.w = {tube.w.x - n.v.x, tube.w.y - n.v.y};
+  tube.beta = both * 2 * b_;
+  tube.rho0 += 0.5 * a * age * age;
+  tube.spread += a * age;
+}
+
+/// The reserve of a member by the plan straight away, and by the distance now: B lies between.
+struct Barrier::Within {
+  double least, most;  // [m]
+  bool quiet;          // whatever both command, the next reserve is at least what it has to be
+};
+
+Barrier::Within Barrier::within(const Tube& tube) const noexcept {
+  const double D = norm(tube.r.x, tube.r.y), z = std::abs(tube.r.z);
+  const double closing =
+      D > 1e-9 ? -(tube.r.x * tube.w.x + tube.r.y * tube.w.y) / D : norm(tube.w.x, tube.w.y);
+  const double held = tube.rho0 + tube.spread * plans_.E_longest();
+  // Straight away the closing speed v ends after at most v^2 / (2 beta); what drag does shortens it.
+  const auto left = [&](double level, double height, double v) {
+    const double after = std::max(0.0, level - 0.5 * square(std::max(v, 0.0)) / tube.beta);
+    return std::sqrt(after * after + height * height) - held;
+  };
+  const double jolt = 2 * can_.push * dt_;
+  const double then = left(std::max(0.0, D - dt_ * (std::max(closing, 0.0) + jolt)),
+                           std::max(0.0, z - 2 * can_.rise * dt_), closing + jolt);
+  const double most = norm(tube.r) - tube.rho0;
+  return {std::min(left(D, z, closing), most), most, most > 0 && then >= (1.0 - options_.rate * dt_) * most};
+}
+
+void Barrier::add_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
+                          std::span<const int> chosen, Rows& rows) const noexcept {
+  struct Asked {
+    Bounded<const Tube*, 2 * most_neighbours> tubes;
+    Bounded<Escape*, 2 * most_neighbours> plans;
+  };
+  Asked of_members, of_others;
+  const auto ask = [](Asked& asked, const Tube& tube, Escape& plan) {
+    asked.tubes.push_back(&tube);
+    asked.plans.push_back(&plan);
+  };
+  decltype(Tube::thrusts) thrusts{};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(can_.thrust_count); ++k) {
+    const Vec2<double> g = can_.turns ? rotate(self.d, can_.thrusts[k]) : can_.thrusts[k];
+    thrusts[k] = {rows.part * options_.authority * g.x, rows.part * options_.authority * g.y};
+  }
+  // What is known of a neighbour's motion, beside what is known of its speed alone.
+  Bounded<Tube, most_neighbours> measured;
+  Bounded<Threat*, most_neighbours> measured_of;
+  std::array<Escape, most_neighbours> measured_plans;
+  for (const int i : chosen) {
+    const Neighbour& n = neighbours[size(i)];
+    Threat& threat = rows.threats.emplace_back();
+    threat.conduct = n.conduct;
+    threat.neighbour = i;
+    Tube& tube = threat.tube;
+    fill(tube, self, n, rows.part, rows.beside);
+    if (n.conduct == Conduct::member) {
+      ask(of_members, tube, threat.plan);
+      continue;
+    }
+    tube.thrust_count = can_.thrust_count;
+    tube.thrusts = thrusts;
+    const double age = std::max(n.age, 0.0);
+    if (n.acceleration_max < infinity) {
+      Tube& known = measured.push_back(tube);
+      known.r = known.r - age * n.v;
+      known.drift = n.v;
+      known.rho0 += 0.5 * n.acceleration_max * age * age;
+      known.speed = n.acceleration_max * age;
+      known.growth = n.acceleration_max;
+      ask(of_others, known, measured_plans[measured_of.size()]);
+      measured_of.push_back(&threat);
+    }
+    tube.rho0 += n.speed_max * age;
+    tube.speed = n.speed_max;
+    ask(of_others, tube, threat.plan);
+  }
+  for (Asked* asked : {&of_members, &of_others}) plans_.best(asked->tubes.items(), asked->plans.items());
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    Threat& threat = *measured_of[k];
+    if (measured_plans[k].reserve() <= threat.plan.reserve()) continue;
+    threat.tube = measured[k];
+    threat.plan = measured_plans[k];
+  }
+  for (Threat& threat : rows.threats) threat.reserve = threat.plan.reserve();
+}
+
+bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
+                           Rows& rows) const noexcept {
+  // The ones that press most, by the distance left after a second of closing in.
+  Bounded<int, most_neighbours> chosen;
+  std::array<double, most_neighbours> key;
+  // A height that follows late takes two rows for each.
+  const std::size_t most = can_.climb_lag > 0 ? most_neighbours / 2 : most_neighbours;
+  const bool all_fit = neighbours.size() <= most;
+  bool all_known = true;
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    const Neighbour& n = neighbours[i];
+    if (!finite(n)) {
+      all_known = false;
+      continue;
+    }
+    const Vec3<double> r = self.p - n.p;
+    if (is_far(r)) continue;
+    if (all_fit) {
+      chosen.push_back(static_cast<int>(i));
+      continue;
+    }
+    const bool member = n.conduct == Conduct::member;
+    const double left = pressing_key(r, member ? self.v - n.v : self.v, n.d_hard, member ? 0.0 : n.speed_max);
+    if (chosen.size() == most && left >= key[most - 1]) continue;
+    if (chosen.size() < most) chosen.push_back(-1);
+    std::size_t at = chosen.size() - 1;
+    for (; at > 0 && key[at - 1] > left; --at) key[at] = key[at - 1], chosen[at] = chosen[at - 1];
+    key[at] = left, chosen[at] = static_cast<int>(i);
+  }
+  // Of members that nothing can bring too near within the period, none but those that may have the least reserve: unless
+  // there may be a plan against several, or a way out, that has to reckon with all.
+  const auto is_member = [&](int i) { return neighbours[size(i)].conduct == Conduct::member; };
+  const bool all =
+      std::count_if(chosen.begin(), chosen.end(), is_member) + 1 < static_cast<std::ptrdiff_t>(chosen.size());
+  std::array<Within, most_neighbours> within;
+  constexpr double found_to = 1e-3;  // [m] what the search of a plan may miss of the best
+  double most_of_least = infinity;
+  for (std::size_t k = 0; k < chosen.size() && !all; ++k) {
+    within[k] = {-infinity, infinity, false};
+    if (!is_member(chosen[k])) continue;
+    Tube tube;
+    fill(tube, self, neighbours[size(chosen[k])], rows.part, rows.beside);
+    within[k] = this->within(tube);
+    most_of_least = std::min(most_of_least, within[k].most);
+  }
+  std::size_t pressing = 0;
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    if (all || !within[k].quiet || within[k].least <= most_of_least + found_to)
+      chosen[pressing++] = chosen[k];
+  }
+  add_threats(self, neighbours, {chosen.begin(), pressing}, rows);
+  return all_known;
+}
+
+double Barrier::reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept {
+  const std::array<double, most_inputs> at_rest{};
+  const Sight<double> seen = model_.sight(x.data(), at_rest.data()), self = settled(seen);
+  if (!finite(neighbour) || is_far(self.p - neighbour.p)) return infinity;
+  Rows rows{.part = 1.0, .beside = std::abs(seen.p.z - self.p.z), .threats = {}, .all = {}};
+  constexpr std::array<int, 1> one = {0};
+  add_threats(self, {&neighbour, 1}, one, rows);
+  return rows.threats[0].reserve;
+}
+
+}  // namespace sightline
