@@ -236,6 +236,22 @@ Lane<W> minimum(Lane<W> a, Lane<W> b) {
   return Lane<W>(a.v < b.v ? a.v : b.v);
 }
 
+/// |a|.
+template <class L>
+L absolute(L a) {
+  return maximum(a, -a);
+}
+
+/// The largest of the lanes that are above zero, else 0.
+inline double largest(double a) { return a > 0 ? a : 0.0; }
+
+template <int W>
+double largest(Lane<W> a) {
+  double most = 0.0;
+  for (int i = 0; i < W; ++i) most = a[i] > most ? a[i] : most;
+  return most;
+}
+
 /// Whether a lane is below zero.
 inline bool any_negative(double a) { return a < 0; }
 
@@ -261,6 +277,11 @@ Lane<W> clamp(Lane<W> x, double low, double high) {
   const Lane<W> l(low), h(high);
   const Lane<W> y(x.v < l.v ? l.v : x.v);
   return Lane<W>(y.v > h.v ? h.v : y.v);
+}
+
+template <int W>
+Lane<W> clamp(Lane<W> x, Lane<W> low, Lane<W> high) {
+  return minimum(maximum(x, low), high);
 }
 
 /// Lane i of the result is lane from[i] of a, 0 <= from[i] < W.

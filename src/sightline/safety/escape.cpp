@@ -23,11 +23,6 @@ double lane(Lane<W> pack, std::size_t i) {
   return pack[static_cast<int>(i)];
 }
 
-template <class S>
-S absolute(S x) {
-  return where_negative(x, -x, x);
-}
-
 /// v / |v|, or `other` where v has no direction.
 template <class S>
 Vec2<S> direction(const Vec2<S>& v, const Vec2<S>& other) {

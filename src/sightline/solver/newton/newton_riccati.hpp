@@ -2,8 +2,9 @@
 /// factorisation for each robot, Krylov iterations for the couplings.
 ///
 /// Single shooting: the trajectory is rolled out from the measured state, so the dynamics hold exactly and
-/// the unknowns are the inputs. Limits are exact, by an active set that is relinearised when it changes.
-/// Where a step cannot be trusted it is damped, shortened or, at worst, not taken. docs/equations.md, 11.
+/// the unknowns are the inputs. An update begins with the plan before, carried on as it changed last. Limits are exact,
+/// by an active set that is relinearised when it changes. Where a step cannot be trusted it is damped, shortened or, at
+/// worst, not taken. docs/equations.md, 11.
 #pragma once
 
 #include <memory>

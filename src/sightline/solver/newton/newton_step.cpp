@@ -12,17 +12,6 @@ namespace {
 
 using L = NativeLane;
 
-L absolute(L a) { return maximum(a, -a); }
-
-double largest(L a) {
-  double m = 0.0;
-  for (int i = 0; i < L::width; ++i) m = std::max(m, a[i]);
-  return m;
-}
-
-L minimum(L a, L b) { return -maximum(-a, -b); }
-L within(L x, L low, L high) { return minimum(maximum(x, low), high); }
-
 }  // namespace
 
 /// The step of each robot by itself. @return factorisations beyond the first
@@ -56,7 +45,7 @@ NewtonUpdate::Proposal NewtonUpdate::examine(int g) const noexcept {
     not_finite = fma(du, L(0.0), not_finite);
     const L H_u = L(per_h) * L::load(H_u_ + i);
     not_finite = fma(H_u, L(0.0), not_finite);
-    const L gap = u - within(u - H_u * L::load(scale_2_ + i), low, high);
+    const L gap = u - clamp(u - H_u * L::load(scale_2_ + i), low, high);
     residual = maximum(absolute(gap) * per_scale, residual);
   }
   double nan = 0.0;
@@ -95,16 +84,29 @@ bool NewtonUpdate::update_active_set() noexcept {
   return changed;
 }
 
-/// u <- u + du, within the limits.
+/// u <- u + du, within the limits, and the plan with it.
 void NewtonUpdate::take() noexcept {
   std::swap(u_, u_before_);
-  groups_.each(*crew_, [&](int g, int) noexcept {
-    const Layout::Span its = groups_.layout().u_of(g);
-    for (std::ptrdiff_t i = its.first; i < its.end(); i += L::width) {
-      const L u = L::load(u_before_ + i) + L::load(du_ + i);
-      within(u, L::load(low_ + i), L::load(high_ + i)).store(u_ + i);
-    }
-  });
+  groups_.each(*crew_, [&](int g, int) noexcept { votes_[at(g)] = take(g); });
+}
+
+/// @return inputs that the step corrects by less than half of what was foreseen of them, less the others
+int NewtonUpdate::take(int g) noexcept {
+  L votes = 0.0;
+  double* const plan = next_plan();
+  const Layout::Span its = groups_.layout().u_of(g);
+  for (std::ptrdiff_t i = its.first; i < its.end(); i += L::width) {
+    const L before = L::load(u_before_ + i);
+    const L u = clamp(before + L::load(du_ + i), L::load(low_ + i), L::load(high_ + i));
+    const L foreseen = absolute(before - L::load(plan_ + i)), corrected = absolute(u - before);
+    votes +=
+        where_negative(-foreseen, where_negative(L(2.0) * corrected - foreseen, L(1.0), L(-1.0)), L(0.0));
+    u.store(u_ + i);
+    u.store(plan + i);
+  }
+  int sum = 0;
+  for (int i = 0; i < L::width; ++i) sum += static_cast<int>(votes[i]);
+  return sum;
 }
 
 /// Inputs of a group that the gradient holds near a limit are to go there. @return whether the set changed
@@ -238,6 +240,8 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
     result.whole &= !damped && proposal.finite;
   } else {
     take();
+    result.taken = true;
+    result.correction = proposal.largest;
     result.whole = settled;
   }
   result.in_time = !late();

@@ -75,7 +75,7 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       crew_(crew_for(ocp_, options_)),
       krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop, !swarms_.empty()),
       descent_(potentials_, groups_.layout(), influence_),
-      u_vectors_(11, groups_.layout().u_length),
+      u_vectors_(13, groups_.layout().u_length),
       s_vectors_(2, groups_.layout().s_length),
       c_(room_for_c(groups_.layout(), *crew_, !swarms_.empty())),
       u_(u_vectors_[0]),
@@ -87,8 +87,10 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       u_before_(u_vectors_[6]),
       plan_(u_vectors_[7]),
       u_start_(u_vectors_[8]),
-      per_scale_(u_vectors_[9]),
-      scale_2_(u_vectors_[10]),
+      plan_before_(u_vectors_[9]),
+      H_before_(u_vectors_[10]),
+      per_scale_(u_vectors_[11]),
+      scale_2_(u_vectors_[12]),
       s_(s_vectors_[0]),
       ds_(s_vectors_[1]),
       x_now_(at(ocp_.nx())),
@@ -98,6 +100,8 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)) {
   repeated_.resize(groups_.layout().groups.size());
   proposals_.resize(groups_.layout().groups.size());
+  votes_.resize(groups_.layout().groups.size());
+  held_.resize(groups_.layout().groups.size());
   before_.reserve(u_out_.size());
   added_.reserve(u_out_.size());
   for (const BodyId body : ocp_.agent_bodies()) x_at_.push_back(ocp_.team().state_offset(body));
@@ -231,6 +235,9 @@ void NewtonUpdate::start() noexcept {
   }
   all_free_ = true;
   has_plan_ = globalising_ = false;
+  taken_ = wait_ = 0;
+  pause_ = 1;
+  foreseen_ = false;
   krylov_.forget();
 }
 
@@ -305,6 +312,7 @@ Solution NewtonUpdate::solve(double time, std::span<const double> states) noexce
       anew ? std::max(options_.max_newton_steps, options_.start_steps) : options_.max_newton_steps;
   if (!started_) start();
   started_ = true;
+  foresee();
 
   Step step;
   int iterations = 0;
@@ -316,8 +324,7 @@ Solution NewtonUpdate::solve(double time, std::span<const double> states) noexce
   if (!step.finite) return fall_back(time, Status::not_finite);
   write_inputs();
   write_states();
-  std::copy_n(u_, groups_.layout().u_length, plan_);
-  plan_time_ = time;
+  remember(step);
   const Status status = !step.in_time                         ? Status::deadline
                         : step.residual <= options_.tolerance ? Status::converged
                         : steps == 1 && step.whole            ? Status::stepped
@@ -343,9 +350,12 @@ double NewtonUpdate::kkt(double time, std::span<const double> states) noexcept {
   }
   groups_.roll_out(u_, s_, *crew_);
   couplings_->find_neighbours(s_);
+  std::swap(H_u_, u_start_);  // the next update goes on from the one of the last
   linearise([&](int g, const double* c) { groups_.differentiate(g, u_, active_, c, H_u_); });
-  const Proposal at_u = examine();
-  return slope_is_finite() ? at_u.residual : infinity;
+  const double residual = examine().residual;
+  const bool finite = slope_is_finite();
+  std::swap(H_u_, u_start_);
+  return finite ? residual : infinity;
 }
 
 }  // namespace sightline

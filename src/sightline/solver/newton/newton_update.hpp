@@ -37,9 +37,11 @@ class NewtonUpdate {
   /// What one step came to.
   struct Step {
     double residual = std::numeric_limits<double>::infinity();
+    double correction = 0.0;  ///< |du|, in the scale of each input
     int iterations = 0;
     bool finite = true, in_time = true;
     bool whole = false;  ///< neither damped nor shortened, and its active set is settled
+    bool taken = false;  ///< costs were not watched
   };
   /// What one pass over a proposed step finds.
   struct Proposal {
@@ -54,6 +56,11 @@ class NewtonUpdate {
   void refer(int group, double time) noexcept;
   void find_limits(const Agent& agent, std::size_t input, double time, double ahead) noexcept;
   void start() noexcept;
+  void foresee() noexcept;
+  bool is_foreseeable() noexcept;
+  bool foresee(int group, double ratio) noexcept;
+  double* next_plan() const noexcept;
+  void remember(const Step& step) noexcept;
   Step newton_step() noexcept;
   template <class PerGroup>
   void linearise(PerGroup&& per_group) noexcept;
@@ -63,6 +70,7 @@ class NewtonUpdate {
   bool slope_is_finite() const noexcept;
   bool update_active_set() noexcept;
   void take() noexcept;
+  int take(int group) noexcept;
   bool hold_near_limits(int group) noexcept;
   Step project() noexcept;
   double search(Searching who = Searching::all) noexcept;
@@ -95,10 +103,17 @@ class NewtonUpdate {
   Rows u_vectors_, s_vectors_;
   Rows c_;  // of the team with swarms, else of the one group that each thread is at
   double *u_, *du_, *active_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
-  double *per_scale_, *scale_2_;  // of each input, for what is compared with a threshold
+  double *plan_before_, *H_before_;  // of the update before; of the guess, in its place
+  double *per_scale_, *scale_2_;     // of each input, for what is compared with a threshold
   double *s_, *ds_;
-  double plan_time_ = 0.0;
-  std::vector<int> x_at_;                // of each agent in the stacked state
+  double plan_time_ = 0.0, plan_before_time_ = 0.0;
+  int taken_ = 0;  // updates without a break whose steps were taken
+  bool foreseen_ = false;
+  int wait_ = 0, pause_ = 1;  // updates until it is tried again; and after it fails once more
+  double corrected_ = 0.0, corrected_before_ = 0.0;  // Step::correction of the last two updates
+  std::vector<int> votes_;  // of each group: inputs that it was right to foresee, less the others
+  std::vector<char> held_;  // of each group: limits are active in what was foreseen
+  std::vector<int> x_at_;   // of each agent in the stacked state
   std::vector<Prediction> predictions_;  // of each body; room for N + 1 sights of those not controlled
   std::vector<double> x_now_, limits_, u_out_, raw_u_, x_out_;
   std::vector<double> before_, added_;  // AppliedInputs; empty: never told

@@ -1,0 +1,90 @@
+// The guess from which an update begins: the plan before, carried on as it changed last.
+//
+// While references and measurements go on smoothly, the optimum u*(t) is a smooth path between changes of the active set.
+// With the secant of the last two plans the guess is off by O(dt^2) in place of O(dt), and the Newton step by O(dt^4)
+// in place of O(dt^2): the predictor and corrector of path following. Multipliers are carried on as well, so that the
+// active set is mostly right at once. Where measurements jump, from noise, the plan before is the better guess: inputs vote,
+// by how far the step corrects what was foreseen of them.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "sightline/base/index.hpp"
+#include "sightline/base/no_value.hpp"
+#include "sightline/solver/newton/newton_update.hpp"
+
+namespace sightline {
+namespace {
+
+using L = NativeLane;
+
+}  // namespace
+
+void NewtonUpdate::foresee() noexcept {
+  const double passed = time_ - plan_time_, before = plan_time_ - plan_before_time_;
+  if (!(passed > 0)) return;
+  std::swap(H_u_, H_before_);
+  constexpr double farthest = 2.0;  // of the period before
+  foreseen_ = taken_ >= 2 && passed <= farthest * before && is_foreseeable();
+  if (!foreseen_) return;
+  groups_.each(*crew_, [&](int g, int) noexcept { held_[at(g)] = foresee(g, passed / before); });
+  all_free_ = all_free_ && std::none_of(held_.begin(), held_.end(), [](char held) { return held != 0; });
+}
+
+bool NewtonUpdate::is_foreseeable() noexcept {
+  constexpr double steady = 0.5;  // of a correction, that the next one is at least, unless steps converge
+  constexpr int longest_pause = 64;
+  if (foreseen_) {
+    if (std::accumulate(votes_.begin(), votes_.end(), 0) >= 0) {
+      pause_ = 1;
+      return true;
+    }
+    wait_ = pause_;
+    pause_ = std::min(2 * pause_, longest_pause);
+  }
+  if (wait_ > 0) --wait_;
+  return wait_ == 0 && corrected_ >= steady * corrected_before_;
+}
+
+/// Inputs of a group go on by `ratio` of their last change. Where they come to a limit it is active; where the
+/// multiplier of an active one goes through zero it is not. @return whether limits are active
+bool NewtonUpdate::foresee(int group, double ratio) noexcept {
+  const Layout::Span its = groups_.layout().u_of(group);
+  const L on(infinity), off(0.0);
+  L held = 0.0;
+  for (std::ptrdiff_t i = its.first; i < its.end(); i += L::width) {
+    const L u = L::load(u_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
+    const L next = u + L(ratio) * (u - L::load(plan_before_ + i));
+    L to = clamp(next, low, high), active = where_negative(-absolute(next - to), on, off);
+    const L was = all_free_ ? off : L::load(active_ + i);
+    if (any_negative(-was)) {
+      const L H = L::load(H_before_ + i), ahead = H + L(ratio) * (H - L::load(H_u_ + i));
+      const L below_high = (high - u) - (u - low);  // < 0: nearer to the upper limit
+      const L outward = where_negative(below_high, -ahead, ahead);
+      to = where_negative(-was, u, to);
+      active = where_negative(-was, where_negative(-outward, on, off), active);
+    }
+    if (any_negative(-was - active)) active.store(active_ + i);
+    to.store(u_ + i);
+    held = maximum(held, active);
+  }
+  return largest(held) > 0;
+}
+
+/// Where the plan of this update goes: that of the update before stays, to go on from.
+double* NewtonUpdate::next_plan() const noexcept { return time_ > plan_time_ ? plan_before_ : plan_; }
+
+/// Keeps u as the plan; whether the next can be foreseen.
+void NewtonUpdate::remember(const Step& step) noexcept {
+  if (!step.taken) std::copy_n(u_, groups_.layout().u_length, next_plan());
+  if (next_plan() == plan_before_) {
+    std::swap(plan_, plan_before_);
+    plan_before_time_ = plan_time_;
+  }
+  plan_time_ = time_;
+  taken_ = step.taken ? taken_ + 1 : 0;
+  corrected_before_ = std::exchange(corrected_, step.correction);
+}
+
+}  // namespace sightline
