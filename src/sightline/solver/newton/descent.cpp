@@ -129,6 +129,12 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
         pending |= !unit.settled;
         if (unit.settled) unit.alpha = alpha, unit.best = unit.cost;
       });
+      if (i > 0 || !pending || sure_) continue;
+      // The others have moved meanwhile: what counts is what its own way does to a cost.
+      try_at(0.0);
+      each([](Unit& unit) {
+        if (!unit.settled) unit.before = unit.best = unit.cost;
+      });
     }
     // A damped step may be far too short.
     each([&](Unit& unit) { unit.settled = unit.alpha < 1.0; });
