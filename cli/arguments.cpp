@@ -238,7 +238,8 @@ Arguments::Arguments()
   bench_command->add_flag("--json", bench.json, "JSON instead of a table");
   add_threads(*bench_command, bench.threads);
   bench_command
-      ->add_option("--updates", bench.updates, "Updates of each case; swarm_N and events_8 have their own")
+      ->add_option("--updates", bench.updates,
+                   "Updates of each case; of swarm_N in whole crossings, events_8 has its own")
       ->capture_default_str()
       ->check(CLI::Range(100, 10'000'000));
   bench_command->add_flag("--times", bench.times_only, "Times alone, not compared with the optimum");

@@ -43,7 +43,8 @@ int bench(const BenchCommand& command) {
                         .progress = [](int conflicts) { tell("{} of 500 conflicts\n", conflicts); }}));
   }
   if (command.name && is_swarm_case(*command.name)) {
-    rows = run_swarm_bench(*command.name, {.allocations = allocations,
+    rows = run_swarm_bench(*command.name, {.updates = command.updates,
+                                           .allocations = allocations,
                                            .progress = [](int pairs) { tell("{} pairs at most\n", pairs); }});
   }
   if (command.name == event_case_name) {

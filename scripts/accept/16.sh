@@ -90,12 +90,12 @@ tails() {
   "${priority[@]}" true 2>/dev/null || { echo 'no right to SCHED_FIFO here: times of an ordinary process'; priority=(); }
   taskset -c $((1 - core)) bash -c 'while :; do :; done' &
   busy=$!
-  for name in pair strong_chain_64; do
+  for name in pair strong_chain_64 swarm_32; do
     taskset -c "$core" "${priority[@]}" "$sightline" bench --case $name --updates "$updates" --times --json >"$out/tail_$name.json" 2>/dev/null || echo "$name: failed"
     echo "$name: median $(number "$out/tail_$name.json" median_us) us, p99 $(number "$out/tail_$name.json" p99_us) us, p99.99 $(number "$out/tail_$name.json" p9999_us) us, longest $(number "$out/tail_$name.json" max_us) us of $updates; allocations $(number "$out/tail_$name.json" allocations)"
   done
   kill "$busy"; wait "$busy" 2>/dev/null
-  [[ $(number "$out/tail_pair.json" allocations) == 0 && $(number "$out/tail_strong_chain_64.json" allocations) == 0 ]]
+  for name in pair strong_chain_64 swarm_32; do [[ $(number "$out/tail_$name.json" allocations) == 0 ]] || return 1; done
 }
 
 # Medians and p99 [us] of the rows of a bench case on one core: NAME MEDIAN P99.
