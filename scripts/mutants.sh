@@ -12,13 +12,13 @@ trap 'rm -rf "$work"' EXIT
 # As the build compiles the library's own barrier, at -O1.
 flags=(-std=c++20 -O1 -march=native -ffp-contract=off -fno-math-errno -fno-trapping-math -Wno-psabi)
 sources=(authority escape projection barrier barrier_threats barrier_several way_out)
-tests=(authority escape projection barrier barrier_several way_out)
+tests=(authority escape projection barrier barrier_threats barrier_several way_out)
 filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:WaysOut.*'
 
 # name | file | what stands there | what the mutant has in its place
 mutants=(
-  'sign of the normal flipped|barrier_parts.hpp|return least - value(next);|return least + value(next);'
-  'sign of the velocity flipped|barrier_parts.hpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
+  'sign of the normal flipped|barrier_threats.hpp|return least - value(next);|return least + value(next);'
+  'sign of the velocity flipped|barrier_threats.hpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
   'sign of the thrust flipped|escape.cpp|const S side = where_negative(g.x \* x\[k\] + g.y \* y\[k\], S(-1.0), S(1.0));|const S side = where_negative(g.x * x[k] + g.y * y[k], S(1.0), S(-1.0));'
   'drag dropped|barrier.cpp|plans_(can_.drag, dt)|plans_(0.0, dt)'
   'deceleration doubled|authority.cpp|const double reach = part|const double reach = 2 * part'
@@ -70,7 +70,7 @@ begin=$SECONDS
 survivors=0
 prepare
 mkdir -p "$work/none/sightline/safety"
-cp src/sightline/safety/barrier_parts.hpp "$work/none/sightline/safety"
+cp src/sightline/safety/barrier_threats.hpp "$work/none/sightline/safety"
 for source in "${sources[@]}"; do cp "src/sightline/safety/$source.cpp" "$work/none"; done
 program "$work/none" || fail "the barrier does not build"
 "$work/none/tests" --gtest_filter="$filter" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "the tests fail without a mutant"; }

@@ -151,19 +151,6 @@ TEST(Barrier, AddsThreeSigmaAndWhatOldDataMayHide) {
   EXPECT_LT(barrier({.velocity_sigma = 0.05}).reserve(x, peer), filter.reserve(x, peer) - 0.05);
 }
 
-TEST(Barrier, LetsAnUncooperativeOneNearerWhoseVelocityIsKnown) {
-  const Barrier filter = barrier();
-  const State x = {0, 0, 1, 1, 0, 0, 0};
-  Neighbour n{.p = {3, 0, 1}};
-  const double unknown = filter.reserve(x, n);
-  n.v = {0.5, 0, 0};
-  EXPECT_EQ(filter.reserve(x, n), unknown);
-  n.acceleration_max = 0.1;
-  EXPECT_GT(filter.reserve(x, n), unknown + 0.5);
-  n.acceleration_max = 50.0;
-  EXPECT_EQ(filter.reserve(x, n), unknown);
-}
-
 TEST(Barrier, KeepsFloorCeilingAndTheWorldsBounds) {
   const Barrier filter = barrier({.floor = 0.3, .ceiling = 3.0, .world = 5.0});
   Random random(5);
@@ -447,15 +434,6 @@ TEST(Barrier, KeepsTheDistanceAndTheFloorOfARobotThatClimbsAndTurnsLate) {
     EXPECT_GE(nearest, 1.0) << seed;
     EXPECT_GE(lowest_height, 0.3 - 1e-6) << seed;
   }
-}
-
-TEST(Barrier, TwoOfWhomOneHasLessLeftReckonWithTheLess) {
-  const Barrier barrier(Multirotor{}, lowest, highest, control_period);
-  const State x = {0, 0, 1, 1, 0, 1.0, 0};
-  Neighbour other{.p = {3, 0, 1}, .v = {-1, 0, 0}, .d_hard = 0.6, .conduct = Conduct::member};
-  const double both = barrier.reserve(x, other);
-  other.part = 0.5;
-  EXPECT_LT(barrier.reserve(x, other), both - 0.05);
 }
 
 TEST(Barrier, RefusesOptionsOutOfRange) {

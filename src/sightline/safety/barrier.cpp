@@ -10,7 +10,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
-#include "sightline/safety/barrier_parts.hpp"
+#include "sightline/safety/barrier_threats.hpp"
 
 namespace sightline {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sightline/base/no_value.hpp"
-#include "sightline/safety/barrier_parts.hpp"
+#include "sightline/safety/barrier_threats.hpp"
 
 namespace sightline {
 

@@ -1,11 +1,12 @@
 // Which neighbours press a robot, and the best plan to flee each.
+#include "sightline/safety/barrier_threats.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
-#include "sightline/safety/barrier_parts.hpp"
 #include "sightline/safety/crowd.hpp"
 
 namespace sightline {
