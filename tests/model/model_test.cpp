@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
@@ -360,11 +361,10 @@ TEST(Model, AllFiniteMeansEveryOne) {
 }
 
 TEST(Model, CopiesShareOneRobot) {
-  const Model a = Multirotor{.b_z = 2.0};
-  const Model b = a;
+  const std::vector<Model> copies(3, Multirotor{.b_z = 2.0});
   const std::array<double, 7> x = {0, 0, 0, 1, 0, 0, 0};
   const std::array<double, 4> u = {0, 0, 0.5, 0};
-  EXPECT_EQ(b.sight(x.data(), u.data()).v.z, 1.0);
+  for (const Model& copy : copies) EXPECT_EQ(copy.sight(x.data(), u.data()).v.z, 1.0);
 }
 
 /// Throws once it is asked for numbers, not while it is recorded.
