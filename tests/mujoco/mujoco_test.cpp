@@ -9,6 +9,7 @@
 
 #include "cli/allocations.hpp"
 #include "tests/mujoco/team.hpp"
+#include "tests/support/error.hpp"
 #include "tests/support/hexacopter.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -32,9 +33,8 @@ Numbers copy(std::span<const double> x) { return {x.begin(), x.end()}; }
 /// The greatest difference of two lists of one length.
 double apart(const Numbers& a, const Numbers& b) {
   EXPECT_EQ(a.size(), b.size());
-  double most = 0.0;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
+  const std::size_t both = std::min(a.size(), b.size());
+  return largest_difference(std::span(a).first(both), std::span(b).first(both));
 }
 
 TEST(Mujoco, WhereNothingTouchesItFliesAsTheWorldOfRotorsTo1e9) {

@@ -15,6 +15,7 @@
 #include "sightline/solver/distributed/partition.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/model_world.hpp"
+#include "tests/support/error.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -88,12 +89,6 @@ struct Watched {
   int k = 0;
 };
 
-double greatest_difference(std::span<const double> a, std::span<const double> b) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
-}
-
 TEST(Compensation, of_a_known_delay_gives_the_state_that_the_command_will_meet) {
   for (const Alone& alone : all_kinds()) {
     for (const double delay : {0.0, 0.07, 0.155, 0.4}) {
@@ -103,7 +98,7 @@ TEST(Compensation, of_a_known_delay_gives_the_state_that_the_command_will_meet) 
       for (int k = 0; k < 300; ++k) watched.step();
       const auto later = static_cast<std::size_t>(std::lround(delay / half_period));
       for (std::size_t k = 0; 2 * k + later < watched.states.size(); ++k)
-        ASSERT_LT(greatest_difference(watched.met[k], watched.states[2 * k + later]), 1e-7) << "at " << k;
+        ASSERT_LT(largest_difference(watched.met[k], watched.states[2 * k + later]), 1e-7) << "at " << k;
     }
   }
 }
@@ -282,7 +277,7 @@ Inputs flown_in_wind(const std::vector<double>& rate_max) {
 double fastest(const std::vector<Numbers>& u) {
   double most = 0.0;
   for (std::size_t k = 1; k < u.size(); ++k)
-    most = std::max(most, greatest_difference(u[k], u[k - 1]) / control_period);
+    most = std::max(most, largest_difference(u[k], u[k - 1]) / control_period);
   return most;
 }
 

@@ -17,9 +17,7 @@ using test::DuelOutcome;
 using test::Nominal;
 using test::Pursuit;
 
-Barrier barrier() {
-  return Barrier(Multirotor{}, test::lowest, test::highest, control_period, {.floor = 0.3, .world = 100.0});
-}
+Barrier barrier_of_duels() { return test::barrier({.floor = 0.3, .world = 100.0}); }
 
 struct Summary {
   int count = 0, below = 0, with_conflict = 0;
@@ -53,7 +51,7 @@ struct Summary {
 };
 
 Summary campaign(Duel duel, int count, std::uint64_t seed) {
-  const Barrier filter = barrier();
+  const Barrier filter = barrier_of_duels();
   Summary summary;
   for (int i = 0; i < count; ++i) {
     duel.nominal = static_cast<Nominal>(i % 4);
@@ -92,7 +90,7 @@ TEST(BarrierCampaign, NorFromAnyVelocityAtWhichItCanStillFlee) {
 
 // One sample ahead of states near the boundary, with hostile commands and the worst neighbour.
 TEST(BarrierCampaign, TheSafeSetIsLeftByNoSample) {
-  const Barrier filter = barrier();
+  const Barrier filter = barrier_of_duels();
   Random random(7);
   const int count = runs(1000000, 40);
   double worst = 1e9, violation = 0.0;
@@ -132,7 +130,7 @@ TEST(BarrierCampaign, TheSafeSetIsLeftByNoSample) {
 }
 
 TEST(BarrierCampaign, RobotsThatAllFilterNeverComeBelowTheHardDistance) {
-  const Barrier filter = barrier();
+  const Barrier filter = barrier_of_duels();
   for (const int robots : {2, 3, 4, 8}) {
     for (const auto nominal : {test::Swarm::Nominal::at_each_other, test::Swarm::Nominal::random,
                                test::Swarm::Nominal::antipodal}) {

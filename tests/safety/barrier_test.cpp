@@ -15,15 +15,12 @@
 namespace sightline {
 namespace {
 
+using test::barrier;
 using test::Command;
 using test::control_period;
 using test::highest;
 using test::lowest;
 using test::State;
-
-Barrier barrier(const BarrierOptions& options = {}) {
-  return Barrier(Multirotor{}, lowest, highest, control_period, options);
-}
 
 State random_state(Random& random, double speed) {
   const double psi = uniform(random, -std::numbers::pi, std::numbers::pi);

@@ -5,21 +5,17 @@
 #include <vector>
 
 #include "tests/support/adversary.hpp"
-#include "tests/support/period.hpp"
 
 namespace sightline {
 namespace {
 
 using test::Command;
-using test::control_period;
 using test::highest;
 using test::lowest;
 using test::State;
 
-Barrier plain_barrier() { return Barrier(Multirotor{}, lowest, highest, control_period, {}); }
-
 TEST(BarrierThreats, LetsAnUncooperativeOneNearerWhoseVelocityIsKnown) {
-  const Barrier filter = plain_barrier();
+  const Barrier filter = test::barrier();
   const State x = {0, 0, 1, 1, 0, 0, 0};
   Neighbour n{.p = {3, 0, 1}};
   const double unknown = filter.reserve(x, n);
@@ -32,7 +28,7 @@ TEST(BarrierThreats, LetsAnUncooperativeOneNearerWhoseVelocityIsKnown) {
 }
 
 TEST(BarrierThreats, TwoOfWhomOneHasLessLeftReckonWithTheLess) {
-  const Barrier filter = plain_barrier();
+  const Barrier filter = test::barrier();
   const State x = {0, 0, 1, 1, 0, 1.0, 0};
   Neighbour other{.p = {3, 0, 1}, .v = {-1, 0, 0}, .d_hard = 0.6, .conduct = Conduct::member};
   const double both = filter.reserve(x, other);
@@ -42,7 +38,7 @@ TEST(BarrierThreats, TwoOfWhomOneHasLessLeftReckonWithTheLess) {
 
 // One of them may move at will, with what is known of its motion or without.
 TEST(BarrierThreats, OfSeveralTheLeastReserveCountsInWhateverOrderTheyAreTold) {
-  const Barrier filter = plain_barrier();
+  const Barrier filter = test::barrier();
   Random random(7);
   const State x = {0, 0, 1, 1, 0, 0.5, 0};
   for (int k = 0; k < 200; ++k) {
@@ -69,7 +65,7 @@ TEST(BarrierThreats, OfSeveralTheLeastReserveCountsInWhateverOrderTheyAreTold) {
 }
 
 TEST(BarrierThreats, AMemberThatCannotComeTooNearChangesNothing) {
-  const Barrier filter = plain_barrier();
+  const Barrier filter = test::barrier();
   Random random(8);
   const State x = {0, 0, 1, 1, 0, 1.0, 0};
   for (int k = 0; k < 200; ++k) {

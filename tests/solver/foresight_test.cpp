@@ -8,6 +8,7 @@
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"
+#include "tests/support/error.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random.hpp"
 
@@ -35,12 +36,6 @@ class Held {
   bool started_ = false;
 };
 
-double distance(std::span<const double> a, std::span<const double> b) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
-}
-
 struct Errors {
   double own = 0.0, held = 0.0;
 };
@@ -60,8 +55,8 @@ Errors errors(const Team& team, Numbers x, double since, double sigma, double pe
     const Solution best = optimum.solve(t, measured), a = own.solve(t, measured), b = held.solve(t, measured);
     if (t >= since) {
       ++updates;
-      sum.own += distance(a.u, best.u);
-      sum.held += distance(b.u, best.u);
+      sum.own += largest_difference(a.u, best.u);
+      sum.held += largest_difference(b.u, best.u);
     }
     advance(team, x, best.u, period);
   }

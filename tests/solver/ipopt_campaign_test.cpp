@@ -10,18 +10,13 @@
 #include "bench/ipopt.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/default_horizon.hpp"
+#include "tests/support/error.hpp"
 #include "tests/support/random_team.hpp"
 
 namespace sightline {
 namespace {
 
 constexpr double same = 1e-6;  // of every input of the horizon
-
-double difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double worst = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::fabs(a[i] - b[i]));
-  return worst;
-}
 
 std::vector<double> plan_of(const NewtonRiccati& solver) {
   const std::size_t nu = static_cast<std::size_t>(solver.ocp().nu());
@@ -58,11 +53,11 @@ void compare(Random& random, Tally& tally) {
   IpoptReference ipopt(ocp);
   try {
     const Optimum near = ipopt.solve(t, x, ours);
-    const double moved = difference(ours, near.u);
+    const double moved = largest_difference(ours, near.u);
     ++(moved <= same ? tally.stayed : tally.left);
     if (moved <= same) tally.worst = std::max(tally.worst, moved);
     const Optimum other = ipopt.solve(t, x, std::vector<double>(ours.size(), 0.0), Guess::far);
-    if (difference(ours, other.u) <= same) {
+    if (largest_difference(ours, other.u) <= same) {
       ++tally.together;
     } else {
       ++(near.cost < other.cost ? tally.ours_lower : tally.ipopt_lower);

@@ -12,6 +12,7 @@
 #include "sightline/math/integrate.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/safety/barrier.hpp"
+#include "tests/support/period.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline::test {
@@ -19,6 +20,11 @@ namespace sightline::test {
 inline constexpr std::array<double, 4> lowest = {-1, -1, -1, -1}, highest = {1, 1, 1, 1};
 using State = std::array<double, Multirotor::nx>;
 using Command = std::array<double, Multirotor::nu>;
+
+/// The filter of one multirotor.
+inline Barrier barrier(const BarrierOptions& options = {}) {
+  return Barrier(Multirotor{}, lowest, highest, control_period, options);
+}
 
 /// One sample of the plant; `seen` is told the position in between too.
 template <class Seen>

@@ -27,9 +27,7 @@ struct Encirclement {
 };
 
 /// The filter that meets them.
-inline Barrier barrier_of_encirclements() {
-  return Barrier(Multirotor{}, lowest, highest, 0.01, {.floor = 0.3, .ceiling = 10.0, .world = 100.0});
-}
+inline Barrier barrier_of_encirclements() { return barrier({.floor = 0.3, .ceiling = 10.0, .world = 100.0}); }
 
 /// 2 to 6 pursuers of 0.3 to 1.5 m/s around a robot, from 0.8 to 4 m, 0.3 to 2.5 m high.
 inline Encirclement any_encirclement(std::uint64_t seed) {

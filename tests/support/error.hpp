@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 namespace sightline {
 
@@ -13,6 +14,13 @@ namespace sightline {
 inline double relative_error(double a, double b, double scale = 1.0) {
   if (!std::isfinite(a) || !std::isfinite(b)) return std::numeric_limits<double>::infinity();
   return std::fabs(a - b) / std::max({std::fabs(a), std::fabs(b), scale});
+}
+
+/// max |a_i - b_i| of two lists of one length.
+inline double largest_difference(std::span<const double> a, std::span<const double> b) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::fabs(a[i] - b[i]));
+  return most;
 }
 
 /// |a - exact| in units of the last place of a double at `exact`.

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "sightline/model/ground_robots.hpp"
+#include "tests/support/error.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/two_robots.hpp"
 
@@ -46,12 +47,6 @@ Numbers fly(const Team& team, const Numbers& x0, const PlantOptions& options, in
     trajectory.insert(trajectory.end(), plant.x().begin(), plant.x().end());
   }
   return trajectory;
-}
-
-double largest_difference(const Numbers& a, const Numbers& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
-  return largest;
 }
 
 const Numbers apart = {-0.6, -0.3, 0.6, 1, 0, 0, 0, /**/ 0.9, -0.3, 0.6, 1, 0, 0, 0};
