@@ -47,7 +47,7 @@ std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions&
   const int robots = std::stoi(std::string(name.substr(name.find('_') + 1)));
   constexpr int few = 32;
   const int crossing = robots <= few ? 2600 : 6000;  // updates
-  const int crossings = std::max(1, (options.updates + crossing - 1) / crossing);
+  const int crossings = (options.updates + crossing - 1) / crossing;
   const Swap swap = Swap::of(robots);
   NewtonRiccati solver(swap.team, bench_horizon);
   GuardOptions guarded{.barrier = BarrierMode::report, .period = bench_horizon.dt};

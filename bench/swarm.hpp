@@ -14,8 +14,8 @@ std::vector<std::string> swarm_case_names();
 bool is_swarm_case(std::string_view name);
 
 /// Times of all updates of crossings of 26 s with up to 32 robots, within which they all arrive, and of 60 s with more: as
-/// many as hold options.updates; and those of the second with the greatest median, "NAME_crossing". "NAME_barrier" and "NAME_barrier_crossing" are the same with the
-/// time of all barriers at 0.6 m added, which tell and change nothing. The columns of costs and optima are zero.
+/// many as hold options.updates; and those of the second with the greatest median, "NAME_crossing". "NAME_barrier" and
+/// "NAME_barrier_crossing" are the same with the time of all barriers at 0.6 m added, which tell and change nothing. The columns of costs and optima are zero.
 /// @param options  .progress is told once, how many pairs came near at one time
 std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions& options = {});
 

@@ -34,7 +34,7 @@ mutants=(
   'several each for itself|barrier_several.cpp|if (uncooperative.size() < 2) return infinity;|return infinity;'
   'other corners not looked at|escape.cpp|if (a.x == plan.a.x \&\& a.y == plan.a.y) continue;|continue;'
   'nothing looked at below a ceiling|barrier_several.cpp|if (speed != 0 \&\& room == 0) continue;|if (speed != 0 \&\& room == 0) break;'
-  'plan for several climbs twice as fast|escape.cpp|minimum(tube.climb \* t, tube.room)|minimum(S(2.0) * tube.climb * t, tube.room)'
+  'plan for several climbs twice as fast|escape.cpp|clamp(tube.climb \* t, -tube.room, tube.room)|clamp(S(2.0) * tube.climb * t, -tube.room, tube.room)'
   'height lags behind the plan|barrier_several.cpp|side \* self.p.z + step - lag|side * self.p.z + step - 1.0'
   'lag of the climb ignored|barrier.cpp|self.p.z += can_.climb_lag \* self.v.z;|self.p.z += 0.0 * self.v.z;'
   'limits that are left ignored|authority.cpp|return std::max(least, (left - (1.0 - free)) / free);|return 1.0;'

@@ -80,6 +80,7 @@ TYPED_TEST(LaneLaws, EveryOperationIsThatOfADoubleInEachLane) {
   law([](auto a, auto, auto) { return sqrt(a); });
   law([](auto a, auto b, auto c) { return where_negative(a, b, c); });
   law([](auto a, auto, auto) { return clamp(a, -0.5, 1.5); });
+  law([](auto a, auto b, auto c) { return clamp(a, b, c); });
   law([](auto a, auto b, auto) { return maximum(a, b); });
   law([](auto a, auto b, auto) { return minimum(a, b); });
   law([](auto a, auto b, auto) { return detail::keep_nan(a, b); });

@@ -237,14 +237,12 @@ Lane<W> minimum(Lane<W> a, Lane<W> b) {
 }
 
 /// |a|.
-template <class L>
+template <Real L>
 L absolute(L a) {
   return maximum(a, -a);
 }
 
 /// The largest of the lanes that are above zero, else 0.
-inline double largest(double a) { return a > 0 ? a : 0.0; }
-
 template <int W>
 double largest(Lane<W> a) {
   double most = 0.0;
@@ -273,15 +271,14 @@ inline double clamp(double x, double low, double high) {
 }
 
 template <int W>
-Lane<W> clamp(Lane<W> x, double low, double high) {
-  const Lane<W> l(low), h(high);
-  const Lane<W> y(x.v < l.v ? l.v : x.v);
-  return Lane<W>(y.v > h.v ? h.v : y.v);
+Lane<W> clamp(Lane<W> x, Lane<W> low, Lane<W> high) {
+  const Lane<W> y(x.v < low.v ? low.v : x.v);
+  return Lane<W>(y.v > high.v ? high.v : y.v);
 }
 
 template <int W>
-Lane<W> clamp(Lane<W> x, Lane<W> low, Lane<W> high) {
-  return minimum(maximum(x, low), high);
+Lane<W> clamp(Lane<W> x, double low, double high) {
+  return clamp(x, Lane<W>(low), Lane<W>(high));
 }
 
 /// Lane i of the result is lane from[i] of a, 0 <= from[i] < W.

@@ -33,7 +33,7 @@ Vec2<S> direction(const Vec2<S>& v, const Vec2<S>& other) {
 /// By how much the robot has climbed [m].
 template <class S>
 S risen(const TubeOf<S>& tube, S t) {
-  return maximum(minimum(tube.climb * t, tube.room), -tube.room);
+  return clamp(tube.climb * t, -tube.room, tube.room);
 }
 
 /// The allowed acceleration that leads farthest along a direction.
@@ -240,7 +240,7 @@ struct EscapePlans::Search {
     const S a = t - time(before), b = time(after) - t, fa = value(f, before) - middle,
             fb = value(f, after) - middle;
     const S up = fa * b * b - fb * a * a, down = S(2.0) * (fa * b + fb * a);
-    const S vertex = t + where_negative(-down, maximum(minimum(up / down, b), -a), S(0.0));
+    const S vertex = t + where_negative(-down, clamp(up / down, -a, b), S(0.0));
     // An end of the grid is taken as it is.
     const S at_i = time(i);
     return where_negative(-absolute(at_i - t), at_i, vertex);
@@ -388,15 +388,18 @@ Touch EscapePlans::touch(const Tube& tube, const Vec2<double>& a, double t) cons
 }
 
 Escape EscapePlans::with(const Tube& tube, const Vec2<double>& a) const noexcept {
-  const Search<double> search(*this, tube);
-  return search.escape(search.with(a));
+  const Tube* const one = &tube;
+  Escape plan;
+  with({&one, 1}, {a, tube.climb, tube.room}, {&plan, 1});
+  return plan;
 }
 
 Escape EscapePlans::best(const Tube& tube) const noexcept {
-  const Search<double> search(*this, tube);
-  const auto found = search.best();
-  const Escape plan = search.escape(found.plan);
-  return found.in_doubt < 0 ? best_of_all(search, plan) : plan;
+  const Tube* const one = &tube;
+  Escape plan;
+  Escape* const to = &plan;
+  best({&one, 1}, {&to, 1});
+  return plan;
 }
 
 template <class Visit>

@@ -97,8 +97,8 @@ class EscapePlans {
   Escape with(const Tube& tube, const Vec2<double>& a) const noexcept;
   /// Those of one flight.
   void with(Tubes tubes, const EscapeFlight& flight, std::span<Escape> plans) const noexcept;
-  /// Whether the flight may have a reserve of `wanted` [m] from all: by now and a grid of times, which tell up to 0.1 m
-  /// more than it is.
+  /// Whether the flight may have a reserve of `wanted` [m] from all: by now and a grid of times, which tell more than it is
+  /// by what lies between two of them, mostly less than 0.1 m.
   bool may_leave(Tubes tubes, const EscapeFlight& flight, double wanted) const noexcept;
   Touch touch(const Tube& tube, const Vec2<double>& a, double t) const noexcept;
 

@@ -78,7 +78,7 @@ double* NewtonUpdate::next_plan() const noexcept { return time_ > plan_time_ ? p
 /// Keeps u as the plan; whether the next can be foreseen.
 void NewtonUpdate::remember(const Step& step) noexcept {
   if (!step.taken) std::copy_n(u_, groups_.layout().u_length, next_plan());
-  if (next_plan() == plan_before_) {
+  if (time_ > plan_time_) {
     std::swap(plan_, plan_before_);
     plan_before_time_ = plan_time_;
   }

@@ -103,7 +103,7 @@ class NewtonUpdate {
   Rows u_vectors_, s_vectors_;
   Rows c_;  // of the team with swarms, else of the one group that each thread is at
   double *u_, *du_, *active_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
-  double *plan_before_, *H_before_;  // of the update before; of the guess, in its place
+  double *plan_before_, *H_before_;  // the plan before plan_, and, in an update, H_u of the one before
   double *per_scale_, *scale_2_;     // of each input, for what is compared with a threshold
   double *s_, *ds_;
   double plan_time_ = 0.0, plan_before_time_ = 0.0;
