@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/formula/derive.hpp"
+#include "sightline/potential/slope.hpp"
 #include "sightline/solver/newton/groups.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/paper_team.hpp"
@@ -21,9 +22,11 @@ struct PotentialField {
   std::unique_ptr<Couplings> couplings;
   Rows s, c, z, y;
 
-  PotentialField(Team team, Random& random, KernelChoice choice = KernelChoice::compiled_if_there)
+  /// @param is_compiled  as for trace_potentials
+  PotentialField(Team team, Random& random, KernelChoice choice = KernelChoice::compiled_if_there,
+                 const IsCompiled& is_compiled = {})
       : ocp(std::move(team), short_horizon),
-        potentials(trace_potentials(ocp)),
+        potentials(trace_potentials(ocp, is_compiled)),
         groups(ocp, potentials, choice),
         couplings(make_couplings(potentials, groups.layout(), ocp.team().bodies(), choice)),
         s(1, layout().s_length),
@@ -65,20 +68,24 @@ struct PotentialField {
   double gradient(int a, int k, int i) const { return c[0][layout().c(a)(k, i)]; }
 };
 
+void expect_gradient_is_the_slope_of_costs(PotentialField& field) {
+  field.couplings->evaluate(field.s[0], field.c[0]);
+  field.each_seen([&](std::ptrdiff_t at, int a, int k, int i) {
+    const double here = field.s[0][at], step = 1e-5;
+    field.s[0][at] = here + step;
+    const double above = field.cost_of(a);
+    field.s[0][at] = here - step;
+    const double below = field.cost_of(a);
+    field.s[0][at] = here;
+    EXPECT_NEAR(field.gradient(a, k, i), (above - below) / (2 * step), 1e-8);
+  });
+}
+
 TEST(Couplings, TheGradientIsThatOfWhatTheAgentFeels) {
   Random random(1);
   for (int trial = 0; trial < 12; ++trial) {
     PotentialField field(random_team(random, 2 + static_cast<int>(random() % 4), Feeling::anyone), random);
-    field.couplings->evaluate(field.s[0], field.c[0]);
-    field.each_seen([&](std::ptrdiff_t at, int a, int k, int i) {
-      const double here = field.s[0][at], step = 1e-5;
-      field.s[0][at] = here + step;
-      const double above = field.cost_of(a);
-      field.s[0][at] = here - step;
-      const double below = field.cost_of(a);
-      field.s[0][at] = here;
-      EXPECT_NEAR(field.gradient(a, k, i), (above - below) / (2 * step), 1e-8) << trial;
-    });
+    expect_gradient_is_the_slope_of_costs(field);
   }
 }
 
@@ -117,6 +124,24 @@ TEST(Couplings, HessiansAndProductAreTheDerivativeOfTheGradients) {
   Random random(2);
   for (int trial = 0; trial < 12; ++trial) {
     PotentialField field(random_team(random, 2 + static_cast<int>(random() % 4), Feeling::anyone), random);
+    expect_product_is_the_derivative(field, random);
+  }
+}
+
+TEST(Couplings, APotentialThatAPairHasTwiceCountsTwice) {
+  Random random(5);
+  for (const int robots : {2, 3, 9, 20}) {
+    Team team;
+    std::vector<AgentId> ids;
+    for (int i = 0; i < robots; ++i) ids.push_back(team.add(Multirotor{}));
+    for (std::size_t i = 0; i + 1 < ids.size(); ++i) {
+      // The third keeps the others from being one formula.
+      for (int twice = 0; twice < 2; ++twice) team.couple(0.4 * TooNear{}, {ids[i], ids[i + 1]}, {ids[i]});
+      team.couple(0.1 * RelativeVelocity{}, {ids[i], ids[i + 1]}, {ids[i]});
+    }
+    PotentialField field(std::move(team), random, KernelChoice::compiled_if_there,
+                         [](const Program& p) { return find_formula(p, native_width) != nullptr; });
+    expect_gradient_is_the_slope_of_costs(field);
     expect_product_is_the_derivative(field, random);
   }
 }

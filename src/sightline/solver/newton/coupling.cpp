@@ -37,12 +37,13 @@ struct Slot {
   Lane<W> a_mask = 0.0, b_mask = 0.0;         // lanes in use
   int group_a = 0, group_b = 0;
   bool a_feels = true, b_feels = true;
-  const PosePotential* potential = nullptr;  // of all pairs, if one
-  Ramp ramp{};                               // of all pairs
-  double part = 1.0;                         // of the weights in force
-  bool in_place = false;                     // evaluated over lanes of agents
-  std::vector<PackFormula<W>> formulas;      // the potential's derivatives, to be added up
-  Rows out;                                  // [stage][gradient and Hessian][lane], zero in lanes not in use
+  const PosePotential* potential = nullptr;                  // of all pairs, if one
+  Ramp ramp{};                                               // of all pairs
+  double part = 1.0;                                         // of the weights in force
+  bool in_place = false;                                     // evaluated over lanes of agents
+  std::vector<PackFormula<W>> formulas;                      // the potential's derivatives, to be added up
+  std::vector<std::pair<std::size_t, std::size_t>> pairs{};  // relative batch, place in it
+  Rows out;  // [stage][gradient and Hessian][lane], zero in lanes not in use
 };
 
 /// A potential is evaluated in the first of these ways that fits:
@@ -211,6 +212,7 @@ class LaneCouplings final : public Couplings {
       slots_.push_back(std::move(s));
       slot = slots_.end() - 1;
     }
+    slot->pairs.emplace_back(&batch - relative_.data(), batch.pairs.size() - 1);
     slot->b_of_a[a.lane] = b.lane;
     slot->a_of_b[b.lane] = a.lane;
     slot->a_mask.v[a.lane] = 1.0;
@@ -219,16 +221,9 @@ class LaneCouplings final : public Couplings {
   }
 
   void find_slots_of_pairs() {
-    for (const PairBatch& batch : relative_) {
-      std::vector<int>& list = slots_of_.emplace_back();
-      for (const BodyPotential* pair : batch.pairs) {
-        const Layout::Place a = layout_.place(pair->a), b = layout_.place(pair->b);
-        const auto slot = std::find_if(slots_.begin(), slots_.end(), [&](const Slot<W>& s) {
-          return s.potential == &batch.pairs[0]->potential && s.group_a == a.group && s.group_b == b.group &&
-                 s.a_mask[a.lane] != 0 && s.b_of_a[a.lane] == b.lane;
-        });
-        list.push_back(static_cast<int>(slot - slots_.begin()));
-      }
+    for (const PairBatch& batch : relative_) slots_of_.emplace_back(batch.pairs.size());
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      for (const auto& [batch, p] : slots_[i].pairs) slots_of_[batch][p] = static_cast<int>(i);
     }
   }
 
