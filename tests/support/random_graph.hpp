@@ -33,7 +33,8 @@ inline GraphTeam random_graph(Random& random, int robots) {
     ids.push_back(made.team.add(model, options));
   };
   for (int i = 0; i < robots; ++i) {
-    const Vec3<double> at = {1.5 * (i % columns), 1.5 * (i / columns), 1.0};
+    const int column = i % columns, row = i / columns;
+    const Vec3<double> at = {1.5 * column, 1.5 * row, 1.0};
     const Vec3<double> p = at + random_point(random, 0.3);
     const Circle follow{
         .centre = at, .radius = uniform(random, 0.0, 0.5), .rate = uniform(random, -0.4, 0.4)};

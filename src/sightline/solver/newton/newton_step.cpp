@@ -125,8 +125,10 @@ bool NewtonUpdate::hold_near_limits(int g) noexcept {
 }
 
 /// A step of projected Newton from u (Bertsekas 1982), as far as costs fall: inputs that the gradient holds near a limit go there, the
-/// others by a step of their own. Whoever finds no way goes down the gradient.
+/// others by a step of their own. Whoever finds no way goes down the gradient. Without one cost for all, what lowers one
+/// robot's may raise another's: where the residual stood, it is searched for itself.
 NewtonUpdate::Step NewtonUpdate::project() noexcept {
+  constexpr double stood = 0.9;  // of the residual before, that costs alone have not led on
   const int n = groups_.layout().u_length;
   std::copy_n(u_, n, u_start_);
   groups_.roll_out(u_, s_, *crew_);
@@ -145,6 +147,9 @@ NewtonUpdate::Step NewtonUpdate::project() noexcept {
   for (int i = 0; i < n; ++i) {
     if (active_[i] != 0.0) du_[i] = (H_u_[i] > 0 ? low_[i] : high_[i]) - u_[i];
   }
+  const bool stuck = !descent_.sure() && result.residual > stood * watched_;
+  watched_ = result.residual;
+  if (stuck && search_residual()) return result;
   const double alpha = search();
   if (alpha == 0.0) {
     std::copy_n(u_, n, u_start_);
@@ -158,6 +163,42 @@ NewtonUpdate::Step NewtonUpdate::project() noexcept {
 /// From u_start along du, the team's way of it. @return the shortest way of a robot, in steps
 double NewtonUpdate::search(Searching who) noexcept {
   return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_, *crew_, who);
+}
+
+/// From u_start along du as far as the conditions of optimality, all robots' together, are missed by less.
+/// @return whether they are anywhere; if not, u is u_start
+bool NewtonUpdate::search_residual() noexcept {
+  constexpr double shortest = 0.05, enough = 0.2;
+  const int n = groups_.layout().u_length;
+  const double before = missed();
+  bool found = false;
+  for (double alpha = 1.0; !found && alpha > shortest && !late(); alpha *= 0.5) {
+    for (int i = 0; i < n; ++i) u_[i] = clamp(u_start_[i] + alpha * du_[i], low_[i], high_[i]);
+    groups_.roll_out(u_, s_, *crew_);
+    differentiate();
+    found = missed() < (1.0 - enough * alpha) * before;
+  }
+  if (found) return true;
+  std::copy_n(u_start_, n, u_);
+  groups_.roll_out(u_, s_, *crew_);
+  differentiate();
+  return false;
+}
+
+/// H_u at the last roll-out.
+void NewtonUpdate::differentiate() noexcept {
+  linearise([&](int g, const double* c) { groups_.differentiate(g, u_, active_, c, H_u_); });
+}
+
+/// By how much u misses the conditions of optimality: the sum of squares of what `residual` is the largest of.
+double NewtonUpdate::missed() const noexcept {
+  const double per_h = 1.0 / ocp_.horizon().h();
+  double sum = 0.0;
+  for (int i = 0; i < groups_.layout().u_length; ++i) {
+    const double gap = u_[i] - clamp(u_[i] - per_h * H_u_[i] * scale_2_[i], low_[i], high_[i]);
+    sum += square(gap * per_scale_[i]);
+  }
+  return sum;
 }
 
 /// Goes from u_start towards the step only as far as costs fall. Where that is not far, on by projected Newton. The step is whole where it
@@ -240,6 +281,7 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
     result.whole &= !damped && proposal.finite;
   } else {
     take();
+    watched_ = infinity;
     result.taken = true;
     result.correction = proposal.largest;
     result.whole = settled;

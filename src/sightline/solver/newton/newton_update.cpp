@@ -235,6 +235,7 @@ void NewtonUpdate::start() noexcept {
   }
   all_free_ = true;
   has_plan_ = globalising_ = false;
+  watched_ = infinity;
   taken_ = wait_ = 0;
   pause_ = 1;
   foreseen_ = false;
@@ -351,7 +352,7 @@ double NewtonUpdate::kkt(double time, std::span<const double> states) noexcept {
   groups_.roll_out(u_, s_, *crew_);
   couplings_->find_neighbours(s_);
   std::swap(H_u_, u_start_);  // the next update goes on from the one of the last
-  linearise([&](int g, const double* c) { groups_.differentiate(g, u_, active_, c, H_u_); });
+  differentiate();
   const double residual = examine().residual;
   const bool finite = slope_is_finite();
   std::swap(H_u_, u_start_);

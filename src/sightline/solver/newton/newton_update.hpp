@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "sightline/base/no_value.hpp"
 #include "sightline/solver/newton/descent.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 
@@ -36,7 +37,7 @@ class NewtonUpdate {
 
   /// What one step came to.
   struct Step {
-    double residual = std::numeric_limits<double>::infinity();
+    double residual = infinity;
     double correction = 0.0;  ///< |du|, in the scale of each input
     int iterations = 0;
     bool finite = true, in_time = true;
@@ -74,6 +75,9 @@ class NewtonUpdate {
   bool hold_near_limits(int group) noexcept;
   Step project() noexcept;
   double search(Searching who = Searching::all) noexcept;
+  bool search_residual() noexcept;
+  void differentiate() noexcept;
+  double missed() const noexcept;
   void descend(bool settled, Step& step) noexcept;
   void release() noexcept;
   Krylov::Deadline deadline() const noexcept;
@@ -97,7 +101,8 @@ class NewtonUpdate {
   bool started_ = false, has_plan_ = false;
   bool all_free_ = true;  // no limit is active
   bool limits_move_ = false;
-  bool globalising_ = false;  // costs are watched until a step could be taken whole, or the optimum is near
+  bool globalising_ = false;   // costs are watched until a step could be taken whole, or the optimum is near
+  double watched_ = infinity;  // residual where costs were watched last, since a step was taken
   double time_ = 0.0;
   Clock::time_point begin_{};
   Rows u_vectors_, s_vectors_;
