@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -52,13 +53,15 @@ struct Slot {
 ///   in place    half of its slots' lanes in use, of agents alone                 lanes are agents, as in their groups
 ///   gathered    anything else                                                    lanes are points of a batch
 ///
-/// and the pairs of a swarm as Neighbourhood does. Slots, and batches that are gathered, are evaluated independently of each other;
-/// then each group takes what it feels.
+/// and the pairs of a swarm as Neighbourhood does. Batches that are gathered, and then the slots of each group, are evaluated
+/// independently of each other; then each group takes what it feels.
 template <int W>
 class LaneCouplings final : public Couplings {
   using L = Lane<W>;
 
  public:
+  using Couplings::derive;
+
   LaneCouplings(std::span<const BodyPotential> pairs, const Layout& layout, int bodies, KernelChoice choice,
                 std::span<const SwarmPotential> swarms)
       : Couplings(layout),
@@ -71,7 +74,7 @@ class LaneCouplings final : public Couplings {
               [](const Slot<W>& a, const Slot<W>& b) { return a.group_a > b.group_a; });
     for (Slot<W>& slot : slots_) settle(slot, choice);
     for (const SwarmPotential& swarm : swarms) swarms_.emplace_back(swarm, layout_, choice);
-    find_slots_of_pairs();
+    find_slots();
     crosses_.emplace(general_, layout_, choice);
     find_rows();
     for (PairBatch& b : general_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
@@ -94,25 +97,31 @@ class LaneCouplings final : public Couplings {
     for (int i = 0; i < sight_size; ++i) parameters_.bodies[body * sight_size + i][k] = s[at(i)];
   }
 
-  void derive(const double* s, double* c, Crew& crew) noexcept override {
+  bool gathers() const noexcept override {
+    return lone_pair_ || has_swarms() || !std::all_of(in_place_.begin(), in_place_.end(), std::identity()) ||
+           !crosses_->all_in_place();
+  }
+  void gather(const double* s, double* c, Crew& crew) noexcept override {
     if (lone_pair_) return derive_lone_pair(s);
-    const int slots = static_cast<int>(slots_.size()), general = crosses_->slots();
-    const int batches = static_cast<int>(relative_.size()),
-              all_batches = batches + static_cast<int>(general_.size());
-    crew.share(all_batches + slots + general, [&](int part, int) noexcept {
-      if (part < batches) {
-        gather_relative(at(part), s);
-      } else if (part < all_batches) {
-        gather_general(at(part - batches), s);
-      } else if (part < all_batches + slots) {
-        if (Slot<W>& slot = slots_[at(part - all_batches)]; slot.in_place) derive_in_place(slot, s);
-      } else {
-        crosses_->derive(part - all_batches - slots, parameters_, s);
-      }
+    const int batches = static_cast<int>(relative_.size()), general = static_cast<int>(general_.size());
+    crew.share(batches + general, [&](int b, int) noexcept {
+      b < batches ? gather_relative(at(b), s) : gather_general(at(b - batches), s);
     });
     if (swarms_.empty()) return;
     std::fill_n(c, layout_.c_length, 0.0);
     for (Neighbourhood& swarm : swarms_) swarm.evaluate(s, c);
+  }
+  void derive(int group, const double* s) noexcept override {
+    if (lone_pair_) return;
+    for (const int i : slots_of_group_[at(group)]) {
+      if (Slot<W>& slot = slots_[at(i)]; slot.in_place) derive_in_place(slot, s);
+    }
+    crosses_->derive(group, parameters_, s);
+  }
+  std::vector<std::pair<int, int>> coupled_groups() const override {
+    std::vector<std::pair<int, int>> list = crosses_->coupled_groups();
+    for (const Slot<W>& slot : slots_) list.emplace_back(slot.group_a, slot.group_b);
+    return list;
   }
 
   void take(int group, double* c) const noexcept override {
@@ -220,9 +229,11 @@ class LaneCouplings final : public Couplings {
     in_place_.resize(relative_.size());
   }
 
-  void find_slots_of_pairs() {
+  void find_slots() {
+    slots_of_group_.resize(layout_.groups.size());
     for (const PairBatch& batch : relative_) slots_of_.emplace_back(batch.pairs.size());
     for (std::size_t i = 0; i < slots_.size(); ++i) {
+      slots_of_group_[at(slots_[i].group_a)].push_back(static_cast<int>(i));
       for (const auto& [batch, p] : slots_[i].pairs) slots_of_[batch][p] = static_cast<int>(i);
     }
   }
@@ -443,8 +454,9 @@ class LaneCouplings final : public Couplings {
   const BodyPotential* first_;
   StageParameters parameters_;
   std::vector<PairBatch> general_, relative_;
-  std::vector<std::vector<int>> slots_of_;  // [relative batch][pair]
-  std::vector<char> in_place_;              // [relative batch]
+  std::vector<std::vector<int>> slots_of_;        // [relative batch][pair]
+  std::vector<std::vector<int>> slots_of_group_;  // whose a stand in it
+  std::vector<char> in_place_;                    // [relative batch]
   std::vector<Slot<W>> slots_;
   std::optional<CrossBlocks<W>> crosses_;
   std::vector<FeltRows> rows_into_;  // [group]
@@ -453,6 +465,11 @@ class LaneCouplings final : public Couplings {
 };
 
 }  // namespace
+
+void Couplings::derive(const double* s, double* c, Crew& crew) noexcept {
+  if (gathers()) gather(s, c, crew);
+  crew.share(static_cast<int>(layout_.groups.size()), [&](int g, int) noexcept { derive(g, s); });
+}
 
 void Couplings::evaluate(const double* s, double* c, Crew& crew) noexcept {
   derive(s, c, crew);

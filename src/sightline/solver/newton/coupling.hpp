@@ -7,6 +7,8 @@
 
 #include <memory>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "sightline/math/crew.hpp"
 #include "sightline/ocp/ocp.hpp"
@@ -35,7 +37,14 @@ class Couplings {
   virtual Neighbours neighbours() const noexcept = 0;
 
   /// Evaluates all potentials at s. With swarms c, of the whole team, holds what these give, else it is not touched.
-  virtual void derive(const double* s, double* c, Crew& crew) noexcept = 0;
+  void derive(const double* s, double* c, Crew& crew) noexcept;
+  /// The same in two parts: first what is evaluated at once for all groups, if anything is, ...
+  virtual bool gathers() const noexcept = 0;
+  virtual void gather(const double* s, double* c, Crew& crew) noexcept = 0;
+  /// ... then group by group, from what is seen of it and of its neighbours.
+  virtual void derive(int group, const double* s) noexcept = 0;
+  /// Pairs of groups that potentials couple, but for those of swarms; some more than once, a group with itself too.
+  virtual std::vector<std::pair<int, int>> coupled_groups() const = 0;
   /// Gradients and Hessians of what one group feels, times h, of the last `derive`. Without swarms c, the group's own numbers, is
   /// overwritten; with them, it is the group's part of what `derive` was given.
   virtual void take(int group, double* c) const noexcept = 0;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "sightline/base/index.hpp"
@@ -25,7 +27,11 @@ class CrossBlocks {
  public:
   /// @param batches, layout  outlive it; their pairs do not change
   CrossBlocks(const std::vector<PairBatch>& batches, const Layout& layout, KernelChoice choice)
-      : batches_(batches), layout_(layout), slots_of_(batches.size()), into_(layout.groups.size()) {
+      : batches_(batches),
+        layout_(layout),
+        slots_of_(batches.size()),
+        in_place_of_(layout.groups.size()),
+        into_(layout.groups.size()) {
     for (std::size_t b = 0; b < batches.size(); ++b) {
       const std::size_t before = slots_.size();
       for (const BodyPotential* pair : batches[b].pairs) slots_of_[b].push_back(add(*pair, b, choice));
@@ -34,40 +40,27 @@ class CrossBlocks {
           {lines(batches[b].pairs[0]->potential, false), lines(batches[b].pairs[0]->potential, true)});
       if (!in_place(b)) find_lone(b);
     }
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      const Slot& slot = slots_[i];
+      if (!in_place(slot.batch)) continue;
+      in_place_of_[at(slot.group_a >= 0 ? slot.group_a : slot.group_b)].push_back(static_cast<int>(i));
+    }
   }
 
   /// Whether the pairs of a batch are evaluated in the lanes of their agents; the others are gathered.
   bool in_place(std::size_t batch) const { return in_place_[batch] != 0; }
-  int slots() const { return static_cast<int>(slots_.size()); }
-
-  /// Evaluates a slot that is in place at s.
-  void derive(int slot, const StageParameters& parameters, const double* s) noexcept {
-    Slot& its = slots_[at(slot)];
-    if (!in_place(its.batch)) return;
-    const PosePotential& potential = potential_of(its);
-    const double part = batches_[its.batch].points.part();
-    alignas(row_alignment) std::array<double, PosePotential::variable_count * W> in;
-    for (int k = 0; k < layout_.stages; ++k) {
-      double* to = in.data();
-      for (const int v : potential.variables) {
-        L number;
-        if (v == PosePotential::time_variable) {
-          number = parameters.time[0][k];
-        } else if (v >= sight_size) {
-          const Layout::Part& of = layout_.groups[at(its.group_b)];
-          number = permuted(L::load(s + of.s + (k * of.ns + v - sight_size) * W), its.b_of_a);
-        } else {
-          const Layout::Part& of = layout_.groups[at(its.group_a)];
-          number = L::load(s + of.s + (k * of.ns + v) * W);
-        }
-        number.store(to);
-        to += W;
-      }
-      double* const out = its.out[0] + k * its.outputs * W;
-      its.formula.run(in.data(), out);
-      for (int o = 0; o < its.outputs; ++o)
-        masked(its.mask, L(part) * L::load(out + o * W)).store(out + o * W);
+  bool all_in_place() const { return std::all_of(in_place_.begin(), in_place_.end(), std::identity()); }
+  std::vector<std::pair<int, int>> coupled_groups() const {
+    std::vector<std::pair<int, int>> list;
+    for (const Slot& slot : slots_) {
+      if (slot.group_a >= 0 && slot.group_b >= 0) list.emplace_back(slot.group_a, slot.group_b);
     }
+    return list;
+  }
+
+  /// Evaluates the slots in place whose numbers stand in the lanes of a group, at s.
+  void derive(int group, const StageParameters& parameters, const double* s) noexcept {
+    for (const int slot : in_place_of_[at(group)]) derive(slots_[at(slot)], parameters, s);
   }
   /// Takes over what a batch that is gathered came to in its last `derive`.
   void take(std::size_t batch) noexcept {
@@ -148,6 +141,33 @@ class CrossBlocks {
     int row;
     std::vector<Term> terms;
   };
+
+  void derive(Slot& its, const StageParameters& parameters, const double* s) const noexcept {
+    const PosePotential& potential = potential_of(its);
+    const double part = batches_[its.batch].points.part();
+    alignas(row_alignment) std::array<double, PosePotential::variable_count * W> in;
+    for (int k = 0; k < layout_.stages; ++k) {
+      double* to = in.data();
+      for (const int v : potential.variables) {
+        L number;
+        if (v == PosePotential::time_variable) {
+          number = parameters.time[0][k];
+        } else if (v >= sight_size) {
+          const Layout::Part& of = layout_.groups[at(its.group_b)];
+          number = permuted(L::load(s + of.s + (k * of.ns + v - sight_size) * W), its.b_of_a);
+        } else {
+          const Layout::Part& of = layout_.groups[at(its.group_a)];
+          number = L::load(s + of.s + (k * of.ns + v) * W);
+        }
+        number.store(to);
+        to += W;
+      }
+      double* const out = its.out[0] + k * its.outputs * W;
+      its.formula.run(in.data(), out);
+      for (int o = 0; o < its.outputs; ++o)
+        masked(its.mask, L(part) * L::load(out + o * W)).store(out + o * W);
+    }
+  }
 
   /// use(k, number) at each stage, where number(o) is the slot's output o over the lanes of a; of a lone pair over all lanes.
   template <class Use>
@@ -284,6 +304,7 @@ class CrossBlocks {
   std::vector<Slot> slots_;
   std::vector<std::vector<int>> slots_of_;               // [batch][pair]
   std::vector<char> in_place_;                           // [batch]
+  std::vector<std::vector<int>> in_place_of_;            // [group]: slots
   std::vector<std::array<std::vector<Line>, 2>> lines_;  // [batch][of b]
   std::vector<std::vector<Felt>> into_;                  // [group]
 };

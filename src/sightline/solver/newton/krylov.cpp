@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "sightline/base/index.hpp"
@@ -35,6 +36,10 @@ double dot_packs(const double* a, const double* b, int n) {
   return sum(even + odd);
 }
 
+double in_order(std::span<const double> summands) {
+  return std::accumulate(summands.begin(), summands.end(), 0.0);
+}
+
 constexpr int generous = 4;  // a team that is not mutual is worth more iterations
 // A sweep leaves an error of the size of the next; an iteration of conjugate gradients leaves a far smaller one.
 constexpr double sharper = 0.005;
@@ -47,7 +52,9 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterat
     : layout_(layout),
       kind_(graph.kind),
       of_groups_(layout.groups.size()),
+      curvature_(layout.groups.size()),
       changes_(layout.groups.size() * at(layout.width)),
+      has_swarms_(has_swarms),
       max_iterations_(max_iterations),
       stop_(stop),
       gmres_(graph.kind == Influence::cyclic ? layout.s_length : 1, generous * std::max(max_iterations, 1)),
@@ -81,13 +88,9 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterat
   }
 }
 
-double Krylov::sum_of_groups() const noexcept {
-  return std::accumulate(of_groups_.begin(), of_groups_.end(), 0.0);
-}
-
 int Krylov::complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew,
-                     Likeness likeness, const Deadline& deadline) noexcept {
-  const Work work{groups, couplings, du, ds, crew, likeness, deadline};
+                     Likeness likeness, const Deadline& deadline, bool begun) noexcept {
+  const Work work{groups, couplings, du, ds, crew, likeness, deadline, begun};
   switch (kind_) {
     case Influence::none:
       return 0;
@@ -100,6 +103,36 @@ int Krylov::complete(Groups& groups, const Couplings& couplings, double* du, dou
   return 0;
 }
 
+void Krylov::begin_direction(int g, Groups& groups, const Couplings& couplings, const double* ds) noexcept {
+  couplings.product(g, ds, s_vectors_[0]);  // for the negative of the correction
+  direct(g, groups, s_vectors_[0], u_vectors_[0], s_vectors_[2]);
+}
+
+void Krylov::begin_image(int g, const Couplings& couplings) noexcept {
+  couplings.product(g, s_vectors_[2], s_vectors_[4]);
+  bend(g, s_vectors_[0], s_vectors_[4], s_vectors_[2]);
+}
+
+/// z = P^-1 r, and the group's part of r'z.
+void Krylov::direct(int g, Groups& groups, const double* r, double* z_u, double* z) noexcept {
+  groups.precondition(g, r, z_u, z);
+  const Layout::Span s = layout_.s_of(g);
+  of_groups_[at(g)] = dot_packs(r + s.first, z + s.first, s.length);
+}
+
+/// The group's part of z'(P + C)z.
+void Krylov::bend(int g, const double* w, const double* Cp, const double* z) noexcept {
+  const Layout::Span s = layout_.s_of(g);
+  const auto image = [&](std::ptrdiff_t i) { return L::load(w + i) + L::load(Cp + i); };
+  L even = 0.0, odd = 0.0;
+  for (int i = 0; i < s.length; i += 2 * L::width) {
+    const std::ptrdiff_t at_i = s.first + i;
+    even = fma(image(at_i), L::load(z + at_i), even);
+    if (i + L::width < s.length) odd = fma(image(at_i + L::width), L::load(z + at_i + L::width), odd);
+  }
+  curvature_[at(g)] = sum(even + odd);
+}
+
 /// Phase by phase over the groups: a product needs what all groups came to before.
 int Krylov::conjugate_gradients(const Work& work) noexcept {
   Groups& groups = work.groups;
@@ -107,18 +140,18 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
   double *r = s_vectors_[0], *w = s_vectors_[1], *z = s_vectors_[2], *p = s_vectors_[3];
   double* const Cp = s_vectors_[4];
   double *z_u = u_vectors_[0], *p_u = u_vectors_[1];
-  const bool swarms = couplings.has_swarms();
-  if (swarms) couplings.product(work.ds, r);  // for the negative of the correction
+  if (has_swarms_) couplings.product(work.ds, r);  // for the negative of the correction
   double rho = 0.0;
   int k = 0;
   while (k < max_iterations_) {
-    groups.each(work.crew, [&](int g, int) noexcept {
-      if (k == 0 && !swarms) couplings.product(g, work.ds, r);
-      groups.precondition(g, r, z_u, z);
-      const Layout::Span s = layout_.s_of(g);
-      of_groups_[at(g)] = dot_packs(r + s.first, z + s.first, s.length);
-    });
-    const double next_rho = sum_of_groups();
+    const bool begun = k == 0 && work.begun;
+    if (!begun) {
+      groups.each(work.crew, [&](int g, int) noexcept {
+        if (k == 0 && !has_swarms_) couplings.product(g, work.ds, r);
+        direct(g, groups, r, z_u, z);
+      });
+    }
+    const double next_rho = in_order(of_groups_);
     if (!(next_rho > 1e-28)) break;  // solved already, or not a number
     const L beta = k > 0 ? next_rho / rho : 0.0;
     rho = next_rho;
@@ -136,20 +169,14 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
         each_pack(u, [&](std::ptrdiff_t i) { fma(beta, L::load(p_u + i), L::load(z_u + i)).store(z_u + i); });
       });
     }
-    if (swarms) couplings.product(z, Cp);
-    const auto image = [&](std::ptrdiff_t i) { return L::load(w + i) + L::load(Cp + i); };
-    groups.each(work.crew, [&](int g, int) noexcept {
-      if (!swarms) couplings.product(g, z, Cp);
-      const Layout::Span s = layout_.s_of(g);
-      L even = 0.0, odd = 0.0;
-      for (int i = 0; i < s.length; i += 2 * L::width) {
-        const std::ptrdiff_t at_i = s.first + i;
-        even = fma(image(at_i), L::load(z + at_i), even);
-        if (i + L::width < s.length) odd = fma(image(at_i + L::width), L::load(z + at_i + L::width), odd);
-      }
-      of_groups_[at(g)] = sum(even + odd);
-    });
-    const double curvature = sum_of_groups();
+    if (has_swarms_) couplings.product(z, Cp);
+    if (!begun) {
+      groups.each(work.crew, [&](int g, int) noexcept {
+        if (!has_swarms_) couplings.product(g, z, Cp);
+        bend(g, w, Cp, z);
+      });
+    }
+    const double curvature = in_order(curvature_);
     if (!(curvature > 1e-14 * rho)) break;  // along this direction the team's cost has no minimum
     const L alpha = rho / curvature;
     ++k;
@@ -161,7 +188,7 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
       });
       if (last) return;
       each_pack(layout_.s_of(g), [&](std::ptrdiff_t i) {
-        subtract_product(alpha, image(i), L::load(r + i)).store(next_r + i);
+        subtract_product(alpha, L::load(w + i) + L::load(Cp + i), L::load(r + i)).store(next_r + i);
       });
     });
     if (last) break;
@@ -201,7 +228,7 @@ void Krylov::remember(const Work& work) noexcept {
   });
   double then_then = 0.0;
   for (std::size_t g = 0; g < of_groups_.size(); ++g) then_then += changes_[g * at(layout_.width)];
-  const double share = sum_of_groups() / then_then;
+  const double share = in_order(of_groups_) / then_then;
   share_ = has_added_ && share > 0.0 ? std::min(share, 1.0) : 0.0;
   has_added_ = true;
 }

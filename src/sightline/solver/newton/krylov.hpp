@@ -42,8 +42,18 @@ class Krylov {
 
   /// Completes a step of all agents by themselves, du and ds, to the team's. @return iterations
   /// @param likeness  substitution begins with what the couplings added to a step that was like this one
+  /// @param begun  all groups have begun their first iteration for this step
   int complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew,
-               Likeness likeness = Likeness::none, const Deadline& deadline = {}) noexcept;
+               Likeness likeness = Likeness::none, const Deadline& deadline = {},
+               bool begun = false) noexcept;
+
+  /// Whether a team's first iteration can be taken group by group before complete() is called: first the direction, once the group
+  /// and its neighbours have their own steps; then its image, once they have their directions.
+  bool can_begin() const noexcept {
+    return kind_ == Influence::mutual && !has_swarms_ && max_iterations_ > 0;
+  }
+  void begin_direction(int group, Groups& groups, const Couplings& couplings, const double* ds) noexcept;
+  void begin_image(int group, const Couplings& couplings) noexcept;
 
   /// No step was before: the next is completed as the first was.
   void forget() noexcept { share_ = 0.0, has_added_ = false; }
@@ -57,13 +67,15 @@ class Krylov {
     Crew& crew;
     Likeness likeness;
     Deadline deadline;
+    bool begun;
   };
 
   int conjugate_gradients(const Work& work) noexcept;
   int substitute(const Work& work) noexcept;
   double take_turn(int turn, const Work& work) noexcept;
   int general(const Work& work) noexcept;
-  double sum_of_groups() const noexcept;
+  void direct(int group, Groups& groups, const double* r, double* z_u, double* z) noexcept;
+  void bend(int group, const double* w, const double* Cp, const double* z) noexcept;
   void guess(const Work& work) noexcept;
   void remember(const Work& work) noexcept;
 
@@ -83,8 +95,9 @@ class Krylov {
   Rows added_;          // by the couplings to ds in the last substitution; grows old where there was none
   double share_ = 0.0;  // of it that came back in the one after
   bool has_added_ = false;
-  std::vector<double> of_groups_;  // summands, which are added in order
-  std::vector<double> changes_;    // of each robot's own cost, [group][lane]
+  std::vector<double> of_groups_, curvature_;  // summands, which are added in order
+  std::vector<double> changes_;                // of each robot's own cost, [group][lane]
+  bool has_swarms_;
   int max_iterations_;
   double stop_;
   Gmres gmres_;

@@ -7,7 +7,6 @@
 // by how far the step corrects what was foreseen of them.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "sightline/base/index.hpp"
@@ -36,7 +35,7 @@ bool NewtonUpdate::is_foreseeable() noexcept {
   constexpr double steady = 0.5;  // of a correction, that the next one is at least, unless steps converge
   constexpr int longest_pause = 64;
   if (foreseen_) {
-    if (std::accumulate(votes_.begin(), votes_.end(), 0) >= 0) {
+    if (votes_ >= 0) {
       pause_ = 1;
       return true;
     }
@@ -72,16 +71,13 @@ bool NewtonUpdate::foresee(int group, double ratio) noexcept {
   return largest(held) > 0;
 }
 
-/// Where the plan of this update goes: that of the update before stays, to go on from.
-double* NewtonUpdate::next_plan() const noexcept { return time_ > plan_time_ ? plan_before_ : plan_; }
-
-/// Keeps u as the plan; whether the next can be foreseen.
+/// Keeps u as the plan, and that of the update before, to go on from; whether the next can be foreseen.
 void NewtonUpdate::remember(const Step& step) noexcept {
-  if (!step.taken) std::copy_n(u_, groups_.layout().u_length, next_plan());
   if (time_ > plan_time_) {
     std::swap(plan_, plan_before_);
     plan_before_time_ = plan_time_;
   }
+  std::copy_n(u_, groups_.layout().u_length, plan_);
   plan_time_ = time_;
   taken_ = step.taken ? taken_ + 1 : 0;
   corrected_before_ = std::exchange(corrected_, step.correction);

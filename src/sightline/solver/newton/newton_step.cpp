@@ -14,10 +14,37 @@ using L = NativeLane;
 
 }  // namespace
 
-/// The step of each robot by itself. @return factorisations beyond the first
-int NewtonUpdate::solve_alone() noexcept {
-  linearise(
-      [&](int g, const double* c) { repeated_[at(g)] = groups_.solve(g, u_, active_, c, H_u_, du_, ds_); });
+/// Gradients and Hessians of what a group feels, of the potentials' last derivatives.
+double* NewtonUpdate::felt(int group, int thread) noexcept {
+  double* const c = couplings_->has_swarms() ? c_[0] + groups_.layout().groups[at(group)].c : c_[thread];
+  couplings_->take(group, c);
+  return c;
+}
+
+/// The step of each robot by itself, from the roll-out of u on; with the first iteration of the couplings where it `begins`.
+/// @return factorisations beyond the first
+int NewtonUpdate::solve_alone(bool finds_neighbours, bool begins) noexcept {
+  const bool gathers = couplings_->gathers();
+  if (gathers) {
+    groups_.roll_out(u_, s_, *crew_);
+    if (finds_neighbours) couplings_->find_neighbours(s_);
+    couplings_->gather(s_, c_[0], *crew_);
+  }
+  wave_.run(
+      *crew_,
+      [&](int g, int) noexcept {
+        if (!gathers) groups_.roll_out(g, u_, s_);
+      },
+      [&](int g, int) noexcept { couplings_->derive(g, s_); },
+      [&](int g, int thread) noexcept {
+        repeated_[at(g)] = groups_.solve(g, u_, active_, felt(g, thread), H_u_, du_, ds_);
+      },
+      [&](int g, int) noexcept {
+        if (begins) krylov_.begin_direction(g, groups_, *couplings_, ds_);
+      },
+      [&](int g, int) noexcept {
+        if (begins) krylov_.begin_image(g, *couplings_);
+      });
   return std::accumulate(repeated_.begin(), repeated_.end(), 0);
 }
 
@@ -29,17 +56,19 @@ NewtonUpdate::Proposal NewtonUpdate::examine() noexcept {
     all.residual = std::max(all.residual, p.residual);
     all.finite &= p.finite;
     all.within_limits &= p.within_limits;
+    all.votes += p.votes;
   }
   return all;
 }
 
-NewtonUpdate::Proposal NewtonUpdate::examine(int g) const noexcept {
+NewtonUpdate::Proposal NewtonUpdate::examine(int g) noexcept {
   const double per_h = 1.0 / ocp_.horizon().h();
-  L step = 0.0, residual = 0.0, beyond = 0.0, not_finite = 0.0;
+  L step = 0.0, residual = 0.0, beyond = 0.0, not_finite = 0.0, votes = 0.0;
   const Layout::Span its = groups_.layout().u_of(g);
   for (std::ptrdiff_t i = its.first; i < its.end(); i += L::width) {
     const L u = L::load(u_ + i), du = L::load(du_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
-    const L next = u + du, per_scale = L::load(per_scale_ + i);
+    const L next = u + du, kept = clamp(next, low, high), per_scale = L::load(per_scale_ + i);
+    kept.store(u_next_ + i);
     step = maximum(absolute(du) * per_scale, step);
     beyond = maximum(maximum(next - high, low - next), beyond);
     not_finite = fma(du, L(0.0), not_finite);
@@ -47,10 +76,14 @@ NewtonUpdate::Proposal NewtonUpdate::examine(int g) const noexcept {
     not_finite = fma(H_u, L(0.0), not_finite);
     const L gap = u - clamp(u - H_u * L::load(scale_2_ + i), low, high);
     residual = maximum(absolute(gap) * per_scale, residual);
+    const L foreseen = absolute(u - L::load(plan_ + i)), corrected = absolute(kept - u);
+    votes +=
+        where_negative(-foreseen, where_negative(L(2.0) * corrected - foreseen, L(1.0), L(-1.0)), L(0.0));
   }
   double nan = 0.0;
-  for (int i = 0; i < L::width; ++i) nan += not_finite[i];
-  return {largest(step), largest(residual), nan == 0.0, !(largest(beyond) > 0.0)};
+  int sum = 0;
+  for (int i = 0; i < L::width; ++i) nan += not_finite[i], sum += static_cast<int>(votes[i]);
+  return {largest(step), largest(residual), nan == 0.0, !(largest(beyond) > 0.0), sum};
 }
 
 bool NewtonUpdate::slope_is_finite() const noexcept {
@@ -82,31 +115,6 @@ bool NewtonUpdate::update_active_set() noexcept {
     }
   }
   return changed;
-}
-
-/// u <- u + du, within the limits, and the plan with it.
-void NewtonUpdate::take() noexcept {
-  std::swap(u_, u_before_);
-  groups_.each(*crew_, [&](int g, int) noexcept { votes_[at(g)] = take(g); });
-}
-
-/// @return inputs that the step corrects by less than half of what was foreseen of them, less the others
-int NewtonUpdate::take(int g) noexcept {
-  L votes = 0.0;
-  double* const plan = next_plan();
-  const Layout::Span its = groups_.layout().u_of(g);
-  for (std::ptrdiff_t i = its.first; i < its.end(); i += L::width) {
-    const L before = L::load(u_before_ + i);
-    const L u = clamp(before + L::load(du_ + i), L::load(low_ + i), L::load(high_ + i));
-    const L foreseen = absolute(before - L::load(plan_ + i)), corrected = absolute(u - before);
-    votes +=
-        where_negative(-foreseen, where_negative(L(2.0) * corrected - foreseen, L(1.0), L(-1.0)), L(0.0));
-    u.store(u_ + i);
-    u.store(plan + i);
-  }
-  int sum = 0;
-  for (int i = 0; i < L::width; ++i) sum += static_cast<int>(votes[i]);
-  return sum;
 }
 
 /// Inputs of a group that the gradient holds near a limit are to go there. @return whether the set changed
@@ -221,7 +229,7 @@ void NewtonUpdate::release() noexcept {
     all_free_ &= active_[i] == 0.0;
     du_[i] = 0.0;
   }
-  std::copy_n(u_, n, u_before_);
+  std::copy_n(u_, n, u_next_);
 }
 
 NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
@@ -238,20 +246,20 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
   }
   Proposal proposal;
   bool damped = false, settled = false;
-  bool started_from = false;  // u_start is known
+  bool started_from = false;                                            // u_start is known
+  const bool begins = krylov_.can_begin() && options_.deadline == 0.0;  // else time is looked at in between
   const auto keep_start = [&] {
     if (!started_from) std::copy_n(u_, groups_.layout().u_length, u_start_);
     started_from = true;
   };
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    groups_.roll_out(u_, s_, *crew_);
-    if (attempt == 0) couplings_->find_neighbours(s_);
-    damped = solve_alone() > 0;
+    damped = solve_alone(attempt == 0, begins) > 0;
     if (!late()) {
       const Likeness likeness = attempt > 0 ? Likeness::of_attempts
                                 : damped    ? Likeness::none
                                             : Likeness::of_updates;
-      result.iterations += krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, likeness, deadline());
+      result.iterations +=
+          krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, likeness, deadline(), begins);
     }
     proposal = examine();
     result.residual = proposal.residual;
@@ -280,9 +288,10 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
     globalising_ = descent_.sure() && proposal.residual > near && !result.whole;
     result.whole &= !damped && proposal.finite;
   } else {
-    take();
+    std::swap(u_, u_next_);
     watched_ = infinity;
     result.taken = true;
+    votes_ = proposal.votes;
     result.correction = proposal.largest;
     result.whole = settled;
   }

@@ -73,6 +73,7 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       couplings_(
           make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels, swarms_)),
       crew_(crew_for(ocp_, options_)),
+      wave_(static_cast<int>(groups_.layout().groups.size()), couplings_->coupled_groups(), 5),
       krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop, !swarms_.empty()),
       descent_(potentials_, groups_.layout(), influence_),
       u_vectors_(13, groups_.layout().u_length),
@@ -84,9 +85,9 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       H_u_(u_vectors_[3]),
       low_(u_vectors_[4]),
       high_(u_vectors_[5]),
-      u_before_(u_vectors_[6]),
-      plan_(u_vectors_[7]),
-      u_start_(u_vectors_[8]),
+      plan_(u_vectors_[6]),
+      u_start_(u_vectors_[7]),
+      u_next_(u_vectors_[8]),
       plan_before_(u_vectors_[9]),
       H_before_(u_vectors_[10]),
       per_scale_(u_vectors_[11]),
@@ -100,7 +101,6 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)) {
   repeated_.resize(groups_.layout().groups.size());
   proposals_.resize(groups_.layout().groups.size());
-  votes_.resize(groups_.layout().groups.size());
   held_.resize(groups_.layout().groups.size());
   before_.reserve(u_out_.size());
   added_.reserve(u_out_.size());
@@ -256,7 +256,7 @@ void NewtonUpdate::write_inputs() noexcept {
     const std::size_t to = at(ocp_.team().input_offset(ocp_.agent_bodies()[at(a)]));
     for (int i = 0; i < groups_.layout().part(a).nu; ++i) {
       u_out_[to + at(i)] = u_[u(0, i)];
-      raw_u_[to + at(i)] = u_before_[u(0, i)] + du_[u(0, i)];
+      raw_u_[to + at(i)] = u_next_[u(0, i)] + du_[u(0, i)];
     }
   }
 }

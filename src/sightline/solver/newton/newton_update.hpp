@@ -9,6 +9,7 @@
 #include "sightline/base/no_value.hpp"
 #include "sightline/solver/newton/descent.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solver/newton/wave.hpp"
 
 namespace sightline {
 
@@ -44,12 +45,14 @@ class NewtonUpdate {
     bool whole = false;  ///< neither damped nor shortened, and its active set is settled
     bool taken = false;  ///< costs were not watched
   };
-  /// What one pass over a proposed step finds.
+  /// What one pass over a proposed step finds; it leaves in u_next what the step comes to, within the limits.
   struct Proposal {
     double largest = 0.0;   ///< |du|, in the scale of each input
     double residual = 0.0;  ///< of u, where finite
     bool finite = true;     ///< du and H_u are
     bool within_limits = true;
+    int votes =
+        0;  ///< inputs that are corrected by less than half of what was foreseen of them, less the others
   };
 
   bool accept(std::span<const double> states) noexcept;
@@ -60,18 +63,16 @@ class NewtonUpdate {
   void foresee() noexcept;
   bool is_foreseeable() noexcept;
   bool foresee(int group, double ratio) noexcept;
-  double* next_plan() const noexcept;
   void remember(const Step& step) noexcept;
   Step newton_step() noexcept;
+  double* felt(int group, int thread) noexcept;
   template <class PerGroup>
   void linearise(PerGroup&& per_group) noexcept;
-  int solve_alone() noexcept;
+  int solve_alone(bool finds_neighbours, bool begins) noexcept;
   Proposal examine() noexcept;
-  Proposal examine(int group) const noexcept;
+  Proposal examine(int group) noexcept;
   bool slope_is_finite() const noexcept;
   bool update_active_set() noexcept;
-  void take() noexcept;
-  int take(int group) noexcept;
   bool hold_near_limits(int group) noexcept;
   Step project() noexcept;
   double search(Searching who = Searching::all) noexcept;
@@ -95,6 +96,7 @@ class NewtonUpdate {
   Groups groups_;
   std::unique_ptr<Couplings> couplings_;
   std::shared_ptr<Crew> crew_;
+  Wave wave_;
   Krylov krylov_;
   Descent descent_;
 
@@ -107,7 +109,8 @@ class NewtonUpdate {
   Clock::time_point begin_{};
   Rows u_vectors_, s_vectors_;
   Rows c_;  // of the team with swarms, else of the one group that each thread is at
-  double *u_, *du_, *active_, *H_u_, *low_, *high_, *u_before_, *plan_, *u_start_;
+  double *u_, *du_, *active_, *H_u_, *low_, *high_, *plan_, *u_start_;
+  double* u_next_;                   // where the step leads; once it is taken, where it came from
   double *plan_before_, *H_before_;  // the plan before plan_, and, in an update, H_u of the one before
   double *per_scale_, *scale_2_;     // of each input, for what is compared with a threshold
   double *s_, *ds_;
@@ -116,9 +119,9 @@ class NewtonUpdate {
   bool foreseen_ = false;
   int wait_ = 0, pause_ = 1;  // updates until it is tried again; and after it fails once more
   double corrected_ = 0.0, corrected_before_ = 0.0;  // Step::correction of the last two updates
-  std::vector<int> votes_;  // of each group: inputs that it was right to foresee, less the others
-  std::vector<char> held_;  // of each group: limits are active in what was foreseen
-  std::vector<int> x_at_;   // of each agent in the stacked state
+  int votes_ = 0;                                    // Proposal::votes of the last step that was taken
+  std::vector<char> held_;                           // of each group: limits are active in what was foreseen
+  std::vector<int> x_at_;                            // of each agent in the stacked state
   std::vector<Prediction> predictions_;  // of each body; room for N + 1 sights of those not controlled
   std::vector<double> x_now_, limits_, u_out_, raw_u_, x_out_;
   std::vector<double> before_, added_;  // AppliedInputs; empty: never told
@@ -130,13 +133,7 @@ class NewtonUpdate {
 template <class PerGroup>
 void NewtonUpdate::linearise(PerGroup&& per_group) noexcept {
   couplings_->derive(s_, c_[0], *crew_);
-  groups_.each(*crew_, [&](int g, int thread) noexcept {
-    double* const c = couplings_->has_swarms()
-                          ? c_[0] + groups_.layout().groups[static_cast<std::size_t>(g)].c
-                          : c_[thread];
-    couplings_->take(g, c);
-    per_group(g, c);
-  });
+  groups_.each(*crew_, [&](int g, int thread) noexcept { per_group(g, felt(g, thread)); });
 }
 
 }  // namespace sightline

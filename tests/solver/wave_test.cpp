@@ -1,0 +1,63 @@
+#include "sightline/solver/newton/wave.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <mutex>
+
+#include "tests/support/random.hpp"
+
+namespace sightline {
+namespace {
+
+using Pairs = std::vector<std::pair<int, int>>;
+
+TEST(Wave, APhaseFollowsThatBeforeOfTheGroupAndItsNeighboursAndEachIsDoneOnce) {
+  Random random(1);
+  for (const int threads : {1, 3}) {
+    Crew crew(threads);
+    for (int trial = 0; trial < 30; ++trial) {
+      const int groups = 1 + static_cast<int>(random() % 20);
+      Pairs neighbours;
+      for (int a = 0; a < groups; ++a) {
+        for (int b = 0; b <= a; ++b)
+          if (random() % 4 == 0) neighbours.emplace_back(a, b);
+      }
+      const Wave wave(groups, neighbours, 3);
+      std::mutex mutex;
+      std::vector<int> done(static_cast<std::size_t>(groups), 0);  // phases of each group
+      const auto of = [&](int g) -> int& { return done[static_cast<std::size_t>(g)]; };
+      const auto phase = [&](int number) {
+        return [&, number](int g, int) noexcept {
+          const std::lock_guard lock(mutex);
+          EXPECT_EQ(of(g), number);
+          for (const auto& [a, b] : neighbours) {
+            if (a != g && b != g) continue;
+            EXPECT_GE(of(a == g ? b : a), number) << "group " << g << " of " << groups;
+          }
+          ++of(g);
+        };
+      };
+      wave.run(crew, phase(0), phase(1), phase(2));
+      EXPECT_EQ(done, std::vector<int>(static_cast<std::size_t>(groups), 3));
+    }
+  }
+}
+
+TEST(Wave, AlongAChainNoGroupWaitsLongForItsNextPhase) {
+  constexpr int groups = 40, phases = 5;
+  Pairs chain;
+  for (int g = 0; g + 1 < groups; ++g) chain.emplace_back(g, g + 1);
+  const Wave wave(groups, chain, phases);
+  std::vector<int> last(groups, -1);  // place in the order
+  for (std::size_t i = 0; i < wave.order().size(); ++i) {
+    int& before = last[static_cast<std::size_t>(wave.order()[i].group)];
+    if (before >= 0) {
+      EXPECT_LE(static_cast<int>(i) - before, 4 * phases);
+    }
+    before = static_cast<int>(i);
+  }
+}
+
+}  // namespace
+}  // namespace sightline
