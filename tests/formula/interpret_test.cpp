@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/trace.hpp"
@@ -130,17 +132,40 @@ TEST(Interpret, NotANumberInOnePointStaysInThatPoint) {
   }
 }
 
+void expect_rows(Rows& rows, int n, int length) {
+  EXPECT_EQ(rows.count(), n);
+  EXPECT_EQ(rows.stride(), padded(length));
+  for (int r = 0; r < n; ++r) {
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(rows[r]) % row_alignment, 0u);
+    EXPECT_EQ(rows[r], rows[0] + static_cast<std::ptrdiff_t>(r) * rows.stride());
+  }
+  for (const double v : rows.all()) EXPECT_EQ(v, 0.0);
+  EXPECT_EQ(rows.all().size(), static_cast<std::size_t>(n) * static_cast<std::size_t>(rows.stride()));
+  EXPECT_EQ(static_cast<std::ptrdiff_t>(rows.all().size()), Rows::room(n, length));
+}
+
 TEST(Rows, AreAlignedPaddedApartAndZero) {
   for (int length = 1; length < 40; ++length) {
     Rows rows(3, length);
-    EXPECT_EQ(rows.count(), 3);
-    EXPECT_EQ(rows.stride(), padded(length));
-    for (int r = 0; r < 3; ++r) {
-      EXPECT_EQ(reinterpret_cast<std::uintptr_t>(rows[r]) % row_alignment, 0u);
-      EXPECT_EQ(rows[r], rows[0] + r * rows.stride());
+    expect_rows(rows, 3, length);
+  }
+  Rows large(3, 300001);  // more than a large page
+  expect_rows(large, 3, 300001);
+}
+
+TEST(Rows, InMemoryOfSomebodyElseAreTheSameAndLeaveIt) {
+  for (const int length : {1, 8, 13}) {
+    Rows memory(1, static_cast<int>(2 * Rows::room(3, length)));
+    std::fill_n(memory[0], memory.stride(), 7.0);
+    {
+      Rows first(3, length, memory[0]);
+      Rows rows(3, length, memory[0] + Rows::room(3, length));
+      first = std::move(rows);
+      expect_rows(first, 3, length);
+      EXPECT_EQ(first[0], memory[0] + Rows::room(3, length));
+      first[2][0] = 5.0;
     }
-    for (const double v : rows.all()) EXPECT_EQ(v, 0.0);
-    EXPECT_EQ(rows.all().size(), 3u * static_cast<std::size_t>(rows.stride()));
+    EXPECT_EQ(memory[0][Rows::room(3, length) + 2 * padded(length)], 5.0);
   }
 }
 

@@ -18,6 +18,8 @@ TEST(Group, EachLaneRollsOutItsOwnRobotByEuler) {
       std::make_shared<const StagePrograms>(trace_stage(Multirotor{}, h, Seen::pose_and_motion));
   for (const int width : {2, narrow_width, native_width}) {
     const auto group = make_group(programs, stages, width, KernelChoice::compiled_if_there);
+    Rows memory(1, static_cast<int>(group->room()));
+    group->settle(memory[0]);
     Rows u(1, stages * 4 * width), s(1, stages * seen_size(Seen::pose_and_motion) * width);
     for (int i = 0; i < stages * 4 * width; ++i) u[0][i] = uniform(random, -1, 1);
     std::vector<std::array<double, 7>> x(static_cast<std::size_t>(width));

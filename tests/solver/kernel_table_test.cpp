@@ -28,6 +28,8 @@ constexpr int stages = 12;
 
 /// All that a group computes from random data, in one list.
 std::vector<double> all_results(Group& group, int width, std::uint64_t seed) {
+  Rows memory(1, static_cast<int>(group.room()));
+  group.settle(memory[0]);
   Random random(seed);
   const StageSizes& n = group.sizes();
   Rows u(4, stages * n.nu * width), s(3, stages * n.ns * width), c(1, stages * n.coupling() * width);

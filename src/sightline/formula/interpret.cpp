@@ -1,5 +1,9 @@
 #include "sightline/formula/interpret.hpp"
 
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
 #include <algorithm>
 #include <cassert>
 #include <new>
@@ -8,14 +12,34 @@
 
 namespace sightline {
 
+namespace {
+
+constexpr std::size_t large_page = std::size_t{2} << 20;
+
+/// Memory of a large team is read and written all along in each update.
+void ask_for_large_pages([[maybe_unused]] double* memory, [[maybe_unused]] std::size_t bytes) {
+#ifdef __linux__
+  madvise(memory, bytes, MADV_HUGEPAGE);  // it may not be heard
+#endif
+}
+
+}  // namespace
+
 Rows::Rows(int n, int length) : count_(n), stride_(padded(length)) {
-  memory_.reset(static_cast<double*>(
-      ::operator new[](std::max<std::size_t>(size(), 1) * sizeof(double), std::align_val_t(row_alignment))));
+  const std::size_t bytes = std::max<std::size_t>(size(), 1) * sizeof(double);
+  const bool is_large = bytes >= large_page;
+  const std::size_t alignment = is_large ? large_page : row_alignment;
+  memory_ = {static_cast<double*>(::operator new[](bytes, std::align_val_t(alignment))), Free{alignment}};
+  if (is_large) ask_for_large_pages(memory_.get(), bytes);
   std::fill_n(memory_.get(), size(), 0.0);
 }
 
+Rows::Rows(int n, int length, double* memory) : count_(n), stride_(padded(length)), memory_(memory, Free{0}) {
+  std::fill_n(memory, size(), 0.0);
+}
+
 void Rows::Free::operator()(double* memory) const {
-  ::operator delete[](memory, std::align_val_t(row_alignment));
+  if (alignment > 0) ::operator delete[](memory, std::align_val_t(alignment));
 }
 
 Evaluation::Evaluation(const Program& program, int length)

@@ -10,12 +10,17 @@
 
 namespace sightline {
 
-/// Zeroed memory for rows of doubles, aligned to `row_alignment`.
+/// Zeroed memory for rows of doubles, aligned to `row_alignment`; what is large is in pages of 2 MB where the system has them.
 class Rows {
  public:
   Rows() = default;
   /// n rows of at least `length` doubles each, every row padded to whole packs.
   Rows(int n, int length);
+  /// The same in memory of somebody else, of room(n, length) doubles as aligned, which lives longer.
+  Rows(int n, int length, double* memory);
+  static std::ptrdiff_t room(int n, int length) {
+    return static_cast<std::ptrdiff_t>(n) * static_cast<std::ptrdiff_t>(padded(length));
+  }
 
   double* operator[](int row) { return memory_.get() + static_cast<std::ptrdiff_t>(row) * stride_; }
   const double* operator[](int row) const {
@@ -28,12 +33,13 @@ class Rows {
 
  private:
   struct Free {
+    std::size_t alignment;  // 0: somebody else's
     void operator()(double* memory) const;
   };
   std::size_t size() const { return static_cast<std::size_t>(count_) * static_cast<std::size_t>(stride_); }
 
   int count_ = 0, stride_ = 0;
-  std::unique_ptr<double[], Free> memory_;
+  std::unique_ptr<double[], Free> memory_{nullptr, Free{0}};
 };
 
 /// A program bound to the rows it reads and writes. Binding allocates, running does not.

@@ -44,7 +44,7 @@ struct Slot {
   bool in_place = false;                                     // evaluated over lanes of agents
   std::vector<PackFormula<W>> formulas;                      // the potential's derivatives, to be added up
   std::vector<std::pair<std::size_t, std::size_t>> pairs{};  // relative batch, place in it
-  Rows out;  // [stage][gradient and Hessian][lane], zero in lanes not in use
+  double* out = nullptr;  // [stage][gradient and Hessian][lane], zero in lanes not in use
 };
 
 /// A potential is evaluated in the first of these ways that fits:
@@ -72,6 +72,7 @@ class LaneCouplings final : public Couplings {
     // Against the order of a chain, so that each slot but one finds its second group written.
     std::sort(slots_.begin(), slots_.end(),
               [](const Slot<W>& a, const Slot<W>& b) { return a.group_a > b.group_a; });
+    outputs_ = Rows(static_cast<int>(slots_.size()), layout.stages * relative_outputs * W);
     for (Slot<W>& slot : slots_) settle(slot, choice);
     for (const SwarmPotential& swarm : swarms) swarms_.emplace_back(swarm, layout_, choice);
     find_slots();
@@ -240,8 +241,8 @@ class LaneCouplings final : public Couplings {
 
   /// Lanes of agents pay where half of them are in use; pairs of one formula are evaluated one way.
   void settle(Slot<W>& slot, KernelChoice choice) {
+    slot.out = outputs_[static_cast<int>(&slot - slots_.data())];
     const Program& derivatives = slot.potential->derivatives;
-    slot.out = Rows(1, layout_.stages * relative_outputs * W);
     slot.formulas.emplace_back(derivatives, choice);
     for (const Program& p : slot.potential->others) slot.formulas.emplace_back(p, choice);
     for (std::size_t b = 0; b < relative_.size(); ++b) {
@@ -260,7 +261,7 @@ class LaneCouplings final : public Couplings {
     batch.gather(layout_, parameters_, s);
     batch.points.derive();
     for (std::size_t p = 0; p < batch.pairs.size(); ++p) {
-      double* const to = slots_[at(slots_of_[b][p])].out[0] + layout_.place(batch.pairs[p]->a).lane;
+      double* const to = slots_[at(slots_of_[b][p])].out + layout_.place(batch.pairs[p]->a).lane;
       for (int o = 0; o < relative_outputs; ++o) {
         batch.points.each_out(static_cast<int>(p) * layout_.stages, layout_.stages, o,
                               [&](int k, double value) { to[(k * relative_outputs + o) * W] = value; });
@@ -295,7 +296,7 @@ class LaneCouplings final : public Couplings {
         for (int i = 0; i < relative_outputs; ++i)
           (L(slot.part) * L::load(&sum[at(i * W)])).store(&sum[at(i * W)]);
       }
-      double* const out = slot.out[0] + k * relative_outputs * W;
+      double* const out = slot.out + k * relative_outputs * W;
       for (int i = 0; i < relative_outputs; ++i)
         masked(slot.a_mask, L::load(&sum[at(i * W)])).store(out + i * W);
     }
@@ -305,7 +306,7 @@ class LaneCouplings final : public Couplings {
   void write_to_a(const Slot<W>& slot, const Layout::Part& part, double* c) const noexcept {
     const auto write = [](double* to, L value) { (assigns ? value : L::load(to) + value).store(to); };
     for (int k = 1; k < layout_.stages; ++k) {
-      const double* const out = slot.out[0] + k * relative_outputs * W;
+      const double* const out = slot.out + k * relative_outputs * W;
       double* const c_k = c + k * part.nc() * W;
       for (int i = 0; i < relative; ++i) {
         write(c_k + i * W, L::load(out + i * W));
@@ -320,7 +321,7 @@ class LaneCouplings final : public Couplings {
       return masked(slot.b_mask, permuted(L::load(from), slot.a_of_b));
     };
     for (int k = 1; k < layout_.stages; ++k) {
-      const double* const out = slot.out[0] + k * relative_outputs * W;
+      const double* const out = slot.out + k * relative_outputs * W;
       double* const c_k = c + k * part.nc() * W;
       for (int i = 0; i < 3; ++i) {
         (L::load(c_k + i * W) - of_b(out + i * W)).store(c_k + i * W);
@@ -338,8 +339,7 @@ class LaneCouplings final : public Couplings {
     for (int k = 1; k < layout_.stages; ++k) {
       const std::ptrdiff_t at_a = part_a.s + k * part_a.ns * W, at_b = part_b.s + k * part_b.ns * W;
       std::array<L, 15> H;
-      for (int i = 0; i < 15; ++i)
-        H[at(i)] = L::load(slot.out[0] + (k * relative_outputs + relative + i) * W);
+      for (int i = 0; i < 15; ++i) H[at(i)] = L::load(slot.out + (k * relative_outputs + relative + i) * W);
       std::array<L, 3> b;
       for (int i = 0; i < 3; ++i) b[at(i)] = permuted(L::load(z + at_b + i * W), slot.b_of_a);
       for (int i = 0; i < relative; ++i) {
@@ -354,8 +354,7 @@ class LaneCouplings final : public Couplings {
     for (int k = 1; k < layout_.stages; ++k) {
       const std::ptrdiff_t at_a = part_a.s + k * part_a.ns * W, at_b = part_b.s + k * part_b.ns * W;
       std::array<L, 15> H;
-      for (int i = 0; i < 15; ++i)
-        H[at(i)] = L::load(slot.out[0] + (k * relative_outputs + relative + i) * W);
+      for (int i = 0; i < 15; ++i) H[at(i)] = L::load(slot.out + (k * relative_outputs + relative + i) * W);
       std::array<L, relative> a;
       for (int i = 0; i < relative; ++i) a[at(i)] = L::load(z + at_a + i * W);
       for (int i = 0; i < 3; ++i) {
@@ -458,6 +457,7 @@ class LaneCouplings final : public Couplings {
   std::vector<std::vector<int>> slots_of_group_;  // whose a stand in it
   std::vector<char> in_place_;                    // [relative batch]
   std::vector<Slot<W>> slots_;
+  Rows outputs_;  // of slots
   std::optional<CrossBlocks<W>> crosses_;
   std::vector<FeltRows> rows_into_;  // [group]
   std::vector<Neighbourhood> swarms_;

@@ -22,6 +22,19 @@ class Group {
 
   const StageSizes& sizes() const { return sizes_; }
 
+  /// Where its numbers are: `room()` doubles, as Rows are aligned, which live longer. Before anything else.
+  void settle(double* memory) noexcept {
+    each_row([&](Rows& rows, int n, int packs) {
+      rows = Rows(n, packs * width_, memory);
+      memory += Rows::room(n, packs * width_);
+    });
+  }
+  std::ptrdiff_t room() noexcept {
+    std::ptrdiff_t sum = 0;
+    each_row([&](Rows&, int n, int packs) { sum += Rows::room(n, packs * width_); });
+    return sum;
+  }
+
   /// One number of one agent: state of stage k; reference of stage k; 2 h Q, 2 h R, u*, rho; Q_f.
   double x(int k, int i, int lane) const { return *(x_[0] + at(k, sizes_.nx, i, lane)); }
   double& x(int k, int i, int lane) { return *(x_[0] + at(k, sizes_.nx, i, lane)); }
@@ -52,23 +65,25 @@ class Group {
   std::ptrdiff_t at(int k, int n, int i, int lane) const {
     return (static_cast<std::ptrdiff_t>(k) * n + i) * width_ + lane;
   }
-  void allocate() {
-    const auto row = [&](int packs) { return Rows(1, packs * width_); };
-    x_ = row((stages_ + 1) * sizes_.nx);
-    x_ref_ = row((stages_ + 1) * sizes_.nx);
-    weights_ = row(sizes_.weights());
-    Q_f_ = row(sizes_.nx);
-    gain_ = row(stages_ * sizes_.gain());
-    k_ = row(stages_ * sizes_.nu);
-    trial_k_ = row(stages_ * sizes_.nu);
-    carry_ = Rows(2, sizes_.carry() * width_);
-    doubt_ = row(1);
-  }
-
   std::shared_ptr<const StagePrograms> programs_;
   StageSizes sizes_;
   int stages_, width_;
   Rows x_, x_ref_, weights_, Q_f_, gain_, k_, trial_k_, carry_, doubt_;
+
+ private:
+  /// f(rows, how many, packs in each)
+  template <class F>
+  void each_row(F&& f) {
+    f(x_, 1, (stages_ + 1) * sizes_.nx);
+    f(x_ref_, 1, (stages_ + 1) * sizes_.nx);
+    f(weights_, 1, sizes_.weights());
+    f(Q_f_, 1, sizes_.nx);
+    f(gain_, 1, stages_ * sizes_.gain());
+    f(k_, 1, stages_ * sizes_.nu);
+    f(trial_k_, 1, stages_ * sizes_.nu);
+    f(carry_, 2, sizes_.carry());
+    f(doubt_, 1, 1);
+  }
 };
 
 /// A group over the functions of a kernel.
@@ -76,9 +91,7 @@ template <int W, class Kernel>
 class StageGroup final : public Group {
  public:
   StageGroup(std::shared_ptr<const StagePrograms> programs, int stages)
-      : Group(std::move(programs), stages, W), kernel_(*programs_) {
-    allocate();
-  }
+      : Group(std::move(programs), stages, W), kernel_(*programs_) {}
 
   void roll_out(const double* u, double* s) noexcept override {
     const StageSizes n = kernel_.sizes();

@@ -148,6 +148,7 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
         std::find_if(turns.begin(), turns.end(), [&](const auto& t) { return t.second == part.turn; });
     part.turn = static_cast<int>(its - turns.begin());
   }
+  settle_groups();
   // A lane without an agent rests: no weights but those of its inputs, which so stay zero.
   for (const auto& group : groups_) {
     for (int lane = 0; lane < layout_.width; ++lane) {
@@ -163,6 +164,18 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
     for (int i = 0; i < nu; ++i) group.weight(nx + i, lane) = 2.0 * h_ * agent.R[at(i)];
     set_u_ref(a, agent.u_ref.data());
     for (int i = 0; i < own; ++i) group.Q_f(i, lane) = agent.Q_f[at(i)];
+  }
+}
+
+/// One after the other in one piece of memory, which is large where the team is.
+void Groups::settle_groups() {
+  std::ptrdiff_t room = 0;
+  for (const auto& group : groups_) room += group->room();
+  memory_ = Rows(1, static_cast<int>(room));
+  double* next = memory_[0];
+  for (const auto& group : groups_) {
+    group->settle(next);
+    next += group->room();
   }
 }
 

@@ -83,6 +83,7 @@ class Groups {
   std::span<const int> members(int group) const { return members_[static_cast<std::size_t>(group)]; }
 
  private:
+  void settle_groups();
   void add_limits(const Group& group, const double* u, int agent, double& cost) noexcept;
   /// What the barriers of an agent are evaluated with, and the cost of its inputs' rates.
   struct Limited {
@@ -96,6 +97,7 @@ class Groups {
   Layout layout_;
   KernelUse kernels_;
   std::vector<std::unique_ptr<Group>> groups_;
+  Rows memory_;                            // of the groups
   std::vector<std::vector<int>> members_;  // [group][lane]: agent
   std::vector<int> rests_as_;              // [group]: the agent that lanes without one begin as
   std::vector<Limited> limited_;           // [agent]
