@@ -17,13 +17,13 @@ TEST(Wave, APhaseFollowsThatBeforeOfTheGroupAndItsNeighboursAndEachIsDoneOnce) {
   for (const int threads : {1, 3}) {
     Crew crew(threads);
     for (int trial = 0; trial < 30; ++trial) {
-      const int groups = 1 + static_cast<int>(random() % 20);
+      const int groups = 1 + static_cast<int>(random() % 60);
       Pairs neighbours;
       for (int a = 0; a < groups; ++a) {
         for (int b = 0; b <= a; ++b)
-          if (random() % 4 == 0) neighbours.emplace_back(a, b);
+          if (random() % (trial % 2 == 0 ? 4 : 40) == 0) neighbours.emplace_back(a, b);
       }
-      const Wave wave(groups, neighbours, 3);
+      const Wave wave(groups, neighbours, 3, threads);
       std::mutex mutex;
       std::vector<int> done(static_cast<std::size_t>(groups), 0);  // phases of each group
       const auto of = [&](int g) -> int& { return done[static_cast<std::size_t>(g)]; };
@@ -45,17 +45,28 @@ TEST(Wave, APhaseFollowsThatBeforeOfTheGroupAndItsNeighboursAndEachIsDoneOnce) {
 }
 
 TEST(Wave, AlongAChainNoGroupWaitsLongForItsNextPhase) {
-  constexpr int groups = 40, phases = 5;
+  constexpr int groups = 128, phases = 5;
   Pairs chain;
   for (int g = 0; g + 1 < groups; ++g) chain.emplace_back(g, g + 1);
-  const Wave wave(groups, chain, phases);
-  std::vector<int> last(groups, -1);  // place in the order
-  for (std::size_t i = 0; i < wave.order().size(); ++i) {
-    int& before = last[static_cast<std::size_t>(wave.order()[i].group)];
-    if (before >= 0) {
-      EXPECT_LE(static_cast<int>(i) - before, 4 * phases);
+  for (const int threads : {1, 2}) {
+    const Wave wave(groups, chain, phases, threads);
+    EXPECT_LE(wave.rounds().size(), 2u);
+    int waited = 0;                     // for another round
+    std::vector<int> last(groups, -1);  // place among the tasks of its part
+    for (const Wave::Round& round : wave.rounds()) {
+      std::fill(last.begin(), last.end(), -1);
+      for (const std::vector<Wave::Task>& part : round) {
+        for (std::size_t i = 0; i < part.size(); ++i) {
+          int& before = last[static_cast<std::size_t>(part[i].group)];
+          waited += part[i].phase > 0 && before < 0;
+          if (before >= 0) {
+            EXPECT_LE(static_cast<int>(i) - before, 4 * phases);
+          }
+          before = static_cast<int>(i);
+        }
+      }
     }
-    before = static_cast<int>(i);
+    EXPECT_LE(waited, threads == 1 ? 0 : groups / 2);
   }
 }
 

@@ -73,7 +73,8 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       couplings_(
           make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels, swarms_)),
       crew_(crew_for(ocp_, options_)),
-      wave_(static_cast<int>(groups_.layout().groups.size()), couplings_->coupled_groups(), 5),
+      wave_(static_cast<int>(groups_.layout().groups.size()), couplings_->coupled_groups(), 5,
+            crew_->threads()),
       krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop, !swarms_.empty()),
       descent_(potentials_, groups_.layout(), influence_),
       u_vectors_(13, groups_.layout().u_length),

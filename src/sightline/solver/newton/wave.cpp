@@ -1,22 +1,35 @@
 #include "sightline/solver/newton/wave.hpp"
 
+#include <algorithm>
 #include <set>
 
 #include "sightline/base/index.hpp"
 
 namespace sightline {
+namespace {
 
-Wave::Wave(int groups, std::span<const std::pair<int, int>> neighbours, int phases) : groups_(groups) {
-  constexpr int few = 8;  // groups that stay in the cache from phase to phase
-  if (groups <= few) {
-    for (int phase = 0; phase < phases; ++phase) {
-      for (int g = 0; g < groups; ++g) order_.push_back({phase, g});
-    }
-    return;
-  }
-  std::vector<std::set<int>> near(at(groups));  // each group and its neighbours
+using Task = Wave::Task;
+using Near = std::vector<std::set<int>>;  // each group and its neighbours
+
+constexpr int few = 8;  // groups that stay in the cache from phase to phase
+
+Near near_of(int groups, std::span<const std::pair<int, int>> neighbours) {
+  Near near(at(groups));
   for (int g = 0; g < groups; ++g) near[at(g)].insert(g);
   for (const auto& [a, b] : neighbours) near[at(a)].insert(b), near[at(b)].insert(a);
+  return near;
+}
+
+/// The order of one thread.
+std::vector<Task> order_of(const Near& near, int phases) {
+  const int groups = static_cast<int>(near.size());
+  std::vector<Task> order;
+  if (groups <= few) {
+    for (int phase = 0; phase < phases; ++phase) {
+      for (int g = 0; g < groups; ++g) order.push_back({phase, g});
+    }
+    return order;
+  }
   std::vector<std::vector<int>> waits(at(phases));  // [phase][group]: for how many, in the phase before
   for (std::vector<int>& of_groups : waits) {
     for (const std::set<int>& its : near) of_groups.push_back(static_cast<int>(its.size()));
@@ -27,13 +40,48 @@ Wave::Wave(int groups, std::span<const std::pair<int, int>> neighbours, int phas
     while (!due.empty()) {
       const Task task = due.back();
       due.pop_back();
-      order_.push_back(task);
+      order.push_back(task);
       const int next = task.phase + 1;
       if (next == phases) continue;
       for (const int group : near[at(task.group)]) {
         if (--waits[at(next)][at(group)] == 0) due.push_back({next, group});
       }
     }
+  }
+  return order;
+}
+
+}  // namespace
+
+Wave::Wave(int groups, std::span<const std::pair<int, int>> neighbours, int phases, int threads) {
+  constexpr int for_each = 4;  // parts for a thread: who is late leaves some to others
+  const Near near = near_of(groups, neighbours);
+  std::vector<Task> left = order_of(near, phases);
+  const int parts = threads == 1 ? 1 : std::clamp(groups / few, 1, for_each * threads);
+  // Of each phase and group the round, and the part of it, in which it is done.
+  struct Place {
+    int round = -1, part = -1;
+  };
+  std::vector<std::vector<Place>> done(at(phases), std::vector<Place>(at(groups)));
+  for (int round = 0; !left.empty(); ++round) {
+    const int shift = round % 2 == 0 ? 0 : groups / (2 * parts);
+    Round& tasks = rounds_.emplace_back(at(parts));
+    std::vector<Task> later;
+    for (const Task& task : left) {
+      const int part = (task.group + shift) % groups * parts / groups;
+      const auto is_ready = [&](int group) {
+        const Place& before = done[at(task.phase - 1)][at(group)];
+        return before.round >= 0 && (before.round < round || before.part == part);
+      };
+      if (task.phase > 0 &&
+          !std::all_of(near[at(task.group)].begin(), near[at(task.group)].end(), is_ready)) {
+        later.push_back(task);
+        continue;
+      }
+      tasks[at(part)].push_back(task);
+      done[at(task.phase)][at(task.group)] = {round, part};
+    }
+    left = std::move(later);
   }
 }
 

@@ -9,23 +9,24 @@
 
 namespace sightline {
 
-/// Each phase of a group goes on from what the phase before came to in the group and in its neighbours. A thread alone takes a group's
-/// next phase as soon as these have theirs behind them, several threads share phase by phase; the result is the same.
+/// Each phase of a group goes on from what the phase before came to in the group and in its neighbours. So a group's next phase is taken as
+/// soon as these have theirs behind them. Several threads take stretches of groups as far as each goes by itself; then, in the next
+/// round, stretches across the ends of those, until all is done.
 class Wave {
  public:
   /// @param neighbours  groups next to each other; a pair may be there more than once, or be a group with itself
-  Wave(int groups, std::span<const std::pair<int, int>> neighbours, int phases);
+  Wave(int groups, std::span<const std::pair<int, int>> neighbours, int phases, int threads);
 
-  /// phase(group, thread) for each group, of as many phases as it was made for.
+  /// phase(group, thread) for each group, of as many phases as it was made for; the result does not depend on the threads.
   template <class... Phase>
   void run(Crew& crew, Phase&&... phases) const noexcept {
-    if (crew.threads() > 1) {
-      (crew.share(groups_, phases), ...);
-      return;
-    }
-    for (const Task& task : order_) {
-      int phase = 0;
-      ((task.phase == phase++ ? phases(task.group, 0) : void()), ...);
+    for (const Round& round : rounds_) {
+      crew.share(static_cast<int>(round.size()), [&](int part, int thread) noexcept {
+        for (const Task& task : round[static_cast<std::size_t>(part)]) {
+          int phase = 0;
+          ((task.phase == phase++ ? phases(task.group, thread) : void()), ...);
+        }
+      });
     }
   }
 
@@ -33,11 +34,12 @@ class Wave {
   struct Task {
     int phase, group;
   };
-  std::span<const Task> order() const { return order_; }
+  /// Of each part the tasks, one after the other; a part needs nothing of the others of its round.
+  using Round = std::vector<std::vector<Task>>;
+  std::span<const Round> rounds() const { return rounds_; }
 
  private:
-  int groups_;
-  std::vector<Task> order_;
+  std::vector<Round> rounds_;
 };
 
 }  // namespace sightline
