@@ -65,6 +65,7 @@ class Group {
   std::ptrdiff_t at(int k, int n, int i, int lane) const {
     return (static_cast<std::ptrdiff_t>(k) * n + i) * width_ + lane;
   }
+
   std::shared_ptr<const StagePrograms> programs_;
   StageSizes sizes_;
   int stages_, width_;

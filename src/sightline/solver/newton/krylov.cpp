@@ -54,7 +54,6 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterat
       of_groups_(layout.groups.size()),
       curvature_(layout.groups.size()),
       changes_(layout.groups.size() * at(layout.width)),
-      has_swarms_(has_swarms),
       max_iterations_(max_iterations),
       stop_(stop),
       gmres_(graph.kind == Influence::cyclic ? layout.s_length : 1, generous * std::max(max_iterations, 1)),
@@ -140,14 +139,15 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
   double *r = s_vectors_[0], *w = s_vectors_[1], *z = s_vectors_[2], *p = s_vectors_[3];
   double* const Cp = s_vectors_[4];
   double *z_u = u_vectors_[0], *p_u = u_vectors_[1];
-  if (has_swarms_) couplings.product(work.ds, r);  // for the negative of the correction
+  const bool swarms = couplings.has_swarms();
+  if (swarms) couplings.product(work.ds, r);  // for the negative of the correction
   double rho = 0.0;
   int k = 0;
   while (k < max_iterations_) {
     const bool begun = k == 0 && work.begun;
     if (!begun) {
       groups.each(work.crew, [&](int g, int) noexcept {
-        if (k == 0 && !has_swarms_) couplings.product(g, work.ds, r);
+        if (k == 0 && !swarms) couplings.product(g, work.ds, r);
         direct(g, groups, r, z_u, z);
       });
     }
@@ -169,10 +169,10 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
         each_pack(u, [&](std::ptrdiff_t i) { fma(beta, L::load(p_u + i), L::load(z_u + i)).store(z_u + i); });
       });
     }
-    if (has_swarms_) couplings.product(z, Cp);
+    if (swarms) couplings.product(z, Cp);
     if (!begun) {
       groups.each(work.crew, [&](int g, int) noexcept {
-        if (!has_swarms_) couplings.product(g, z, Cp);
+        if (!swarms) couplings.product(g, z, Cp);
         bend(g, w, Cp, z);
       });
     }

@@ -49,8 +49,8 @@ class Krylov {
 
   /// Whether a team's first iteration can be taken group by group before complete() is called: first the direction, once the group
   /// and its neighbours have their own steps; then its image, once they have their directions.
-  bool can_begin() const noexcept {
-    return kind_ == Influence::mutual && !has_swarms_ && max_iterations_ > 0;
+  bool can_begin(const Couplings& couplings) const noexcept {
+    return kind_ == Influence::mutual && !couplings.has_swarms() && max_iterations_ > 0;
   }
   void begin_direction(int group, Groups& groups, const Couplings& couplings, const double* ds) noexcept;
   void begin_image(int group, const Couplings& couplings) noexcept;
@@ -97,7 +97,6 @@ class Krylov {
   bool has_added_ = false;
   std::vector<double> of_groups_, curvature_;  // summands, which are added in order
   std::vector<double> changes_;                // of each robot's own cost, [group][lane]
-  bool has_swarms_;
   int max_iterations_;
   double stop_;
   Gmres gmres_;

@@ -246,8 +246,9 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
   }
   Proposal proposal;
   bool damped = false, settled = false;
-  bool started_from = false;                                            // u_start is known
-  const bool begins = krylov_.can_begin() && options_.deadline == 0.0;  // else time is looked at in between
+  bool started_from = false;  // u_start is known
+  // Else time is looked at in between.
+  const bool begins = krylov_.can_begin(*couplings_) && options_.deadline == 0.0;
   const auto keep_start = [&] {
     if (!started_from) std::copy_n(u_, groups_.layout().u_length, u_start_);
     started_from = true;
