@@ -75,8 +75,9 @@ TEST(Escape, FindsTheLeastGapThatIntegrationFinds) {
     EXPECT_NEAR(plan.now, norm(tube.r) - tube.rho0, 1e-12);
     const Tube* const one = &tube;
     const EscapeFlight flight = {a, tube.climb, tube.room};
-    EXPECT_TRUE(plans.may_leave({&one, 1}, flight, plan.reserve() - 1e-9));
-    EXPECT_FALSE(plans.may_leave({&one, 1}, flight, plan.reserve() + 0.1));
+    Escape again;
+    EXPECT_TRUE(plans.with({&one, 1}, flight, plan.reserve() - 1e-9, {&again, 1}));
+    EXPECT_FALSE(plans.with({&one, 1}, flight, plan.reserve() + 0.1, {&again, 1}));
   }
 }
 
@@ -193,7 +194,7 @@ TEST(Escape, OfTubesSideBySideAreThoseOneByOne) {
     // A flight that climbs, and what it leaves of all.
     const EscapeFlight flight = {
         {uniform(random, -1, 1), uniform(random, -1, 1)}, uniform(random, -1, 1), 0.5};
-    plans.with(of, flight, escapes);
+    ASSERT_TRUE(plans.with(of, flight, -1e9, escapes));
     double least = 1e9;
     for (std::size_t i = 0; i < tubes.size(); ++i) {
       tubes[i].climb = flight.climb;
@@ -205,10 +206,11 @@ TEST(Escape, OfTubesSideBySideAreThoseOneByOne) {
     }
     const double wanted = least + uniform(random, -0.01, 0.05);
     const bool each = std::all_of(of.begin(), of.end(), [&](const Tube* const& one) {
-      return plans.may_leave({&one, 1}, flight, wanted);
+      Escape again;
+      return plans.with({&one, 1}, flight, wanted, {&again, 1});
     });
-    ASSERT_EQ(plans.may_leave(of, flight, wanted), each);
-    ASSERT_TRUE(plans.may_leave(of, flight, least - 1e-9));
+    ASSERT_EQ(plans.with(of, flight, wanted, escapes), each);
+    ASSERT_TRUE(plans.with(of, flight, least - 1e-9, escapes));
   }
 }
 

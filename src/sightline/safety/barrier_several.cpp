@@ -47,23 +47,22 @@ struct Barrier::Joint {
     return reserve;
   }
 
-  /// Whether one look at each leaves it open that the flight is better than the best.
-  bool is_open(const EscapeFlight& flight) {
+  /// Whether one look at each tells that the flight is no better than the best.
+  bool is_none(const EscapeFlight& flight) {
     for (Look& look : looks) {
       const double x = look.q.x + look.F * flight.a.x, y = look.q.y + look.F * flight.a.y,
                    z = look.q.z + std::clamp(flight.climb * look.t, -flight.room, flight.room);
       if (x * x + y * y + z * z >= square(std::max(0.0, best + look.rho))) continue;
       std::swap(looks[0], look);  // it will tell of the next ones too
-      return false;
+      return true;
     }
-    return sort(flight) >= best && plans.may_leave(others.items(), flight, best);
+    return false;
   }
 
   /// Takes the flight where it is better than the best.
   void consider(const EscapeFlight& flight) {
     const double own_reserve = sort(flight);
-    if (own_reserve < best) return;
-    plans.with(others.items(), flight, *tried);
+    if (own_reserve < best || !plans.with(others.items(), flight, best, *tried)) return;
     double beside = infinity;
     for (std::size_t k = 0; k < others.size(); ++k) beside = std::min(beside, (*tried)[k].reserve());
     if (beside < best) return;
@@ -113,7 +112,7 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
     for (const Vec2<double>& whole : joint_) {
       const Vec2<double> a_V = {rows.part * whole.x, rows.part * whole.y};
       const EscapeFlight flight = {can_.turns ? rotate(self.d, a_V) : a_V, speed, room};
-      if (joint.is_open(flight)) joint.consider(flight);
+      if (!joint.is_none(flight)) joint.consider(flight);
       if (enough()) break;
     }
   }

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "sightline/base/no_value.hpp"
+
 namespace sightline {
 namespace {
 
@@ -340,13 +342,9 @@ struct EscapePlans::Search {
     return farthest(tube, direction(coast, away()));
   }
 
-  Plan with(const Vec2<double>& acceleration) const {
-    const Vec2<S> a = {S(acceleration.x), S(acceleration.y)};
-    return refined(a, along(a));
-  }
+  static Vec2<S> same(const Vec2<double>& a) { return {S(a.x), S(a.y)}; }
   /// Whether f, now and at the times of the grid, is nowhere less.
-  bool is_at_least(double wanted, const Vec2<double>& a) const {
-    const Curve f = along({S(a.x), S(a.y)});
+  bool is_at_least(double wanted, const Curve& f) const {
     S least = norm(tube.r);
     for (const S& value : f) least = minimum(least, value);
     return !any_negative(least - tube.rho0 - S(wanted));
@@ -390,7 +388,7 @@ Touch EscapePlans::touch(const Tube& tube, const Vec2<double>& a, double t) cons
 Escape EscapePlans::with(const Tube& tube, const Vec2<double>& a) const noexcept {
   const Tube* const one = &tube;
   Escape plan;
-  with({&one, 1}, {a, tube.climb, tube.room}, {&plan, 1});
+  with({&one, 1}, {a, tube.climb, tube.room}, -infinity, {&plan, 1});
   return plan;
 }
 
@@ -437,20 +435,18 @@ void EscapePlans::best(Tubes tubes, std::span<Escape* const> plans) const noexce
   });
 }
 
-void EscapePlans::with(Tubes tubes, const EscapeFlight& flight, std::span<Escape> plans) const noexcept {
+bool EscapePlans::with(Tubes tubes, const EscapeFlight& flight, double wanted,
+                       std::span<Escape> plans) const noexcept {
+  bool all = true;
   in_packs(tubes, flight.climb, flight.room, [&](const auto& search, std::size_t first, std::size_t count) {
-    const auto plan = search.with(flight.a);
+    const auto a = search.same(flight.a);
+    const auto f = search.along(a);
+    if (!search.is_at_least(wanted, f)) return all = false;
+    const auto plan = search.refined(a, f);
     for (std::size_t l = 0; l < count; ++l) search.write(plan, l, plans[first + l]);
     return true;
   });
-}
-
-bool EscapePlans::may_leave(Tubes tubes, const EscapeFlight& flight, double wanted) const noexcept {
-  bool may = true;
-  in_packs(tubes, flight.climb, flight.room, [&](const auto& search, std::size_t, std::size_t) {
-    return may = search.is_at_least(wanted, flight.a);
-  });
-  return may;
+  return all;
 }
 
 Escape EscapePlans::best_of_all(const Search<double>& search, const Escape& plan) const noexcept {
@@ -476,7 +472,8 @@ Escape EscapePlans::best_of_all(const Search<double>& search, const Escape& plan
   // Ascent in the disc from the plan and from straight away.
   const Vec2<double> away = search.away();
   const auto along = [&](const Vec2<double>& m) {
-    return search.escape(search.with(farthest(tube, direction(m, away))));
+    const Vec2<double> a = farthest(tube, direction(m, away));
+    return search.escape(search.refined(a, search.along(a)));
   };
   Escape from_plan = plan, from_away = along(away);
   for (Escape* start : {&from_plan, &from_away}) {

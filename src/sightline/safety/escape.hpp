@@ -95,11 +95,9 @@ class EscapePlans {
   void best(Tubes tubes, std::span<Escape* const> plans) const noexcept;
   /// The plan with one acceleration.
   Escape with(const Tube& tube, const Vec2<double>& a) const noexcept;
-  /// Those of one flight.
-  void with(Tubes tubes, const EscapeFlight& flight, std::span<Escape> plans) const noexcept;
-  /// Whether the flight may have a reserve of `wanted` [m] from all: by now and a grid of times, which tell more than it is
-  /// by what lies between two of them, mostly less than 0.1 m.
-  bool may_leave(Tubes tubes, const EscapeFlight& flight, double wanted) const noexcept;
+  /// Those of one flight. @return false where now or at a time of a grid, which tell more than the reserve by mostly less
+  /// than 0.1 m, one of them leaves less than `wanted` [m]: then not all are found
+  bool with(Tubes tubes, const EscapeFlight& flight, double wanted, std::span<Escape> plans) const noexcept;
   Touch touch(const Tube& tube, const Vec2<double>& a, double t) const noexcept;
 
   double E(double t) const noexcept;

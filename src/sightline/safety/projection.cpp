@@ -5,12 +5,13 @@
 #include <cmath>
 
 #include "sightline/base/no_value.hpp"
+#include "sightline/math/lane.hpp"
 
 namespace sightline {
 namespace {
 
 constexpr int most_variables = most_inputs + 1;  // and the slack
-constexpr int most_conditions = most_half_spaces + 2 * most_inputs;
+constexpr int most_conditions = padded(most_half_spaces) + padded(2 * most_inputs);
 constexpr double dependent = 1e-9;  // a unit normal whose rest is shorter adds nothing to the set
 constexpr int most_steps = 400;
 constexpr double hard_tolerance = 1e-9;  // what the least violation of the hard rows is known to
@@ -23,18 +24,43 @@ double dot(const Vector& a, const Vector& b) {
   return sum;
 }
 
+using Pack = NativeLane;
+constexpr auto width = static_cast<std::size_t>(Pack::width);
+
 /// min |x - x_nom|^2 under conditions n_i . x >= e_i with |n_i| = 1.
 class ActiveSet {
  public:
-  void add(Vector normal, double e) {
-    const double length = std::sqrt(dot(normal, normal));
-    if (length == 0) {
-      impossible_ = impossible_ || e > 0;
-      return;
+  void add(const Vector& normal, double e) {
+    const std::size_t i = count_++;
+    for (std::size_t k = 0; k < most_variables; ++k) normal_[k][i] = normal[k];
+    offset_[i] = e;
+  }
+
+  /// Makes unit vectors of the normals that were added.
+  void normalise() {
+    fill();
+    const Pack zero(0.0);
+    for (std::size_t i = 0; i < count_; i += width) {
+      Pack square = zero;
+      for (const auto& column : normal_) {
+        const Pack n = Pack::load(&column[i]);
+        square += n * n;
+      }
+      const Pack length = sqrt(square), e = Pack::load(&offset_[i]);
+      for (auto& column : normal_)
+        where_negative(-length, Pack::load(&column[i]) / length, zero).store(&column[i]);
+      // Without a direction: kept by all, or by none.
+      where_negative(-length, e / length, Pack(-infinity)).store(&offset_[i]);
+      impossible_ = impossible_ || any_negative(where_negative(-length, zero, -e));
     }
-    const auto i = static_cast<std::size_t>(count_++);
-    for (std::size_t k = 0; k < most_variables; ++k) normal_[k][i] = normal[k] / length;
-    offset_[i] = e / length;
+  }
+
+  /// Fills the last pack with what asks nothing.
+  void fill() {
+    for (; count_ % width != 0; ++count_) {
+      for (auto& column : normal_) column[count_] = 0.0;
+      offset_[count_] = -infinity;
+    }
   }
 
   /// @return false where no x keeps all conditions
@@ -57,21 +83,20 @@ class ActiveSet {
     return n;
   }
 
+  /// The first of those with the least n . x - e, or -1 where none is below the tolerance.
   int most_violated(const Vector& x) const {
-    std::array<double, most_conditions> gap;
-    const auto n = static_cast<std::size_t>(count_);
-    for (std::size_t i = 0; i < n; ++i) gap[i] = -offset_[i];
-    for (std::size_t k = 0; k < most_variables; ++k) {
-      for (std::size_t i = 0; i < n; ++i) gap[i] += normal_[k][i] * x[k];
+    alignas(row_alignment) std::array<double, most_conditions> gap;
+    Pack least(-projection_tolerance);
+    for (std::size_t i = 0; i < count_; i += width) {
+      Pack sum = -Pack::load(&offset_[i]);
+      for (std::size_t k = 0; k < most_variables; ++k) sum += Pack::load(&normal_[k][i]) * Pack(x[k]);
+      sum.store(&gap[i]);
+      least = minimum(sum, least);
     }
-    int worst = -1;
-    double least = -projection_tolerance;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (gap[i] >= least) continue;
-      least = gap[i];
-      worst = static_cast<int>(i);
-    }
-    return worst;
+    if (!any_negative(least + Pack(projection_tolerance))) return -1;
+    double most = least[0];
+    for (int lane = 1; lane < Pack::width; ++lane) most = minimum(least[lane], most);
+    return static_cast<int>(std::find(gap.begin(), gap.begin() + count_, most) - gap.begin());
   }
 
   /// Moves x until the condition is kept, letting go others on the way; r and z are the parts of its normal
@@ -153,9 +178,9 @@ class ActiveSet {
     }
   }
 
-  std::array<std::array<double, most_conditions>, most_variables> normal_;
-  std::array<double, most_conditions> offset_;
-  int count_ = 0;
+  alignas(row_alignment) std::array<std::array<double, most_conditions>, most_variables> normal_;
+  alignas(row_alignment) std::array<double, most_conditions> offset_;
+  std::size_t count_ = 0;
   bool impossible_ = false;
 
   int size_ = 0;
@@ -177,6 +202,7 @@ bool solve(std::span<const HalfSpace> rows, std::span<const double> u_min, std::
     if (counts(row))
       set.add({row.a[0], row.a[1], row.a[2], row.a[3], missable(row) ? slack_part : 0.0}, row.b);
   }
+  set.normalise();
   for (std::size_t i = 0; i < u.size(); ++i) {
     x[i] = u[i];
     Vector low{}, high{};
@@ -185,6 +211,7 @@ bool solve(std::span<const HalfSpace> rows, std::span<const double> u_min, std::
     set.add(low, u_min[i]);
     set.add(high, -u_max[i]);
   }
+  set.fill();
   const bool feasible = set.solve(x);
   steps += set.steps;
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = std::clamp(x[i], u_min[i], u_max[i]);
