@@ -5,9 +5,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <memory>
 
 #include "sightline/formula/derive.hpp"
+#include "sightline/math/transpose.hpp"
 #include "sightline/solver/kernels/kernel.hpp"
 
 namespace sightline {
@@ -108,12 +110,17 @@ class StageGroup final : public Group {
   }
 
   void copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept override {
-    const StageSizes sizes = kernel_.sizes();
+    const int nx = kernel_.sizes().nx, own = nx - kernel_.sizes().before;
     const double* from = x_[0];
-    for (int k = 0; k <= stages_; ++k, from += sizes.nx * W) {
-      for (int lane = 0; lane < n; ++lane) {
-        double* const of_stage = to[lane] + k * stage;
-        for (int i = 0; i < sizes.nx - sizes.before; ++i) of_stage[i] = from[i * W + lane];
+    for (int k = 0; k <= stages_; ++k, from += nx * W) {
+      for (int first = 0; first < own; first += W) {
+        const int count = std::min(W, own - first);
+        std::array<Lane<W>, static_cast<std::size_t>(W)> of{};
+        for (int i = 0; i < count; ++i)
+          of[static_cast<std::size_t>(i)] = Lane<W>::load(from + (first + i) * W);
+        transpose(of);
+        for (int lane = 0; lane < n; ++lane)
+          store_first(of[static_cast<std::size_t>(lane)], count, to[lane] + k * stage + first);
       }
     }
   }

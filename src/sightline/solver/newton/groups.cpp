@@ -91,14 +91,12 @@ int width_for(const std::vector<Kind>& kinds) {
 
 }  // namespace
 
-void Groups::copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at,
-                         Crew& crew) const noexcept {
-  each(crew, [&](int g, int) noexcept {
-    std::array<double*, native_width> to{};
-    const std::vector<int>& members = members_[at(g)];
-    for (std::size_t lane = 0; lane < members.size(); ++lane) to[lane] = x + x_at[at(members[lane])];
-    groups_[at(g)]->copy_states(to.data(), stage, static_cast<int>(members.size()));
-  });
+void Groups::copy_states(int group, double* x, std::ptrdiff_t stage,
+                         std::span<const int> x_at) const noexcept {
+  std::array<double*, native_width> to{};
+  const std::vector<int>& members = members_[at(group)];
+  for (std::size_t lane = 0; lane < members.size(); ++lane) to[lane] = x + x_at[at(members[lane])];
+  groups_[at(group)]->copy_states(to.data(), stage, static_cast<int>(members.size()));
 }
 
 Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice,

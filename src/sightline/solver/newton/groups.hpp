@@ -48,8 +48,8 @@ class Groups {
   void roll_out(const double* u, double* s) noexcept {
     for (int g = 0; g < static_cast<int>(groups_.size()); ++g) roll_out(g, u, s);
   }
-  /// States of the last roll-out, agent a of stage k at x + k stage + x_at[a].
-  void copy_states(double* x, std::ptrdiff_t stage, std::span<const int> x_at, Crew& crew) const noexcept;
+  /// A group's states of the last roll-out, agent a of stage k at x + k stage + x_at[a].
+  void copy_states(int group, double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept;
   /// Tracking cost, barriers and the inputs' rates of a group's agents along the last roll-out, times h, lane by lane.
   void own_costs(int group, const double* u, double* of_lanes) noexcept;
   /// The step of each agent of a group by itself: factorises at the last roll-out, and goes forward while the gains are near.

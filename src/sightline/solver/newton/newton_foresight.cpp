@@ -22,12 +22,14 @@ using L = NativeLane;
 
 void NewtonUpdate::foresee() noexcept {
   const double passed = time_ - plan_time_, before = plan_time_ - plan_before_time_;
-  if (!(passed > 0)) return;
+  if (!(passed > 0)) return leave_plan();
   std::swap(H_u_, H_before_);
   constexpr double farthest = 2.0;  // of the period before
   foreseen_ = taken_ >= 2 && passed <= farthest * before && is_foreseeable();
-  if (!foreseen_) return;
-  groups_.each(*crew_, [&](int g, int) noexcept { held_[at(g)] = foresee(g, passed / before); });
+  if (!foreseen_) return leave_plan();
+  const double* const from = u_;
+  if (u_ == plan_) u_ = spare_;
+  groups_.each(*crew_, [&](int g, int) noexcept { held_[at(g)] = foresee(g, passed / before, from); });
   all_free_ = all_free_ && std::none_of(held_.begin(), held_.end(), [](char held) { return held != 0; });
 }
 
@@ -46,14 +48,14 @@ bool NewtonUpdate::is_foreseeable() noexcept {
   return wait_ == 0 && corrected_ >= steady * corrected_before_;
 }
 
-/// Inputs of a group go on by `ratio` of their last change. Where they come to a limit it is active; where the
+/// Inputs of a group go on `from` where they are by `ratio` of their last change. Where they come to a limit it is active; where the
 /// multiplier of an active one goes through zero it is not. @return whether limits are active
-bool NewtonUpdate::foresee(int group, double ratio) noexcept {
+bool NewtonUpdate::foresee(int group, double ratio, const double* from) noexcept {
   const Layout::Span its = groups_.layout().u_of(group);
   const L on(infinity), off(0.0);
   L held = 0.0;
   for (std::ptrdiff_t i = its.first; i < its.end(); i += L::width) {
-    const L u = L::load(u_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
+    const L u = L::load(from + i), low = L::load(low_ + i), high = L::load(high_ + i);
     const L next = u + L(ratio) * (u - L::load(plan_before_ + i));
     L to = clamp(next, low, high), active = where_negative(-absolute(next - to), on, off);
     const L was = all_free_ ? off : L::load(active_ + i);
@@ -73,14 +75,22 @@ bool NewtonUpdate::foresee(int group, double ratio) noexcept {
 
 /// Keeps u as the plan, and that of the update before, to go on from; whether the next can be foreseen.
 void NewtonUpdate::remember(const Step& step) noexcept {
+  spare_ = plan_;
   if (time_ > plan_time_) {
-    std::swap(plan_, plan_before_);
+    std::swap(spare_, plan_before_);
     plan_before_time_ = plan_time_;
   }
-  std::copy_n(u_, groups_.layout().u_length, plan_);
+  plan_ = u_;
   plan_time_ = time_;
   taken_ = step.taken ? taken_ + 1 : 0;
   corrected_before_ = std::exchange(corrected_, step.correction);
+}
+
+/// u is to change, and the plan to stay.
+void NewtonUpdate::leave_plan() noexcept {
+  if (u_ != plan_) return;
+  u_ = spare_;
+  std::copy_n(plan_, groups_.layout().u_length, u_);
 }
 
 }  // namespace sightline

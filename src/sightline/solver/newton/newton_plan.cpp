@@ -33,6 +33,7 @@ void NewtonUpdate::plan(int k, std::span<double> u) const noexcept {
 
 void NewtonUpdate::set_plan(int k, std::span<const double> u) noexcept {
   if (!is_stage(k, u)) return;
+  leave_plan();
   has_plan_ = true;
   started_ = false;
   for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {

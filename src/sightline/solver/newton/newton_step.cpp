@@ -21,6 +21,11 @@ double* NewtonUpdate::felt(int group, int thread) noexcept {
   return c;
 }
 
+/// Into x_next_, of the last roll-out.
+void NewtonUpdate::copy_states(int group) noexcept {
+  groups_.copy_states(group, x_next_.data(), ocp_.nx(), x_at_);
+}
+
 /// The step of each robot by itself, from the roll-out of u on; with the first iteration of the couplings where it `begins`.
 /// @return factorisations beyond the first
 int NewtonUpdate::solve_alone(bool finds_neighbours, bool begins) noexcept {
@@ -34,6 +39,7 @@ int NewtonUpdate::solve_alone(bool finds_neighbours, bool begins) noexcept {
       *crew_,
       [&](int g, int) noexcept {
         if (!gathers) groups_.roll_out(g, u_, s_);
+        copy_states(g);
       },
       [&](int g, int) noexcept { couplings_->derive(g, s_); },
       [&](int g, int thread) noexcept {
@@ -65,20 +71,25 @@ NewtonUpdate::Proposal NewtonUpdate::examine(int g) noexcept {
   const double per_h = 1.0 / ocp_.horizon().h();
   L step = 0.0, residual = 0.0, beyond = 0.0, not_finite = 0.0, votes = 0.0;
   const Layout::Span its = groups_.layout().u_of(g);
+  // Scales are the same at each stage: those of the first stay in the cache, where its rows are whole packs.
+  const int stage = groups_.layout().groups[at(g)].nu * groups_.layout().width;
+  const std::ptrdiff_t scales_end = its.first + (stage % L::width == 0 ? stage : its.length);
+  std::ptrdiff_t of = its.first;
   for (std::ptrdiff_t i = its.first; i < its.end(); i += L::width) {
     const L u = L::load(u_ + i), du = L::load(du_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
-    const L next = u + du, kept = clamp(next, low, high), per_scale = L::load(per_scale_ + i);
+    const L next = u + du, kept = clamp(next, low, high), per_scale = L::load(per_scale_ + of);
     kept.store(u_next_ + i);
     step = maximum(absolute(du) * per_scale, step);
     beyond = maximum(maximum(next - high, low - next), beyond);
     not_finite = fma(du, L(0.0), not_finite);
     const L H_u = L(per_h) * L::load(H_u_ + i);
     not_finite = fma(H_u, L(0.0), not_finite);
-    const L gap = u - clamp(u - H_u * L::load(scale_2_ + i), low, high);
+    const L gap = u - clamp(u - H_u * L::load(scale_2_ + of), low, high);
     residual = maximum(absolute(gap) * per_scale, residual);
     const L foreseen = absolute(u - L::load(plan_ + i)), corrected = absolute(kept - u);
     votes +=
         where_negative(-foreseen, where_negative(L(2.0) * corrected - foreseen, L(1.0), L(-1.0)), L(0.0));
+    if ((of += L::width) == scales_end) of = its.first;
   }
   double nan = 0.0;
   int sum = 0;

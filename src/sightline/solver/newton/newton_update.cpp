@@ -99,7 +99,8 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       limits_(at(2 * ocp_.nu())),
       u_out_(at(ocp_.nu())),
       raw_u_(at(ocp_.nu())),
-      x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)) {
+      x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)),
+      x_next_(x_out_.size()) {
   repeated_.resize(groups_.layout().groups.size());
   proposals_.resize(groups_.layout().groups.size());
   held_.resize(groups_.layout().groups.size());
@@ -193,6 +194,7 @@ void NewtonUpdate::set_time(double time) noexcept {
     }
   }
   if (!limits_move_ || !started_) return;
+  leave_plan();
   // A limit that moved takes its inputs along, or lets them go.
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     u_[i] = clamp(u_[i], low_[i], high_[i]);
@@ -230,6 +232,7 @@ void NewtonUpdate::find_limits(const Agent& agent, std::size_t input, double tim
 }
 
 void NewtonUpdate::start() noexcept {
+  leave_plan();
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     u_[i] = clamp(has_plan_ ? u_[i] : 0.0, low_[i], high_[i]);
     active_[i] = 0.0;
@@ -245,6 +248,7 @@ void NewtonUpdate::start() noexcept {
 
 void NewtonUpdate::restart() noexcept {
   started_ = has_plan_ = false;
+  leave_plan();
   std::fill_n(plan_, groups_.layout().u_length, 0.0);
   std::fill(x_out_.begin(), x_out_.end(), 0.0);
   for (Prediction& prediction : predictions_) prediction.sights.clear();
@@ -262,10 +266,12 @@ void NewtonUpdate::write_inputs() noexcept {
   }
 }
 
-void NewtonUpdate::write_states() noexcept {
+/// The trajectory of the last roll-out; where a step was taken, that of the robots was copied while it was near.
+void NewtonUpdate::write_states(const Step& step) noexcept {
   const Team& team = ocp_.team();
   const int N = ocp_.horizon().N;
-  groups_.copy_states(x_out_.data(), ocp_.nx(), x_at_, *crew_);
+  if (!step.taken) groups_.each(*crew_, [&](int g, int) noexcept { copy_states(g); });
+  std::swap(x_out_, x_next_);
   for (int b = 0; b < team.bodies(); ++b) {
     if (team.is_agent(BodyId{b})) continue;
     const std::size_t from = at(team.state_offset(BodyId{b}));
@@ -325,7 +331,7 @@ Solution NewtonUpdate::solve(double time, std::span<const double> states) noexce
   }
   if (!step.finite) return fall_back(time, Status::not_finite);
   write_inputs();
-  write_states();
+  write_states(step);
   remember(step);
   const Status status = !step.in_time                         ? Status::deadline
                         : step.residual <= options_.tolerance ? Status::converged

@@ -62,8 +62,9 @@ class NewtonUpdate {
   void start() noexcept;
   void foresee() noexcept;
   bool is_foreseeable() noexcept;
-  bool foresee(int group, double ratio) noexcept;
+  bool foresee(int group, double ratio, const double* from) noexcept;
   void remember(const Step& step) noexcept;
+  void leave_plan() noexcept;
   Step newton_step() noexcept;
   double* felt(int group, int thread) noexcept;
   template <class PerGroup>
@@ -84,8 +85,9 @@ class NewtonUpdate {
   Krylov::Deadline deadline() const noexcept;
   bool late() const noexcept;
   bool is_stage(int k, std::span<const double> u) const noexcept;
+  void copy_states(int group) noexcept;
   void write_inputs() noexcept;
-  void write_states() noexcept;
+  void write_states(const Step& step) noexcept;
   Solution fall_back(double time, Status status) noexcept;
 
   Ocp ocp_;
@@ -111,6 +113,7 @@ class NewtonUpdate {
   Rows c_;  // of the team with swarms, else of the one group that each thread is at
   double *u_, *du_, *active_, *H_u_, *low_, *high_, *plan_, *u_start_;
   double* u_next_;                   // where the step leads; once it is taken, where it came from
+  double* spare_ = nullptr;          // between updates, when u_ is plan_: where u_ goes once it is to change
   double *plan_before_, *H_before_;  // the plan before plan_, and, in an update, H_u of the one before
   double *per_scale_, *scale_2_;     // of each input, for what is compared with a threshold
   double *s_, *ds_;
@@ -124,6 +127,7 @@ class NewtonUpdate {
   std::vector<int> x_at_;                            // of each agent in the stacked state
   std::vector<Prediction> predictions_;  // of each body; room for N + 1 sights of those not controlled
   std::vector<double> x_now_, limits_, u_out_, raw_u_, x_out_;
+  std::vector<double> x_next_;          // what becomes x_out_ if the update ends well
   std::vector<double> before_, added_;  // AppliedInputs; empty: never told
   std::vector<int> repeated_;           // of each group: factorisations beyond the first
   std::vector<Proposal> proposals_;     // of each group
