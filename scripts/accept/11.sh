@@ -1,47 +1,62 @@
 #!/usr/bin/env bash
 # Every figure that "Ready for the world" asks for, section by section:  scripts/accept/11.sh [--short] [SECTION ...]
-# What is finished stays in out/accept/11/ and is not done again; delete it to begin anew. Needs the release preset, and
-# `npm ci --prefix tests/npm`. BEFORE=path names the binary of the commit before, which flies the scenarios of its time.
-# --short is for CI: a log against itself.
+# What is finished stays in out/accept/11/ and is not done again; delete it to begin anew. Needs the release preset,
+# `npm ci --prefix tests/npm`, and the repository's history. --short is for CI: a log against itself.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
-begin_commit=22aaa23  # the last one before
 build=build/release
 . scripts/accept/sections.sh
-whole || begin_commit=HEAD BEFORE=$build/bin/sightline
+# The log of every shipped scenario, seed 1, is the same from the commit before the first step to the one after the last.
+# "Record a formula in one way" (6d5e99f) changed last bits, and that commit alone: what came before it is compared up to
+# its parent, what came after from it.
+stretches=('22aaa23 b146855' '6d5e99f 8e55433')
 
+# The command line of a commit, built from the repository's files of then.
+built() {
+  local at=$out/at/$1
+  [[ -x $at/$build/bin/sightline ]] && return
+  mkdir -p "$at"
+  git archive "$1" | tar -x -C "$at" || return 1
+  (cd "$at" && cmake --preset release -DSIGHTLINE_TESTS=OFF -DSIGHTLINE_BENCH=OFF && cmake --build --preset release --target sightline_cli) >"$at.log" 2>&1 ||
+    { tail -n 5 "$at.log"; return 1; }
+}
 # What a binary understands of a scenario; warnings are words about it.
 team_of() { "$1" check "$2" 2>/dev/null | grep -v '^warning'; }
 
-# The log of every shipped scenario, seed 1, is the same before and after, message by message. "Record a formula in one
-# way" changed last bits: what came before it is compared up to its parent, what came after from it.
+# $1: file of a scenario, $2: binary, $3: scenario, $4: binary. Whether they fly to the same messages, seed 1.
+flies_as() {
+  local log code bad=0
+  for log in first second; do
+    code=0
+    if [[ $log == first ]]; then "$2" run "$1" --seed 1 -o "$out/$log"; else "$4" run "$3" --seed 1 -o "$out/$log"; fi &>"$out/$log.txt" || code=$?
+    ((code <= 1)) || { echo "$log does not fly: $(tail -n 1 "$out/$log.txt")"; bad=1; }
+  done
+  ((bad == 1)) || node tests/npm/same_mcap.mjs "$out"/{first,second}/run.mcap 2>&1 || bad=1
+  rm -rf "$out"/{first,second}{,.txt}
+  return $bad
+}
+
 logs() {
-  local before=${BEFORE:-} after=$build/bin/sightline name told bad=0 flown=0
-  [[ -x $before ]] || { echo "BEFORE = \"$before\", expected the binary of the commit before"; return 1; }
-  local -a scenarios=(scenarios/*.toml)
-  whole || scenarios=(scenarios/handover.toml)
-  mkdir -p "$out/tree"
-  git archive "$begin_commit" scenarios | tar -x -C "$out/tree" || return 1
-  for scenario in "${scenarios[@]}"; do
-    name=$(basename "$scenario" .toml)
-    [[ -f $out/tree/$scenario ]] || continue  # it is new
-    if told=$(diff <(team_of "$before" "$out/tree/$scenario") <(team_of "$after" "$scenario")); [[ -n $told ]]; then
-      printf '%-40s is another team now:\n%s\n' "$scenario" "$told"
-      continue
-    fi
-    for side in before after; do
-      local of=$scenario
-      [[ $side == after ]] || of=$out/tree/$scenario
-      "${!side}" run "$of" --seed 1 -o "$out/$side/$name" >"$out/$side-$name.txt" 2>&1
-      (($? <= 1)) || { echo "$side: $scenario did not fly"; tail -n 3 "$out/$side-$name.txt"; bad=$((bad + 1)); continue 2; }
+  local first second name told bad=0 flown=0 from to
+  whole || { mkdir -p "$out/at" && ln -s "$PWD" "$out/at/HEAD" && stretches=('HEAD HEAD'); }
+  for stretch in "${stretches[@]}"; do
+    read -r first second <<<"$stretch"
+    built "$first" && built "$second" || return 1
+    for from in "$out/at/$first"/scenarios/*.toml; do
+      name=$(basename "$from" .toml) to=$out/at/$second/scenarios/$(basename "$from")
+      whole || [[ $name == handover ]] || continue
+      # A scenario that was written anew is flown by both as it was.
+      diff -q <(team_of "$out/at/$first/$build/bin/sightline" "$from") <(team_of "$out/at/$second/$build/bin/sightline" "$to") >/dev/null || {
+        to=$from
+        name+=' as it was'
+      }
+      if told=$(flies_as "$from" "$out/at/$first/$build/bin/sightline" "$to" "$out/at/$second/$build/bin/sightline"); then
+        flown=$((flown + 1))
+      else
+        bad=$((bad + 1))
+      fi
+      printf '%s to %s  %-40s %s\n' "$first" "$second" "$name" "$told"
     done
-    if told=$(node tests/npm/same_mcap.mjs "$out"/{before,after}/"$name"/run.mcap 2>&1); then
-      flown=$((flown + 1))
-    else
-      bad=$((bad + 1))
-    fi
-    printf '%-40s %s\n' "$scenario" "$told"
-    rm -rf "$out"/{before,after}/"$name" "$out"/{before,after}-"$name.txt"
   done
   echo "$flown logs the same, $bad not"
   ((bad == 0 && flown > 0))
@@ -125,5 +140,13 @@ bits() {
   ((bad == 0 && flown > 0))
 }
 
-all=(logs replay package bits)
+# The benchmark before the first step and today, in turns.
+bench() {
+  local before=$build/bin/sightline
+  whole || { LIMIT=1000 TURNS=1 scripts/accept/bench_turns.sh "$before" "$before" pair; return; }
+  built 22aaa23 || return 1
+  scripts/accept/bench_turns.sh "$out/at/22aaa23/$before" "$before"
+}
+
+all=(logs replay package bits bench)
 run_sections "$@"

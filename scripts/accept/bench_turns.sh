@@ -23,14 +23,15 @@ for name in "${cases[@]}"; do
   for ((again = 0; again < 4; ++again)); do
     for ((turn = 0; turn < ${TURNS:-5}; ++turn)); do
       a=$(least $a "$(median "$before" "$name")")
+      [[ -n $a ]] || break 2
       b=$(least $b "$(median "$after" "$name")")
     done
     ratio=$(awk -v a="${a:-0}" -v b="${b:-0}" 'BEGIN { printf "%.3f", (a > 0 ? b / a : 0) }')
     awk -v r="$ratio" -v limit="${LIMIT:-1.03}" 'BEGIN { exit !(r > limit) }' || break
   done
   verdict=''
-  if [[ $ratio == 0.000 ]]; then
-    verdict=' (new)'
+  if [[ -z $ratio ]]; then
+    verdict='(new)'
   elif awk -v r="$ratio" -v limit="${LIMIT:-1.03}" 'BEGIN { exit !(r > limit) }'; then
     verdict=' **slower**'
     bad=$((bad + 1))
