@@ -41,7 +41,7 @@ logs() {
   whole || { mkdir -p "$out/at" && ln -s "$PWD" "$out/at/HEAD" && stretches=('HEAD HEAD'); }
   for stretch in "${stretches[@]}"; do
     read -r first second <<<"$stretch"
-    built "$first" && built "$second" || return 1
+    ! whole || { built "$first" && built "$second"; } || return 1
     for from in "$out/at/$first"/scenarios/*.toml; do
       name=$(basename "$from" .toml) to=$out/at/$second/scenarios/$(basename "$from")
       whole || [[ $name == handover ]] || continue

@@ -303,14 +303,14 @@ void write_panel(std::ostream& script, const Panel& panel, int axes) {
 }
 
 // Where the axes of a panel are, from the picture's upper left corner [px].
-struct Place {
+struct PanelPlace {
   int x, width, title_y, legend_y, y;
 };
 
 void write_drawing(std::ostream& script, const Drawing& drawing) {
   constexpr int row = 20, gap = 10, axis = 46, colour_box = 92;
   const int columns = std::max(1, drawing.columns), share = page_width / columns;
-  std::vector<Place> places;
+  std::vector<PanelPlace> places;
   int height = gap;
   for (std::size_t first = 0; first < drawing.panels.size(); first += static_cast<std::size_t>(columns)) {
     const std::size_t end = std::min(first + static_cast<std::size_t>(columns), drawing.panels.size());
@@ -338,7 +338,7 @@ void write_drawing(std::ostream& script, const Drawing& drawing) {
                         page_width, height);
   for (std::size_t i = 0; i < drawing.panels.size(); ++i) {
     const Panel& panel = drawing.panels[i];
-    const Place& at = places[i];
+    const PanelPlace& at = places[i];
     const Legend legend(panel, at.width);
     script << fmt::format(
         "set lmargin at screen {}\nset rmargin at screen {}\nset key at screen {},{} left top maxcols {} "

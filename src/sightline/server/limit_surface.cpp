@@ -46,7 +46,7 @@ Sight<double> upright_at(const Vec3<double>& p) {
 }
 
 /// Draws of what a limit may depend on besides the place.
-class Surroundings {
+class LimitDraws {
  public:
   double between(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
@@ -80,7 +80,7 @@ LimitSurface::Goes what_it_goes_with(const Potential& potential, const SensorMou
                                      LimitSurface::Goes rather) {
   constexpr int draws = 200;
   const auto unchanged = [&](const auto& both, const auto& plain) {
-    Surroundings drawn;
+    LimitDraws drawn;
     for (int i = 0; i < draws; ++i) {
       const Vec3<double> place = drawn.place();
       const auto [a, b] = both(drawn, place);
@@ -93,7 +93,7 @@ LimitSurface::Goes what_it_goes_with(const Potential& potential, const SensorMou
   using Two = std::pair<Sight<double>, Sight<double>>;
   const auto with_sensor = [&] {
     return unchanged(
-        [&](Surroundings& drawn, const Vec3<double>& p_S) {
+        [&](LimitDraws& drawn, const Vec3<double>& p_S) {
           const Sight<double> a = drawn.sight();
           Sight<double> b = drawn.sight();
           b.p = SensorFrame(mount, a).point(p_S);
@@ -106,7 +106,7 @@ LimitSurface::Goes what_it_goes_with(const Potential& potential, const SensorMou
   };
   const auto with_target = [&] {
     return unchanged(
-        [&](Surroundings& drawn, const Vec3<double>& r) {
+        [&](LimitDraws& drawn, const Vec3<double>& r) {
           Sight<double> a = drawn.sight();
           const Sight<double> b = drawn.sight();
           a.p = b.p + r;
