@@ -46,16 +46,16 @@ void transpose(std::array<Lane<W>, static_cast<std::size_t>(W)>& rows) {
   if constexpr (W > 1) detail::transpose_by<1>(rows);
 }
 
-/// The first n numbers of a pack, 0 <= n <= W.
+/// The first numbers of a pack, 0 <= count <= W.
 template <int W>
-void store_first(Lane<W> pack, int n, double* to) {
+void store_first(Lane<W> pack, int count, double* to) {
 #if defined(__AVX512F__)
   if constexpr (W == 8) {
-    _mm512_mask_storeu_pd(to, static_cast<__mmask8>((1U << n) - 1), (__m512d)pack.v);
+    _mm512_mask_storeu_pd(to, static_cast<__mmask8>((1U << count) - 1), (__m512d)pack.v);
     return;
   }
 #endif
-  for (int i = 0; i < n; ++i) to[i] = pack[i];
+  for (int i = 0; i < count; ++i) to[i] = pack[i];
 }
 
 }  // namespace sightline

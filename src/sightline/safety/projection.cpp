@@ -24,9 +24,6 @@ double dot(const Vector& a, const Vector& b) {
   return sum;
 }
 
-using Pack = NativeLane;
-constexpr auto width = static_cast<std::size_t>(Pack::width);
-
 /// min |x - x_nom|^2 under conditions n_i . x >= e_i with |n_i| = 1.
 class ActiveSet {
  public:
@@ -77,6 +74,9 @@ class ActiveSet {
   int steps = 0;
 
  private:
+  using Pack = NativeLane;
+  static constexpr auto width = static_cast<std::size_t>(Pack::width);
+
   Vector normal(int i) const {
     Vector n;
     for (std::size_t k = 0; k < most_variables; ++k) n[k] = normal_[k][static_cast<std::size_t>(i)];

@@ -151,8 +151,10 @@ class Grid {
 /// The surface in a grid, by marching tetrahedra.
 class Marching {
  public:
-  Marching(const Grid& grid, const Holds& holds, LimitSurface& to) : grid_(grid), holds_(holds), to_(to) {
-    for (int shell = 0; shell < grid.shells(); ++shell)
+  Marching(const Grid& grid, const Holds& holds, LimitSurface& to) : grid_(grid), holds_(holds), to_(to) {}
+
+  void through_all_cells() {
+    for (int shell = 0; shell < grid_.shells(); ++shell)
       for (int ring = 0; ring < Grid::rings; ++ring)
         for (int side = 0; side < Grid::sides; ++side) cell(ring, side, shell);
   }
@@ -294,7 +296,7 @@ void draw(LimitSurface& surface, const Holds& holds, double farthest) {
         inside.anywhere ? "its limit holds everywhere" : "no place was found where its limit holds";
     return;
   }
-  Marching(Grid(surface.reach, inside.scales ? 1 : 12), holds, surface);
+  Marching(Grid(surface.reach, inside.scales ? 1 : 12), holds, surface).through_all_cells();
   drop_unused_corners(surface);
   if (surface.triangles.empty())
     surface.lacks = fmt::format("nothing of its limit is within {} m", surface.reach);
