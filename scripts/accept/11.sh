@@ -23,13 +23,13 @@ built() {
 # What a binary understands of a scenario; warnings are words about it.
 team_of() { "$1" check "$2" 2>/dev/null | grep -v '^warning'; }
 
-# $1: file of a scenario, $2: binary, $3: scenario, $4: binary. Whether they fly to the same messages, seed 1.
+# $1, $2: a binary and its scenario; $3, $4: those of the other. Whether they fly to the same messages, seed 1.
 flies_as() {
-  local log code bad=0
+  local log bad=0
   for log in first second; do
-    code=0
-    if [[ $log == first ]]; then "$2" run "$1" --seed 1 -o "$out/$log"; else "$4" run "$3" --seed 1 -o "$out/$log"; fi &>"$out/$log.txt" || code=$?
-    ((code <= 1)) || { echo "$log does not fly: $(tail -n 1 "$out/$log.txt")"; bad=1; }
+    "$1" run "$2" --seed 1 -o "$out/$log" &>"$out/$log.txt"
+    (($? <= 1)) || { echo "$1: $2 does not fly: $(tail -n 1 "$out/$log.txt")"; bad=1; }
+    shift 2
   done
   ((bad == 1)) || node tests/npm/same_mcap.mjs "$out"/{first,second}/run.mcap 2>&1 || bad=1
   rm -rf "$out"/{first,second}{,.txt}
@@ -37,20 +37,21 @@ flies_as() {
 }
 
 logs() {
-  local first second name told bad=0 flown=0 from to
+  local first second before after from to name told bad=0 flown=0
   whole || { mkdir -p "$out/at" && ln -s "$PWD" "$out/at/HEAD" && stretches=('HEAD HEAD'); }
   for stretch in "${stretches[@]}"; do
     read -r first second <<<"$stretch"
     ! whole || { built "$first" && built "$second"; } || return 1
+    before=$out/at/$first/$build/bin/sightline after=$out/at/$second/$build/bin/sightline
     for from in "$out/at/$first"/scenarios/*.toml; do
       name=$(basename "$from" .toml) to=$out/at/$second/scenarios/$(basename "$from")
       whole || [[ $name == handover ]] || continue
       # A scenario that was written anew is flown by both as it was.
-      diff -q <(team_of "$out/at/$first/$build/bin/sightline" "$from") <(team_of "$out/at/$second/$build/bin/sightline" "$to") >/dev/null || {
+      diff -q <(team_of "$before" "$from") <(team_of "$after" "$to") >/dev/null || {
         to=$from
         name+=' as it was'
       }
-      if told=$(flies_as "$from" "$out/at/$first/$build/bin/sightline" "$to" "$out/at/$second/$build/bin/sightline"); then
+      if told=$(flies_as "$before" "$from" "$after" "$to"); then
         flown=$((flown + 1))
       else
         bad=$((bad + 1))
@@ -113,7 +114,7 @@ package() {
 # GCC and clang print the same kernels and fly every shipped scenario, seed 1, to the same messages. Builds the preset
 # clang, library and command line, into build/clang; --short: the kernels alone.
 bits() {
-  local other=build/clang kernels=$out/clang_kernels name told bad=0 flown=0 side
+  local other=build/clang kernels=$out/clang_kernels told bad=0 flown=0
   local target=sightline_cli
   whole || target=sightline_generate
   cmake --preset clang -DSIGHTLINE_TESTS=OFF -DSIGHTLINE_BENCH=OFF >/dev/null &&
@@ -123,18 +124,12 @@ bits() {
   whole || return 0
   local -a scenarios=(scenarios/*.toml)
   for scenario in "${scenarios[@]}"; do
-    name=$(basename "$scenario" .toml)
-    for side in "$build" "$other"; do
-      "$side/bin/sightline" run "$scenario" --seed 1 -o "$out/$side/$name" >"$out/$name.txt" 2>&1
-      (($? <= 1)) || { echo "$side: $scenario did not fly"; tail -n 3 "$out/$name.txt"; bad=$((bad + 1)); continue 2; }
-    done
-    if told=$(node tests/npm/same_mcap.mjs "$out/$build/$name/run.mcap" "$out/$other/$name/run.mcap" 2>&1); then
+    if told=$(flies_as "$build/bin/sightline" "$scenario" "$other/bin/sightline" "$scenario"); then
       flown=$((flown + 1))
     else
       bad=$((bad + 1))
     fi
     printf '%-40s %s\n' "$scenario" "$told"
-    rm -rf "$out/$build/$name" "$out/$other/$name" "$out/$name.txt"
   done
   echo "$flown logs the same, $bad not"
   ((bad == 0 && flown > 0))

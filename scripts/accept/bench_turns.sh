@@ -25,8 +25,9 @@ for name in "${cases[@]}"; do
       a=$(least $a "$(median "$before" "$name")")
       [[ -n $a ]] || break 2
       b=$(least $b "$(median "$after" "$name")")
+      [[ -n $b ]] || break 2
     done
-    ratio=$(awk -v a="${a:-0}" -v b="${b:-0}" 'BEGIN { printf "%.3f", (a > 0 ? b / a : 0) }')
+    ratio=$(awk -v a="$a" -v b="$b" 'BEGIN { printf "%.3f", b / a }')
     awk -v r="$ratio" -v limit="${LIMIT:-1.03}" 'BEGIN { exit !(r > limit) }' || break
   done
   verdict=''
