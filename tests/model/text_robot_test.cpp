@@ -108,14 +108,18 @@ TEST(TextRobot, AtRestItStandsInItsPose) {
 TEST(TextRobot, AtRestInManyPosesItIsAsInEachAsOneOfOurOwn) {
   Random random(4);
   for (const Model& model : {unicycle.model(), angle.model(), Model(Multirotor{}), Model(Unicycle{})}) {
-    const int n = 5, stage = 3 * model.nx() + 1, entry = 3, length = n * stage;
+    constexpr int n = 5, entry = 3;
+    const int stage = entry * model.nx() + 1;
     std::vector<Pose<double>> poses;
     for (int k = 0; k < n; ++k) poses.push_back(random_pose(random, 3));
-    std::vector<double> x(length, 7.0), expected(length, 7.0), one(model.nx());
+    std::vector<double> x(static_cast<std::size_t>(n * stage), 7.0), expected = x;
+    std::vector<double> one(static_cast<std::size_t>(model.nx()));
     model.at_rest(poses, x.data(), stage, entry);
-    for (int k = 0; k < n; ++k) {
-      model.at_rest(poses[k], one.data());
-      for (int i = 0; i < model.nx(); ++i) expected[k * stage + i * entry] = one[i];
+    double* r = expected.data();
+    for (const Pose<double>& pose : poses) {
+      model.at_rest(pose, one.data());
+      for (std::size_t i = 0; i < one.size(); ++i) r[i * entry] = one[i];
+      r += stage;
     }
     EXPECT_EQ(x, expected);
   }
