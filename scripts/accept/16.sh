@@ -74,7 +74,7 @@ threads() {
     one=$(number "$(flown chain_$n "${short[@]}" --threads 1)" median_us)
     two=$("$sightline" bench --case chain_$n "${short[@]}" --threads 2 --json 2>/dev/null | sed -nE 's/.*"median_us": ([-0-9.e+]+),?/\1/p' | head -n 1)
     echo "chain_$n: $one us by one thread, $two us by two"
-    asked "chain_$n, time of two threads over one" "$(awk -v a="$two" -v b="$one" 'BEGIN { printf "%.2f", a / b }')" 0.588 || bad=1
+    asked "chain_$n, time of two threads over one" "$(awk -v a="$two" -v b="$one" 'BEGIN { printf "%.3f", a / b }')" 0.588 || bad=1
   done
   tests solver_test 'Crews.*' || bad=1
   return $bad
