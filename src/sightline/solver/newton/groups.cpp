@@ -235,31 +235,34 @@ void Groups::add_limits(const Group& group, const double* u, int agent, double& 
   }
 }
 
-int Groups::solve(int g, const double* u, const double* active, const double* c, double* H_u, double* du,
-                  double* ds) noexcept {
+bool Groups::solve(int g, const double* u, const double* active, const double* c, double* H_u, double* du,
+                   double* ds, Damping begins) noexcept {
   constexpr int attempts = 10;    // the damping has grown a thousand million times by then
   constexpr double first = 0.02;  // of 2 R h where R = 1 in an input's scale: no more than it takes
-  int repeated = 0;
   const Layout::Part& part = layout_.groups[at(g)];
   Group& group = *groups_[at(g)];
-  for (int lane = 0; lane < layout_.width; ++lane) group.rho(lane) = 0.0;
+  bool damped = false;
+  for (int lane = 0; lane < layout_.width; ++lane) {
+    double& rho = group.rho(lane);
+    if (begins == Damping::none) rho = 0.0;
+    damped |= rho > 0.0;
+  }
   for (int attempt = 0; attempt < attempts; ++attempt) {
     if (group.backward(u + part.u, active + part.u, c, H_u + part.u)) break;
-    ++repeated;
+    damped = true;
     for (int lane = 0; lane < layout_.width; ++lane) {
-      if (group.doubtful(lane)) group.rho(lane) = group.rho(lane) > 0 ? 10.0 * group.rho(lane) : first * h_;
+      double& rho = group.rho(lane);
+      if (group.doubtful(lane)) rho = rho > 0 ? 10.0 * rho : first * h_;
     }
   }
   group.forward(du + part.u, ds + part.s);
-  return repeated;
+  return damped;
 }
 
-int Groups::solve(const double* u, const double* active, const double* c, double* H_u, double* du,
-                  double* ds) noexcept {
-  int repeated = 0;
+void Groups::solve(const double* u, const double* active, const double* c, double* H_u, double* du,
+                   double* ds) noexcept {
   for (std::size_t g = 0; g < groups_.size(); ++g)
-    repeated += solve(static_cast<int>(g), u, active, c + layout_.groups[g].c, H_u, du, ds);
-  return repeated;
+    solve(static_cast<int>(g), u, active, c + layout_.groups[g].c, H_u, du, ds);
 }
 
 }  // namespace sightline

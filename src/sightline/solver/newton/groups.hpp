@@ -15,6 +15,12 @@
 
 namespace sightline {
 
+/// What the damping of a group's lanes begins with.
+enum class Damping {
+  none,
+  last,  ///< what the factorisation before took: of a problem that is much the same
+};
+
 /// Arrays are those of the layout. Equal agents are dealt out to turns of at most eight robots: agent a of n turns is in turn
 /// a mod n, so that neighbours of a chain stand in neighbouring turns, at the same lane of their groups. A turn is one group, or as
 /// many as it takes where there are fewer lanes.
@@ -55,12 +61,12 @@ class Groups {
   /// The step of each agent of a group by itself: factorises at the last roll-out, and goes forward while the gains are near.
   /// Where a pivot is not sound, the lane is damped (Levenberg) until all are.
   /// @param c  of the group alone
-  /// @return factorisations beyond the first
-  int solve(int group, const double* u, const double* active, const double* c, double* H_u, double* du,
-            double* ds) noexcept;
+  /// @return whether a lane is damped
+  bool solve(int group, const double* u, const double* active, const double* c, double* H_u, double* du,
+             double* ds, Damping begins = Damping::none) noexcept;
   /// The same of all, c of the layout.
-  int solve(const double* u, const double* active, const double* c, double* H_u, double* du,
-            double* ds) noexcept;
+  void solve(const double* u, const double* active, const double* c, double* H_u, double* du,
+             double* ds) noexcept;
   /// One backward sweep of a group, for H_u alone.
   void differentiate(int group, const double* u, const double* active, const double* c,
                      double* H_u) noexcept {

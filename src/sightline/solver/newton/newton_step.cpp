@@ -1,7 +1,6 @@
 // The step of a NewtonUpdate: linearised, solved, examined, taken or searched along.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
@@ -27,12 +26,13 @@ void NewtonUpdate::copy_states(int group) noexcept {
 }
 
 /// The step of each robot by itself, from the roll-out of u on; with the first iteration of the couplings where it `begins`.
-/// @return factorisations beyond the first
-int NewtonUpdate::solve_alone(bool finds_neighbours, bool begins) noexcept {
+/// An attempt after the first keeps the neighbours, and the damping, which comes from zero in many factorisations.
+/// @return whether a robot is damped
+bool NewtonUpdate::solve_alone(bool again, bool begins) noexcept {
   const bool gathers = couplings_->gathers();
   if (gathers) {
     groups_.roll_out(u_, s_, *crew_);
-    if (finds_neighbours) couplings_->find_neighbours(s_);
+    if (!again) couplings_->find_neighbours(s_);
     couplings_->gather(s_, c_[0], *crew_);
   }
   wave_.run(
@@ -43,7 +43,8 @@ int NewtonUpdate::solve_alone(bool finds_neighbours, bool begins) noexcept {
       },
       [&](int g, int) noexcept { couplings_->derive(g, s_); },
       [&](int g, int thread) noexcept {
-        repeated_[at(g)] = groups_.solve(g, u_, active_, felt(g, thread), H_u_, du_, ds_);
+        damped_[at(g)] = groups_.solve(g, u_, active_, felt(g, thread), H_u_, du_, ds_,
+                                       again ? Damping::last : Damping::none);
       },
       [&](int g, int) noexcept {
         if (begins) krylov_.begin_direction(g, groups_, *couplings_, ds_);
@@ -51,7 +52,7 @@ int NewtonUpdate::solve_alone(bool finds_neighbours, bool begins) noexcept {
       [&](int g, int) noexcept {
         if (begins) krylov_.begin_image(g, *couplings_);
       });
-  return std::accumulate(repeated_.begin(), repeated_.end(), 0);
+  return is_damped();
 }
 
 NewtonUpdate::Proposal NewtonUpdate::examine() noexcept {
@@ -104,43 +105,37 @@ bool NewtonUpdate::slope_is_finite() const noexcept {
 /// Inputs that want to leave their limits are put on them and become active; active ones that want back are freed.
 /// @return whether the set changed
 bool NewtonUpdate::update_active_set() noexcept {
-  bool changed = false;
-  all_free_ = true;
-  for (int i = 0; i < groups_.layout().u_length; ++i) {
-    const double next = u_[i] + du_[i];
-    double active = 0.0;
-    if (active_[i] == 0.0) {
-      if (next > high_[i] || next < low_[i]) {
-        active = infinity;
-        u_[i] = next > high_[i] ? high_[i] : low_[i];
-      }
-    } else {
-      const bool at_high = u_[i] - low_[i] > high_[i] - u_[i];
-      active = (at_high ? H_u_[i] < 0 : H_u_[i] > 0) ? infinity : 0.0;
-    }
-    changed |= active != active_[i];
-    active_[i] = active;
-    if (active != 0.0) {
-      all_free_ = false;
-      du_[i] = 0.0;
-    }
+  const L held = infinity, none = 0.0, one = 1.0;
+  L any = none, changed = none;
+  for (int i = 0; i < groups_.layout().u_length; i += L::width) {
+    const L u = L::load(u_ + i), du = L::load(du_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
+    const L H_u = L::load(H_u_ + i), before = L::load(active_ + i);
+    const L next = u + du, below = next - low, above = high - next;
+    const L leaves = where_negative(above, held, where_negative(below, held, none));
+    const L put = where_negative(above, high, where_negative(below, low, u));
+    const L stays = where_negative((high - u) - (u - low), where_negative(H_u, held, none),
+                                   where_negative(-H_u, held, none));
+    const L active = where_negative(-before, stays, leaves);
+    where_negative(-before, u, put).store(u_ + i);
+    where_negative(-active, none, du).store(du_ + i);
+    active.store(active_ + i);
+    const L was = where_negative(-before, one, none), is = where_negative(-active, one, none);
+    any = maximum(is, any);
+    changed = maximum(absolute(is - was), changed);
   }
-  return changed;
+  all_free_ = largest(any) == 0.0;
+  return largest(changed) != 0.0;
 }
 
-/// Inputs of a group that the gradient holds near a limit are to go there. @return whether the set changed
-bool NewtonUpdate::hold_near_limits(int g) noexcept {
+/// Inputs of a group that the gradient holds near a limit are to go there.
+void NewtonUpdate::hold_near_limits(int g) noexcept {
   constexpr double nearby = 0.05;  // of an input's scale
-  bool changed = false;
   const Layout::Span its = groups_.layout().u_of(g);
   for (std::ptrdiff_t i = its.first; i < its.end(); ++i) {
     const double reach = nearby / per_scale_[i];
     const bool holds = H_u_[i] > 0 ? u_[i] < low_[i] + reach : H_u_[i] < 0 && u_[i] > high_[i] - reach;
-    const double active = holds ? infinity : 0.0;
-    changed |= active != active_[i];
-    active_[i] = active;
+    active_[i] = holds ? infinity : 0.0;
   }
-  return changed;
 }
 
 /// A step of projected Newton from u (Bertsekas 1982), as far as costs fall: inputs that the gradient holds near a limit go there, the
@@ -153,11 +148,11 @@ NewtonUpdate::Step NewtonUpdate::project() noexcept {
   groups_.roll_out(u_, s_, *crew_);
   couplings_->find_neighbours(s_);
   linearise([&](int g, const double* c) {
-    const auto solve = [&] { return groups_.solve(g, u_, active_, c, H_u_, du_, ds_); };
-    repeated_[at(g)] = solve();
-    if (hold_near_limits(g)) repeated_[at(g)] = solve();
+    groups_.differentiate(g, u_, active_, c, H_u_);
+    hold_near_limits(g);
+    damped_[at(g)] = groups_.solve(g, u_, active_, c, H_u_, du_, ds_);
   });
-  const bool damped = std::accumulate(repeated_.begin(), repeated_.end(), 0) > 0;
+  const bool damped = is_damped();
   Step result;
   result.iterations = krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, Likeness::none, deadline());
   result.residual = examine().residual;
@@ -265,7 +260,7 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
     started_from = true;
   };
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    damped = solve_alone(attempt == 0, begins) > 0;
+    damped = solve_alone(attempt > 0, begins);
     if (!late()) {
       const Likeness likeness = attempt > 0 ? Likeness::of_attempts
                                 : damped    ? Likeness::none

@@ -101,7 +101,7 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       raw_u_(at(ocp_.nu())),
       x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)),
       x_next_(x_out_.size()) {
-  repeated_.resize(groups_.layout().groups.size());
+  damped_.resize(groups_.layout().groups.size());
   proposals_.resize(groups_.layout().groups.size());
   held_.resize(groups_.layout().groups.size());
   before_.reserve(u_out_.size());

@@ -2,6 +2,7 @@
 /// Solver and TeamPlanner.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <vector>
@@ -69,12 +70,13 @@ class NewtonUpdate {
   double* felt(int group, int thread) noexcept;
   template <class PerGroup>
   void linearise(PerGroup&& per_group) noexcept;
-  int solve_alone(bool finds_neighbours, bool begins) noexcept;
+  bool solve_alone(bool again, bool begins) noexcept;
+  bool is_damped() const noexcept { return std::find(damped_.begin(), damped_.end(), 1) != damped_.end(); }
   Proposal examine() noexcept;
   Proposal examine(int group) noexcept;
   bool slope_is_finite() const noexcept;
   bool update_active_set() noexcept;
-  bool hold_near_limits(int group) noexcept;
+  void hold_near_limits(int group) noexcept;
   Step project() noexcept;
   double search(Searching who = Searching::all) noexcept;
   bool search_residual() noexcept;
@@ -129,7 +131,7 @@ class NewtonUpdate {
   std::vector<double> x_now_, limits_, u_out_, raw_u_, x_out_;
   std::vector<double> x_next_;          // what becomes x_out_ if the update ends well
   std::vector<double> before_, added_;  // AppliedInputs; empty: never told
-  std::vector<int> repeated_;           // of each group: factorisations beyond the first
+  std::vector<char> damped_;            // of each group: a robot's damping is not zero
   std::vector<Proposal> proposals_;     // of each group
 };
 
