@@ -113,14 +113,19 @@ class StageGroup final : public Group {
     const int nx = kernel_.sizes().nx, own = nx - kernel_.sizes().before;
     const double* from = x_[0];
     for (int k = 0; k <= stages_; ++k, from += nx * W) {
-      for (int first = 0; first < own; first += W) {
-        const int count = std::min(W, own - first);
-        std::array<Lane<W>, static_cast<std::size_t>(W)> of{};
-        for (int i = 0; i < count; ++i)
-          of[static_cast<std::size_t>(i)] = Lane<W>::load(from + (first + i) * W);
-        transpose(of);
+      if constexpr (W < 8) {  // too few to be worth a transposition
         for (int lane = 0; lane < n; ++lane)
-          store_first(of[static_cast<std::size_t>(lane)], count, to[lane] + k * stage + first);
+          for (int i = 0; i < own; ++i) to[lane][k * stage + i] = from[i * W + lane];
+      } else {
+        for (int first = 0; first < own; first += W) {
+          const int count = std::min(W, own - first);
+          std::array<Lane<W>, static_cast<std::size_t>(W)> of{};
+          for (int i = 0; i < count; ++i)
+            of[static_cast<std::size_t>(i)] = Lane<W>::load(from + (first + i) * W);
+          transpose(of);
+          for (int lane = 0; lane < n; ++lane)
+            store_first(of[static_cast<std::size_t>(lane)], count, to[lane] + k * stage + first);
+        }
       }
     }
   }
