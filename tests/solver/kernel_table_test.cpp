@@ -47,7 +47,7 @@ std::vector<double> all_results(Group& group, int width, std::uint64_t seed) {
     results.insert(results.end(), rows.all().begin(), rows.all().end());
   };
   group.roll_out(u[0], s[0]);
-  group.backward(u[0], u[1], c[0], u[2]);
+  group.backward(u[0], u[1], c[0], u[2], u[3]);
   group.forward(u[3], s[1]);
   keep(u);
   for (int i = 0; i < stages * n.ns * width; ++i) s[2][i] = 0.01 * s[1][i];

@@ -32,18 +32,21 @@ double defect(const Team& team, Random& random) {
   groups.roll_out(u[0], s[0]);
   couplings->evaluate(s[0], c[0]);
   groups.solve(u[0], u[1], c[0], u[2], u[3], s[1]);
-  Krylov krylov(layout, influence_graph(potentials, agents), 60, 1e-13);
+  Krylov krylov(layout, influence_graph(potentials, agents), *couplings, 1, 60, 1e-13);
   std::copy_n(s[1], layout.s_length, s[2]);
   Crew alone(1);
-  krylov.complete(groups, *couplings, u[3], s[2], alone);
+  const Krylov::Completion step = krylov.complete(groups, *couplings, u[3], s[2], alone);
+  if (step.along != nullptr) {
+    for (int i = 0; i < layout.u_length; ++i) u[3][i] += step.by * step.along[i];
+  }
   // The inputs found are what counts: their Sights follow from the linearised dynamics, by differences.
-  const double step = 1e-6;
+  const double by = 1e-6;
   Rows moved(2, layout.s_length);
   for (const int side : {0, 1}) {
-    for (int i = 0; i < layout.u_length; ++i) u[4][i] = u[0][i] + (side == 0 ? step : -step) * u[3][i];
+    for (int i = 0; i < layout.u_length; ++i) u[4][i] = u[0][i] + (side == 0 ? by : -by) * u[3][i];
     groups.roll_out(u[4], moved[side]);
   }
-  for (int i = 0; i < layout.s_length; ++i) s[2][i] = (moved[0][i] - moved[1][i]) / (2 * step);
+  for (int i = 0; i < layout.s_length; ++i) s[2][i] = (moved[0][i] - moved[1][i]) / (2 * by);
   groups.roll_out(u[0], s[0]);
   couplings->product(s[2], s[3]);
   groups.precondition(s[3], u[5], s[4]);
@@ -71,12 +74,12 @@ TEST(Krylov, StepsThatAreAlikeAreCompletedInFewerIterationsToTheSame) {
   }
   groups.roll_out(u[0], s[0]);
   couplings->evaluate(s[0], c[0]);
-  Krylov krylov(layout, graph, 60, 1e-6);
+  Krylov krylov(layout, graph, *couplings, 1, 60, 1e-6);
   Crew alone(1);
   std::array<int, 3> iterations{};
   for (int& n : iterations) {
     groups.solve(u[0], u[1], c[0], u[2], u[3], s[1]);
-    n = krylov.complete(groups, *couplings, u[3], s[1], alone, Likeness::of_updates);
+    n = krylov.complete(groups, *couplings, u[3], s[1], alone, Likeness::of_updates).iterations;
     if (&n == iterations.data()) std::copy_n(u[3], layout.u_length, u[4]);
   }
   EXPECT_GT(iterations[0], 1);

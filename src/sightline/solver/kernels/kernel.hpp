@@ -18,7 +18,7 @@ namespace sightline {
 template <int W, int n>
 class PacksInRegisters {
  public:
-  explicit PacksInRegisters(double* from) {
+  explicit PacksInRegisters(const double* from) {
     each([&](std::size_t i) { packs_[i] = Lane<W>::load(from + i * W); });
   }
   double* numbers() { return reinterpret_cast<double*>(packs_); }
@@ -78,10 +78,12 @@ class CompiledStage {
   void precondition_back(const double* p, const double* r, const double* gain, double* p_out, double* k) {
     F::template precondition_back<Lane<W>>(constants(programs_.precondition_back), p, r, gain, p_out, k);
   }
+  /// k may stand where du goes.
   void precondition_forward(const double* y, const double* gain, const double* k, double* du, double* y_out,
                             double* ds) {
-    F::template precondition_forward<Lane<W>>(constants(programs_.precondition_forward), y, gain, k, du,
-                                              y_out, ds);
+    PacksInRegisters<W, F::sizes.nu> its(k);
+    F::template precondition_forward<Lane<W>>(constants(programs_.precondition_forward), y, gain,
+                                              its.numbers(), du, y_out, ds);
   }
 
  private:
@@ -119,7 +121,8 @@ class InterpretedStage {
         back_(p.back),
         back_first_(p.back_first),
         precondition_back_(p.precondition_back),
-        precondition_forward_(p.precondition_forward) {}
+        precondition_forward_(p.precondition_forward),
+        k_(1, p.sizes.nu * W) {}
 
   void step(const double* x, const double* u, double* x_next, double* s) { step_.run({x, u}, {x_next, s}); }
   void back(const double* x, const double* u, const double* x_ref, const double* held, const double* weights,
@@ -137,12 +140,14 @@ class InterpretedStage {
   }
   void precondition_forward(const double* y, const double* gain, const double* k, double* du, double* y_out,
                             double* ds) {
-    precondition_forward_.run({y, gain, k}, {du, y_out, ds});
+    std::copy_n(k, sizes_.nu * W, k_[0]);
+    precondition_forward_.run({y, gain, k_[0]}, {du, y_out, ds});
   }
 
  private:
   StageSizes sizes_;
   InterpretedBlocks<W> step_, back_, back_first_, precondition_back_, precondition_forward_;
+  Rows k_;
 };
 
 }  // namespace sightline

@@ -41,6 +41,8 @@ class Group {
   double x(int k, int i, int lane) const { return *(x_[0] + at(k, sizes_.nx, i, lane)); }
   double& x(int k, int i, int lane) { return *(x_[0] + at(k, sizes_.nx, i, lane)); }
   double& x_ref(int k, int i, int lane) { return *(x_ref_[0] + at(k, sizes_.nx, i, lane)); }
+  /// Whether the references of all its agents are those of stage 0 at all stages; the others are not read then.
+  void hold_reference(bool holds) { ref_stage_ = holds ? 0 : sizes_.nx * width_; }
   double& weight(int i, int lane) { return *(weights_[0] + at(0, 0, i, lane)); }
   double& Q_f(int i, int lane) { return *(Q_f_[0] + at(0, 0, i, lane)); }
   double& rho(int lane) { return weight(sizes_.nx + 2 * sizes_.nu, lane); }
@@ -55,10 +57,12 @@ class Group {
   virtual void roll_out(const double* u, double* s) noexcept = 0;
   /// The backward sweep at the trajectory of the last roll-out, with the couplings' gradients and Hessians c.
   /// @param H_u  h times the gradient of the Hamiltonian of all stages
+  /// @param k    of the step du = -(k + K y), which forward() takes
   /// @return whether all pivots were sound; `doubtful` names the lanes where one was not
-  virtual bool backward(const double* u, const double* held, const double* c, double* H_u) noexcept = 0;
+  virtual bool backward(const double* u, const double* held, const double* c, double* H_u,
+                        double* k) noexcept = 0;
   bool doubtful(int lane) const { return !(doubt_[0][lane] <= 0.0); }
-  /// du and the change of s along the horizon, for the right side of the backward sweep.
+  /// du, where k of the backward sweep was, and the change of s along the horizon.
   virtual void forward(double* du, double* ds) noexcept = 0;
   /// The same for the right side r in s.
   virtual void precondition(const double* r, double* du, double* ds) noexcept = 0;
@@ -71,7 +75,8 @@ class Group {
   std::shared_ptr<const StagePrograms> programs_;
   StageSizes sizes_;
   int stages_, width_;
-  Rows x_, x_ref_, weights_, Q_f_, gain_, k_, trial_k_, carry_, doubt_;
+  std::ptrdiff_t ref_stage_ = sizes_.nx * width_;  // from the reference of a stage to that of the next
+  Rows x_, x_ref_, weights_, Q_f_, gain_, carry_, doubt_;
 
  private:
   /// f(rows, how many, packs in each)
@@ -82,8 +87,6 @@ class Group {
     f(weights_, 1, sizes_.weights());
     f(Q_f_, 1, sizes_.nx);
     f(gain_, 1, stages_ * sizes_.gain());
-    f(k_, 1, stages_ * sizes_.nu);
-    f(trial_k_, 1, stages_ * sizes_.nu);
     f(carry_, 2, sizes_.carry());
     f(doubt_, 1, 1);
   }
@@ -143,31 +146,41 @@ class StageGroup final : public Group {
     const double *const Q = weights_[0], *const R = Q + n.nx * W, *const u_ref = R + n.nu * W;
     const double *x = x_[0], *x_ref = x_ref_[0];
     L running = 0.0;
-    for (int k = 0; k < stages_; ++k, x += n.nx * W, x_ref += n.nx * W, u += n.nu * W) {
+    for (int k = 0; k < stages_; ++k, x += n.nx * W, x_ref += ref_stage_, u += n.nu * W) {
       running = squares(Q, x, x_ref, n.nx, running);
       running = squares(R, u, u_ref, n.nu, running);
     }
     (L(0.5) * running + squares(Q_f_[0], x, x_ref, n.nx, 0.0)).store(of_lanes);
   }
 
-  bool backward(const double* u, const double* held, const double* c, double* H_u) noexcept override {
+  bool backward(const double* u, const double* held, const double* c, double* H_u,
+                double* k_rows) noexcept override {
     const StageSizes n = kernel_.sizes();
     start_carry(carry_[0]);
     typename Kernel::Carry carry(carry_[0]), next(carry_[1]);
     for (int k = stages_ - 1; k > 0; --k) {
-      kernel_.back(x_[0] + k * n.nx * W, u + k * n.nu * W, x_ref_[0] + k * n.nx * W, held + k * n.nu * W,
+      kernel_.back(x_[0] + k * n.nx * W, u + k * n.nu * W, x_ref_[0] + k * ref_stage_, held + k * n.nu * W,
                    weights_[0], c + k * n.coupling() * W, carry.numbers(), H_u + k * n.nu * W,
-                   gain_[0] + k * n.gain() * W, k_[0] + k * n.nu * W, next.numbers());
+                   gain_[0] + k * n.gain() * W, k_rows + k * n.nu * W, next.numbers());
       carry.take(next);
     }
-    kernel_.back_first(x_[0], u, x_ref_[0], held, weights_[0], c, carry.numbers(), H_u, gain_[0], k_[0],
+    kernel_.back_first(x_[0], u, x_ref_[0], held, weights_[0], c, carry.numbers(), H_u, gain_[0], k_rows,
                        doubt_[0]);
     bool sound = true;
     for (int l = 0; l < W; ++l) sound &= doubt_[0][l] <= 0.0;
     return sound;
   }
 
-  void forward(double* du, double* ds) noexcept override { sweep_forward(k_[0], du, ds); }
+  void forward(double* du, double* ds) noexcept override {
+    const StageSizes n = kernel_.sizes();
+    std::fill_n(carry_[0], n.nx * W, 0.0);
+    typename Kernel::State y(carry_[0]), next(carry_[1]);
+    for (int k = 0; k < stages_; ++k, du += n.nu * W) {
+      kernel_.precondition_forward(y.numbers(), gain_[0] + k * n.gain() * W, du, du, next.numbers(),
+                                   ds + k * n.ns * W);
+      y.take(next);
+    }
+  }
 
   void precondition(const double* r, double* du, double* ds) noexcept override {
     const StageSizes n = kernel_.sizes();
@@ -175,31 +188,20 @@ class StageGroup final : public Group {
     typename Kernel::State p(carry_[0]), next(carry_[1]);
     for (int k = stages_ - 1; k >= 0; --k) {
       kernel_.precondition_back(p.numbers(), r + k * n.ns * W, gain_[0] + k * n.gain() * W, next.numbers(),
-                                trial_k_[0] + k * n.nu * W);
+                                du + k * n.nu * W);
       p.take(next);
     }
-    sweep_forward(trial_k_[0], du, ds);
+    forward(du, ds);
   }
 
  private:
-  void sweep_forward(const double* k_rows, double* du, double* ds) noexcept {
-    const StageSizes n = kernel_.sizes();
-    std::fill_n(carry_[0], n.nx * W, 0.0);
-    typename Kernel::State y(carry_[0]), next(carry_[1]);
-    for (int k = 0; k < stages_; ++k) {
-      kernel_.precondition_forward(y.numbers(), gain_[0] + k * n.gain() * W, k_rows + k * n.nu * W,
-                                   du + k * n.nu * W, next.numbers(), ds + k * n.ns * W);
-      y.take(next);
-    }
-  }
-
   /// Behind the last stage: lambda = 2 Q_f (x - x*), e = 0, P = 2 Q_f.
   void start_carry(double* carry) noexcept {
     const StageSizes n = kernel_.sizes();
     using L = Lane<W>;
     std::fill_n(carry, n.carry() * W, 0.0);
     double *const lambda = carry + W, *const P = carry + (1 + 2 * n.nx) * W;
-    const double *const x = x_[0] + stages_ * n.nx * W, *const x_ref = x_ref_[0] + stages_ * n.nx * W;
+    const double *const x = x_[0] + stages_ * n.nx * W, *const x_ref = x_ref_[0] + stages_ * ref_stage_;
     for (int i = 0; i < n.nx; ++i) {
       const L curvature = L(2.0) * L::load(Q_f_[0] + i * W);
       (curvature * (L::load(x + i * W) - L::load(x_ref + i * W))).store(lambda + i * W);

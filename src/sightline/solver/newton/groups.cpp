@@ -248,7 +248,7 @@ bool Groups::solve(int g, const double* u, const double* active, const double* c
     damped |= rho > 0.0;
   }
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    if (group.backward(u + part.u, active + part.u, c, H_u + part.u)) break;
+    if (group.backward(u + part.u, active + part.u, c, H_u + part.u, du + part.u)) break;
     damped = true;
     for (int lane = 0; lane < layout_.width; ++lane) {
       double& rho = group.rho(lane);

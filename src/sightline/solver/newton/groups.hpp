@@ -44,6 +44,10 @@ class Groups {
   }
   /// An agent's u* from now on (nu).
   void set_u_ref(int agent, const double* u_ref) noexcept;
+  /// As Group::hold_reference().
+  void hold_reference(int group, bool holds) noexcept {
+    groups_[static_cast<std::size_t>(group)]->hold_reference(holds);
+  }
   /// Lanes without an agent begin where one of their like does, a state that exists.
   /// @param x_at  where each agent's states are in x
   void rest_at(const double* x, std::span<const int> x_at) noexcept;
@@ -68,10 +72,12 @@ class Groups {
   void solve(const double* u, const double* active, const double* c, double* H_u, double* du,
              double* ds) noexcept;
   /// One backward sweep of a group, for H_u alone.
-  void differentiate(int group, const double* u, const double* active, const double* c,
-                     double* H_u) noexcept {
+  /// @param spare  rows of u, which are overwritten
+  void differentiate(int group, const double* u, const double* active, const double* c, double* H_u,
+                     double* spare) noexcept {
     const Layout::Part& part = layout_.groups[static_cast<std::size_t>(group)];
-    groups_[static_cast<std::size_t>(group)]->backward(u + part.u, active + part.u, c, H_u + part.u);
+    groups_[static_cast<std::size_t>(group)]->backward(u + part.u, active + part.u, c, H_u + part.u,
+                                                       spare + part.u);
   }
   void precondition(int group, const double* r, double* du, double* ds) noexcept {
     const Layout::Part& part = layout_.groups[static_cast<std::size_t>(group)];

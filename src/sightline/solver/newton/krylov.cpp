@@ -47,10 +47,11 @@ constexpr double stiffest = 10.0;  // energy of what is off a guess, over that o
 
 }  // namespace
 
-Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterations, double stop,
-               bool has_swarms)
+Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, const Couplings& couplings, int threads,
+               int max_iterations, double stop)
     : layout_(layout),
       kind_(graph.kind),
+      wave_(static_cast<int>(layout.groups.size()), couplings.coupled_groups(), 2, threads),
       of_groups_(layout.groups.size()),
       curvature_(layout.groups.size()),
       changes_(layout.groups.size() * at(layout.width)),
@@ -59,7 +60,7 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterat
       gmres_(graph.kind == Influence::cyclic ? layout.s_length : 1, generous * std::max(max_iterations, 1)),
       s_vectors_(5, std::max(layout.s_length, gmres_.length())),
       u_vectors_(2, layout.u_length) {
-  if (kind_ == Influence::none || kind_ == Influence::mutual || has_swarms) return;
+  if (kind_ == Influence::none || kind_ == Influence::mutual || couplings.has_swarms()) return;
   for (std::size_t g = 0; g < layout.groups.size(); ++g) {
     const std::size_t turn = at(layout.groups[g].turn);
     if (turns_.size() <= turn) turns_.resize(turn + 1);
@@ -87,19 +88,20 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterat
   }
 }
 
-int Krylov::complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew,
-                     Likeness likeness, const Deadline& deadline, bool begun) noexcept {
+Krylov::Completion Krylov::complete(Groups& groups, const Couplings& couplings, double* du, double* ds,
+                                    Crew& crew, Likeness likeness, const Deadline& deadline,
+                                    bool begun) noexcept {
   const Work work{groups, couplings, du, ds, crew, likeness, deadline, begun};
   switch (kind_) {
     case Influence::none:
-      return 0;
+      return {};
     case Influence::mutual:
       return conjugate_gradients(work);
     case Influence::cascade:
     case Influence::cyclic:
-      return turns_.empty() ? general(work) : substitute(work);
+      return {.iterations = turns_.empty() ? general(work) : substitute(work)};
   }
-  return 0;
+  return {};
 }
 
 void Krylov::begin_direction(int g, Groups& groups, const Couplings& couplings, const double* ds) noexcept {
@@ -132,8 +134,8 @@ void Krylov::bend(int g, const double* w, const double* Cp, const double* z) noe
   curvature_[at(g)] = sum(even + odd);
 }
 
-/// Phase by phase over the groups: a product needs what all groups came to before.
-int Krylov::conjugate_gradients(const Work& work) noexcept {
+/// A pass over the groups goes as far as each can by itself: sums over all end it.
+Krylov::Completion Krylov::conjugate_gradients(const Work& work) noexcept {
   Groups& groups = work.groups;
   const Couplings& couplings = work.couplings;
   double *r = s_vectors_[0], *w = s_vectors_[1], *z = s_vectors_[2], *p = s_vectors_[3];
@@ -141,72 +143,82 @@ int Krylov::conjugate_gradients(const Work& work) noexcept {
   double *z_u = u_vectors_[0], *p_u = u_vectors_[1];
   const bool swarms = couplings.has_swarms();
   if (swarms) couplings.product(work.ds, r);  // for the negative of the correction
+  if (!work.begun) {
+    groups.each(work.crew, [&](int g, int) noexcept {
+      if (!swarms) couplings.product(g, work.ds, r);
+      direct(g, groups, r, z_u, z);
+    });
+  }
   double rho = 0.0;
   int k = 0;
   while (k < max_iterations_) {
-    const bool begun = k == 0 && work.begun;
-    if (!begun) {
-      groups.each(work.crew, [&](int g, int) noexcept {
-        if (k == 0 && !swarms) couplings.product(g, work.ds, r);
-        direct(g, groups, r, z_u, z);
-      });
-    }
     const double next_rho = in_order(of_groups_);
     if (!(next_rho > 1e-28)) break;  // solved already, or not a number
     const L beta = k > 0 ? next_rho / rho : 0.0;
     rho = next_rho;
     // The direction is z + beta p; w stands for P times it, up to what the dynamics' rows take: P is never
     // multiplied.
+    const auto conjugate = [&](int g) {
+      each_pack(layout_.s_of(g), [&](std::ptrdiff_t i) {
+        fma(beta, L::load(p + i), L::load(z + i)).store(z + i);
+        fma(beta, L::load(w + i), L::load(r + i)).store(w + i);
+      });
+      each_pack(layout_.u_of(g),
+                [&](std::ptrdiff_t i) { fma(beta, L::load(p_u + i), L::load(z_u + i)).store(z_u + i); });
+    };
+    const auto image = [&](int g) {
+      if (!swarms) couplings.product(g, z, Cp);
+      bend(g, w, Cp, z);
+    };
     if (k == 0) {
       w = r;
+      if (swarms) couplings.product(z, Cp);
+      if (!work.begun) groups.each(work.crew, [&](int g, int) noexcept { image(g); });
+    } else if (swarms) {
+      groups.each(work.crew, [&](int g, int) noexcept { conjugate(g); });
+      couplings.product(z, Cp);
+      groups.each(work.crew, [&](int g, int) noexcept { image(g); });
     } else {
-      groups.each(work.crew, [&](int g, int) noexcept {
-        const Layout::Span s = layout_.s_of(g), u = layout_.u_of(g);
-        each_pack(s, [&](std::ptrdiff_t i) {
-          fma(beta, L::load(p + i), L::load(z + i)).store(z + i);
-          fma(beta, L::load(w + i), L::load(r + i)).store(w + i);
-        });
-        each_pack(u, [&](std::ptrdiff_t i) { fma(beta, L::load(p_u + i), L::load(z_u + i)).store(z_u + i); });
-      });
-    }
-    if (swarms) couplings.product(z, Cp);
-    if (!begun) {
-      groups.each(work.crew, [&](int g, int) noexcept {
-        if (!swarms) couplings.product(g, z, Cp);
-        bend(g, w, Cp, z);
-      });
+      wave_.run(
+          work.crew, [&](int g, int) noexcept { conjugate(g); }, [&](int g, int) noexcept { image(g); });
     }
     const double curvature = in_order(curvature_);
     if (!(curvature > 1e-14 * rho)) break;  // along this direction the team's cost has no minimum
-    const L alpha = rho / curvature;
+    const double step = -rho / curvature;
     ++k;
-    const bool last = k == max_iterations_ || std::sqrt(rho) < stop_ || work.deadline.passed();
+    if (k == max_iterations_ || std::sqrt(rho) < stop_ || work.deadline.passed()) return {k, z_u, step};
+    const L alpha = step;
     double* const next_r = k == 1 ? s_vectors_[1] : r;  // r lives on as w
     groups.each(work.crew, [&](int g, int) noexcept {
       each_pack(layout_.u_of(g), [&](std::ptrdiff_t i) {
-        subtract_product(alpha, L::load(z_u + i), L::load(work.du + i)).store(work.du + i);
+        fma(alpha, L::load(z_u + i), L::load(work.du + i)).store(work.du + i);
       });
-      if (last) return;
       each_pack(layout_.s_of(g), [&](std::ptrdiff_t i) {
-        subtract_product(alpha, L::load(w + i) + L::load(Cp + i), L::load(r + i)).store(next_r + i);
+        fma(alpha, L::load(w + i) + L::load(Cp + i), L::load(r + i)).store(next_r + i);
       });
+      direct(g, groups, next_r, p_u, p);
     });
-    if (last) break;
     r = next_r;
     std::swap(z, p);
     std::swap(z_u, p_u);
   }
-  return k;
+  return {.iterations = k};
 }
 
-/// What robots see of those whose turn has not come yet: their own step and a share of what the couplings added to the one before.
+/// Keeps robots' own steps. What they see of those whose turn has not come yet is the own step and a share of what the couplings
+/// added to the one before.
 void Krylov::guess(const Work& work) noexcept {
   if (work.likeness == Likeness::none) share_ = 0.0;
   if (work.likeness == Likeness::of_attempts) share_ = has_added_ ? 1.0 : 0.0;
-  if (share_ == 0.0) return;
+  double *const ds_alone = s_vectors_[4], *const du_alone = u_vectors_[1];
+  const bool guesses = share_ != 0.0;
   const L part = share_;
   work.groups.each(work.crew, [&](int g, int) noexcept {
-    each_pack(layout_.s_of(g), [&](std::ptrdiff_t i) {
+    const Layout::Span s = layout_.s_of(g), u = layout_.u_of(g);
+    std::copy_n(work.ds + s.first, s.length, ds_alone + s.first);
+    if (kind_ == Influence::cyclic) std::copy_n(work.du + u.first, u.length, du_alone + u.first);
+    if (!guesses) return;
+    each_pack(s, [&](std::ptrdiff_t i) {
       fma(part, L::load(added_[0] + i), L::load(work.ds + i)).store(work.ds + i);
     });
   });
@@ -240,8 +252,6 @@ int Krylov::substitute(const Work& work) noexcept {
   const bool may_fail = kind_ == Influence::cyclic;
   double *const ds_alone = s_vectors_[4], *const du_alone = u_vectors_[1];
   std::fill(visited_.begin(), visited_.end(), 0);
-  if (goes_on_) std::copy_n(work.ds, layout_.s_length, ds_alone);
-  if (may_fail) std::copy_n(work.du, layout_.u_length, du_alone);
   if (goes_on_) guess(work);
   for (std::size_t t = 0; t < turns_.size(); ++t) due_[t] = turns_[t].feels;
   double first = 0.0, last = 0.0;

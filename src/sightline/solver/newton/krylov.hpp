@@ -15,6 +15,7 @@
 #include "sightline/solver/newton/coupling.hpp"
 #include "sightline/solver/newton/groups.hpp"
 #include "sightline/solver/newton/influence.hpp"
+#include "sightline/solver/newton/wave.hpp"
 
 namespace sightline {
 
@@ -36,16 +37,23 @@ class Krylov {
  public:
   using Deadline = KrylovDeadline;
 
-  /// @param has_swarms  then a team that is not mutual is left to GMRES
-  Krylov(const Layout& layout, const InfluenceGraph& graph, int max_iterations, double stop,
-         bool has_swarms = false);
+  /// @param couplings  those it will be given; with swarms, a team that is not mutual is left to GMRES
+  /// @param threads  of the crew it will be given
+  Krylov(const Layout& layout, const InfluenceGraph& graph, const Couplings& couplings, int threads,
+         int max_iterations, double stop);
 
-  /// Completes a step of all agents by themselves, du and ds, to the team's. @return iterations
+  /// What a step came to: the team's inputs change by du + by along, which whoever goes over them next adds.
+  struct Completion {
+    int iterations = 0;
+    const double* along = nullptr;  ///< none: du is all
+    double by = 0.0;
+  };
+  /// Completes a step of all agents by themselves, du and ds, to the team's.
   /// @param likeness  substitution begins with what the couplings added to a step that was like this one
   /// @param begun  all groups have begun their first iteration for this step
-  int complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew,
-               Likeness likeness = Likeness::none, const Deadline& deadline = {},
-               bool begun = false) noexcept;
+  Completion complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew,
+                      Likeness likeness = Likeness::none, const Deadline& deadline = {},
+                      bool begun = false) noexcept;
 
   /// Whether a team's first iteration can be taken group by group before complete() is called: first the direction, once the group
   /// and its neighbours have their own steps; then its image, once they have their directions.
@@ -70,7 +78,7 @@ class Krylov {
     bool begun;
   };
 
-  int conjugate_gradients(const Work& work) noexcept;
+  Completion conjugate_gradients(const Work& work) noexcept;
   int substitute(const Work& work) noexcept;
   double take_turn(int turn, const Work& work) noexcept;
   int general(const Work& work) noexcept;
@@ -89,6 +97,7 @@ class Krylov {
 
   Layout layout_;
   Influence kind_;
+  Wave wave_;  // a direction, and its image
   std::vector<Turn> turns_;
   bool goes_on_ = false;  // what a robot feels is felt by others: else one visit to each turn is all
   std::vector<char> due_, visited_;

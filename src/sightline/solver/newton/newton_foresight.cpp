@@ -20,6 +20,7 @@ using L = NativeLane;
 
 }  // namespace
 
+/// Whether the update begins where the plan would go, and how far; group by group it goes there as it is rolled out.
 void NewtonUpdate::foresee() noexcept {
   const double passed = time_ - plan_time_, before = plan_time_ - plan_before_time_;
   if (!(passed > 0)) return leave_plan();
@@ -27,10 +28,8 @@ void NewtonUpdate::foresee() noexcept {
   constexpr double farthest = 2.0;  // of the period before
   foreseen_ = taken_ >= 2 && passed <= farthest * before && is_foreseeable();
   if (!foreseen_) return leave_plan();
-  const double* const from = u_;
+  foresight_ = {u_, passed / before};
   if (u_ == plan_) u_ = spare_;
-  groups_.each(*crew_, [&](int g, int) noexcept { held_[at(g)] = foresee(g, passed / before, from); });
-  all_free_ = all_free_ && std::none_of(held_.begin(), held_.end(), [](char held) { return held != 0; });
 }
 
 bool NewtonUpdate::is_foreseeable() noexcept {
@@ -48,29 +47,32 @@ bool NewtonUpdate::is_foreseeable() noexcept {
   return wait_ == 0 && corrected_ >= steady * corrected_before_;
 }
 
-/// Inputs of a group go on `from` where they are by `ratio` of their last change. Where they come to a limit it is active; where the
-/// multiplier of an active one goes through zero it is not. @return whether limits are active
-bool NewtonUpdate::foresee(int group, double ratio, const double* from) noexcept {
+/// Inputs of a group go on from where they are by `ratio` of their last change. Where they come to a limit it is active; where the
+/// multiplier of an active one goes through zero it is not.
+void NewtonUpdate::foresee(int group) noexcept {
+  const auto& [from, ratio] = foresight_;
   const Layout::Span its = groups_.layout().u_of(group);
   const L on(infinity), off(0.0);
   L held = 0.0;
+  const std::ptrdiff_t first_end = first_stage_end(group);
+  std::ptrdiff_t of = its.first;
   for (std::ptrdiff_t i = its.first; i < its.end(); i += L::width) {
-    const L u = L::load(from + i), low = L::load(low_ + i), high = L::load(high_ + i);
+    const std::ptrdiff_t limits = limits_move_ ? i : of;
+    const L u = L::load(from + i), low = L::load(low_ + limits), high = L::load(high_ + limits);
     const L next = u + L(ratio) * (u - L::load(plan_before_ + i));
     L to = clamp(next, low, high), active = where_negative(-absolute(next - to), on, off);
     const L was = all_free_ ? off : L::load(active_ + i);
     if (any_negative(-was)) {
       const L H = L::load(H_before_ + i), ahead = H + L(ratio) * (H - L::load(H_u_ + i));
-      const L below_high = (high - u) - (u - low);  // < 0: nearer to the upper limit
-      const L outward = where_negative(below_high, -ahead, ahead);
       to = where_negative(-was, u, to);
-      active = where_negative(-was, where_negative(-outward, on, off), active);
+      active = where_negative(-was, where_negative(-outward(u, low, high, ahead), on, off), active);
     }
     if (any_negative(-was - active)) active.store(active_ + i);
     to.store(u_ + i);
     held = maximum(held, active);
+    if ((of += L::width) == first_end) of = its.first;
   }
-  return largest(held) > 0;
+  held_[at(group)] = largest(held) > 0;
 }
 
 /// Keeps u as the plan, and that of the update before, to go on from; whether the next can be foreseen.

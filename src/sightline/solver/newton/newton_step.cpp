@@ -29,16 +29,20 @@ void NewtonUpdate::copy_states(int group) noexcept {
 /// An attempt after the first keeps the neighbours, and the damping, which comes from zero in many factorisations.
 /// @return whether a robot is damped
 bool NewtonUpdate::solve_alone(bool again, bool begins) noexcept {
-  const bool gathers = couplings_->gathers();
+  const bool gathers = couplings_->gathers(), foresees = foresight_.from != nullptr;
+  const auto roll_out = [&](int g) {
+    if (foresees) foresee(g);
+    groups_.roll_out(g, u_, s_);
+  };
   if (gathers) {
-    groups_.roll_out(u_, s_, *crew_);
+    groups_.each(*crew_, [&](int g, int) noexcept { roll_out(g); });
     if (!again) couplings_->find_neighbours(s_);
     couplings_->gather(s_, c_[0], *crew_);
   }
   wave_.run(
       *crew_,
       [&](int g, int) noexcept {
-        if (!gathers) groups_.roll_out(g, u_, s_);
+        if (!gathers) roll_out(g);
         copy_states(g);
       },
       [&](int g, int) noexcept { couplings_->derive(g, s_); },
@@ -52,11 +56,21 @@ bool NewtonUpdate::solve_alone(bool again, bool begins) noexcept {
       [&](int g, int) noexcept {
         if (begins) krylov_.begin_image(g, *couplings_);
       });
+  if (foresees) all_free_ &= std::find(held_.begin(), held_.end(), 1) == held_.end();
+  foresight_ = {};
   return is_damped();
 }
 
-NewtonUpdate::Proposal NewtonUpdate::examine() noexcept {
-  groups_.each(*crew_, [&](int g, int) noexcept { proposals_[at(g)] = examine(g); });
+/// Scales, and limits that do not move, are the same at each stage: those of the first stay in the cache, where its rows are whole packs.
+std::ptrdiff_t NewtonUpdate::first_stage_end(int g) const noexcept {
+  const int stage = groups_.layout().groups[at(g)].nu * groups_.layout().width;
+  const Layout::Span its = groups_.layout().u_of(g);
+  return its.first + (stage % L::width == 0 ? stage : its.length);
+}
+
+/// Of u and du, to which is added what completes it.
+NewtonUpdate::Proposal NewtonUpdate::examine(const Krylov::Completion& completion) noexcept {
+  groups_.each(*crew_, [&](int g, int) noexcept { proposals_[at(g)] = examine(g, completion); });
   Proposal all;
   for (const Proposal& p : proposals_) {
     all.largest = std::max(all.largest, p.largest);
@@ -68,16 +82,20 @@ NewtonUpdate::Proposal NewtonUpdate::examine() noexcept {
   return all;
 }
 
-NewtonUpdate::Proposal NewtonUpdate::examine(int g) noexcept {
+NewtonUpdate::Proposal NewtonUpdate::examine(int g, const Krylov::Completion& completion) noexcept {
   const double per_h = 1.0 / ocp_.horizon().h();
   L step = 0.0, residual = 0.0, beyond = 0.0, not_finite = 0.0, votes = 0.0;
   const Layout::Span its = groups_.layout().u_of(g);
-  // Scales are the same at each stage: those of the first stay in the cache, where its rows are whole packs.
-  const int stage = groups_.layout().groups[at(g)].nu * groups_.layout().width;
-  const std::ptrdiff_t scales_end = its.first + (stage % L::width == 0 ? stage : its.length);
+  const std::ptrdiff_t first_end = first_stage_end(g);
   std::ptrdiff_t of = its.first;
   for (std::ptrdiff_t i = its.first; i < its.end(); i += L::width) {
-    const L u = L::load(u_ + i), du = L::load(du_ + i), low = L::load(low_ + i), high = L::load(high_ + i);
+    const std::ptrdiff_t limits = limits_move_ ? i : of;
+    const L u = L::load(u_ + i), low = L::load(low_ + limits), high = L::load(high_ + limits);
+    L du = L::load(du_ + i);
+    if (completion.along != nullptr) {
+      du = fma(L(completion.by), L::load(completion.along + i), du);
+      du.store(du_ + i);
+    }
     const L next = u + du, kept = clamp(next, low, high), per_scale = L::load(per_scale_ + of);
     kept.store(u_next_ + i);
     step = maximum(absolute(du) * per_scale, step);
@@ -90,7 +108,7 @@ NewtonUpdate::Proposal NewtonUpdate::examine(int g) noexcept {
     const L foreseen = absolute(u - L::load(plan_ + i)), corrected = absolute(kept - u);
     votes +=
         where_negative(-foreseen, where_negative(L(2.0) * corrected - foreseen, L(1.0), L(-1.0)), L(0.0));
-    if ((of += L::width) == scales_end) of = its.first;
+    if ((of += L::width) == first_end) of = its.first;
   }
   double nan = 0.0;
   int sum = 0;
@@ -113,8 +131,7 @@ bool NewtonUpdate::update_active_set() noexcept {
     const L next = u + du, below = next - low, above = high - next;
     const L leaves = where_negative(above, held, where_negative(below, held, none));
     const L put = where_negative(above, high, where_negative(below, low, u));
-    const L stays = where_negative((high - u) - (u - low), where_negative(H_u, held, none),
-                                   where_negative(-H_u, held, none));
+    const L stays = where_negative(-outward(u, low, high, H_u), held, none);
     const L active = where_negative(-before, stays, leaves);
     where_negative(-before, u, put).store(u_ + i);
     where_negative(-active, none, du).store(du_ + i);
@@ -148,14 +165,16 @@ NewtonUpdate::Step NewtonUpdate::project() noexcept {
   groups_.roll_out(u_, s_, *crew_);
   couplings_->find_neighbours(s_);
   linearise([&](int g, const double* c) {
-    groups_.differentiate(g, u_, active_, c, H_u_);
+    groups_.differentiate(g, u_, active_, c, H_u_, du_);
     hold_near_limits(g);
     damped_[at(g)] = groups_.solve(g, u_, active_, c, H_u_, du_, ds_);
   });
   const bool damped = is_damped();
   Step result;
-  result.iterations = krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, Likeness::none, deadline());
-  result.residual = examine().residual;
+  const Krylov::Completion completion =
+      krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, Likeness::none, deadline());
+  result.iterations = completion.iterations;
+  result.residual = examine(completion).residual;
   result.finite = slope_is_finite();
   if (!result.finite) return result;
   for (int i = 0; i < n; ++i) {
@@ -199,9 +218,9 @@ bool NewtonUpdate::search_residual() noexcept {
   return false;
 }
 
-/// H_u at the last roll-out.
+/// H_u at the last roll-out; u_next is overwritten.
 void NewtonUpdate::differentiate() noexcept {
-  linearise([&](int g, const double* c) { groups_.differentiate(g, u_, active_, c, H_u_); });
+  linearise([&](int g, const double* c) { groups_.differentiate(g, u_, active_, c, H_u_, u_next_); });
 }
 
 /// By how much u misses the conditions of optimality: the sum of squares of what `residual` is the largest of.
@@ -261,14 +280,15 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
   };
   for (int attempt = 0; attempt < attempts; ++attempt) {
     damped = solve_alone(attempt > 0, begins);
+    Krylov::Completion completion;
     if (!late()) {
       const Likeness likeness = attempt > 0 ? Likeness::of_attempts
                                 : damped    ? Likeness::none
                                             : Likeness::of_updates;
-      result.iterations +=
-          krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, likeness, deadline(), begins);
+      completion = krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, likeness, deadline(), begins);
+      result.iterations += completion.iterations;
     }
-    proposal = examine();
+    proposal = examine(completion);
     result.residual = proposal.residual;
     result.finite = proposal.finite;
     if (!proposal.finite) break;

@@ -75,7 +75,8 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       crew_(crew_for(ocp_, options_)),
       wave_(static_cast<int>(groups_.layout().groups.size()), couplings_->coupled_groups(), 5,
             crew_->threads()),
-      krylov_(groups_.layout(), influence_, options_.max_krylov, options_.krylov_stop, !swarms_.empty()),
+      krylov_(groups_.layout(), influence_, *couplings_, crew_->threads(), options_.max_krylov,
+              options_.krylov_stop),
       descent_(potentials_, groups_.layout(), influence_),
       u_vectors_(13, groups_.layout().u_length),
       s_vectors_(2, groups_.layout().s_length),
@@ -205,13 +206,16 @@ void NewtonUpdate::set_time(double time) noexcept {
 /// What the robots of a group are to follow.
 void NewtonUpdate::refer(int g, double time) noexcept {
   const std::ptrdiff_t lanes = groups_.layout().width;
+  bool constant = true;
   for (const int a : groups_.members(g)) {
     const Agent& agent = ocp_.team().agents()[at(a)];
+    constant &= agent.x_ref.is_constant();
     if (started_ && agent.x_ref.is_constant()) continue;
     Group& group = groups_.group_of(a);
     agent.x_ref.along(time, ocp_.horizon().h(), ocp_.horizon().N + 1, agent.model,
                       &group.x_ref(0, 0, groups_.layout().place(a).lane), group.sizes().nx * lanes, lanes);
   }
+  groups_.hold_reference(g, constant);
 }
 
 /// Into limits_: those of a robot's inputs, u_min before u_max, so long after an update; its inputs begin at `input`.

@@ -63,7 +63,7 @@ class NewtonUpdate {
   void start() noexcept;
   void foresee() noexcept;
   bool is_foreseeable() noexcept;
-  bool foresee(int group, double ratio, const double* from) noexcept;
+  void foresee(int group) noexcept;
   void remember(const Step& step) noexcept;
   void leave_plan() noexcept;
   Step newton_step() noexcept;
@@ -72,10 +72,15 @@ class NewtonUpdate {
   void linearise(PerGroup&& per_group) noexcept;
   bool solve_alone(bool again, bool begins) noexcept;
   bool is_damped() const noexcept { return std::find(damped_.begin(), damped_.end(), 1) != damped_.end(); }
-  Proposal examine() noexcept;
-  Proposal examine(int group) noexcept;
+  Proposal examine(const Krylov::Completion& completion = {}) noexcept;
+  Proposal examine(int group, const Krylov::Completion& completion) noexcept;
+  std::ptrdiff_t first_stage_end(int group) const noexcept;
   bool slope_is_finite() const noexcept;
   bool update_active_set() noexcept;
+  /// How strongly the gradient holds inputs on the limit that is nearer; below 0 it draws them off.
+  static NativeLane outward(NativeLane u, NativeLane low, NativeLane high, NativeLane H_u) noexcept {
+    return where_negative((high - u) - (u - low), -H_u, H_u);
+  }
   void hold_near_limits(int group) noexcept;
   Step project() noexcept;
   double search(Searching who = Searching::all) noexcept;
@@ -87,8 +92,8 @@ class NewtonUpdate {
   Krylov::Deadline deadline() const noexcept;
   bool late() const noexcept;
   bool is_stage(int k, std::span<const double> u) const noexcept;
-  void copy_states(int group) noexcept;
   void write_inputs() noexcept;
+  void copy_states(int group) noexcept;
   void write_states(const Step& step) noexcept;
   Solution fall_back(double time, Status status) noexcept;
 
@@ -122,6 +127,10 @@ class NewtonUpdate {
   double plan_time_ = 0.0, plan_before_time_ = 0.0;
   int taken_ = 0;  // updates without a break whose steps were taken
   bool foreseen_ = false;
+  struct {
+    const double* from = nullptr;  // the plan before; none: u is where it is to be
+    double ratio = 0.0;            // of the periods
+  } foresight_;
   int wait_ = 0, pause_ = 1;  // updates until it is tried again; and after it fails once more
   double corrected_ = 0.0, corrected_before_ = 0.0;  // Step::correction of the last two updates
   int votes_ = 0;                                    // Proposal::votes of the last step that was taken
