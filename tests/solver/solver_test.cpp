@@ -132,6 +132,15 @@ TYPED_TEST(AnySolver, AfterARestartItFliesItsFirstFlightAgainBitForBit) {
   expect_same_bits(inputs_of(solver, paper::saturating_start(), 200), first);
 }
 
+TYPED_TEST(AnySolver, PredictsTheSameHoweverOftenItIsLookedAtAndNothingWhereItMadeNoPlan) {
+  TypeParam solver(paper::team(Variant::masked), {});
+  const Solution planned = solver.solve(0.0, paper::start());
+  const std::vector<double> once(planned.x.begin(), planned.x.end());
+  ASSERT_FALSE(once.empty());
+  expect_same_bits({planned.x.begin(), planned.x.end()}, once);
+  EXPECT_EQ(solver.solve(0.01, std::vector<double>(14, not_a_number)).x.size(), 0u);
+}
+
 TYPED_TEST(AnySolver, AfterARestartNothingIsLeftOfTheOldPlan) {
   const Team team = paper::team(Variant::masked);
   TypeParam solver(team, {}), fresh(team, {});
@@ -446,10 +455,9 @@ void expect_prediction_before_the_step() {
   for (std::size_t k = 0; k <= 12; ++k) {
     for (std::size_t i = 0; i < 14; ++i) ASSERT_NEAR(s.x[14 * k + i], state[i], 5e-3) << k << ", " << i;
     if (k == 12) break;
-    for (const int body : {0, 1}) {
-      team.model(BodyId{body})
-          .f(&state[static_cast<std::size_t>(7 * body)], &planned[8 * k + static_cast<std::size_t>(4 * body)],
-             &rate[static_cast<std::size_t>(7 * body)]);
+    for (const std::size_t body : {0U, 1U}) {
+      const Model& model = team.model(BodyId{static_cast<int>(body)});
+      model.f(&state[7 * body], &planned[8 * k + 4 * body], &rate[7 * body]);
     }
     for (std::size_t i = 0; i < 14; ++i) state[i] += horizon.h() * rate[i];
   }

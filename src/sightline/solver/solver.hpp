@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/solver/kernels/kernel_use.hpp"
@@ -51,13 +52,43 @@ struct Neighbours {
   int left_out = 0;  ///< that should be, but found no room
 };
 
+/// Predicted states of all bodies (N+1 x nx), stage by stage: read as a span, which a solver may write when it is first looked at.
+class PredictedStates {
+ public:
+  /// Whoever writes them then.
+  class Writer {
+   public:
+    virtual std::span<const double> predicted_states() noexcept = 0;
+
+   protected:
+    ~Writer() = default;
+  };
+
+  PredictedStates() = default;
+  PredictedStates(std::span<const double> written) : written_(written) {}
+  PredictedStates(const std::vector<double>& written) : written_(written) {}
+  PredictedStates(Writer& writer) : writer_(&writer) {}
+
+  std::span<const double> span() const noexcept {
+    return writer_ != nullptr ? writer_->predicted_states() : written_;
+  }
+  const double* data() const noexcept { return span().data(); }
+  std::size_t size() const noexcept { return span().size(); }
+  const double* begin() const noexcept { return data(); }
+  const double* end() const noexcept { return data() + size(); }
+  const double& operator[](std::size_t i) const noexcept { return data()[i]; }
+
+ private:
+  Writer* writer_ = nullptr;
+  std::span<const double> written_;
+};
+
 /// The outcome of one update. The spans are the solver's own memory, valid until its next call.
 struct Solution {
   std::span<const double> u;      ///< inputs to apply now, of all agents (nu)
   std::span<const double> raw_u;  ///< the same before they were clamped to their limits (nu)
-  /// Predicted states of all bodies (N+1 x nx), stage by stage: the trajectory that was linearised, from the measured
-  /// state under the inputs before the step.
-  std::span<const double> x;
+  /// The trajectory that was linearised, from the measured state under the inputs before the step; empty where there is none.
+  PredictedStates x;
   Status status = Status::iteration_limit;
   /// Infinity norm of the optimality conditions at the point that was linearised [per s], each input in its
   /// scale, input_scales(); infinity: not known.

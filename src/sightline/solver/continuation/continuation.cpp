@@ -93,7 +93,6 @@ Continuation::Continuation(Ocp ocp, const ContinuationOptions &options)
       u_(at(1, nu_)),
       raw_u_(u_),
       x_out_(X_),
-      x_linear_(X_),
       plan_(at(N_, nu_)) {
   for (const Agent &agent : ocp_.team().agents()) {
     const std::vector<double> scales = input_scales(agent);
@@ -158,7 +157,6 @@ void Continuation::start(double time) noexcept {
 void Continuation::restart() noexcept {
   started_ = false;
   std::fill(plan_.begin(), plan_.end(), 0.0);
-  std::fill(x_out_.begin(), x_out_.end(), 0.0);
   plan_time_ = plan_h_ = 0.0;
 }
 
@@ -261,7 +259,7 @@ Solution Continuation::fall_back(double time, Status status) noexcept {
   here_.set_time(std::isfinite(time) ? time : plan_time_, 0.0);
   planned(time, raw_u_);
   clamp_inputs(raw_u_);
-  return {.u = u_, .raw_u = raw_u_, .x = x_out_, .status = status};
+  return {.u = u_, .raw_u = raw_u_, .x = {}, .status = status};
 }
 
 Solution Continuation::solve(double time, std::span<const double> states) noexcept {
@@ -286,7 +284,7 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
   here_.set_time(time, stage_length(time));
   there_.set_time(time + eps, stage_length(time + eps));
   residuals(here_, x_, F_, G_);
-  std::copy(X_.begin(), X_.end(), x_linear_.begin());
+  std::copy(X_.begin(), X_.end(), x_out_.begin());
   const double residual = std::max({largest({F_, at(unknowns_, 1)}), largest(G_.x), largest(G_.lambda)});
 
   // b, a difference step along x' = f(x, u_0).
@@ -313,7 +311,6 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
 
   clamp_inputs({U_, at(nu_, 1)});
   keep_plan(time);
-  std::swap(x_out_, x_linear_);
   if (!limits_hold()) started_ = false;
   const Status status = residual <= options_.tolerance ? Status::converged
                         : started_ && step >= wanted   ? Status::stepped

@@ -98,7 +98,7 @@ class Continuation : public Solver {
 
   bool started_ = false;
   double started_at_ = 0.0, last_time_ = 0.0;
-  std::vector<double> u_, raw_u_, x_out_, x_linear_;
+  std::vector<double> u_, raw_u_, x_out_;
   std::vector<double> scales_;  // of the inputs (nu)
 
   std::vector<double> plan_;  // inputs of the last good update, N x nu

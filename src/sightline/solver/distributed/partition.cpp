@@ -307,7 +307,7 @@ Solution PartitionedSolver::solve(double time, std::span<const double> states) n
   const Clock::time_point begin = Clock::now();
   const FlushSubnormals guard;
   const bool accepted = accepts(time, states);
-  Solution solution{.u = u_, .raw_u = raw_u_, .x = x_, .status = Status::converged};
+  Solution solution{.u = u_, .raw_u = raw_u_, .x = {}, .status = Status::converged};
   for (Member& member : members_) member.elapsed = 0.0;
   if (messages_ && accepted) {
     if (!messages_->begun()) talk_before(time, states);
@@ -326,6 +326,7 @@ Solution PartitionedSolver::solve(double time, std::span<const double> states) n
   if (usable) write_states(x_now_);
   solution.elapsed = seconds_since(begin);
   if (!usable) return solution;
+  solution.x = x_;
   has_plan_ = true;
   solution.residual = kkt(time, states);
   if (solution.status == Status::deadline) return solution;

@@ -20,11 +20,6 @@ double* NewtonUpdate::felt(int group, int thread) noexcept {
   return c;
 }
 
-/// Into x_next_, of the last roll-out.
-void NewtonUpdate::copy_states(int group) noexcept {
-  groups_.copy_states(group, x_next_.data(), ocp_.nx(), x_at_);
-}
-
 /// The step of each robot by itself, from the roll-out of u on; with the first iteration of the couplings where it `begins`.
 /// An attempt after the first keeps the neighbours, and the damping, which comes from zero in many factorisations.
 /// @return whether a robot is damped
@@ -43,7 +38,6 @@ bool NewtonUpdate::solve_alone(bool again, bool begins) noexcept {
       *crew_,
       [&](int g, int) noexcept {
         if (!gathers) roll_out(g);
-        copy_states(g);
       },
       [&](int g, int) noexcept { couplings_->derive(g, s_); },
       [&](int g, int thread) noexcept {

@@ -100,8 +100,7 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       limits_(at(2 * ocp_.nu())),
       u_out_(at(ocp_.nu())),
       raw_u_(at(ocp_.nu())),
-      x_out_(at(ocp_.nx()) * at(ocp_.horizon().N + 1)),
-      x_next_(x_out_.size()) {
+      x_out_(1, ocp_.nx() * (ocp_.horizon().N + 1)) {
   damped_.resize(groups_.layout().groups.size());
   proposals_.resize(groups_.layout().groups.size());
   held_.resize(groups_.layout().groups.size());
@@ -254,7 +253,7 @@ void NewtonUpdate::restart() noexcept {
   started_ = has_plan_ = false;
   leave_plan();
   std::fill_n(plan_, groups_.layout().u_length, 0.0);
-  std::fill(x_out_.begin(), x_out_.end(), 0.0);
+  states_ = States::none;
   for (Prediction& prediction : predictions_) prediction.sights.clear();
   plan_time_ = 0.0;
 }
@@ -270,19 +269,25 @@ void NewtonUpdate::write_inputs() noexcept {
   }
 }
 
-/// The trajectory of the last roll-out; where a step was taken, that of the robots was copied while it was near.
-void NewtonUpdate::write_states(const Step& step) noexcept {
+std::span<const double> NewtonUpdate::predicted_states() noexcept {
+  if (states_ == States::none) return {};
+  if (states_ == States::rolled_out) write_states();
+  states_ = States::written;
+  return {x_out_[0], at(ocp_.nx()) * at(ocp_.horizon().N + 1)};
+}
+
+/// The trajectory of the last roll-out.
+void NewtonUpdate::write_states() noexcept {
   const Team& team = ocp_.team();
   const int N = ocp_.horizon().N;
-  if (!step.taken) groups_.each(*crew_, [&](int g, int) noexcept { copy_states(g); });
-  std::swap(x_out_, x_next_);
+  groups_.each(*crew_, [&](int g, int) noexcept { groups_.copy_states(g, x_out_[0], ocp_.nx(), x_at_); });
   for (int b = 0; b < team.bodies(); ++b) {
     if (team.is_agent(BodyId{b})) continue;
     const std::size_t from = at(team.state_offset(BodyId{b}));
     const Prediction& prediction = predictions_[at(b)];
     const bool is_predicted = prediction.holds(time_, {x_now_[from], x_now_[from + 1], x_now_[from + 2]});
     for (int k = 0; k <= N; ++k) {
-      double* const to = &x_out_[from + at(k * ocp_.nx())];
+      double* const to = x_out_[0] + from + at(k * ocp_.nx());
       const std::size_t nx = at(team.model(BodyId{b}).nx());
       if (is_predicted && k > 0) {
         write_body(prediction.at(time_, k), {to, nx});
@@ -309,7 +314,7 @@ Solution NewtonUpdate::fall_back(double time, Status status) noexcept {
   }
   return {.u = u_out_,
           .raw_u = raw_u_,
-          .x = x_out_,
+          .x = {},
           .status = status,
           .elapsed = std::chrono::duration<double>(Clock::now() - begin_).count()};
 }
@@ -317,6 +322,7 @@ Solution NewtonUpdate::fall_back(double time, Status status) noexcept {
 Solution NewtonUpdate::solve(double time, std::span<const double> states) noexcept {
   begin_ = Clock::now();
   const FlushSubnormals guard;
+  states_ = States::none;
   if (!std::isfinite(time) || !accept(states)) return fall_back(time, Status::invalid_state);
   set_time(time);
   const bool anew = !started_ && !has_plan_;
@@ -335,7 +341,7 @@ Solution NewtonUpdate::solve(double time, std::span<const double> states) noexce
   }
   if (!step.finite) return fall_back(time, Status::not_finite);
   write_inputs();
-  write_states(step);
+  states_ = States::rolled_out;
   remember(step);
   const Status status = !step.in_time                         ? Status::deadline
                         : step.residual <= options_.tolerance ? Status::converged
@@ -343,7 +349,7 @@ Solution NewtonUpdate::solve(double time, std::span<const double> states) noexce
                                                               : Status::iteration_limit;
   return {.u = u_out_,
           .raw_u = raw_u_,
-          .x = x_out_,
+          .x = *this,
           .status = status,
           .residual = step.residual,
           .iterations = iterations,
@@ -353,6 +359,7 @@ Solution NewtonUpdate::solve(double time, std::span<const double> states) noexce
 
 double NewtonUpdate::kkt(double time, std::span<const double> states) noexcept {
   const FlushSubnormals guard;
+  states_ = States::none;
   if (!std::isfinite(time) || !accept(states)) return infinity;
   set_time(time);
   if (!started_) {

@@ -14,7 +14,7 @@
 
 namespace sightline {
 
-class NewtonUpdate {
+class NewtonUpdate final : public PredictedStates::Writer {
  public:
   /// @throws std::invalid_argument naming an option out of its range
   NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options);
@@ -33,6 +33,8 @@ class NewtonUpdate {
   void plan(int k, std::span<double> u) const noexcept;
   void set_plan(int k, std::span<const double> u) noexcept;
   void set_prediction(const Prediction& prediction) noexcept;
+  /// Of the last update, until the next call.
+  std::span<const double> predicted_states() noexcept override;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -93,8 +95,7 @@ class NewtonUpdate {
   bool late() const noexcept;
   bool is_stage(int k, std::span<const double> u) const noexcept;
   void write_inputs() noexcept;
-  void copy_states(int group) noexcept;
-  void write_states(const Step& step) noexcept;
+  void write_states() noexcept;
   Solution fall_back(double time, Status status) noexcept;
 
   Ocp ocp_;
@@ -137,8 +138,9 @@ class NewtonUpdate {
   std::vector<char> held_;                           // of each group: limits are active in what was foreseen
   std::vector<int> x_at_;                            // of each agent in the stacked state
   std::vector<Prediction> predictions_;  // of each body; room for N + 1 sights of those not controlled
-  std::vector<double> x_now_, limits_, u_out_, raw_u_, x_out_;
-  std::vector<double> x_next_;          // what becomes x_out_ if the update ends well
+  std::vector<double> x_now_, limits_, u_out_, raw_u_;
+  Rows x_out_;  // stage by stage
+  enum class States { none, rolled_out, written } states_ = States::none;
   std::vector<double> before_, added_;  // AppliedInputs; empty: never told
   std::vector<char> damped_;            // of each group: a robot's damping is not zero
   std::vector<Proposal> proposals_;     // of each group
