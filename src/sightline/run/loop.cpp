@@ -446,14 +446,15 @@ void Loop::write_path(const Controller& controller, const Solution& solution, Sa
   const Horizon& horizon = controller.solver->ocp().horizon();
   const std::size_t nx = size(controller.solver->ocp().nx()), world_nx = sample.x.size();
   const std::size_t N = size(horizon.N);
-  if (solution.x.size() != (N + 1) * nx || !all_finite(solution.x)) return;
+  const std::span<const double> planned = solution.x;
+  if (planned.size() != (N + 1) * nx || !all_finite(planned)) return;
   // Another controller's horizon may have other stages: on a line between them, held after the last.
   const double ratio = sample.path_step / horizon.h();
   for (std::size_t i = 0; i * world_nx < sample.path.size(); ++i) {
     const double at = std::min(static_cast<double>(i) * ratio, static_cast<double>(N));
     const std::size_t stage = std::min(static_cast<std::size_t>(at), N - 1);
     const double w = at - static_cast<double>(stage);
-    const double *from = &solution.x[stage * nx], *to = from + nx;
+    const double *from = &planned[stage * nx], *to = from + nx;
     for (const Controller::Member& m : controller.members) {
       for (std::size_t q = 0; q < m.nx; ++q) {
         double& x = sample.path[i * world_nx + m.world_x + q];

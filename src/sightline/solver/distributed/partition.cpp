@@ -292,11 +292,12 @@ void PartitionedSolver::write_states(std::span<const double> states) noexcept {
   for (const Member& member : members_) {
     const Subteam& subteam = *member.subteam;
     const int nx = subteam.ocp().nx();
+    const std::span<const double> planned = member.solution.x;
     for (const BodyId body : subteam.ocp().agent_bodies()) {
       const int from = subteam.ocp().team().state_offset(body),
                 to = team.state_offset(subteam.in_whole(body));
       for (int k = 0; k <= N; ++k) {
-        std::copy_n(member.solution.x.begin() + k * nx + from, subteam.ocp().team().model(body).nx(),
+        std::copy_n(planned.begin() + k * nx + from, subteam.ocp().team().model(body).nx(),
                     x_.begin() + k * team.nx() + to);
       }
     }

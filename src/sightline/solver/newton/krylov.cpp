@@ -96,7 +96,7 @@ Krylov::Completion Krylov::complete(Groups& groups, const Couplings& couplings, 
     case Influence::none:
       return {};
     case Influence::mutual:
-      return conjugate_gradients(work);
+      return max_iterations_ > 0 ? conjugate_gradients(work) : Completion{};
     case Influence::cascade:
     case Influence::cyclic:
       return {.iterations = turns_.empty() ? general(work) : substitute(work)};
