@@ -91,15 +91,14 @@ tails() {
   # The kernel stops for 50 ms of each second who takes more of a core by FIFO: a control thread does not, updates without a pause do.
   local limit=/proc/sys/kernel/sched_rt_runtime_us before
   before=$(<$limit)
-  { echo -1 >$limit; } 2>/dev/null || echo "kernel.sched_rt_runtime_us stays $before: the longest times are those of its pauses"
   taskset -c $((1 - core)) bash -c 'while :; do :; done' &
   busy=$!
+  trap "{ kill $busy; echo $before >$limit; } 2>/dev/null" EXIT  # a section has a shell of its own; whatever ends it, the machine is as it was
+  ! whole || { echo -1 >$limit; } 2>/dev/null || echo "kernel.sched_rt_runtime_us stays $before: the longest times are those of its pauses"
   for name in pair strong_chain_64 swarm_32; do
     taskset -c "$core" "${priority[@]}" "$sightline" bench --case $name --updates "$updates" --times --json >"$out/tail_$name.json" 2>/dev/null || echo "$name: failed"
     echo "$name: median $(number "$out/tail_$name.json" median_us) us, p99 $(number "$out/tail_$name.json" p99_us) us, p99.99 $(number "$out/tail_$name.json" p9999_us) us, longest $(number "$out/tail_$name.json" max_us) us of $updates; allocations $(number "$out/tail_$name.json" allocations)"
   done
-  kill "$busy"; wait "$busy" 2>/dev/null
-  { echo "$before" >$limit; } 2>/dev/null
   for name in pair strong_chain_64 swarm_32; do [[ $(number "$out/tail_$name.json" allocations) == 0 ]] || return 1; done
 }
 
