@@ -41,7 +41,8 @@ bool is_swarm_case(std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions& options) {
+std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions& options,
+                                      const std::shared_ptr<Crew>& crew) {
   if (!is_swarm_case(name)) throw std::invalid_argument(fmt::format("{} is no swarm", name));
   using Clock = std::chrono::steady_clock;
   const int robots = std::stoi(std::string(name.substr(name.find('_') + 1)));
@@ -49,8 +50,8 @@ std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions&
   const int crossing = robots <= few ? 2600 : 6000;  // updates
   const int crossings = (options.updates + crossing - 1) / crossing;
   const Swap swap = Swap::of(robots);
-  NewtonRiccati solver(swap.team, bench_horizon);
-  GuardOptions guarded{.barrier = BarrierMode::report, .period = bench_horizon.dt};
+  NewtonRiccati solver(swap.team, bench_horizon, {.crew = crew});
+  GuardOptions guarded{.barrier = BarrierMode::report, .period = bench_horizon.dt, .crew = crew};
   guarded.bodies.assign(at(robots), {.d_hard = Swap::d_hard});
   std::vector<double> stamps(at(robots)), added(at(swap.team.nu())), u(added.size());
   std::vector<double> all, both;

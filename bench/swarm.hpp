@@ -1,11 +1,13 @@
 /// Times updates of robots that swap places across a circle, all pairs near each other kept apart.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "bench/bench.hpp"
+#include "sightline/math/crew.hpp"
 
 namespace sightline {
 
@@ -17,6 +19,8 @@ bool is_swarm_case(std::string_view name);
 /// many as hold options.updates; and those of the second with the greatest median, "NAME_crossing". "NAME_barrier" and
 /// "NAME_barrier_crossing" are the same with the time of all barriers at 0.6 m added, which tell and change nothing. The columns of costs and optima are zero.
 /// @param options  .progress is told once, how many pairs came near at one time
-std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions& options = {});
+/// @param crew     shares updates and barriers
+std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions& options = {},
+                                      const std::shared_ptr<Crew>& crew = {});
 
 }  // namespace sightline

@@ -49,8 +49,9 @@ CLI::Option* add_show(CLI::App& command, ShowOptions& view) {
 
 void add_threads(CLI::App& command, int& threads) {
   command
-      .add_option("--threads", threads,
-                  "Threads that share each update of a large team, or of many parts [1]")
+      .add_option(
+          "--threads", threads,
+          "Threads that share the updates, barriers and simulation of a large team, or many parts [1]")
       ->check(CLI::Range(1, Crew::most));
 }
 

@@ -22,13 +22,21 @@ namespace sightline::cli {
 int bench(const BenchCommand& command) {
   std::vector<BenchCase> cases;
   SolverChoice solver;
+  std::shared_ptr<Crew> crew;
   try {
     solver = solver_named(command.solver);
-    share_updates(solver, command.threads);
-    for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names())
-      if (!is_barrier_case(name) && !is_swarm_case(name) && name != event_case_name &&
-          name != estimate_case_name)
-        cases.push_back(bench_case(name));
+    crew = crew_of(command.threads);
+    share_updates(solver, crew);
+    for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names()) {
+      const bool is_alone = is_barrier_case(name) || name == event_case_name || name == estimate_case_name;
+      if (is_alone && command.threads > 1)
+        throw std::invalid_argument(
+            fmt::format("--threads = {} of {}, expected 1: nothing in it is shared", command.threads, name));
+      if ((is_alone || is_swarm_case(name)) && command.solver != SolverChoice{}.name)
+        throw std::invalid_argument(fmt::format("--solver = {} of {}, expected {}: no other is timed in it",
+                                                command.solver, name, SolverChoice{}.name));
+      if (!is_alone && !is_swarm_case(name)) cases.push_back(bench_case(name));
+    }
   } catch (const std::invalid_argument& error) {
     tell("sightline bench: {}\n", error.what());
     return 2;
@@ -43,13 +51,17 @@ int bench(const BenchCommand& command) {
                         .progress = [](int conflicts) { tell("{} of 500 conflicts\n", conflicts); }}));
   }
   if (command.name && is_swarm_case(*command.name)) {
-    rows = run_swarm_bench(*command.name, {.updates = command.updates,
-                                           .allocations = allocations,
-                                           .progress = [](int pairs) { tell("{} pairs at most\n", pairs); }});
+    rows = run_swarm_bench(*command.name,
+                           {.updates = command.updates,
+                            .allocations = allocations,
+                            .progress = [](int pairs) { tell("{} pairs at most\n", pairs); }},
+                           crew);
   }
   if (command.name == event_case_name) {
-    rows = run_event_bench(
-        {.allocations = allocations, .progress = [](int changes) { tell("{} changes\n", changes); }});
+    rows =
+        run_event_bench({.updates = command.updates, .allocations = allocations, .progress = [](int changes) {
+                           tell("{} changes\n", changes);
+                         }});
   }
   if (command.name == estimate_case_name) {
     rows = run_estimate_bench({.updates = command.updates,

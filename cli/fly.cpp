@@ -123,7 +123,8 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
     refuse_without_part(scenario, command);
     scenario.simulation.compare.clear();
     lift_deadline(scenario.solver);  // so that the flight can be replayed: no time of the wall clock decides
-    share_updates(scenario.solver, command.threads);
+    scenario.crew = crew_of(command.threads);
+    share_updates(scenario.solver, scenario.crew);
     check_solvers(scenario);
     std::filesystem::path output = std::filesystem::path("out") / scenario.name;
     if (scenario.partition) output /= scenario.partition->part;

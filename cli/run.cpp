@@ -136,6 +136,7 @@ Scenario as_one(const Scenario& scenario) {
       scenario.text, scenario.file, *scenario.parts,
       {.files = scenario.files, .set = {fmt::format("partition.part=\"{}\"", PartitionPlan::all)}});
   one.solver = scenario.solver;
+  one.crew = scenario.crew;
   one.simulation.seed = scenario.simulation.seed;
   return one;
 }
@@ -158,8 +159,8 @@ int run(const RunOptions& options, const Parts& parts) {
           "--tune, expected beside --realtime and of one solver for all; `sightline view --tune` can wait, "
           "too");
     if (options.view.tune) make_tunable(scenario);
-    if (!partition)
-      share_updates(scenario.solver, options.threads);  // else parts are solved at the same time
+    scenario.crew = crew_of(options.threads);
+    if (!partition) share_updates(scenario.solver, scenario.crew);  // else parts are solved at the same time
     folder.emplace(options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output,
                    scenario, partition.has_value());
   } catch (const std::exception& error) {

@@ -79,6 +79,17 @@ TEST(Bench, AnUnknownNameIsRefusedWithTheKnownOnes) {
     EXPECT_THAT(no_solver.err, HasSubstr(name));
 }
 
+TEST(Bench, WhatACaseCannotHeedIsRefused) {
+  const test::Folder folder("bench");
+  for (const char* options : {"barrier_4 --threads 2", "events_8 --threads 2", "estimate --threads 2",
+                              "estimate --solver cmscgmres", "swarm_8 --solver cmscgmres"}) {
+    const test::CommandResult refused =
+        test::sightline(std::string("bench --case ") + options, folder.path());
+    EXPECT_EQ(refused.code, 2) << options;
+    EXPECT_THAT(refused.err, HasSubstr("expected")) << options;
+  }
+}
+
 TEST(Bench, EveryCaseFliesNearTheOptimumOfIpopt) {
   for (const std::string& name : bench_case_names()) {
     const BenchCase what = bench_case(name);

@@ -212,6 +212,20 @@ TEST(Run, SameSeedSameLogByteForByte) {
   EXPECT_FALSE(a == read_file(folder / "c" / "run.mcap"));
 }
 
+TEST(Run, TheLogIsTheSameByteForByteWhateverTheThreads) {
+  const fs::path folder = fresh_folder();
+  for (const char* threads : {"1", "3"}) {
+    const auto run = sightline(std::string("run scenarios/swarm128.toml --set simulation.duration=0.3 "
+                                           "--set safety.barrier=\"on\" --threads ") +
+                                   threads + " -o " + (folder / threads).string(),
+                               folder);
+    EXPECT_LT(run.code, 2) << run.err;
+  }
+  const std::string one = read_file(folder / "1" / "run.mcap");
+  EXPECT_GT(one.size(), 100000u);
+  EXPECT_TRUE(one == read_file(folder / "3" / "run.mcap"));
+}
+
 TEST(Run, ADiskThatIsFullIsSaidOnceAndTheLoopFinishes) {
   const fs::path folder = fresh_folder();
   const fs::path scenario = short_scenario(folder, "paper_7_1", "2.0"), out = folder / "out";

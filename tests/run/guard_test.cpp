@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "sightline/base/index.hpp"
 #include "sightline/world/plant.hpp"
 
 namespace sightline {
@@ -300,6 +302,47 @@ TEST(Guard, WhereARobotWasNeverSeenTheBarrierStandsBack) {
     for (const double u : flight.u) ASSERT_NEAR(u, 0.0, 1e-6);
     ASSERT_FALSE(flight.guard.knows_all());
   }
+}
+
+// All of a ring are sent into its middle, where nobody gives way to the two that drift through.
+TEST(Guard, CommandsAndEventsAreTheSameWhateverTheThreads) {
+  constexpr int robots = GuardOptions::shared_from + 5;
+  Team team;
+  Numbers x0, command;
+  for (int i = 0; i < robots; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / robots, c = std::cos(angle), s = std::sin(angle);
+    team.add(Multirotor{}, {.name = "uav" + std::to_string(i)});
+    x0.insert(x0.end(), {5 * c, 5 * s, 1, -c, -s, 0, 0});
+    command.insert(command.end(), {1, 0, 0, 0});
+  }
+  for (const double side : {-1.0, 1.0}) {
+    team.add(Obstacle{.name = side < 0 ? "left" : "right"});
+    x0.insert(x0.end(), {3 * side, 0, 1, -side, 0, 0});
+  }
+  const auto flown = [&](int threads) {
+    GuardOptions options{.barrier = BarrierMode::on};
+    if (threads > 1) options.crew = std::make_shared<Crew>(threads);
+    Guard guard(team, options);
+    Plant plant(team, x0);
+    Numbers all;
+    int active = 0, conflicts = 0;
+    for (int k = 0; k < 300; ++k) {
+      const double t = 0.01 * k;
+      const auto x = guard.believe(t, plant.x(), Numbers(at(team.bodies()), t));
+      Numbers u = command;
+      guard.keep_distances(t, x, Numbers(u.size()), u);
+      all.insert(all.end(), u.begin(), u.end());
+      for (const BarrierRecord& record : guard.barriers())
+        active += record.active, all.push_back(record.reserve);
+      for (const Event& event : guard.events()) ++conflicts, all.insert(all.end(), {event.time, event.value});
+      EXPECT_TRUE(plant.step(u, 0.01));
+    }
+    EXPECT_GT(active, 1000);
+    EXPECT_GT(conflicts, 0);
+    return all;
+  };
+  const Numbers alone = flown(1);
+  for (const int threads : {2, 4}) EXPECT_EQ(flown(threads), alone) << threads << " threads";
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ TEST(Crowd, TheChosenHaveTheLeastKeysTheLeastFirstAndWhoIsNowhereIsTold) {
   constexpr int bodies = 100, most = 16, self = 7;
   Random random(1);
   Crowd crowd(bodies);
+  Crowd::Asker asker(bodies);
   for (int trial = 0; trial < 100; ++trial) {
     std::vector<Crowd::Body> all;
     crowd.clear();
@@ -41,7 +42,7 @@ TEST(Crowd, TheChosenHaveTheLeastKeysTheLeastFirstAndWhoIsNowhereIsTold) {
     std::vector<double> cooperative, keys;
     for (const Crowd::Body& body : all) {
       const bool member = random() % 2 == 0;
-      crowd.cooperative()[cooperative.size()] = member ? 1.0 : 0.0;
+      asker.cooperative[cooperative.size()] = member ? 1.0 : 0.0;
       cooperative.push_back(member);
       const Vec3<double> v = {0.5, -0.5, 0.0};
       keys.push_back(pressing_key(Vec3<double>{} - body.p, member ? v - body.v : v, body.d_hard,
@@ -56,7 +57,7 @@ TEST(Crowd, TheChosenHaveTheLeastKeysTheLeastFirstAndWhoIsNowhereIsTold) {
     for (const std::size_t i : order) expected.push_back(all[i].id);
     if (trial % 5 == 0) expected.push_back(50);
     const std::int64_t before = cli::allocations();
-    const std::span<const int> chosen = crowd.pressing(self, {}, {0.5, -0.5, 0.0}, most);
+    const std::span<const int> chosen = crowd.pressing(self, {}, {0.5, -0.5, 0.0}, most, asker);
     EXPECT_EQ(cli::allocations(), before);
     EXPECT_EQ(std::vector<int>(chosen.begin(), chosen.end()), expected) << trial;
   }

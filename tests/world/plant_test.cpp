@@ -7,6 +7,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "sightline/base/index.hpp"
 #include "sightline/model/ground_robots.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/period.hpp"
@@ -111,6 +112,34 @@ TEST(Plant, TheSameSeedFliesTheSameAndAnotherDoesNot) {
   EXPECT_EQ(fly(two_robots(), apart, options, 300), first);
   options.seed = 2;
   EXPECT_GT(largest_difference(fly(two_robots(), apart, options, 300), first), 1e-3);
+}
+
+TEST(Plant, ManyBodiesMoveTheSameWhateverTheThreads) {
+  Team team;
+  Numbers x0;
+  for (int i = 0; i < PlantOptions::shared_from; i += 3) {
+    const std::string number = std::to_string(i);
+    team.add(AngleMultirotor{}, {.name = "angle" + number});
+    team.add(Obstacle{.name = "wall" + number});
+    team.add(Multirotor{}, {.name = "uav" + number});
+    x0.insert(x0.end(), mixed_start.begin(), mixed_start.end());
+  }
+  std::vector<Presence> presence(static_cast<std::size_t>(team.bodies()), Presence::steered);
+  for (std::size_t i = 0; i < presence.size(); i += 7) presence[i] = Presence::absent;
+  const auto flown = [&](int threads) {
+    PlantOptions options{
+        .seed = 3,
+        .disturbances = {.wind = {0.1, 0.2, 0}, .gust_sigma = 0.5, .input_delay = 0.055, .yaw_lag = 0.2},
+        .crew = threads > 1 ? std::make_shared<Crew>(threads) : nullptr};
+    Plant plant(team, x0, options);
+    for (int k = 0; k < 50; ++k) {
+      if (k == 20) plant.set_presence(presence);
+      EXPECT_TRUE(plant.step(command(k, size(team.nu())), control_period));
+    }
+    return Numbers(plant.x().begin(), plant.x().end());
+  };
+  const Numbers alone = flown(1);
+  for (const int threads : {2, 5}) EXPECT_EQ(flown(threads), alone) << threads << " threads";
 }
 
 TEST(Plant, OneDisturbanceMoreLeavesTheOthersNumbersAsTheyWere) {

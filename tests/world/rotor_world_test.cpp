@@ -282,7 +282,7 @@ TEST(RotorWorld, RefusesWhatItCannotFly) {
               HasSubstr("downwash = 1, expected 0 where no vehicles move"));
 }
 
-constexpr PlantOptions blowing = {.downwash = {1.0}};
+const PlantOptions blowing = {.downwash = {1.0}};
 
 /// Vehicles of that kind that hover at these places under velocity commands.
 struct Hover {
@@ -338,6 +338,21 @@ TEST(RotorWorld, DownwashFromBothSidesPushesStraightDown) {
   EXPECT_LT(body_of(world, 0).p.z, 5.0 - 1e-3);
   EXPECT_NEAR(body_of(world, 0).p.x, 0.0, 1e-9);
   EXPECT_NEAR(body_of(world, 1).p.x, -body_of(world, 2).p.x, 1e-9);
+}
+
+TEST(RotorWorld, VehiclesAndTheirDownwashAreTheSameWhateverTheThreads) {
+  std::vector<Vec3<double>> places;
+  for (int i = 0; i < PlantOptions::vehicles_shared_from + 2; ++i)
+    places.push_back({0.6 * (i % 3), 0.6 * (i / 3), 3.0 + i});
+  const Hover many(Vehicle::crazyflie(), places);
+  const auto flown = [&](int threads) {
+    PlantOptions options = blowing;
+    if (threads > 1) options.crew = std::make_shared<Crew>(threads);
+    RotorWorld world = many.world(options);
+    return fly(world, 100, many.rest());
+  };
+  const Numbers alone = flown(1);
+  for (const int threads : {2, 4}) EXPECT_EQ(flown(threads), alone) << threads << " threads";
 }
 
 TEST(RotorWorld, FarAsideAtOneHeightAndWithoutDownwashVehiclesFlyAsAloneBitForBit) {

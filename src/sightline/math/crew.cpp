@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace sightline {
 namespace {
@@ -40,6 +41,10 @@ Crew::Crew(int threads) : threads_(threads) {
                                 std::to_string(most));
   ranges_ = std::make_unique<Range[]>(static_cast<std::size_t>(threads));
   for (int t = 1; t < threads; ++t) others_.emplace_back([this, t] { wait_for_work(t); });
+}
+
+std::shared_ptr<Crew> crew_where(bool pays, std::shared_ptr<Crew> crew) {
+  return crew != nullptr && pays ? std::move(crew) : std::make_shared<Crew>(1);
 }
 
 Crew::~Crew() {

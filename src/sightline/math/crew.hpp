@@ -72,4 +72,7 @@ class Crew {
   std::vector<std::jthread> others_;
 };
 
+/// That crew where it is there and pays, else one that shares nothing.
+std::shared_ptr<Crew> crew_where(bool pays, std::shared_ptr<Crew> crew);
+
 }  // namespace sightline

@@ -20,7 +20,7 @@ namespace sightline {
 
 /// What a robot's struct must offer; see robots.hpp. It may have `u_max()`, the limits of its inputs, and `u_min()`;
 /// without them they are 1, and -u_max. `parameters()` describes its numbers (base/parameter.hpp), and `check()` refuses
-/// what does not fit together.
+/// what does not fit together. With `--threads` its functions are called by several threads at a time.
 template <class M>
 concept RobotModel = requires(const M& m, const std::array<double, M::nx>& x,
                               const std::array<double, M::nu>& u) {

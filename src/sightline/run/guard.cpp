@@ -115,7 +115,9 @@ Guard::Guard(const Team& team, const GuardOptions& options)
   }
   sights_.resize(options_.bodies.size());
   crowd_ = Crowd(team_.bodies());
-  neighbours_.resize(options_.bodies.size());
+  crew_ = crew_where(static_cast<int>(robots_.size()) >= GuardOptions::shared_from, options_.crew);
+  for (int i = 0; i < crew_->threads(); ++i)
+    askers_.push_back({Crowd::Asker(team_.bodies()), std::vector<Neighbour>(options_.bodies.size())});
   records_.resize(robots_.size());
 }
 
@@ -196,8 +198,15 @@ void Guard::keep_distances(double t, std::span<const double> x, std::span<const 
     for (std::size_t k = 0; k < of.nu; ++k) of.u_min[k] -= added[of.u + k], of.u_max[k] -= added[of.u + k];
     of.part = of.barrier.part(of.u_min, of.u_max);
   }
-  if (!robots_.empty()) see_all(x);
-  for (std::size_t i = 0; i < robots_.size(); ++i) keep_distance(i, t, x, u);
+  if (!robots_.empty()) {
+    see_all(x);
+    crew_->share(static_cast<int>(robots_.size()),
+                 [&](int i, int thread) noexcept { keep_distance(at(i), x, u, askers_[at(thread)]); });
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      if (records_[i].conflict && !robots_[i].was_in_conflict)
+        tell({t, EventKind::barrier_conflict, 0, static_cast<double>(robots_[i].body.index)});
+    }
+  }
   std::copy(u.begin(), u.end(), before_.begin());
 }
 
@@ -253,30 +262,31 @@ Neighbour Guard::neighbour_of(const Robot& robot, BodyId other) const noexcept {
 }
 
 /// The other bodies that the barrier of a robot is told of.
-std::span<const Neighbour> Guard::neighbours_of(const Robot& robot) noexcept {
+std::span<const Neighbour> Guard::neighbours_of(const Robot& robot, Asker& asker) const noexcept {
+  std::vector<Neighbour>& neighbours = asker.neighbours;
   std::size_t count = 0;
   if (crowd_.size() <= Barrier::most_neighbours + 1) {
     for (int i = 0; i < crowd_.size(); ++i) {
       const BodyId other{crowd_.id(i)};
-      if (other != robot.body) neighbours_[count++] = neighbour_of(robot, other);
+      if (other != robot.body) neighbours[count++] = neighbour_of(robot, other);
     }
-    return std::span(neighbours_).first(count);
+    return std::span(neighbours).first(count);
   }
-  const std::span<double> cooperative = crowd_.cooperative();
   for (int i = 0; i < crowd_.size(); ++i)
-    cooperative[at(i)] = gives_way(robot, BodyId{crowd_.id(i)}) ? 1.0 : 0.0;
+    asker.crowd.cooperative[at(i)] = gives_way(robot, BodyId{crowd_.id(i)}) ? 1.0 : 0.0;
   const Sight<double>& self = sights_[at(robot.body)];
-  for (const int other : crowd_.pressing(robot.body.index, self.p, self.v, Barrier::most_neighbours))
-    neighbours_[count++] = neighbour_of(robot, BodyId{other});
-  return std::span(neighbours_).first(count);
+  for (const int other :
+       crowd_.pressing(robot.body.index, self.p, self.v, Barrier::most_neighbours, asker.crowd))
+    neighbours[count++] = neighbour_of(robot, BodyId{other});
+  return std::span(neighbours).first(count);
 }
 
-void Guard::keep_distance(std::size_t robot, double t, std::span<const double> x,
-                          std::span<double> u) noexcept {
+void Guard::keep_distance(std::size_t robot, std::span<const double> x, std::span<double> u,
+                          Asker& asker) noexcept {
   Robot& of = robots_[robot];
   const FallbackLevel level = supervisor_ ? supervisor_->level(of.body) : FallbackLevel::valid;
   BarrierRecord& record = records_[robot];
-  const bool was_in_conflict = record.conflict;
+  of.was_in_conflict = record.conflict;
   record = {};
   // Neither for a robot on the ground or absent, nor without knowing where it is, nor from a body that is nowhere.
   if (level == FallbackLevel::grounded || !is_there(of.body) || !std::isfinite(ages_[at(of.body)])) return;
@@ -285,12 +295,9 @@ void Guard::keep_distance(std::size_t robot, double t, std::span<const double> x
   const bool lands = level == FallbackLevel::land || presence_[at(of.body)] == Presence::land;
   const Barrier& barrier = lands ? of.landing : of.barrier;
   const BarrierResult result =
-      barrier.filter(x.subspan(of.x, of.nx), neighbours_of(of), of.u_min, of.u_max,
+      barrier.filter(x.subspan(of.x, of.nx), neighbours_of(of, asker), of.u_min, of.u_max,
                      options_.barrier == BarrierMode::on ? applied : std::span(of.reported), of.way_out);
   record = {result.active, result.conflict, result.reserve};
-  if (result.conflict && !was_in_conflict) {
-    tell({t, EventKind::barrier_conflict, 0, static_cast<double>(of.body.index)});
-  }
 }
 
 void Guard::tell(const Event& event) noexcept {

@@ -9,11 +9,13 @@
 /// that is estimated as if it were known within sigma_most at least.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "sightline/math/crew.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/safety/barrier.hpp"
 #include "sightline/safety/crowd.hpp"
@@ -54,6 +56,10 @@ struct GuardOptions {
   std::vector<BodyId> searchers{};   ///< these robots
   std::vector<double> command_delays{};  ///< of each body, from a command to its effect [s]; empty: none
   std::vector<LimitsToCome> limits_to_come{};  ///< the barrier reckons with the tightest there will be
+  /// Threads that the barriers of at least `shared_from` robots are shared over; none: that of the caller alone. The result is
+  /// the same.
+  std::shared_ptr<Crew> crew{};
+  static constexpr int shared_from = 32;
 };
 
 class Guard {
@@ -116,6 +122,12 @@ class Guard {
     double part = 1.0;                           // of the acceleration that they leave
     const InputLimits* limits;                   // in force
     WayOut way_out{};
+    bool was_in_conflict = false;  // a period ago
+  };
+  /// Work space of a thread that keeps distances.
+  struct Asker {
+    Crowd::Asker crowd;
+    std::vector<Neighbour> neighbours;  // of one robot
   };
   bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
 
@@ -132,8 +144,9 @@ class Guard {
   void see_all(std::span<const double> x) noexcept;
   bool gives_way(const Robot& robot, BodyId other) const noexcept;
   Neighbour neighbour_of(const Robot& robot, BodyId other) const noexcept;
-  std::span<const Neighbour> neighbours_of(const Robot& robot) noexcept;
-  void keep_distance(std::size_t robot, double t, std::span<const double> x, std::span<double> u) noexcept;
+  std::span<const Neighbour> neighbours_of(const Robot& robot, Asker& asker) const noexcept;
+  void keep_distance(std::size_t robot, std::span<const double> x, std::span<double> u,
+                     Asker& asker) noexcept;
   void tell(const Event& event) noexcept;
   void tell_unheard(double t) noexcept;
 
@@ -154,7 +167,8 @@ class Guard {
   std::vector<int> kinds_;  // of each body, of its model or that of the robot that it is; equal: the same
   std::vector<Sight<double>> sights_;  // of each body, of this period
   Crowd crowd_{0};                     // the bodies that are there
-  std::vector<Neighbour> neighbours_;  // of one robot
+  std::shared_ptr<Crew> crew_;
+  std::vector<Asker> askers_;  // of each thread
   std::vector<BarrierRecord> records_;
   std::vector<Event> events_;
 };

@@ -8,9 +8,11 @@
 
 namespace sightline {
 
-Crowd::Crowd(int bodies) : ids_(at(bodies)), chosen_(at(bodies)), chosen_key_(at(bodies)) {
-  for (std::vector<double> *const column :
-       {&p_x_, &p_y_, &p_z_, &v_x_, &v_y_, &v_z_, &hard_, &speed_, &cooperative_, &key_})
+Crowd::Asker::Asker(int bodies)
+    : cooperative(at(bodies)), chosen_(at(bodies)), key_(at(bodies)), chosen_key_(at(bodies)) {}
+
+Crowd::Crowd(int bodies) : ids_(at(bodies)) {
+  for (std::vector<double> *const column : {&p_x_, &p_y_, &p_z_, &v_x_, &v_y_, &v_z_, &hard_, &speed_})
     column->resize(at(bodies));
 }
 
@@ -23,13 +25,15 @@ void Crowd::add(const Body &body) noexcept {
   hard_[i] = body.d_hard, speed_[i] = body.speed_max;
 }
 
-std::span<const int> Crowd::pressing(int self, const Vec3<double> &p, const Vec3<double> &v,
-                                     std::size_t most) noexcept {
+std::span<const int> Crowd::pressing(int self, const Vec3<double> &p, const Vec3<double> &v, std::size_t most,
+                                     Asker &asker) const noexcept {
   const std::size_t n = count_;
   const double *const p_x = p_x_.data(), *const p_y = p_y_.data(), *const p_z = p_z_.data();
   const double *const v_x = v_x_.data(), *const v_y = v_y_.data(), *const v_z = v_z_.data();
-  const double *const hard = hard_.data(), *const speed = speed_.data(), *const c = cooperative_.data();
-  double *const key = key_.data();
+  const double *const hard = hard_.data(), *const speed = speed_.data(), *const c = asker.cooperative.data();
+  double *const key = asker.key_.data();
+  std::vector<int> &chosen = asker.chosen_;
+  std::vector<double> &chosen_key = asker.chosen_key_;
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3<double> r = {p.x - p_x[i], p.y - p_y[i], p.z - p_z[i]};
     const Vec3<double> w = {v.x - c[i] * v_x[i], v.y - c[i] * v_y[i], v.z - c[i] * v_z[i]};
@@ -41,15 +45,15 @@ std::span<const int> Crowd::pressing(int self, const Vec3<double> &p, const Vec3
     if (!(key[i] < last) || ids_[i] == self) continue;
     if (count < most) ++count;
     std::size_t to = count - 1;
-    for (; to > 0 && chosen_key_[to - 1] > key[i]; --to)
-      chosen_key_[to] = chosen_key_[to - 1], chosen_[to] = chosen_[to - 1];
-    chosen_key_[to] = key[i], chosen_[to] = ids_[i];
-    if (count == most) last = chosen_key_[most - 1];
+    for (; to > 0 && chosen_key[to - 1] > key[i]; --to)
+      chosen_key[to] = chosen_key[to - 1], chosen[to] = chosen[to - 1];
+    chosen_key[to] = key[i], chosen[to] = ids_[i];
+    if (count == most) last = chosen_key[most - 1];
   }
   for (std::size_t i = 0; i < n; ++i) {
-    if (!std::isfinite(key[i]) && ids_[i] != self) chosen_[count++] = ids_[i];
+    if (!std::isfinite(key[i]) && ids_[i] != self) chosen[count++] = ids_[i];
   }
-  return std::span(chosen_).first(count);
+  return std::span(chosen).first(count);
 }
 
 }  // namespace sightline

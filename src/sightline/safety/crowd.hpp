@@ -32,6 +32,20 @@ class Crowd {
     double speed_max;   // of one that is not cooperative [m/s]
   };
 
+  /// Whoever asks; several may at once.
+  class Asker {
+   public:
+    explicit Asker(int bodies);
+
+    /// Of each body that was added, in that order: 1 if the robot that is asked about knows it as cooperative, else 0.
+    std::vector<double> cooperative;
+
+   private:
+    friend class Crowd;
+    std::vector<int> chosen_;
+    std::vector<double> key_, chosen_key_;
+  };
+
   /// @param bodies  room for so many
   explicit Crowd(int bodies);
 
@@ -40,17 +54,16 @@ class Crowd {
   int size() const noexcept { return static_cast<int>(count_); }
   int id(int i) const noexcept { return ids_[static_cast<std::size_t>(i)]; }
 
-  /// Of each body that was added, in that order: 1 if the robot that is asked about knows it as cooperative, else 0.
-  std::span<double> cooperative() noexcept { return std::span(cooperative_).first(count_); }
   /// The ids of the `most` bodies with the least keys, the least first, and of all with a key that is not finite.
-  /// @param p, v  of the robot `self`, which is not among them
-  std::span<const int> pressing(int self, const Vec3<double>& p, const Vec3<double>& v,
-                                std::size_t most) noexcept;
+  /// @param p, v   of the robot `self`, which is not among them
+  /// @param asker  what it knows; has the answer until it asks again
+  std::span<const int> pressing(int self, const Vec3<double>& p, const Vec3<double>& v, std::size_t most,
+                                Asker& asker) const noexcept;
 
  private:
   std::size_t count_ = 0;
-  std::vector<int> ids_, chosen_;
-  std::vector<double> p_x_, p_y_, p_z_, v_x_, v_y_, v_z_, hard_, speed_, cooperative_, key_, chosen_key_;
+  std::vector<int> ids_;
+  std::vector<double> p_x_, p_y_, p_z_, v_x_, v_y_, v_z_, hard_, speed_;
 };
 
 }  // namespace sightline

@@ -136,10 +136,11 @@ SensorOptions sensor_options(const Scenario& scenario) {
   return options;
 }
 
-void share_updates(SolverChoice& choice, int threads) {
+std::shared_ptr<Crew> crew_of(int threads) { return threads > 1 ? std::make_shared<Crew>(threads) : nullptr; }
+
+void share_updates(SolverChoice& choice, const std::shared_ptr<Crew>& crew) {
   const auto share = [&](auto& options) {
-    if constexpr (requires { options.crew; })
-      options.crew = threads > 1 ? std::make_shared<Crew>(threads) : nullptr;
+    if constexpr (requires { options.crew; }) options.crew = crew;
   };
   std::visit(share, choice.options);
 }

@@ -173,7 +173,8 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
                        .barrier_options = safety.barrier_options,
                        .position_sigma = safety.position_sigma,
                        .period = scenario.horizon.dt,
-                       .search = safety.search};
+                       .search = safety.search,
+                       .crew = scenario.crew};
   if (options.supervisor) options.supervisor->period = scenario.horizon.dt;
   for (const LocalizedRobot& of : scenario.localization.robots) options.searchers.push_back(of.robot);
   options.bodies.resize(static_cast<std::size_t>(scenario.team.bodies()), {.d_hard = safety.d_hard});

@@ -408,7 +408,8 @@ PlantOptions plant_options(const Scenario& scenario) {
                        .disturbances = scenario.simulation.disturbances,
                        .period = scenario.horizon.dt,
                        .motions = {},
-                       .downwash = scenario.downwash};
+                       .downwash = scenario.downwash,
+                       .crew = scenario.crew};
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     if (uncooperative.motion) options.motions.push_back({uncooperative.body, *uncooperative.motion});
     options.speed_max.push_back(uncooperative.speed_max);

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "sightline/math/crew.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/ocp/roster.hpp"
 #include "sightline/ocp/team.hpp"
@@ -154,6 +155,8 @@ struct Scenario {
   std::optional<FleetPlan> fleet{};          ///< how its robots are reached, where they are not simulated
   std::optional<PartitionPlan> partition{};  ///< of the whole team; where it plans apart, `team` is its part
   std::optional<CampaignPlan> campaign{};
+  /// Threads that share the barriers and the simulated world of a large team, told in no file: the result is the same. None: nobody.
+  std::shared_ptr<Crew> crew{};
 };
 
 /// @param parts  what it may call by name

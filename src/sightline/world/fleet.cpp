@@ -46,7 +46,10 @@ static_assert(shown_names[first_sensed] == "r");
 }  // namespace
 
 Fleet::Fleet(const Team& team, const std::vector<RobotVehicle>& vehicles, const PlantOptions& plant)
-    : downwash_(plant.downwash.scale), jets_(vehicles.size()), craft_of_(size(team.bodies()), -1) {
+    : crew_(crew_where(static_cast<int>(vehicles.size()) >= PlantOptions::vehicles_shared_from, plant.crew)),
+      downwash_(plant.downwash.scale),
+      jets_(vehicles.size()),
+      craft_of_(size(team.bodies()), -1) {
   for (const RobotVehicle& one : vehicles) {
     if (one.robot.index < 0 || one.robot.index >= team.bodies() || !team.is_agent(one.robot))
       refuse("a vehicle is of body {}, expected a robot of the team", one.robot.index);
@@ -110,15 +113,15 @@ void Fleet::blow() noexcept {
                 .thrust = crafts_[i].steered ? one.lift() : 0.0,
                 .radius2 = static_cast<double>(v.rotors()) * square(v.rotor_radius)};
   }
-  for (std::size_t i = 0; i < crafts_.size(); ++i) {
-    Craft& below = crafts_[i];
-    if (!below.steered) continue;
+  crew_->share(static_cast<int>(crafts_.size()), [&](int i, int) noexcept {
+    Craft& below = crafts_[at(i)];
+    if (!below.steered) return;
     Vec3<double> pushed{};
     for (std::size_t j = 0; j < jets_.size(); ++j) {
-      if (j != i && jets_[j].thrust > 0) pushed = pushed + jets_[j].air(below.flown.body().p);
+      if (j != at(i) && jets_[j].thrust > 0) pushed = pushed + jets_[j].air(below.flown.body().p);
     }
     below.air = below.wind + downwash_ * pushed;
-  }
+  });
 }
 
 void Fleet::show(BodyId robot, double* x) const noexcept {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "sightline/world/plant.hpp"
@@ -26,7 +27,7 @@ namespace sightline {
 class Fleet : public RobotDynamics {
  public:
   /// @throws std::invalid_argument for a vehicle that cannot be, of a robot that cannot be one, or twice of one robot
-  /// @param plant  that it is the dynamics of: its seed and its downwash
+  /// @param plant  that it is the dynamics of: its seed, its downwash and its crew
   Fleet(const Team& team, const std::vector<RobotVehicle>& vehicles, const PlantOptions& plant = {});
 
   bool moves(BodyId robot) const noexcept override { return rotorcraft(robot) != nullptr; }
@@ -56,6 +57,7 @@ class Fleet : public RobotDynamics {
   std::int64_t tick() const noexcept { return tick_; }
 
   std::vector<Craft> crafts_;
+  std::shared_ptr<Crew> crew_;  ///< shares the vehicles
 
  private:
   static constexpr std::int64_t downwash_steps = 10;

@@ -44,6 +44,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
       delay_(disturbances_.input_delay, options.period, resting_inputs(team_)),
       motions_(team_, options.motions, options.seed, options.speed_max),
       dynamics_(options.dynamics),
+      crew_(crew_where(team_.bodies() >= PlantOptions::shared_from, options.crew)),
       steered_for_(options.period) {
   if (z_.size() != nx_) {
     throw std::invalid_argument(fmt::format("the plant's start has {} numbers, expected {}", z_.size(), nx_));
@@ -76,7 +77,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
   for (const YawLag& lag : lags_) z_.push_back(disturbances_.input_gain * resting[lag.input]);
   start_ = z_;
   sensed_.resize(nx_);
-  scratch_.resize(RungeKuttaScratch::rows_needed * z_.size());
+  divide();
 
   const Vec3<double>& wind = disturbances_.wind;
   if (disturbances_.gust_sigma > 0) {
@@ -87,6 +88,31 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
   acceleration_.resize(p_.size());
   pushed_ = gusts_ || wakes_ || wind.x != 0 || wind.y != 0 || wind.z != 0;
   motions_.steer(time_, steered_for_, u_, z_);
+}
+
+/// Into bunches, large enough for sharing to pay.
+void Plant::divide() {
+  constexpr std::size_t together = 32, rows = 1 + RungeKuttaScratch::rows_needed;
+  scratch_.resize(rows * z_.size());
+  Bunch next{};
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Part& part = parts_[i];
+    const std::size_t inputs_end = part.u + size(part.model.nu());
+    ++next.parts;
+    next.nx += size(part.model.nx());
+    while (part.robot >= 0 && next.lag + next.lags < lags_.size() &&
+           lags_[next.lag + next.lags].input < inputs_end)
+      ++next.lags;
+    if (next.parts < together && i + 1 < parts_.size()) continue;
+    bunches_.push_back(next);
+    next = {.part = i + 1,
+            .parts = 0,
+            .x = next.x + next.nx,
+            .nx = 0,
+            .lag = next.lag + next.lags,
+            .lags = 0,
+            .room = next.room + rows * (next.nx + next.lags)};
+  }
 }
 
 bool Plant::step(std::span<const double> u, double dt) noexcept {
@@ -186,24 +212,41 @@ void Plant::move_by_dynamics(double t) noexcept {
 void Plant::integrate(std::span<const double> u, double from, double s) noexcept {
   for (std::size_t i = 0; i < u_.size(); ++i) u_[i] = disturbances_.input_gain * u[i];
   if (dynamics_ != nullptr) move_by_dynamics(from + s);
-  const auto f = [&](std::span<const double> z, std::span<double> rate) {
-    for (const YawLag& lag : lags_) {
-      rate[lag.state] = (disturbances_.input_gain * u[lag.input] - z[lag.state]) / disturbances_.yaw_lag;
-      u_[lag.input] = z[lag.state];
+  crew_->share(static_cast<int>(bunches_.size()),
+               [&](int b, int) noexcept { integrate(bunches_[at(b)], u, s); });
+}
+
+void Plant::integrate(const Bunch& bunch, std::span<const double> u, double s) noexcept {
+  const std::size_t nx = bunch.nx, n = nx + bunch.lags;
+  const auto parts = std::span(parts_).subspan(bunch.part, bunch.parts);
+  const auto lags = std::span(lags_).subspan(bunch.lag, bunch.lags);
+  const std::span<double> scratch = std::span(scratch_).subspan(bunch.room), z = scratch.first(n);
+  const std::span<double> states = std::span(z_).subspan(bunch.x, nx),
+                          lagging = std::span(z_).subspan(nx_ + bunch.lag, lags.size());
+  std::copy(states.begin(), states.end(), z.begin());
+  std::copy(lagging.begin(), lagging.end(), z.begin() + static_cast<std::ptrdiff_t>(nx));
+  const auto f = [&](std::span<const double> now, std::span<double> rate) {
+    for (std::size_t k = 0; k < lags.size(); ++k) {
+      const std::size_t input = lags[k].input;
+      rate[nx + k] = (disturbances_.input_gain * u[input] - now[nx + k]) / disturbances_.yaw_lag;
+      u_[input] = now[nx + k];
     }
-    for (const Part& part : parts_) {
+    for (const Part& part : parts) {
+      const std::size_t x = part.x - bunch.x;
       if (!part.there || part.moved) {
-        std::fill_n(&rate[part.x], part.model.nx(), 0.0);
+        std::fill_n(&rate[x], part.model.nx(), 0.0);
         continue;
       }
-      part.model.f(&z[part.x], u_.data() + part.u, &rate[part.x]);
-      for (const int state : part.slipping) rate[part.x + size(state)] *= 1.0 - disturbances_.slip;
+      part.model.f(&now[x], u_.data() + part.u, &rate[x]);
+      for (const int state : part.slipping) rate[x + size(state)] *= 1.0 - disturbances_.slip;
       if (pushed_ && part.robot >= 0) {
-        part.model.push(&z[part.x], acceleration_[static_cast<std::size_t>(part.robot)], &rate[part.x]);
+        part.model.push(&now[x], acceleration_[static_cast<std::size_t>(part.robot)], &rate[x]);
       }
     }
   };
-  rk4_step(f, z_, s, {scratch_});
+  rk4_step(f, z, s, {scratch.subspan(n, RungeKuttaScratch::rows_needed * n)});
+  std::copy_n(z.begin(), nx, states.begin());
+  std::copy(z.begin() + static_cast<std::ptrdiff_t>(nx), z.end(), lagging.begin());
 }
 
 }  // namespace sightline

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "sightline/math/crew.hpp"
 #include "sightline/math/integrate.hpp"
 #include "sightline/ocp/roster.hpp"
 #include "sightline/world/disturbance.hpp"
@@ -44,6 +46,9 @@ struct PlantOptions {
   std::vector<double> speed_max{};
   RobotDynamics* dynamics = nullptr;  ///< of the robots that it moves; outlives the plant
   DownwashOptions downwash{};         ///< of vehicles; for the dynamics
+  /// Threads that at least so many bodies, or vehicles, are shared over; none: that of the caller alone. The result is the same.
+  std::shared_ptr<Crew> crew{};
+  static constexpr int shared_from = 256, vehicles_shared_from = 16;
 };
 
 /// x' = f(x, u) of each body by the classical Runge-Kutta step with u held (zero-order hold). After each step
@@ -92,17 +97,25 @@ class Plant {
   struct YawLag {
     std::size_t input, state;
   };
+  /// Bodies that are integrated at once, by one thread: which parts, states and lags, from first to last.
+  struct Bunch {
+    std::size_t part, parts, x, nx, lag, lags;
+    std::size_t room;  // place in the scratch
+  };
 
   void set_accelerations() noexcept;
   void set_wind() noexcept;
   void move_by_dynamics(double t) noexcept;
   void integrate(std::span<const double> u, double from, double s) noexcept;
+  void integrate(const Bunch& bunch, std::span<const double> u, double s) noexcept;
+  void divide();
 
   Team team_;
   Disturbances disturbances_;
   std::size_t nx_;
   std::vector<Part> parts_;
   std::vector<YawLag> lags_;
+  std::vector<Bunch> bunches_;
   std::vector<double> z_;  // states of all bodies, then the lagging yaw inputs
   std::vector<double> start_, sensed_;
   std::vector<double> u_, scratch_;
@@ -111,6 +124,7 @@ class Plant {
   std::optional<Wakes> wakes_;
   Motions motions_;
   RobotDynamics* dynamics_;
+  std::shared_ptr<Crew> crew_;
   double steered_for_;                          // step that the bodies' velocities are for [s]
   std::vector<Vec3<double>> p_, acceleration_;  // of the robots
   bool pushed_;

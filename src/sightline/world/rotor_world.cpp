@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sightline/base/index.hpp"
+
 namespace sightline {
 namespace {
 
@@ -11,9 +13,10 @@ class RotorFleet final : public Fleet {
 
  private:
   void advance(std::int64_t steps) noexcept override {
-    for (Craft& craft : crafts_) {
+    crew_->share(static_cast<int>(crafts_.size()), [&](int i, int) noexcept {
+      Craft& craft = crafts_[at(i)];
       for (std::int64_t k = 0; craft.steered && k < steps; ++k) craft.flown.step(craft.commands, craft.air);
-    }
+    });
   }
 };
 

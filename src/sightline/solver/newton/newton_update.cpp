@@ -33,7 +33,7 @@ NewtonRiccatiOptions checked(const NewtonRiccatiOptions& o) {
 /// Threads pay from some size on; below it all is done by the caller's.
 std::shared_ptr<Crew> crew_for(const Ocp& ocp, const NewtonRiccatiOptions& options) {
   const bool pays = static_cast<int>(ocp.agent_bodies().size()) >= NewtonRiccatiOptions::shared_from;
-  return options.crew != nullptr && pays ? options.crew : std::make_shared<Crew>(1);
+  return crew_where(pays, options.crew);
 }
 
 /// Numbers of c that are needed at a time.
