@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -18,8 +19,8 @@ namespace sightline {
 namespace {
 
 constexpr std::array<int, 6> chain_lengths = {2, 4, 8, 16, 32, 64};
-constexpr std::array<int, 8> team_sizes = {8, 16, 32, 64, 128, 256, 512, 1024};
-constexpr int flown_most = 64;  // robots of a case that is flown without being named
+constexpr int team_least = 8, team_most = 1024;  // robots of a family's team
+constexpr int flown_most = 64;                   // of a case that is flown without being named
 
 void watch(Team& team, AgentId observer, AgentId target, const std::vector<AgentId>& who) {
   team.couple(0.4 * SensorCone{}, Between{observer, target}, who);
@@ -174,10 +175,20 @@ std::vector<std::string> bench_case_names() {
     names.push_back(fmt::format("chain_{}_masked", length));
   }
   for (const char* name : {"chain_8_interpreted", "ring_mixed", "saturating"}) names.emplace_back(name);
-  for (const int size : {team_sizes.front(), flown_most}) {
+  for (const int size : {team_least, flown_most}) {
     for (const std::string_view family : families) names.push_back(fmt::format("{}_{}", family, size));
   }
   return names;
+}
+
+std::optional<int> team_size(std::string_view name, std::string_view family) {
+  if (!name.starts_with(family) || name.size() <= family.size() || name[family.size()] != '_')
+    return std::nullopt;
+  const std::string_view digits = name.substr(family.size() + 1);
+  int size = 0;
+  const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), size);
+  const bool is_number = fault == std::errc() && end == digits.data() + digits.size() && digits[0] != '0';
+  return is_number && size >= team_least && size <= team_most ? std::optional(size) : std::nullopt;
 }
 
 BenchCase bench_case(std::string_view name) {
@@ -190,10 +201,8 @@ BenchCase bench_case(std::string_view name) {
     c.kernels = KernelChoice::interpreted;
     return c;
   }
-  for (const int length : team_sizes) {
-    if (length > flown_most && name == fmt::format("chain_{}", length))
-      return chain(std::string(name), length, false);
-  }
+  if (const std::optional<int> length = team_size(name, "chain"))
+    return chain(std::string(name), *length, false);
   for (const int length : chain_lengths) {
     for (const bool masked : {false, true}) {
       std::string known = fmt::format("chain_{}{}", length, masked ? "_masked" : "");
@@ -201,11 +210,13 @@ BenchCase bench_case(std::string_view name) {
     }
   }
   for (const std::string_view family : families) {
-    for (const int size : team_sizes)
-      if (name == fmt::format("{}_{}", family, size)) return team_of(family, size);
+    if (const std::optional<int> size = team_size(name, family)) return team_of(family, *size);
   }
   throw std::invalid_argument(
-      fmt::format("case = {}, expected one of {}", name, fmt::join(bench_case_names(), ", ")));
+      fmt::format("case = {}, expected one of {}; or chain_M, cascade_M, strong_chain_M, mutual_chain_M, "
+                  "grid_M or swarm_M of {} to {} robots; or barrier_1, barrier_4, barrier_16, events_8 or "
+                  "estimate",
+                  name, fmt::join(bench_case_names(), ", "), team_least, team_most));
 }
 
 }  // namespace sightline

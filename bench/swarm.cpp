@@ -30,22 +30,13 @@ std::vector<double> slowest_second(const std::vector<double>& us) {
 
 }  // namespace
 
-std::vector<std::string> swarm_case_names() {
-  std::vector<std::string> names;
-  for (int n = 8; n <= 1024; n *= 2) names.push_back(fmt::format("swarm_{}", n));
-  return names;
-}
-
-bool is_swarm_case(std::string_view name) {
-  const std::vector<std::string> names = swarm_case_names();
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
+bool is_swarm_case(std::string_view name) { return team_size(name, "swarm").has_value(); }
 
 std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions& options,
                                       const std::shared_ptr<Crew>& crew) {
   if (!is_swarm_case(name)) throw std::invalid_argument(fmt::format("{} is no swarm", name));
   using Clock = std::chrono::steady_clock;
-  const int robots = std::stoi(std::string(name.substr(name.find('_') + 1)));
+  const int robots = *team_size(name, "swarm");
   constexpr int few = 32;
   const int crossing = robots <= few ? 2600 : 6000;  // updates
   const int crossings = (options.updates + crossing - 1) / crossing;

@@ -11,8 +11,7 @@
 
 namespace sightline {
 
-/// swarm_8 to swarm_1024, the powers of two.
-std::vector<std::string> swarm_case_names();
+/// swarm_M of 8 to 1024 robots.
 bool is_swarm_case(std::string_view name);
 
 /// Times of all updates of crossings of 26 s with up to 32 robots, within which they all arrive, and of 60 s with more: as

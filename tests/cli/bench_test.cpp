@@ -11,6 +11,7 @@
 #include "bench/ipopt.hpp"
 #include "bench/swarm.hpp"
 #include "cli/allocations.hpp"
+#include "sightline/base/index.hpp"
 #include "tests/support/paper_team.hpp"
 #endif
 
@@ -72,6 +73,12 @@ TEST(Bench, AnUnknownNameIsRefusedWithTheKnownOnes) {
   EXPECT_EQ(no_case.code, 2);
   EXPECT_EQ(no_case.out, "");
   for (const std::string& name : bench_case_names()) EXPECT_THAT(no_case.err, HasSubstr(name));
+  EXPECT_THAT(no_case.err, HasSubstr("swarm_M of 8 to 1024 robots"));
+  for (const char* name :
+       {"grid_7", "grid_1025", "grid_08", "grid_+8", "grid_8x", "grid_", "grid8", "swarm_7"})
+    EXPECT_THROW((void)bench_case(name), std::invalid_argument) << name;
+  for (const int robots : {9, 100, 1023})
+    EXPECT_EQ(bench_case("strong_chain_" + std::to_string(robots)).team.agents().size(), size(robots));
   const test::CommandResult no_solver = test::sightline("bench --case pair --solver simplex", folder.path());
   EXPECT_EQ(no_solver.code, 2);
   EXPECT_EQ(no_solver.out, "");
