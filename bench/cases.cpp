@@ -182,13 +182,10 @@ std::vector<std::string> bench_case_names() {
 }
 
 std::optional<int> team_size(std::string_view name, std::string_view family) {
-  if (!name.starts_with(family) || name.size() <= family.size() || name[family.size()] != '_')
-    return std::nullopt;
-  const std::string_view digits = name.substr(family.size() + 1);
   int size = 0;
-  const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), size);
-  const bool is_number = fault == std::errc() && end == digits.data() + digits.size() && digits[0] != '0';
-  return is_number && size >= team_least && size <= team_most ? std::optional(size) : std::nullopt;
+  std::from_chars(name.data() + std::min(family.size() + 1, name.size()), name.data() + name.size(), size);
+  const bool named = size >= team_least && size <= team_most && name == fmt::format("{}_{}", family, size);
+  return named ? std::optional(size) : std::nullopt;
 }
 
 BenchCase bench_case(std::string_view name) {

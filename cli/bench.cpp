@@ -44,30 +44,17 @@ int bench(const BenchCommand& command) {
 
   if (command.threads == 1) pin_to_core();
   std::vector<BenchRow> rows;
-  if (command.name && is_barrier_case(*command.name)) {
-    rows.push_back(run_barrier_bench(
-        *command.name, {.updates = command.updates,
+  const auto telling = [&](std::string_view what) {
+    return BenchOptions{.updates = command.updates,
                         .allocations = allocations,
-                        .progress = [](int conflicts) { tell("{} of 500 conflicts\n", conflicts); }}));
-  }
-  if (command.name && is_swarm_case(*command.name)) {
-    rows = run_swarm_bench(*command.name,
-                           {.updates = command.updates,
-                            .allocations = allocations,
-                            .progress = [](int pairs) { tell("{} pairs at most\n", pairs); }},
-                           crew);
-  }
-  if (command.name == event_case_name) {
-    rows =
-        run_event_bench({.updates = command.updates, .allocations = allocations, .progress = [](int changes) {
-                           tell("{} changes\n", changes);
-                         }});
-  }
-  if (command.name == estimate_case_name) {
-    rows = run_estimate_bench({.updates = command.updates,
-                               .allocations = allocations,
-                               .progress = [](int believed) { tell("{} sightings believed\n", believed); }});
-  }
+                        .progress = [what](int count) { tell("{} {}\n", count, what); }};
+  };
+  if (command.name && is_barrier_case(*command.name))
+    rows.push_back(run_barrier_bench(*command.name, telling("of 500 conflicts")));
+  if (command.name && is_swarm_case(*command.name))
+    rows = run_swarm_bench(*command.name, telling("pairs at most"), crew);
+  if (command.name == event_case_name) rows = run_event_bench(telling("changes"));
+  if (command.name == estimate_case_name) rows = run_estimate_bench(telling("sightings believed"));
   for (const BenchCase& what : cases) {
     tell("{}: ", what.name);
     rows.push_back(run_bench(what, solver,
