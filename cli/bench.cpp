@@ -25,7 +25,7 @@ int bench(const BenchCommand& command) {
   std::shared_ptr<Crew> crew;
   try {
     solver = solver_named(command.solver);
-    crew = crew_of(command.threads);
+    crew = std::make_shared<Crew>(command.threads);
     share_updates(solver, crew);
     for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names()) {
       const bool is_alone = is_barrier_case(name) || name == event_case_name || name == estimate_case_name;

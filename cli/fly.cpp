@@ -123,7 +123,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
     refuse_without_part(scenario, command);
     scenario.simulation.compare.clear();
     lift_deadline(scenario.solver);  // so that the flight can be replayed: no time of the wall clock decides
-    scenario.crew = crew_of(command.threads);
+    scenario.crew = std::make_shared<Crew>(command.threads);
     share_updates(scenario.solver, scenario.crew);
     check_solvers(scenario);
     std::filesystem::path output = std::filesystem::path("out") / scenario.name;

@@ -159,7 +159,7 @@ int run(const RunOptions& options, const Parts& parts) {
           "--tune, expected beside --realtime and of one solver for all; `sightline view --tune` can wait, "
           "too");
     if (options.view.tune) make_tunable(scenario);
-    scenario.crew = crew_of(options.threads);
+    scenario.crew = std::make_shared<Crew>(options.threads);
     if (!partition) share_updates(scenario.solver, scenario.crew);  // else parts are solved at the same time
     folder.emplace(options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output,
                    scenario, partition.has_value());

@@ -136,8 +136,6 @@ SensorOptions sensor_options(const Scenario& scenario) {
   return options;
 }
 
-std::shared_ptr<Crew> crew_of(int threads) { return threads > 1 ? std::make_shared<Crew>(threads) : nullptr; }
-
 void share_updates(SolverChoice& choice, const std::shared_ptr<Crew>& crew) {
   const auto share = [&](auto& options) {
     if constexpr (requires { options.crew; }) options.crew = crew;

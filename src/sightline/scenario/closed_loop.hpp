@@ -28,10 +28,6 @@ bool plans_in_a_changing_team(std::string_view solver);
 /// In simulated time no deadline acts: a solver has the time it takes, and a run is the same on any machine.
 void lift_deadline(SolverChoice& choice);
 
-/// So many threads; none for one.
-/// @throws as Crew
-std::shared_ptr<Crew> crew_of(int threads);
-
 /// Each update of a large team is shared over these threads; the commands are the same whatever their number.
 void share_updates(SolverChoice& choice, const std::shared_ptr<Crew>& crew);
 

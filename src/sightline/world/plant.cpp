@@ -77,6 +77,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
   for (const YawLag& lag : lags_) z_.push_back(disturbances_.input_gain * resting[lag.input]);
   start_ = z_;
   sensed_.resize(nx_);
+  scratch_.resize(scratch_rows * z_.size());
   divide();
 
   const Vec3<double>& wind = disturbances_.wind;
@@ -92,8 +93,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
 
 /// Into bunches, large enough for sharing to pay.
 void Plant::divide() {
-  constexpr std::size_t together = 32, rows = 1 + RungeKuttaScratch::rows_needed;
-  scratch_.resize(rows * z_.size());
+  constexpr std::size_t together = 32;
   Bunch next{};
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Part& part = parts_[i];
@@ -105,13 +105,8 @@ void Plant::divide() {
       ++next.lags;
     if (next.parts < together && i + 1 < parts_.size()) continue;
     bunches_.push_back(next);
-    next = {.part = i + 1,
-            .parts = 0,
-            .x = next.x + next.nx,
-            .nx = 0,
-            .lag = next.lag + next.lags,
-            .lags = 0,
-            .room = next.room + rows * (next.nx + next.lags)};
+    next = {
+        .part = i + 1, .parts = 0, .x = next.x + next.nx, .nx = 0, .lag = next.lag + next.lags, .lags = 0};
   }
 }
 
@@ -220,7 +215,8 @@ void Plant::integrate(const Bunch& bunch, std::span<const double> u, double s) n
   const std::size_t nx = bunch.nx, n = nx + bunch.lags;
   const auto parts = std::span(parts_).subspan(bunch.part, bunch.parts);
   const auto lags = std::span(lags_).subspan(bunch.lag, bunch.lags);
-  const std::span<double> scratch = std::span(scratch_).subspan(bunch.room), z = scratch.first(n);
+  const std::span<double> scratch = std::span(scratch_).subspan(scratch_rows * (bunch.x + bunch.lag)),
+                          z = scratch.first(n);
   const std::span<double> states = std::span(z_).subspan(bunch.x, nx),
                           lagging = std::span(z_).subspan(nx_ + bunch.lag, lags.size());
   std::copy(states.begin(), states.end(), z.begin());

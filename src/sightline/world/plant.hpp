@@ -100,8 +100,9 @@ class Plant {
   /// Bodies that are integrated at once, by one thread: which parts, states and lags, from first to last.
   struct Bunch {
     std::size_t part, parts, x, nx, lag, lags;
-    std::size_t room;  // place in the scratch
   };
+  static constexpr std::size_t scratch_rows =
+      1 + RungeKuttaScratch::rows_needed;  // its numbers, and those of a step
 
   void set_accelerations() noexcept;
   void set_wind() noexcept;
