@@ -65,6 +65,18 @@ times() {
   return $bad
 }
 
+# Eigenvalues of P^-1 C on recorded problems, and what each way to the team's step takes. In the words of B a pass in order is the
+# step, though GMRES needs many; felt by both, whole bands of modes are strong. Once settled, an update needs two at most.
+spectra() {
+  local -a cases=(chain_16 cascade_16 strong_chain_16 mutual_chain_8 mutual_chain_16)
+  whole || cases=(strong_chain_8 mutual_chain_8)
+  taskset -c "$core" "$build/bin/bench_spectra" "${cases[@]}" | tee "$out/spectra.md"
+  ((PIPESTATUS[0] == 0)) || return 1
+  awk -F' [|] ' '/chain_|cascade_/ { n++; sub(/ .*/, "", $18)
+      bad += ($1 ~ /strong|cascade/ && ($4 > 0.1 || $16 != "1 / 1")) + ($1 ~ /mutual/ && $6 < 5) + ($2 > 1 && $18 > 2) }
+    END { exit n == 0 || bad > 0 }' "$out/spectra.md"
+}
+
 # One update over several threads: the same commands, and how much sooner.
 threads() {
   local bad=0 n one two sizes='256 512 1024'
@@ -163,5 +175,5 @@ large() {
   ((bad == 0))
 }
 
-all=(times threads graphs tails swarm barrier large)
+all=(times spectra threads graphs tails swarm barrier large)
 run_sections "$@"
