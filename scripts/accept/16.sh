@@ -149,19 +149,23 @@ barrier() {
   ! whole || { at_most "$(figure_of "$rows" barrier_16 2)" 3 && at_most "$(figure_of "$rows" barrier_16 3)" 10; }
 }
 
+# $1: robots; $2: seconds; $3: who feels; $4 to $6: weights of bearing, too_near, too_far; $7: more of the file. A chain on a circle.
+chain_file() {
+  printf '%s\n[simulation]\nduration = %s.0\nseed = 1\nsettle = 0.1\nrms_from = 0.1\n' "${7:-}" "$2"
+  printf '[agent."uav{0000..%04d}"]\nrobot = "multirotor"\n' $(($1 - 1))
+  printf 'start.p = { place = "circle", centre = [0.0, 0.0, 1.5], radius = %s.0 }\n' $(($1 / 5))
+  printf 'sensor = { pitch = 0.0, offset = 0.1 }\n[[shape]]\nfelt_by = "%s"\nchain = [' "$3"
+  printf '"uav%04d", ' $(seq 0 $(($1 - 1)))
+  printf ']\npotentials = [{ bearing = { alpha = 0.5, width = 0.1, tilt = 0.2 }, weight = %s }, ' "$4"
+  printf '{ too_near = { d_min = 1.0, kappa = 10.0 }, weight = %s }, { too_far = { d_max = 2.0, kappa = 10.0 }, weight = %s }]\n' "$5" "$6"
+}
+
 # Memory, log and report of a chain of many.
 large() {
   local folder n=256 seconds=2 bad=0 bytes
   whole && n=1024 seconds=10
   folder=$(mktemp -d)
-  {
-    printf '[simulation]\nduration = %s.0\nseed = 1\n[agent."uav{0000..%04d}"]\nrobot = "multirotor"\n' $seconds $((n - 1))
-    printf 'start.p = { place = "circle", centre = [0.0, 0.0, 1.5], radius = %s.0 }\n' $((n / 5))
-    printf 'sensor = { pitch = 0.0, offset = 0.1 }\n[[shape]]\nfelt_by = "both"\nchain = ['
-    printf '"uav%04d", ' $(seq 0 $((n - 1)))
-    printf ']\npotentials = [{ bearing = { alpha = 0.5, width = 0.1, tilt = 0.2 }, weight = 0.4 }, '
-    printf '{ too_near = { d_min = 1.0, kappa = 10.0 }, weight = 0.4 }, { too_far = { d_max = 2.0, kappa = 10.0 }, weight = 0.4 }]\n'
-  } >"$folder/chain.toml"
+  chain_file $n $seconds both 0.4 0.4 0.4 >"$folder/chain.toml"
   # In so short a flight not all come into view: exit 1.
   /usr/bin/time -q -f '%M KB at most, %U s of processor' -o "$folder/used" "$sightline" run "$folder/chain.toml" -o "$folder/out" &>"$folder/said"
   (($? < 2)) || { cat "$folder/said"; bad=1; }
@@ -175,5 +179,29 @@ large() {
   ((bad == 0))
 }
 
-all=(times spectra threads graphs tails swarm barrier large)
+# A large team in real time, from its cold start on: with a deadline its updates end when it is past, but for the step they are at,
+# and say so; commands keep to their limits.
+deadline() {
+  local folder n=128 bad=0 ms longest limits=(0 1)
+  whole && n=1024 limits=(0 30 10)
+  folder=$(mktemp -d)
+  for ms in "${limits[@]}"; do
+    chain_file $n 1 observer 4.0 4.0 8.0 "$(((ms > 0)) && echo "[solver]
+deadline = $(awk -v ms="$ms" 'BEGIN { print ms / 1000 }')")" >"$folder/chain.toml"
+    taskset -c "$core" "$sightline" run "$folder/chain.toml" --realtime -o "$folder/out" &>"$folder/said"
+    (($? < 2)) || { cat "$folder/said"; bad=1; }
+    grep -E '^(updates|time to solve)' "$folder/said"
+    for key in allocations_per_update input_violations not_finite; do
+      [[ $(number "$folder/out/summary.json" $key) == 0 ]] || { echo "$key is not 0"; bad=1; }
+    done
+    longest=$(sed -nE 's/.*longest ([0-9]+) µs.*/\1/p' "$folder/said")
+    ((ms == 0)) || grep -qE '^updates .*[0-9] deadline' "$folder/said" || { echo 'no update says that it was late'; bad=1; }
+    whole || continue
+    ((ms == 0)) || asked "longest update of $n robots with a deadline of $ms ms, us" "$longest" $((1000 * ms + 15000)) || bad=1
+  done
+  rm -rf "$folder"
+  ((bad == 0))
+}
+
+all=(times spectra deadline threads graphs tails swarm barrier large)
 run_sections "$@"

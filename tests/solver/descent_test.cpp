@@ -54,6 +54,13 @@ TEST(Descent, WhatItsUnitsPayDoesNotRiseAndLimitsHold) {
         EXPECT_LE(after[1], before[1]) << "uav1 pays for itself alone";
       }
       for (int i = 0; i < layout.u_length; ++i) EXPECT_TRUE(u[4][i] >= -1 && u[4][i] <= 1);
+
+      const double late = descent.search(groups, *couplings, u[0], u[1], u[2], u[3], u[4], s[0], crew,
+                                         Searching::all, {.holds = true});
+      EXPECT_TRUE(late == 0.0 || late == 1.0) << "one length is tried";
+      EXPECT_EQ(late == 1.0, alpha >= 1.0);
+      EXPECT_LE(cost(u[4])[1] + (variant == paper::Variant::joint ? cost(u[4])[0] : 0.0),
+                before[1] + (variant == paper::Variant::joint ? before[0] : 0.0));
     }
   }
 }

@@ -244,6 +244,24 @@ TEST(NewtonRiccati, AnUpdateThatIsAlwaysLateStillFlies) {
   for (std::size_t i : {0U, 1U, 2U, 7U, 8U, 9U}) EXPECT_NEAR(late[i], there[i], 0.2) << i;
 }
 
+TEST(NewtonRiccati, ALargeTeamThatIsLateFromItsFirstUpdateOnFliesToo) {
+  constexpr int robots = 40, updates = 300;
+  for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
+    const Team team = chain(robots, variant);
+    NewtonRiccati calm(team, default_horizon), hurried(team, default_horizon, {.deadline = 1e-9});
+    const std::vector<double> there = fly(calm, chain_start(robots), updates);
+    const std::vector<double> late = fly(hurried, chain_start(robots), updates,
+                                         [](double t, const std::vector<double>&, const Solution& s) {
+                                           EXPECT_EQ(s.status, Status::deadline) << t;
+                                           EXPECT_EQ(s.iterations, 0) << t;
+                                           for (const double u : s.u) EXPECT_LE(std::fabs(u), 1.0) << t;
+                                         });
+    double off = 0.0;
+    for (std::size_t i = 0; i < late.size(); ++i) off = std::max(off, std::fabs(late[i] - there[i]));
+    EXPECT_LE(off, 0.3);
+  }
+}
+
 /// A robot whose inputs are written in another unit: u = s v.
 struct OtherUnit {
   static constexpr std::size_t nx = Multirotor::nx, nu = Multirotor::nu;

@@ -93,8 +93,8 @@ void Descent::evaluate_costs(int level, Groups& groups, Couplings& couplings, co
 }
 
 double Descent::search(Groups& groups, Couplings& couplings, const double* start, const double* d,
-                       const double* low, const double* high, double* u, double* s, Crew& crew,
-                       Searching who) noexcept {
+                       const double* low, const double* high, double* u, double* s, Crew& crew, Searching who,
+                       const Deadline& deadline) noexcept {
   std::copy_n(start, layout_.u_length, u);
   double smallest = 1.0;
   fell_ = false;
@@ -123,6 +123,7 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
     bool pending = true;
     double alpha = 1.0;
     for (int i = 0; i < halvings && pending; ++i, alpha *= 0.5) {
+      if (i > 0 && deadline.passed()) break;
       try_at(alpha);
       pending = false;
       each([&](Unit& unit) {
@@ -144,7 +145,7 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
     for (int i = 0; i < doublings; ++i, alpha *= 2.0) {
       bool growing = false;
       each([&](Unit& unit) { growing |= !unit.settled; });
-      if (!growing) break;
+      if (!growing || deadline.passed()) break;
       try_at(alpha);
       each([&](Unit& unit) {
         if (unit.settled) return;

@@ -21,11 +21,12 @@ class Descent {
  public:
   Descent(std::span<const BodyPotential> potentials, const Layout& layout, const InfluenceGraph& graph);
 
-  /// u <- start + alpha d within the limits, alpha of each unit such that its cost does not rise.
+  /// u <- start + alpha d within the limits, alpha of each unit such that its cost does not rise. Past the deadline no second
+  /// length is tried: whoever rises by the first stays where it is.
   /// @return the smallest alpha of those that search; 0 where a cost rises along d from the start
   double search(Groups& groups, Couplings& couplings, const double* start, const double* d, const double* low,
-                const double* high, double* u, double* s, Crew& crew,
-                Searching who = Searching::all) noexcept;
+                const double* high, double* u, double* s, Crew& crew, Searching who = Searching::all,
+                const Deadline& deadline = {}) noexcept;
   /// Whether costs are sure to lead on: one cost for all, or agents in order. Not where all search at once.
   bool sure() const { return sure_; }
   /// Whether a cost fell in the last search, beyond what rounding does to it.

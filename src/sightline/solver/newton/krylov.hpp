@@ -20,7 +20,7 @@
 namespace sightline {
 
 /// Where there is no time left, iterations end early: at least one is done.
-struct KrylovDeadline {
+struct Deadline {
   std::chrono::steady_clock::time_point at{};
   bool holds = false;
   bool passed() const noexcept { return holds && std::chrono::steady_clock::now() >= at; }
@@ -35,8 +35,6 @@ enum class Likeness {
 
 class Krylov {
  public:
-  using Deadline = KrylovDeadline;
-
   /// @param couplings  those it will be given; with swarms, a team that is not mutual is left to GMRES
   /// @param threads  of the crew it will be given
   Krylov(const Layout& layout, const InfluenceGraph& graph, const Couplings& couplings, int threads,

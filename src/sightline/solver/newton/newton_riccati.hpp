@@ -24,7 +24,7 @@ struct NewtonRiccatiOptions {
       1e-3;  ///< they stop once the correction is this small in the norm of the Hessian, >= 0
   double step_cap =
       0.5;  ///< a larger step of an input in its scale, or a larger residual, is globalised by a line search, > 0
-  double deadline = 0.0;   ///< an update takes about this time [s] at most, and at least one step; 0: none
+  double deadline = 0.0;   ///< an update ends then [s], but for the step it is at, at least one; 0: none
   int start_steps = 10;    ///< Newton steps of the first update at most, >= 1
   KernelChoice kernels{};  ///< compiled where they are there; kernels/kernel_table.hpp
   /// Threads that teams of at least `shared_from` robots are shared over; none: that of the caller alone. The result is the same.

@@ -165,8 +165,9 @@ NewtonUpdate::Step NewtonUpdate::project() noexcept {
   });
   const bool damped = is_damped();
   Step result;
-  const Krylov::Completion completion =
-      krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, Likeness::none, deadline());
+  Krylov::Completion completion;
+  if (!late())
+    completion = krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, Likeness::none, deadline());
   result.iterations = completion.iterations;
   result.residual = examine(completion).residual;
   result.finite = slope_is_finite();
@@ -189,7 +190,7 @@ NewtonUpdate::Step NewtonUpdate::project() noexcept {
 
 /// From u_start along du, the team's way of it. @return the shortest way of a robot, in steps
 double NewtonUpdate::search(Searching who) noexcept {
-  return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_, *crew_, who);
+  return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_, *crew_, who, deadline());
 }
 
 /// From u_start along du as far as the conditions of optimality, all robots' together, are missed by less.

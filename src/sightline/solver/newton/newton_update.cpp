@@ -126,7 +126,7 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
   }
 }
 
-Krylov::Deadline NewtonUpdate::deadline() const noexcept {
+Deadline NewtonUpdate::deadline() const noexcept {
   constexpr double longest = 1e6;  // [s], as good as none
   const std::chrono::duration<double> given(std::min(options_.deadline, longest));
   return {begin_ + std::chrono::duration_cast<Clock::duration>(given), options_.deadline > 0};

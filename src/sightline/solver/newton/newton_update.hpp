@@ -91,7 +91,7 @@ class NewtonUpdate final : public PredictedStates::Writer {
   double missed() const noexcept;
   void descend(bool settled, Step& step) noexcept;
   void release() noexcept;
-  Krylov::Deadline deadline() const noexcept;
+  Deadline deadline() const noexcept;
   bool late() const noexcept;
   bool is_stage(int k, std::span<const double> u) const noexcept;
   void write_inputs() noexcept;
