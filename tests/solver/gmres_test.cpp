@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -31,8 +32,9 @@ struct Solved {
   bool padding_is_zero = true;
 };
 
-/// Solves A x = b in padded memory.
-Solved solve(const MatrixXd& A, const VectorXd& b, int k_max, double tolerance, const VectorXd& x0) {
+/// Solves A x = b in padded memory, in as many iterations as there is time for.
+Solved solve(const MatrixXd& A, const VectorXd& b, int k_max, double tolerance, const VectorXd& x0,
+             int in_time = 1000) {
   const int n = static_cast<int>(b.size());
   Gmres gmres(n, k_max);
   Rows rows(2, gmres.length());
@@ -44,7 +46,7 @@ Solved solve(const MatrixXd& A, const VectorXd& b, int k_max, double tolerance, 
         Eigen::Map<VectorXd>(out, n) = A * Eigen::Map<const VectorXd>(v, n);
         ++solved.products;
       },
-      rows[0], rows[1], tolerance);
+      rows[0], rows[1], tolerance, [&] { return --in_time <= 0; });
   solved.x = Eigen::Map<const VectorXd>(rows[1], n);
   for (int i = n; i < gmres.length(); ++i) solved.padding_is_zero &= rows[1][i] == 0.0;
   return solved;
@@ -129,6 +131,19 @@ TEST(Gmres, TakesNoMoreIterationsThanAllowedAndOneProductForEach) {
     const Solved run = solve(random_matrix(random, 64), random_vector(random, 64), k_max, 0.0);
     EXPECT_EQ(run.outcome.iterations, k_max);
     EXPECT_EQ(run.products, k_max + 1);
+  }
+}
+
+TEST(Gmres, WhereTimeEndsItReturnsWhatItsIterationsCameTo) {
+  Random random(8);
+  const MatrixXd A = random_matrix(random, 40);
+  const VectorXd b = random_vector(random, 40);
+  for (const int in_time : {0, 1, 7}) {
+    const int iterations = std::max(in_time, 1);
+    const Solved late = solve(A, b, 30, 0.0, VectorXd::Zero(40), in_time),
+                 short_one = solve(A, b, iterations, 0.0);
+    EXPECT_EQ(late.outcome.iterations, iterations);
+    for (int i = 0; i < 40; ++i) EXPECT_TRUE(same_bits(late.x[i], short_one.x[i])) << i;
   }
 }
 

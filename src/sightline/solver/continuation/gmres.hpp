@@ -29,8 +29,13 @@ class Gmres {
   /// Improves x so that A x = b, from the x given.
   /// @param product    called as product(v, out): out = A v; both of length(), out zero beyond n
   /// @param tolerance  stops when ||b - A x|| <= tolerance
+  /// @param late       called as late() after each iteration: whether it is to be the last
+  template <class Product, class Late>
+  Outcome solve(Product&& product, const double* b, double* x, double tolerance, Late&& late) noexcept;
   template <class Product>
-  Outcome solve(Product&& product, const double* b, double* x, double tolerance) noexcept;
+  Outcome solve(Product&& product, const double* b, double* x, double tolerance) noexcept {
+    return solve(product, b, x, tolerance, [] { return false; });
+  }
 
  private:
   double& hessenberg(int i, int j) {
@@ -50,8 +55,9 @@ class Gmres {
   std::vector<double> h_, cos_, sin_, g_, y_;
 };
 
-template <class Product>
-Gmres::Outcome Gmres::solve(Product&& product, const double* b, double* x, double tolerance) noexcept {
+template <class Product, class Late>
+Gmres::Outcome Gmres::solve(Product&& product, const double* b, double* x, double tolerance,
+                            Late&& late) noexcept {
   double* const v0 = basis_[0];
   product(static_cast<const double*>(x), v0);
   for (int i = 0; i < length_; ++i) v0[i] = b[i] - v0[i];
@@ -70,6 +76,7 @@ Gmres::Outcome Gmres::solve(Product&& product, const double* b, double* x, doubl
                                                        : g_[static_cast<std::size_t>(k) + 1];
     ++k;
     if (length == 0) break;  // happy breakdown: x is exact in the space that is there
+    if (late()) break;
   }
   advance(k, x);
   return {k, residual};

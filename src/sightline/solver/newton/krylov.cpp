@@ -358,7 +358,8 @@ int Krylov::general(const Work& work) noexcept {
   };
   std::copy_n(work.ds, ns, b);
   std::copy_n(work.ds, ns, y);
-  const Gmres::Outcome outcome = gmres_.solve(product, b, y, 0.1 * stop_);
+  const Gmres::Outcome outcome =
+      gmres_.solve(product, b, y, 0.1 * stop_, [&] { return work.deadline.passed(); });
   coupled(y, [&](int g) {
     each_pack(layout_.s_of(g), [&](std::ptrdiff_t i) { (-L::load(image + i)).store(image + i); });
     work.groups.precondition(g, image, u_vectors_[0], work.ds);
