@@ -282,10 +282,12 @@ int gmres(const MatrixXd& A, const VectorXd& y, double near) {
   return solver.solve(product, rows[0], rows[1], near * length).iterations;
 }
 
-/// Iterations of conjugate gradients that are enough for any right side, by Chebyshev's polynomials.
-int enough(double least, double largest, double near) {
+/// Iterations of conjugate gradients that are enough for any right side, by Chebyshev's polynomials; "-" where the least is not
+/// positive, so that they may end early.
+std::string enough(double least, double largest, double near) {
+  if (!(least > 0.0)) return "-";
   const double root = std::sqrt(largest / least), rate = (root - 1.0) / (root + 1.0);
-  return static_cast<int>(std::ceil(std::log(near / 2.0) / std::log(rate)));
+  return fmt::format("{:.0f}", std::ceil(std::log(near / 2.0) / std::log(rate)));
 }
 
 /// Columns of the eigenvalues 1 + lambda of 1 + M.
