@@ -12,6 +12,8 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,7 +21,7 @@
 #include "bench/cases.hpp"
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
-#include "sightline/math/matrix.hpp"
+#include "sightline/formula/derive.hpp"
 #include "sightline/solver/continuation/gmres.hpp"
 #include "sightline/solver/newton/groups.hpp"
 #include "sightline/solver/newton/influence.hpp"
@@ -62,6 +64,9 @@ struct Problem {
   VectorXd alone;          ///< the steps of all robots by themselves: the team's is y + M y = alone
   std::vector<int> ends;   ///< of each robot's block
   std::vector<int> turns;  ///< of each robot
+
+  int first(std::size_t robot) const { return robot == 0 ? 0 : ends[robot - 1]; }
+  int size(std::size_t robot) const { return ends[robot] - first(robot); }
 };
 
 class Linearisation {
@@ -72,7 +77,7 @@ class Linearisation {
         graph_(influence_graph(potentials_, agents())),
         groups_(ocp_, potentials_, what.kernels, graph_.order),
         couplings_(make_couplings(potentials_, layout(), ocp_.team().bodies(), what.kernels)),
-        u_(6, layout().u_length),
+        u_(5, layout().u_length),
         s_(4, layout().s_length),
         c_(2, layout().c_length) {
     const double h = bench_horizon.h();
@@ -91,7 +96,8 @@ class Linearisation {
     for (const int a : order) result.turns.push_back(layout().groups[at(layout().place(a).group)].turn);
 
     std::copy_n(c_[0], layout().c_length, c_[1]);
-    for (int a = 0; a < agents(); ++a) own_curvature(a, [](double& entry, int, int, int) { entry = 0.0; });
+    for (int a = 0; a < agents(); ++a)
+      own_curvature(a, [&](std::ptrdiff_t entry, int, int) { c_[1][entry] = 0.0; });
     groups_.solve(u_[0], u_[1], c_[1], u_[2], u_[3], s_[1]);
     const std::vector<MatrixXd> bare = inverses();
     groups_.solve(u_[0], u_[1], c_[0], u_[2], u_[3], s_[1]);
@@ -106,26 +112,24 @@ class Linearisation {
     }
     result.M = result.M_bare = MatrixXd::Zero(n, n);
     result.alone.resize(n);
-    for (std::size_t j = 0, column = 0; j < order.size(); ++j) {
-      for (int q = 0; q < basis[j].cols(); ++q, ++column) {
+    for (std::size_t j = 0; j < order.size(); ++j) {
+      const MatrixXd D = curvature(order[j]);
+      for (int q = 0; q < result.size(j); ++q) {
         std::fill_n(s_[2], layout().s_length, 0.0);
         write(order[j], basis[j].col(q));
         couplings_->product(s_[2], s_[3]);
-        for (std::size_t i = 0, row = 0; i < order.size(); row += at(static_cast<int>(basis[i++].cols()))) {
+        for (std::size_t i = 0; i < order.size(); ++i) {
           VectorXd r = read(order[i], s_[3]);
           const auto rows = [&](MatrixXd& m) {
-            return m.col(static_cast<Eigen::Index>(column))
-                .segment(static_cast<Eigen::Index>(row), basis[i].cols());
+            return m.col(result.first(j) + q).segment(result.first(i), result.size(i));
           };
           rows(result.M) = basis[i].transpose() * (P_inverse[at(order[i])] * r);
-          if (i == j) r += curvature(order[i]) * basis[j].col(q);
+          if (i == j) r += D * basis[j].col(q);
           rows(result.M_bare) = basis[i].transpose() * (bare[at(order[i])] * r);
         }
       }
+      result.alone.segment(result.first(j), result.size(j)) = basis[j].transpose() * read(order[j], s_[1]);
     }
-    for (std::size_t i = 0, row = 0; i < order.size(); row += at(static_cast<int>(basis[i++].cols())))
-      result.alone.segment(static_cast<Eigen::Index>(row), basis[i].cols()) =
-          basis[i].transpose() * read(order[i], s_[1]);
     return result;
   }
 
@@ -195,29 +199,24 @@ class Linearisation {
       std::fill_n(s_[2], layout().s_length, 0.0);
       for (int a = 0; a < agents(); ++a)
         if (column < length(a)) write(a, VectorXd::Unit(length(a), column));
-      groups_.precondition(s_[2], u_[5], s_[3]);
+      groups_.precondition(s_[2], u_[4], s_[3]);
       for (int a = 0; a < agents(); ++a)
         if (column < length(a)) of_robots[at(a)].col(column) = read(a, s_[3]);
     }
     return of_robots;
   }
-  /// f(entry of c_[1], stage, row, column) of the upper triangle of the potentials' Hessian of one robot.
+  /// f(place in c, row, column) of the upper triangle of the potentials' Hessian of one robot, in what is seen of it.
   template <class F>
-  void own_curvature(int a, F&& f) {
+  void own_curvature(int a, F&& f) const {
     const Layout::View c = layout().c(a);
     for (int k = 1; k < layout().stages; ++k)
       for (int i = 0; i < ns(a); ++i)
-        for (int j = i; j < ns(a); ++j) f(c_[1][c(k, ns(a) + upper_index(i, j, ns(a)))], k, i, j);
-  }
-  MatrixXd curvature(int a) {
-    const Layout::View c = layout().c(a);
-    MatrixXd D = MatrixXd::Zero(length(a), length(a));
-    for (int k = 1; k < layout().stages; ++k) {
-      const int first = (k - 1) * ns(a);
-      for (int i = 0; i < ns(a); ++i)
         for (int j = i; j < ns(a); ++j)
-          D(first + i, first + j) = D(first + j, first + i) = c_[0][c(k, ns(a) + upper_index(i, j, ns(a)))];
-    }
+          f(c(k, ns(a) + upper_index(i, j, ns(a))), (k - 1) * ns(a) + i, (k - 1) * ns(a) + j);
+  }
+  MatrixXd curvature(int a) const {
+    MatrixXd D = MatrixXd::Zero(length(a), length(a));
+    own_curvature(a, [&](std::ptrdiff_t entry, int i, int j) { D(i, j) = D(j, i) = c_[0][entry]; });
     return D;
   }
 
@@ -238,12 +237,11 @@ double radius(const MatrixXd& M) { return M.isZero(0.0) ? 0.0 : spectrum(M).cwis
 template <class Among>
 MatrixXd part(const Problem& problem, const MatrixXd& M, Among&& among) {
   MatrixXd kept = MatrixXd::Zero(M.rows(), M.cols());
-  const auto first = [&](std::size_t robot) { return robot == 0 ? 0 : problem.ends[robot - 1]; };
   for (std::size_t i = 0; i < problem.ends.size(); ++i) {
     for (std::size_t j = 0; j < problem.ends.size(); ++j) {
       if (!among(static_cast<int>(i), static_cast<int>(j))) continue;
       const auto of = [&](auto& m) {
-        return m.block(first(i), first(j), problem.ends[i] - first(i), problem.ends[j] - first(j));
+        return m.block(problem.first(i), problem.first(j), problem.size(i), problem.size(j));
       };
       of(kept) = of(M);
     }
