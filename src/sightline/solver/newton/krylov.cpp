@@ -91,6 +91,7 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, const Coupling
 Krylov::Completion Krylov::complete(Groups& groups, const Couplings& couplings, double* du, double* ds,
                                     Crew& crew, Likeness likeness, const Deadline& deadline,
                                     bool begun) noexcept {
+  if (deadline.passed()) return {};
   const Work work{groups, couplings, du, ds, crew, likeness, deadline, begun};
   switch (kind_) {
     case Influence::none:

@@ -19,7 +19,7 @@
 
 namespace sightline {
 
-/// Where there is no time left, iterations end early: at least one is done.
+/// Where there is no time left, iterations end early: one that began is done, none begins past it.
 struct Deadline {
   std::chrono::steady_clock::time_point at{};
   bool holds = false;

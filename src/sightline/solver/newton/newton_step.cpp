@@ -165,9 +165,8 @@ NewtonUpdate::Step NewtonUpdate::project() noexcept {
   });
   const bool damped = is_damped();
   Step result;
-  Krylov::Completion completion;
-  if (!late())
-    completion = krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, Likeness::none, deadline());
+  const Krylov::Completion completion =
+      krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, Likeness::none, deadline());
   result.iterations = completion.iterations;
   result.residual = examine(completion).residual;
   result.finite = slope_is_finite();
@@ -275,14 +274,12 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
   };
   for (int attempt = 0; attempt < attempts; ++attempt) {
     damped = solve_alone(attempt > 0, begins);
-    Krylov::Completion completion;
-    if (!late()) {
-      const Likeness likeness = attempt > 0 ? Likeness::of_attempts
-                                : damped    ? Likeness::none
-                                            : Likeness::of_updates;
-      completion = krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, likeness, deadline(), begins);
-      result.iterations += completion.iterations;
-    }
+    const Likeness likeness = attempt > 0 ? Likeness::of_attempts
+                              : damped    ? Likeness::none
+                                          : Likeness::of_updates;
+    const Krylov::Completion completion =
+        krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, likeness, deadline(), begins);
+    result.iterations += completion.iterations;
     proposal = examine(completion);
     result.residual = proposal.residual;
     result.finite = proposal.finite;
