@@ -186,8 +186,7 @@ deadline() {
   whole && n=1024 limits=(0 30 10)
   folder=$(mktemp -d)
   for ms in "${limits[@]}"; do
-    chain_file $n 1 observer 4.0 4.0 8.0 "$(((ms > 0)) && echo "[solver]
-deadline = $(awk -v ms="$ms" 'BEGIN { print ms / 1000 }')")" >"$folder/chain.toml"
+    chain_file $n 1 observer 4.0 4.0 8.0 "solver = { deadline = ${ms}e-3 }" >"$folder/chain.toml"  # 0: none
     taskset -c "$core" "$sightline" run "$folder/chain.toml" --realtime -o "$folder/out" &>"$folder/said"
     (($? < 2)) || { cat "$folder/said"; bad=1; }
     grep -E '^(updates|time to solve)' "$folder/said"
