@@ -9,6 +9,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/model/ground_robots.hpp"
+#include "sightline/model/hover_multirotor.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/two_robots.hpp"
@@ -88,6 +89,24 @@ TEST(Plant, ConvergesWithTheFourthOrderOfTheStep) {
     const double error = largest_difference(after_one_second(steps), exact);
     EXPECT_NEAR(std::log2(previous / error), 4.0, 0.4) << steps << " steps";
     previous = error;
+  }
+}
+
+TEST(Plant, APeriodLongerThanALagOfTheModelIsIntegratedInParts) {
+  Team team;
+  team.add(LaggingHoverMultirotor{.tau = 0.05, .tau_z = 0.03, .tau_psi = 0.02});
+  Numbers start(static_cast<std::size_t>(team.nx()));
+  team.model(BodyId{0}).at_rest({{0, 0, 1}, {1, 0}}, start.data());
+  for (const double period : {0.05, 0.1, 0.2, 0.35, 0.5}) {
+    Plant whole(team, start), fine(team, start);
+    const int parts = static_cast<int>(std::lround(period / 0.001));
+    for (int k = 0; k < 40; ++k) {
+      const Numbers u = command(20 * k, 4);
+      ASSERT_TRUE(whole.step(u, period)) << period;
+      for (int part = 0; part < parts; ++part) ASSERT_TRUE(fine.step(u, 0.001));
+      ASSERT_LT(largest_difference(whole.x(), fine.x()), 0.01 * (1 + k * period))
+          << period << " s, step " << k;
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -118,6 +119,9 @@ class Plant {
   std::vector<YawLag> lags_;
   std::vector<Bunch> bunches_;
   std::vector<double> z_;  // states of all bodies, then the lagging yaw inputs
+  // A step of the integration is at most that part of the time constant of the fastest motion of a robot.
+  static constexpr double part_of_fastest = 0.5;
+  double longest_ = std::numeric_limits<double>::infinity();  // step [s]
   std::vector<double> start_, sensed_;
   std::vector<double> u_, scratch_;
   InputDelay delay_;
