@@ -29,6 +29,8 @@ std::vector<BenchRow> run_event_bench(const BenchOptions& options) {
   std::vector<double> all, after, changes;
   for (std::vector<double>* times : {&all, &after, &changes})
     times->reserve(static_cast<std::size_t>(options.updates));
+  ValidStates states(world, plant.x());
+  std::vector<double> stamps(static_cast<std::size_t>(world.bodies()));
   int since = 1000, changed = 0;
   std::int64_t allocations = 0;
   const auto count = [&] { return options.allocations == nullptr ? 0 : options.allocations(); };
@@ -36,17 +38,19 @@ std::vector<BenchRow> run_event_bench(const BenchOptions& options) {
     const double t = bench_horizon.dt * k;
     const std::int64_t before = count();
     while (!team_switcher.is_ready()) std::this_thread::yield();
+    std::fill(stamps.begin(), stamps.end(), t);
+    (void)states.take(plant.x(), stamps);
     const Time::time_point begin = Time::now();
-    const bool swapped = team_switcher.swap(t, plant.x(), u, true);
+    const bool swapped = team_switcher.swap(t, states, u, true);
     const double swap_us = std::chrono::duration<double, std::micro>(Time::now() - begin).count();
     if (swapped) changes.push_back(swap_us), since = 0, ++changed;
     Controller& controller = *team_switcher.present().controller;
-    controller.gather(world, plant.x(), u);
+    controller.gather(world, states, u);
     const Solution solution = controller.solver->solve(t, controller.states);
     std::copy(solution.u.begin(), solution.u.end(), u.begin());
     if (k > 0) all.push_back(1e6 * solution.elapsed);
     if (since++ < 3) after.push_back(1e6 * solution.elapsed);
-    team_switcher.look(t, plant.x(), u, {});
+    team_switcher.look(t, states, u, {});
     team_switcher.clear_events();
     allocations = std::max(allocations, count() - before);
     (void)plant.step(u, bench_horizon.dt);

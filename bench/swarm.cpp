@@ -63,9 +63,9 @@ std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions&
         throw std::runtime_error(fmt::format("{}: {} near pairs found no room", name, s.neighbours.left_out));
       std::fill(stamps.begin(), stamps.end(), t);
       std::copy(s.u.begin(), s.u.end(), u.begin());
-      guard.believe(t, x, stamps);
+      const ValidStates& estimate = guard.believe(t, x, stamps);
       const Clock::time_point begin = Clock::now();
-      guard.keep_distances(t, x, added, u);
+      guard.keep_distances(t, estimate, added, u);
       const double guarding = std::chrono::duration<double>(Clock::now() - begin).count();
       if (k > 0) all.push_back(1e6 * s.elapsed), both.push_back(1e6 * (s.elapsed + guarding));
       advance(swap.team, x, s.u, bench_horizon.dt);

@@ -31,6 +31,7 @@ class SteppedWorld {
   void restart(const std::optional<std::uint64_t>& seed) {
     if (seed) scenario_.simulation.seed = *seed;
     world_ = make_world(scenario_);
+    gate_ = std::make_unique<CommandGate>(world_->team(), period());
     periods_ = 0;
     ended_ = false;
     now_ = world_->measure(0.0);
@@ -42,11 +43,13 @@ class SteppedWorld {
   void step(const Numbers& given) {
     const std::span<const double> asked = view(given, "u", team().nu());
     if (ended_) throw std::runtime_error("the world has ended, expected restart()");
-    u_.assign(asked.begin(), asked.end());
-    for (int b = 0; b < team().bodies(); ++b)
-      if (team().is_agent(BodyId{b})) clamp_inputs(BodyId{b});
+    for (std::size_t i = 0; i < asked.size(); ++i)
+      if (!std::isfinite(asked[i])) refuse("u[{}] = {}, expected a finite number", i, asked[i]);
+    gate_->open(time());
+    const Command command = gate_->pass(asked, {});
+    u_.assign(command.begin(), command.end());
     const py::gil_scoped_release others_run;
-    ended_ = !world_->apply(time(), now_.measured, u_, period(), 1);
+    ended_ = !world_->apply(time(), now_.measured, command, period(), 1);
     if (ended_) {
       const std::string why = world_->ended();
       throw std::runtime_error(why.empty() ? "a state is no longer finite" : why);
@@ -64,26 +67,13 @@ class SteppedWorld {
   std::string name_of(BodyId body) const { return std::string(team().name(body)); }
 
  private:
-  void clamp_inputs(BodyId robot) {
-    const Agent& agent = team().agent(robot);
-    const auto nu = agent.R.size();
-    const auto first = static_cast<std::size_t>(team().input_offset(robot));
-    low_.resize(nu);
-    high_.resize(nu);
-    agent.limits.at(time(), low_, high_);
-    for (std::size_t i = 0; i < nu; ++i) {
-      double& u = u_[first + i];
-      if (!std::isfinite(u)) refuse("u[{}] = {}, expected a finite number", first + i, u);
-      u = std::clamp(u, low_[i], high_[i]);
-    }
-  }
-
   Scenario scenario_;
   std::unique_ptr<World> world_;
+  std::unique_ptr<CommandGate> gate_;
   Measured now_;
   std::int64_t periods_ = 0;
   bool ended_ = false;
-  std::vector<double> u_, low_, high_;
+  std::vector<double> u_;
 };
 
 /// A detection as Python has it.

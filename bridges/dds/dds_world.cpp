@@ -169,7 +169,7 @@ Measured DdsWorld::measure(double t) noexcept {
   return all;
 }
 
-bool DdsWorld::apply(double, std::span<const double> believed, std::span<const double> u, double,
+bool DdsWorld::apply(double, std::span<const double> believed, const sightline::Command& u, double,
                      std::int64_t periods) noexcept {
   // Of missed periods nothing can be told any more.
   if (!std::exchange(seen_, false)) {

@@ -37,7 +37,7 @@ class DdsWorld final : public LinkedWorld {
   MeasuredMost measured_max() const noexcept override { return telemetry_.most(); }
   void set_presence(std::span<const Presence>) noexcept override {}
   Measured measure(double t) noexcept override;
-  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+  bool apply(double t, std::span<const double> believed, const sightline::Command& u, double period,
              std::int64_t periods) noexcept override;
   std::string ended() const override;
 

@@ -52,7 +52,7 @@ struct StandInCameras::Truth final : World {
   Measured measure(double) noexcept override {
     return {.measured = x, .stamps = stamps, .truth = x, .attitudes = attitudes};
   }
-  bool apply(double, std::span<const double>, std::span<const double>, double,
+  bool apply(double, std::span<const double>, const sightline::Command&, double,
              std::int64_t) noexcept override {
     return true;
   }

@@ -236,7 +236,7 @@ TEST_P(StaleData, NoMessageMakesACommandThatIsNotFiniteOrTooLarge) {
     };
     if (k % 2 == 0) spoil(field, bad[(static_cast<std::size_t>(k) / (nx + 2)) % bad.size()]);
     if (k % 4 == 0) spoil(pick(nx + 2), bad[pick(bad.size())]);
-    const auto believed = guard.believe(t, measured, stamps);
+    const ValidStates& believed = guard.believe(t, measured, stamps);
     ASSERT_TRUE(all_finite(believed));
     if (guard.knows_all()) {
       const auto plan = solver->solve(t, believed).u;

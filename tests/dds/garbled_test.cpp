@@ -177,7 +177,7 @@ class GarbledWorld final : public World {
                    [](double s) { return std::isfinite(s); });
     return seen;
   }
-  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+  bool apply(double t, std::span<const double> believed, const Command& u, double period,
              std::int64_t periods) noexcept override {
     for (const double x : believed) finite_ = finite_ && std::isfinite(x);
     for (const double x : u) greatest_ = std::isfinite(x) ? std::max(greatest_, std::abs(x)) : 1e300;

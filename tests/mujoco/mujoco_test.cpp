@@ -9,6 +9,7 @@
 
 #include "cli/allocations.hpp"
 #include "tests/mujoco/team.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/hexacopter.hpp"
 #include "tests/support/refusal.hpp"
@@ -104,8 +105,8 @@ TEST(Mujoco, WhoIsAbsentRestsAndWhoJoinsBeginsAtTheStart) {
 TEST(Mujoco, PeriodsThatWereMissedPassUnderTheInputsThatWentOn) {
   const auto fleet = fleet_of(Vehicle::x500(), Vehicle::crazyflie());
   MujocoWorld at_once(mixed_fleet(), mixed_start, fleet), one_by_one(mixed_fleet(), mixed_start, fleet);
-  ASSERT_TRUE(at_once.apply(0.0, {}, swinging(1.0), 0.01, 25));
-  for (int k = 0; k < 25; ++k) ASSERT_TRUE(one_by_one.apply(0.01 * k, {}, swinging(1.0), 0.01, 1));
+  ASSERT_TRUE(test::apply(at_once, 0.0, {}, swinging(1.0), 0.01, 25));
+  for (int k = 0; k < 25; ++k) ASSERT_TRUE(test::apply(one_by_one, 0.01 * k, {}, swinging(1.0), 0.01, 1));
   EXPECT_EQ(copy(at_once.measure(0.25).truth), copy(one_by_one.measure(0.25).truth));
 }
 
@@ -131,7 +132,8 @@ TEST(Mujoco, ASlowTouchIsCarriedAndTheVehicleRisesAgain) {
     EXPECT_LT(norm(body.v), 0.02);
     EXPECT_GT(world.rotorcraft(BodyId{0})->attitude().z.z, 0.999);
     const Numbers up = {0, 0, 0.5, 0};
-    for (int k = 400; k < 900; ++k) ASSERT_TRUE(world.apply(0.01 * k, {}, up, 0.01, 1)) << world.ended();
+    for (int k = 400; k < 900; ++k)
+      ASSERT_TRUE(test::apply(world, 0.01 * k, {}, up, 0.01, 1)) << world.ended();
     EXPECT_GT(body.p.z, 1.0);
   }
 }
@@ -162,7 +164,7 @@ TEST(Mujoco, WhoOverlapsAtTheStartTouchesWhenTheyHaveBeenApart) {
     const Numbers back = {-1, 0, 0, 0, 0, 0, 0, 0};
     const auto u = std::span(back).first(static_cast<std::size_t>(world.team().nu()));
     int k = 300;
-    while (k < 900 && world.apply(0.01 * k, {}, u, 0.01, 1)) ++k;
+    while (k < 900 && test::apply(world, 0.01 * k, {}, u, 0.01, 1)) ++k;
     EXPECT_THAT(world.ended(), StartsWith("uav and other touched at "));
   }
 }
@@ -174,7 +176,7 @@ TEST(Mujoco, WhoIsAbsentTouchesNobodyAndWhoJoinsWithinAnotherIsExcused) {
   EXPECT_EQ(end_of(world, {0.5, 0, 0}, 2.2).why, "") << "it is where the other would be";
   world.set_presence(std::array{steered, hold});
   const Numbers on = {0.5, 0, 0, 0};
-  for (int k = 220; k < 500; ++k) ASSERT_TRUE(world.apply(0.01 * k, {}, on, 0.01, 1)) << world.ended();
+  for (int k = 220; k < 500; ++k) ASSERT_TRUE(test::apply(world, 0.01 * k, {}, on, 0.01, 1)) << world.ended();
 }
 
 TEST(Mujoco, AMovingTargetTouchesWhereItIsByThen) {
@@ -195,8 +197,8 @@ TEST(Mujoco, ATeamWithoutVehiclesMovesAsInTheModelWorld) {
 TEST(Mujoco, AStateThatIsNoLongerFiniteEndsIt) {
   MujocoWorld world(mixed_fleet(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::crazyflie()));
   Numbers spoilt = swinging(0.0);
-  spoilt[4] = std::numeric_limits<double>::infinity();  // of the rover
-  EXPECT_FALSE(world.apply(0.0, {}, spoilt, 0.01, 1));
+  spoilt[4] = std::numeric_limits<double>::max();  // of the rover
+  EXPECT_FALSE(test::apply(world, 0.0, {}, spoilt, 0.01, 1));
 }
 
 TEST(Mujoco, AFlightAllocatesNothing) {
@@ -204,10 +206,11 @@ TEST(Mujoco, AFlightAllocatesNothing) {
   MujocoWorld world(mixed_fleet(), mixed_start, fleet_of(Vehicle::x500(), Vehicle::crazyflie()));
   auto landing = world_of<MujocoWorld>(scene(Vehicle::x500(), 0.2, Other::vehicle, 0.1));
   const Numbers u = swinging(0.3), down = {0, 0, -0.2, 0, 0, 0, -0.2, 0};
+  test::AnyCommand swings(world.team()), lands(landing.team());
   const std::int64_t before = cli::allocations();
   for (int k = 0; k < 300; ++k) {
-    world.apply(0.01 * k, {}, u, 0.01, 1);
-    landing.apply(0.01 * k, {}, down, 0.01, 1);
+    world.apply(0.01 * k, {}, swings(u), 0.01, 1);
+    landing.apply(0.01 * k, {}, lands(down), 0.01, 1);
   }
   EXPECT_EQ(cli::allocations(), before);
 }

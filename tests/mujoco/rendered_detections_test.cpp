@@ -12,6 +12,7 @@
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/world/tag_pose.hpp"
 #include "tests/mujoco/team.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/two_robots.hpp"
 
@@ -173,7 +174,7 @@ start = { p = [1.6, 0.0, 1.0], heading = 0.6 }
       EXPECT_NEAR(one.p.x, 1.43, 0.03);
       EXPECT_NEAR(one.arrival - one.stamp, 0.03, 1e-9);
     }
-    ASSERT_TRUE(world->apply(0.01 * k, now.measured, u, 0.01, 1));
+    ASSERT_TRUE(test::apply(*world, 0.01 * k, now.measured, u, 0.01, 1));
   }
   EXPECT_GE(seen, 12U) << "30 Hz, over 0.47 s";
 }

@@ -8,6 +8,7 @@
 
 #include "sightline/mujoco.hpp"
 #include "sightline/world/rotor_world.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/mixed_fleet.hpp"
 
 namespace sightline::test {
@@ -36,7 +37,7 @@ inline Numbers fly(World& world, int periods, const std::function<Numbers(double
     const Measured now = world.measure(t);
     seen.insert(seen.end(), now.measured.begin(), now.measured.end());
     seen.insert(seen.end(), now.truth.begin(), now.truth.end());
-    if (!world.apply(t, now.measured, u(t), 0.01, 1)) break;
+    if (!test::apply(world, t, now.measured, u(t), 0.01, 1)) break;
   }
   return seen;
 }
@@ -73,7 +74,7 @@ inline End end_of(World& world, const Vec3<double>& v, double duration = 5.0) {
   Numbers u(static_cast<std::size_t>(world.team().nu()));
   u[0] = v.x, u[1] = v.y, u[2] = v.z;
   for (int k = 0; k < std::lround(duration / 0.01); ++k) {
-    if (!world.apply(0.01 * k, {}, u, 0.01, 1)) return {0.01 * (k + 1), world.ended()};
+    if (!test::apply(world, 0.01 * k, {}, u, 0.01, 1)) return {0.01 * (k + 1), world.ended()};
   }
   return {duration, ""};
 }

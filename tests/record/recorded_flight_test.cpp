@@ -9,6 +9,7 @@
 #include "sightline/record/log.hpp"
 #include "sightline/run/loop.hpp"
 #include "sightline/scenario/closed_loop.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/copy_log.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/refusal.hpp"
@@ -100,7 +101,7 @@ TEST(RecordedFlight, GivesBackWhatTheLoopMeasuredAndCommandedWithItsTimes) {
     expect_same(seen.truth, sample.x);
     for (const double x : seen.measured) nans += std::isnan(x);
     old += seen.stamps[1] < sample.time - 0.045;
-    (void)flight.apply(sample.time, {}, sample.u, 0.01, 1);
+    (void)test::apply(flight, sample.time, {}, sample.u, 0.01, 1);
   }
   EXPECT_GT(nans, 10) << "the faults were there";
   EXPECT_GT(old, 10);
@@ -121,7 +122,7 @@ TEST(RecordedFlight, PeriodsThatWereMissedAreMissedAgain) {
     const std::int64_t k = flight.number(sample.time);
     EXPECT_EQ(flight.wait(k % 10 == 8 ? k - 3 : k), k);
     (void)flight.measure(sample.time);
-    (void)flight.apply(sample.time, {}, sample.u, 0.01, 1);
+    (void)test::apply(flight, sample.time, {}, sample.u, 0.01, 1);
   }
 }
 

@@ -18,6 +18,7 @@
 #include "tests/support/error.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/valid.hpp"
 
 namespace sightline {
 namespace {
@@ -65,14 +66,16 @@ class Wandering {
 // What follows the robot's commands before the solver: measured now, and where the plant is.
 struct Watched {
   Watched(const Alone& of, const RobotCompensation& how, const Disturbances& disturbances)
-      : compensation(of.team, {how}, control_period),
+      : team(of.team),
+        compensation(of.team, {how}, control_period),
         plant(of.team, of.start, {.disturbances = disturbances, .period = half_period}),
         command(of.most) {}
 
   void step() {
     const double t = control_period * k;
-    compensation.look(BodyId{0}, plant.x(), t);
-    const auto now = compensation.ahead(t, plant.x());
+    const ValidStates seen = test::valid(team, plant.x(), t);
+    compensation.look(BodyId{0}, seen);
+    const auto now = compensation.ahead(t, seen);
     met.emplace_back(now.begin(), now.end());
     const Numbers& u = command(k++);
     compensation.record(t, u);
@@ -82,6 +85,7 @@ struct Watched {
     }
   }
 
+  Team team;
   Compensation compensation;
   Plant plant;
   Wandering command;
@@ -304,11 +308,11 @@ TEST(Compensation, does_not_take_what_is_no_measurement) {
   for (int k = 0; k < 100; ++k) watched.step();
   Numbers broken(watched.plant.x().begin(), watched.plant.x().end());
   broken[5] = std::nan("");
-  watched.compensation.look(BodyId{0}, broken, 1.0);
+  watched.compensation.look(BodyId{0}, test::valid(alone.team, broken, 1.0));
   EXPECT_LT(norm(watched.compensation.disturbance(BodyId{0})), 1e-6);
   // A wild one moves the estimate by no more than its share of the greatest rate.
   broken[5] = 1e6;
-  watched.compensation.look(BodyId{0}, broken, 1.0);
+  watched.compensation.look(BodyId{0}, test::valid(alone.team, broken, 1.0));
   EXPECT_LT(norm(watched.compensation.disturbance(BodyId{0})), 20.0 * control_period / 0.5);
 }
 
@@ -319,7 +323,7 @@ TEST(Compensation, carries_on_what_nobody_steers_over_the_longest_delay) {
   team.add(Obstacle{.name = "passing"});
   Compensation compensation(team, {{BodyId{0}, 0.1}, {BodyId{1}, 0.3}}, control_period);
   const Numbers x = {0, 0, 1, 1, 0, 0.5, 0, /**/ 0, 2, 1, 1, 0, 0, 0, /**/ 5, 5, 1, -1.0, 0.5, 0};
-  const auto met = compensation.ahead(0.0, x);
+  const auto met = compensation.ahead(0.0, test::valid(team, x));
   EXPECT_NEAR(met[14], 5 - 0.3, 1e-12);
   EXPECT_NEAR(met[15], 5 + 0.15, 1e-12);
   EXPECT_GT(met[0], 0.045);

@@ -7,6 +7,7 @@
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/plant.hpp"
 #include "tests/support/event_team.hpp"
+#include "tests/support/valid.hpp"
 
 namespace sightline {
 namespace {
@@ -18,7 +19,7 @@ TEST(Controller, ARobotThatItsTeamSeesAsAnObstacleIsGivenAsPlaceAndVelocity) {
   NewtonRiccati solver(roster.team(0.0), Horizon{});
   Controller controller(world, solver, 0);
   const std::vector<double> x = event_start(world), u(static_cast<std::size_t>(world.nu()), 0.5);
-  controller.gather(world, x, u);
+  controller.gather(world, test::valid(world, x), u);
   const Team& team = solver.ocp().team();
   ASSERT_EQ(controller.states.size(), static_cast<std::size_t>(team.nx()));
   for (int i = 0; i < team.bodies(); ++i) {
@@ -41,7 +42,7 @@ TEST(UncontrolledRobot, HoldsOrSinksToTheGroundAndStaysThere) {
     UncontrolledRobot robot(world, BodyId{0}, lands, 0.01);
     std::vector<double> u(static_cast<std::size_t>(world.nu())), low(4), high(4);
     for (int k = 0; k < 1500; ++k) {
-      robot.steer(0.01 * k, plant.x(), std::vector<double>(u.size()), low, high, u);
+      robot.steer(0.01 * k, test::valid(world, plant.x()), std::vector<double>(u.size()), low, high, u);
       for (const double input : std::span(u).first(4)) EXPECT_LE(std::abs(input), 1.0);
       ASSERT_TRUE(plant.step(u, 0.01));
     }
@@ -59,7 +60,7 @@ TEST(UncontrolledRobot, BrakesWithinTheLimitsThatWhatIsAddedLeaves) {
   std::vector<double> u(static_cast<std::size_t>(world.nu())), added(u.size()), low(4), high(4);
   for (const double by : {0.0, 0.5, -0.5}) {
     added[0] = by;
-    for (int k = 0; k < 300; ++k) robot.steer(0.01 * k, x, added, low, high, u);
+    for (int k = 0; k < 300; ++k) robot.steer(0.01 * k, test::valid(world, x), added, low, high, u);
     EXPECT_NEAR(u[0] + by, -1.0, 1e-12);
   }
 }

@@ -35,11 +35,12 @@ struct GuardedFlight {
       measured.assign(plant.x().begin(), plant.x().end());
       stamps.assign(3, t);
     }
-    believed = guard.believe(t, measured, stamps, sigmas);
+    const ValidStates& estimate = guard.believe(t, measured, stamps, sigmas);
+    believed = estimate;
     if (!views.empty()) guard.look(t, views);
     u = asked;
-    guard.fall_back(t, believed, Numbers(3, 0.0), Numbers(u.size()), u);
-    guard.keep_distances(t, believed, Numbers(u.size()), u);
+    guard.fall_back(t, estimate, Numbers(3, 0.0), Numbers(u.size()), u);
+    guard.keep_distances(t, estimate, Numbers(u.size()), u);
     guard.record(t, u);
     events.insert(events.end(), guard.events().begin(), guard.events().end());
     EXPECT_TRUE(plant.step(u, 0.01));
@@ -141,7 +142,7 @@ TEST(Guard, ARobotOfAnotherPartIsAMemberWhileItIsHeard) {
     Deaf ears;
     ears.hearing = which != 1;
     guard.set_hearing(&ears);
-    const auto x = guard.believe(0.0, start, Numbers(2, 0.0));
+    const ValidStates& x = guard.believe(0.0, start, Numbers(2, 0.0));
     Numbers u = {1, 0, 0, 0};
     guard.fall_back(0.0, x, Numbers(2, 0.0), Numbers(4), u);
     guard.keep_distances(0.0, x, Numbers(4), u);
@@ -328,7 +329,7 @@ TEST(Guard, CommandsAndEventsAreTheSameWhateverTheThreads) {
     int active = 0, conflicts = 0;
     for (int k = 0; k < 300; ++k) {
       const double t = 0.01 * k;
-      const auto x = guard.believe(t, plant.x(), Numbers(at(team.bodies()), t));
+      const ValidStates& x = guard.believe(t, plant.x(), Numbers(at(team.bodies()), t));
       Numbers u = command;
       guard.keep_distances(t, x, Numbers(u.size()), u);
       all.insert(all.end(), u.begin(), u.end());

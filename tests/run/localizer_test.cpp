@@ -10,6 +10,7 @@
 #include "sightline/run/loop.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/telemetry_world.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/synthetic_flight.hpp"
@@ -74,7 +75,7 @@ struct Localization {
   Measured measure(double t) { return localizer->estimate(t, world->measure(t)); }
   bool apply(double t, std::span<const double> x, std::span<const double> u) {
     localizer->apply(u, flight_period, 1);
-    return world->apply(t, x, u, flight_period, 1);
+    return test::apply(*world, t, x, u, flight_period, 1);
   }
 };
 
@@ -310,7 +311,7 @@ class SpoiledWorld final : public World {
     now.stamps = stamps_;
     return now;
   }
-  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+  bool apply(double t, std::span<const double> believed, const Command& u, double period,
              std::int64_t periods) noexcept override {
     return world_.apply(t, believed, u, period, periods);
   }

@@ -5,6 +5,7 @@
 
 #include "sightline/model/velocity_multirotor.hpp"
 #include "sightline/world/rotor_world.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/counted_new.hpp"
 
 namespace sightline {
@@ -27,10 +28,11 @@ TEST(RotorWorldLoop, MeasuringAndApplyingAllocateNothingToTheEndOfTheWorld) {
   const std::vector<double> u = {0.1, -0.2, -1.0, 0.4, 0.4, 0.3, 0.2, 0.3};
   bool goes_on = true;
   int periods = 0;
+  test::AnyCommand command(world.team());
   const std::int64_t before = allocations_here();
   for (; goes_on && periods < 1000; ++periods) {
     const Measured seen = world.measure(0.01 * periods);
-    goes_on = world.apply(0.01 * periods, seen.measured, u, 0.01, 1);
+    goes_on = world.apply(0.01 * periods, seen.measured, command(u), 0.01, 1);
   }
   EXPECT_EQ(allocations_here(), before);
   EXPECT_FALSE(goes_on);

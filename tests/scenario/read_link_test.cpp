@@ -65,7 +65,7 @@ TEST(ReadLink, EachKindHasWhatTheFileSaysAndDefaultsForTheRest) {
               HasSubstr("link        uav0: /r/cmd_vel, poses by tf of base_link, origin [0, 0, 0] m\n"));
 }
 
-const std::string by_view =
+const std::string linked_by_view =
     "[fleet]\n[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\nlocalized_by = "
     "\"view\"\nwatches "
     "= [\"uav1\"]\nsensor = {}\ncamera = {}\n[agent.uav1]\nrobot = \"multirotor\"\nstart = { p = [2, 0, 1] "
@@ -75,17 +75,18 @@ const std::string by_view =
 
 TEST(ReadLink, ARobotThatIsLocalizedByViewHasItsPosesByEstimate) {
   for (const std::string poses : {"", "poses = \"estimate\"\n"}) {
-    const Scenario a = scenario_of(by_view + poses);
+    const Scenario a = scenario_of(linked_by_view + poses);
     EXPECT_TRUE(a.fleet->links[0].poses.estimated());
     EXPECT_TRUE(a.fleet->links[0].has_camera);
     EXPECT_FALSE(a.fleet->links[1].poses.estimated());
     EXPECT_THAT(summary(a), HasSubstr("poses by estimate, motion by odometry\n"));
   }
-  EXPECT_THAT(scenario_refusal(by_view + "poses = \"odometry\"\n"),
+  EXPECT_THAT(scenario_refusal(linked_by_view + "poses = \"odometry\"\n"),
               HasSubstr("agent.uav0.link.poses = \"odometry\", expected \"estimate\""));
-  EXPECT_THAT(scenario_refusal(by_view + "origin = { p = [0, 0, 0], heading = 0 }\n"),
+  EXPECT_THAT(scenario_refusal(linked_by_view + "origin = { p = [0, 0, 0], heading = 0 }\n"),
               HasSubstr("expected no such key with poses = \"estimate\""));
-  EXPECT_THAT(scenario_refusal(by_view + "pose_name = \"a\"\n"), HasSubstr("agent.uav0.link.pose_name"));
+  EXPECT_THAT(scenario_refusal(linked_by_view + "pose_name = \"a\"\n"),
+              HasSubstr("agent.uav0.link.pose_name"));
 }
 
 TEST(ReadLink, ARobotThatTakesGoalsHasAReferenceThatTheyChange) {

@@ -20,6 +20,7 @@
 #include "sightline/world/sighting.hpp"
 #include "sightline/world/synthetic_detections.hpp"
 #include "sightline/world/view_flight.hpp"
+#include "tests/support/applied.hpp"
 
 namespace sightline::test {
 
@@ -146,7 +147,7 @@ inline ViewFigures fly_in_loop(const ViewFlight& view, double distance) {
     } else {
       last_seen = std::max(last_seen, t - ViewFlight::loss);
     }
-    (void)world.apply(t, now.measured, u, dt, 1);
+    (void)test::apply(world, t, now.measured, u, dt, 1);
   }
   sum.found = static_cast<double>(found) / static_cast<double>(taken);
   sum.known = static_cast<double>(known) / static_cast<double>(periods);

@@ -21,7 +21,8 @@ inline TeamFlight fly_scenario(const Scenario& scenario, bool with_kkt = false) 
   if (with_kkt) {
     sink.after = [&](FlownPeriod& period) {
       Phase& phase = controls.team_switcher()->present();
-      phase.controller->gather(scenario.team, period.x, u_before);  // as the update saw it
+      phase.controller->gather(scenario.team, test::valid(scenario.team, period.x),
+                               u_before);  // as the update saw it
       u_before = period.u;
       period.kkt = phase.solver->kkt(period.time, phase.controller->states);
     };

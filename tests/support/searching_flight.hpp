@@ -15,6 +15,7 @@
 #include "sightline/run/localizer.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/telemetry_world.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/tag_world.hpp"
 
@@ -125,7 +126,7 @@ class SearchingFlight {
       if (t > event && flown.found_after > 1e8 && estimate.known && localizer_->views()[0].accepted > event &&
           unseen == 0.0 && norm(estimate.p - place(now.truth, 0)) < most_error)
         flown.found_after = t - event;
-      const auto believed = guard.believe(t, now.measured, now.stamps, localizer_->sigma());
+      const ValidStates& believed = guard.believe(t, now.measured, now.stamps, localizer_->sigma());
       guard.look(t, localizer_->views());
       std::fill(plan_ages.begin(), plan_ages.end(), guard.knows_all() ? 0.0 : t);
       std::fill(u.begin(), u.end(), 0.0);
@@ -143,7 +144,7 @@ class SearchingFlight {
       }
       if (estimate.known) flown.highest = std::max(flown.highest, guard.levels()[0]);
       localizer_->apply(u, period, 1);
-      if (!world_->apply(t, believed, u, period, 1)) break;
+      if (!test::apply(*world_, t, believed, u, period, 1)) break;
     }
     return flown;
   }

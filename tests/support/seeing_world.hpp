@@ -24,7 +24,7 @@ class SeeingWorld : public World {
     measured.detections = seen_;
     return measured;
   }
-  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+  bool apply(double t, std::span<const double> believed, const Command& u, double period,
              std::int64_t periods) noexcept override {
     return model_.apply(t, believed, u, period, periods);
   }

@@ -49,7 +49,7 @@ class TagWorld final : public World {
     now.detections = arrived_;
     return now;
   }
-  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+  bool apply(double t, std::span<const double> believed, const Command& u, double period,
              std::int64_t periods) noexcept override {
     return model_.apply(t, believed, u, period, periods);
   }

@@ -9,6 +9,7 @@
 #include "sightline/run/team_switcher.hpp"
 #include "sightline/world/model_world.hpp"
 #include "tests/support/newton_riccati_of.hpp"
+#include "tests/support/valid.hpp"
 
 namespace sightline {
 
@@ -66,7 +67,7 @@ inline TeamFlight fly_script(const Team& all, const std::vector<double>& x0, con
   if (with_kkt) {
     sink.after = [&](FlownPeriod& period) {
       Controller& controller = *team_switcher.present().controller;
-      controller.gather(all, period.x, u_before);  // as the update saw it
+      controller.gather(all, test::valid(all, period.x), u_before);  // as the update saw it
       u_before = period.u;
       period.kkt = team_switcher.present().solver->kkt(period.time, controller.states);
     };

@@ -9,6 +9,7 @@
 
 #include "sightline/world/model_world.hpp"
 #include "sightline/world/synthetic_detections.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/seeing_world.hpp"
 #include "tests/support/two_robots.hpp"
@@ -44,7 +45,7 @@ std::vector<Detection> fly(CameraWorld& world, int periods, std::vector<double>*
       all.push_back(one);
       if (arrivals != nullptr) arrivals->push_back(0.01 * k);
     }
-    EXPECT_TRUE(world.apply(0.01 * k, now.measured, u, 0.01, 1));
+    EXPECT_TRUE(test::apply(world, 0.01 * k, now.measured, u, 0.01, 1));
   }
   return all;
 }
@@ -99,8 +100,8 @@ TEST(CameraWorld, GivesTheStatesOfTheWorldAsTheyAre) {
     EXPECT_TRUE(std::equal(a.measured.begin(), a.measured.end(), b.measured.begin()));
     EXPECT_TRUE(std::equal(a.truth.begin(), a.truth.end(), b.truth.begin()));
     EXPECT_TRUE(std::equal(a.stamps.begin(), a.stamps.end(), b.stamps.begin()));
-    plain.apply(0.01 * k, a.measured, u, 0.01, 1);
-    seen.apply(0.01 * k, b.measured, u, 0.01, 1);
+    test::apply(plain, 0.01 * k, a.measured, u, 0.01, 1);
+    test::apply(seen, 0.01 * k, b.measured, u, 0.01, 1);
   }
   EXPECT_EQ(seen.ended(), "");
   EXPECT_EQ(&seen.team(), &seen.seen().team());
@@ -113,7 +114,7 @@ TEST(CameraWorld, ACameraOnTheBodyLeansAsTheInputsInForceSay) {
   std::vector<double> u(8, 0.0);
   u[0] = 0.5;  // ahead: the nose goes down, and what is ahead is above the axis
   (void)world.measure(0.0);
-  EXPECT_TRUE(world.apply(0.0, facing, u, 0.01, 1));
+  EXPECT_TRUE(test::apply(world, 0.0, facing, u, 0.01, 1));
   const Measured now = world.measure(0.01);
   ASSERT_EQ(now.detections.size(), 1U);
   const Vec2<double> lean = two_robots().model(BodyId{0}).sight(now.truth.data(), u.data()).lean;
@@ -131,7 +132,7 @@ TEST(CameraWorld, OfABodyThatLeftNothingArrives) {
   const std::vector<double> u(8, 0.0);
   for (int k = 20; k < 60; ++k) {
     EXPECT_TRUE(world.measure(0.01 * k).detections.empty()) << k;
-    world.apply(0.01 * k, facing, u, 0.01, 1);
+    test::apply(world, 0.01 * k, facing, u, 0.01, 1);
   }
   presence[1] = Presence::steered;
   world.set_presence(presence);
@@ -140,7 +141,7 @@ TEST(CameraWorld, OfABodyThatLeftNothingArrives) {
     const Measured now = world.measure(0.01 * k);
     seen += now.detections.size();
     for (const Detection& one : now.detections) EXPECT_GE(one.stamp, 0.6);
-    world.apply(0.01 * k, now.measured, u, 0.01, 1);
+    test::apply(world, 0.01 * k, now.measured, u, 0.01, 1);
   }
   EXPECT_GT(seen, 8U);
 }
@@ -149,9 +150,9 @@ TEST(CameraWorld, PicturesOfMissedPeriodsAreNotTakenLater) {
   CameraWorld world = world_of(options_of({.latency = {0.0, 0.0}}));
   const std::vector<double> u(8, 0.0);
   EXPECT_LE(world.measure(0.0).detections.size(), 1U);
-  world.apply(0.0, facing, u, 0.01, 50);
+  test::apply(world, 0.0, facing, u, 0.01, 50);
   EXPECT_LE(world.measure(0.5).detections.size(), 1U);
-  world.apply(0.5, facing, u, 0.01, 1);
+  test::apply(world, 0.5, facing, u, 0.01, 1);
   EXPECT_TRUE(world.measure(0.51).detections.empty());
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/applied.hpp"
 #include "tests/support/copied.hpp"
 #include "tests/support/two_robots.hpp"
 
@@ -31,15 +32,15 @@ TEST(ModelWorld, IsItsPlantSeenByItsSensorBitForBit) {
     EXPECT_EQ(copied(seen.measured), copied(sensor.measure(t, plant.x())));
     EXPECT_EQ(copied(seen.stamps), copied(sensor.stamps()));
     EXPECT_TRUE(seen.detections.empty());
-    ASSERT_TRUE(world.apply(t, seen.measured, input_of_both, 0.01, 1));
+    ASSERT_TRUE(test::apply(world, t, seen.measured, input_of_both, 0.01, 1));
     plant.step(input_of_both, 0.01);
   }
 }
 
 TEST(ModelWorld, PeriodsThatWereMissedPassUnderTheInputsThatWentOn) {
   ModelWorld at_once(two_robots(), two_robots_start), one_by_one(two_robots(), two_robots_start);
-  ASSERT_TRUE(at_once.apply(0.0, {}, input_of_both, 0.01, 25));
-  for (int k = 0; k < 25; ++k) ASSERT_TRUE(one_by_one.apply(0.01 * k, {}, input_of_both, 0.01, 1));
+  ASSERT_TRUE(test::apply(at_once, 0.0, {}, input_of_both, 0.01, 25));
+  for (int k = 0; k < 25; ++k) ASSERT_TRUE(test::apply(one_by_one, 0.01 * k, {}, input_of_both, 0.01, 1));
   EXPECT_EQ(copied(at_once.measure(0.25).truth), copied(one_by_one.measure(0.25).truth));
 }
 
@@ -48,7 +49,7 @@ TEST(ModelWorld, WhoJoinsBeginsAtTheStartAndIsSeenThereAtOnceThoughMeasurementsA
   world.set_presence(std::array{Presence::steered, Presence::absent});
   for (int k = 0; k < 100; ++k) {
     (void)world.measure(0.01 * k);
-    ASSERT_TRUE(world.apply(0.01 * k, {}, input_of_both, 0.01, 1));
+    ASSERT_TRUE(test::apply(world, 0.01 * k, {}, input_of_both, 0.01, 1));
   }
   world.set_presence(std::array{Presence::steered, Presence::steered});
   const Measured seen = world.measure(1.0);
@@ -61,8 +62,8 @@ TEST(ModelWorld, WhoJoinsBeginsAtTheStartAndIsSeenThereAtOnceThoughMeasurementsA
 TEST(ModelWorld, AStateThatIsNoLongerFiniteEndsTheWorld) {
   ModelWorld world(two_robots(), two_robots_start);
   Numbers spoilt = input_of_both;
-  spoilt[2] = std::numeric_limits<double>::infinity();
-  EXPECT_FALSE(world.apply(0.0, {}, spoilt, 0.01, 1));
+  spoilt[2] = std::numeric_limits<double>::max();
+  EXPECT_FALSE(test::apply(world, 0.0, {}, spoilt, 0.01, 1));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "sightline/model/ground_robots.hpp"
 #include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/copied.hpp"
 #include "tests/support/hexacopter.hpp"
 #include "tests/support/mixed_fleet.hpp"
@@ -39,7 +40,7 @@ Numbers fly(RotorWorld& world, int periods, const Numbers& inputs = fleet_input)
     const Measured now = world.measure(0.01 * k);
     seen.insert(seen.end(), now.measured.begin(), now.measured.end());
     seen.insert(seen.end(), now.truth.begin(), now.truth.end());
-    EXPECT_TRUE(world.apply(0.01 * k, now.measured, inputs, 0.01, 1)) << world.ended();
+    EXPECT_TRUE(test::apply(world, 0.01 * k, now.measured, inputs, 0.01, 1)) << world.ended();
   }
   return seen;
 }
@@ -54,8 +55,8 @@ TEST(RotorWorld, WhoIsNoVehicleMovesAsInTheModelWorldBitForBit) {
     if (k > 10) {
       EXPECT_NE(part(seen.truth, 0, 7), part(expected.truth, 0, 7));
     }
-    ASSERT_TRUE(rotors.apply(0.01 * k, {}, fleet_input, 0.01, 1));
-    ASSERT_TRUE(models.apply(0.01 * k, {}, fleet_input, 0.01, 1));
+    ASSERT_TRUE(test::apply(rotors, 0.01 * k, {}, fleet_input, 0.01, 1));
+    ASSERT_TRUE(test::apply(models, 0.01 * k, {}, fleet_input, 0.01, 1));
   }
 }
 
@@ -103,7 +104,7 @@ TEST(RotorWorld, AnAngleMultirotorShowsItsAngle) {
   const Numbers command = {0, 0, 0, 0.5};
   double turned = 0.0, before = 3.0;
   for (int k = 0; k < 300; ++k) {
-    ASSERT_TRUE(world.apply(0.01 * k, {}, command, 0.01, 1));
+    ASSERT_TRUE(test::apply(world, 0.01 * k, {}, command, 0.01, 1));
     const double psi = world.measure(0.01 * (k + 1)).truth[3];
     EXPECT_LE(std::abs(psi), 3.1415927);
     turned += wrap_angle(psi - before);
@@ -141,8 +142,8 @@ TEST(RotorWorld, TheSameSeedGivesTheSameBytesAndAnotherOthers) {
 
 TEST(RotorWorld, PeriodsThatWereMissedPassUnderTheInputsThatWentOn) {
   RotorWorld at_once(mixed_fleet(), fleet_start, fleet), one_by_one(mixed_fleet(), fleet_start, fleet);
-  ASSERT_TRUE(at_once.apply(0.0, {}, fleet_input, 0.01, 25));
-  for (int k = 0; k < 25; ++k) ASSERT_TRUE(one_by_one.apply(0.01 * k, {}, fleet_input, 0.01, 1));
+  ASSERT_TRUE(test::apply(at_once, 0.0, {}, fleet_input, 0.01, 25));
+  for (int k = 0; k < 25; ++k) ASSERT_TRUE(test::apply(one_by_one, 0.01 * k, {}, fleet_input, 0.01, 1));
   EXPECT_EQ(copied(at_once.measure(0.25).truth), copied(one_by_one.measure(0.25).truth));
 }
 
@@ -152,13 +153,13 @@ TEST(RotorWorld, ADelayedCommandIsTheCommandSoMuchLater) {
   start[5] = start[6] = start[21] = start[22] = start[12] = 0;
   RotorWorld late(mixed_fleet(), start, fleet, {.disturbances = {.input_delay = 0.05}}),
       prompt(mixed_fleet(), start, fleet);
-  for (int k = 0; k < 5; ++k) ASSERT_TRUE(late.apply(0.01 * k, {}, fleet_input, 0.01, 1));
+  for (int k = 0; k < 5; ++k) ASSERT_TRUE(test::apply(late, 0.01 * k, {}, fleet_input, 0.01, 1));
   for (int k = 0; k < 60; ++k) {
     const double* const a = &late.measure(0.05 + 0.01 * k).truth[0];
     const double* const b = &prompt.measure(0.01 * k).truth[0];
     for (int i = 0; i < 7; ++i) EXPECT_NEAR(a[i], b[i], 1e-9);
-    ASSERT_TRUE(late.apply(0.05 + 0.01 * k, {}, fleet_input, 0.01, 1));
-    ASSERT_TRUE(prompt.apply(0.01 * k, {}, fleet_input, 0.01, 1));
+    ASSERT_TRUE(test::apply(late, 0.05 + 0.01 * k, {}, fleet_input, 0.01, 1));
+    ASSERT_TRUE(test::apply(prompt, 0.01 * k, {}, fleet_input, 0.01, 1));
   }
 }
 
@@ -185,15 +186,15 @@ TEST(RotorWorld, WhoIsAbsentRestsAndWhoJoinsBeginsAtTheStart) {
   world.set_presence(std::array{steered, steered, absent, hold});
   for (int k = 0; k < 100; ++k) {
     EXPECT_EQ(part(world.measure(0.01 * k).truth, 14, 9), part(world.start(), 14, 9));
-    ASSERT_TRUE(world.apply(0.01 * k, {}, fleet_input, 0.01, 1));
+    ASSERT_TRUE(test::apply(world, 0.01 * k, {}, fleet_input, 0.01, 1));
   }
   world.set_presence(std::array{steered, steered, steered, hold});
   EXPECT_EQ(part(world.measure(1.0).truth, 14, 9), part(world.start(), 14, 9));
   // It flies as from the beginning.
   RotorWorld fresh(mixed_fleet(), fleet_start, fleet);
   for (int k = 0; k < 50; ++k) {
-    ASSERT_TRUE(world.apply(1.0 + 0.01 * k, {}, fleet_input, 0.01, 1));
-    ASSERT_TRUE(fresh.apply(0.01 * k, {}, fleet_input, 0.01, 1));
+    ASSERT_TRUE(test::apply(world, 1.0 + 0.01 * k, {}, fleet_input, 0.01, 1));
+    ASSERT_TRUE(test::apply(fresh, 0.01 * k, {}, fleet_input, 0.01, 1));
   }
   EXPECT_EQ(part(world.measure(1.5).truth, 14, 9), part(fresh.measure(0.5).truth, 14, 9));
 }
@@ -204,7 +205,7 @@ TEST(RotorWorld, AFastTouchOfTheGroundEndsItWithASentence) {
   RotorWorld world(std::move(team), {0, 0, 2, 1, 0, 0, 0, 0, 0}, {{BodyId{0}, Vehicle::x500(), ""}});
   const Numbers down = {0, 0, -1, 0};
   double t = 0.0;
-  while (world.apply(t, {}, down, 0.01, 1)) {
+  while (test::apply(world, t, {}, down, 0.01, 1)) {
     ASSERT_EQ(world.ended(), "");
     ASSERT_LT(t += 0.01, 5.0);
   }
@@ -230,7 +231,7 @@ TEST(RotorWorld, ATouchOfTwoBodiesEndsItWhenTheyHaveBeenApart) {
     Numbers forward = {1, 0, 0, 0};
     if (vehicle) forward.resize(8);
     for (int k = 0; k < 300; ++k) {
-      if (!world.apply(0.01 * k, {}, forward, 0.01, 1)) return world.ended();
+      if (!test::apply(world, 0.01 * k, {}, forward, 0.01, 1)) return world.ended();
     }
     return std::string("flew on");
   };
@@ -244,8 +245,8 @@ TEST(RotorWorld, ATouchOfTwoBodiesEndsItWhenTheyHaveBeenApart) {
 TEST(RotorWorld, AStateThatIsNoLongerFiniteEndsItWithoutASentence) {
   RotorWorld world(mixed_fleet(), fleet_start, fleet);
   Numbers spoilt = fleet_input;
-  spoilt[4] = std::numeric_limits<double>::infinity();  // of the rover
-  EXPECT_FALSE(world.apply(0.0, {}, spoilt, 0.01, 1));
+  spoilt[4] = std::numeric_limits<double>::max();  // of the rover
+  EXPECT_FALSE(test::apply(world, 0.0, {}, spoilt, 0.01, 1));
   EXPECT_EQ(world.ended(), "");
 }
 
@@ -312,7 +313,7 @@ TEST(RotorWorld, AVehicleAbovePushesTheOneBelowDownWhichHoldsAgainstIt) {
     const RigidBody &below = body_of(world, 0), &above = body_of(world, 1);
     double lowest = 5.0, fastest = 0.0;
     for (int k = 0; k < 1500; ++k) {
-      ASSERT_TRUE(world.apply(0.01 * k, {}, pair.rest(), 0.01, 1)) << world.ended();
+      ASSERT_TRUE(test::apply(world, 0.01 * k, {}, pair.rest(), 0.01, 1)) << world.ended();
       lowest = std::min(lowest, below.p.z), fastest = std::min(fastest, below.v.z);
     }
     fly(still, 1500, pair.rest());
@@ -377,7 +378,7 @@ TEST(RotorWorld, WhoIsNotThereYetPushesNoAirAndWhoComesDoes) {
   fly(alone, 100, one.rest());
   EXPECT_EQ(norm(body_of(world, 0).p - body_of(alone, 0).p), 0.0);
   world.set_presence(std::array{steered, steered});
-  for (int k = 100; k < 200; ++k) ASSERT_TRUE(world.apply(0.01 * k, {}, pair.rest(), 0.01, 1));
+  for (int k = 100; k < 200; ++k) ASSERT_TRUE(test::apply(world, 0.01 * k, {}, pair.rest(), 0.01, 1));
   EXPECT_LT(body_of(world, 0).p.z, body_of(alone, 0).p.z - 1e-3);
 }
 
@@ -409,7 +410,7 @@ TEST(RotorWorld, WhatAVehicleMeasuresItselfHasTheErrorsOfItsImuAndTheTruthHasNon
       EXPECT_NE(now.measured[i], now.truth[i]);
       EXPECT_NEAR(now.measured[i], now.truth[i], 0.4);
     }
-    ASSERT_TRUE(world.apply(0.01 * k, {}, Numbers{0.3, 0.1, 0, 0.2}, 0.01, 1));
+    ASSERT_TRUE(test::apply(world, 0.01 * k, {}, Numbers{0.3, 0.1, 0, 0.2}, 0.01, 1));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sightline/world/model_world.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/two_robots.hpp"
 
 namespace sightline {
@@ -31,8 +32,8 @@ TEST(SensingWorld, WithoutSensorsIsTheInnerWorld) {
   for (int k = 0; k < 20; ++k) {
     const Measured expected = alone.measure(0.01 * k), now = around.measure(0.01 * k);
     EXPECT_TRUE(std::equal(now.truth.begin(), now.truth.end(), expected.truth.begin(), expected.truth.end()));
-    EXPECT_TRUE(alone.apply(0.01 * k, expected.measured, u, 0.01, 1));
-    EXPECT_TRUE(around.apply(0.01 * k, now.measured, u, 0.01, 1));
+    EXPECT_TRUE(test::apply(alone, 0.01 * k, expected.measured, u, 0.01, 1));
+    EXPECT_TRUE(test::apply(around, 0.01 * k, now.measured, u, 0.01, 1));
   }
   EXPECT_EQ(around.ended(), alone.ended());
 }

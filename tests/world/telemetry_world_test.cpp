@@ -6,6 +6,7 @@
 
 #include "sightline/estimate/place.hpp"
 #include "sightline/world/model_world.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {
@@ -35,7 +36,7 @@ Heard listen(TelemetryWorld& world, int periods, std::vector<double> u = std::ve
     EXPECT_LE(now.broadcasts.size(), world.measured_max().broadcasts);
     heard.motions.insert(heard.motions.end(), now.motions.begin(), now.motions.end());
     for (const BodyBroadcast& one : now.broadcasts) heard.broadcasts.emplace_back(k * tick, one);
-    EXPECT_TRUE(world.apply(k * tick, now.measured, u, tick, 1));
+    EXPECT_TRUE(test::apply(world, k * tick, now.measured, u, tick, 1));
   }
   return heard;
 }
@@ -98,11 +99,11 @@ TEST(TelemetryWorld, OneThatIsAbsentTellsNothingAndComesAgainWithoutAJump) {
     const Measured now = world.measure(k * tick);
     EXPECT_TRUE(now.motions.empty());
     EXPECT_TRUE(now.broadcasts.empty());
-    EXPECT_TRUE(world.apply(k * tick, now.measured, std::vector<double>(8), tick, 1));
+    EXPECT_TRUE(test::apply(world, k * tick, now.measured, std::vector<double>(8), tick, 1));
   }
   presence(Presence::steered);
   EXPECT_TRUE(world.measure(0.6).motions.empty()) << "where it was before is not where it comes to be";
-  EXPECT_TRUE(world.apply(0.6, world.start(), std::vector<double>(8), tick, 1));
+  EXPECT_TRUE(test::apply(world, 0.6, world.start(), std::vector<double>(8), tick, 1));
   EXPECT_EQ(world.measure(0.61).motions.size(), 1U);
 }
 

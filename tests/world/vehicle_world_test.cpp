@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/model/robots.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {
@@ -53,7 +54,7 @@ const std::vector<double> resting(4);
 
 TEST(VehicleWorld, EachPeriodBeginsAndIsLookedAtWhenItHasPassed) {
   Room room;
-  EXPECT_TRUE(room.apply(0.0, {}, resting, 0.01, 3));
+  EXPECT_TRUE(test::apply(room, 0.0, {}, resting, 0.01, 3));
   EXPECT_THAT(room.begun, testing::Pointwise(testing::DoubleNear(1e-12), {0.0, 0.01, 0.02}));
   EXPECT_THAT(room.ended_at, testing::Pointwise(testing::DoubleNear(1e-12), {0.01, 0.02, 0.03}));
   EXPECT_EQ(room.ended(), "");
@@ -62,11 +63,11 @@ TEST(VehicleWorld, EachPeriodBeginsAndIsLookedAtWhenItHasPassed) {
 TEST(VehicleWorld, ATouchEndsItWithASentence) {
   Room room;
   room.next = Room::Touch{.a = BodyId{0}, .b = BodyId{1}, .t = 1.25};
-  EXPECT_FALSE(room.apply(0.0, {}, resting, 0.01, 3));
+  EXPECT_FALSE(test::apply(room, 0.0, {}, resting, 0.01, 3));
   EXPECT_EQ(room.begun.size(), 1u);
   EXPECT_EQ(room.ended(), "uav and post touched at 1.250 s");
   room.next = Room::Touch{.a = BodyId{0}, .b = BodyId{-1}, .t = 2.0, .speed = 0.75, .surface = "a wall"};
-  EXPECT_FALSE(room.apply(0.0, {}, resting, 0.01, 1));
+  EXPECT_FALSE(test::apply(room, 0.0, {}, resting, 0.01, 1));
   EXPECT_EQ(room.ended(), "uav touched a wall at 2.000 s with 0.75 m/s, expected at most 0.5 m/s");
 }
 

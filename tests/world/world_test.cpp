@@ -26,7 +26,7 @@ class Outside final : public test::SeeingWorld {
     measured.truth = {};
     return measured;
   }
-  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+  bool apply(double t, std::span<const double> believed, const Command& u, double period,
              std::int64_t periods) noexcept override {
     believed_all &= believed.size() == two_robots_start.size();
     (void)SeeingWorld::apply(t, believed, u, period, periods);

@@ -19,7 +19,7 @@ MujocoWorld::MujocoWorld(const Team& team, std::vector<double> x0, const std::ve
 
 MujocoWorld::Bodies& MujocoWorld::bodies() const noexcept { return static_cast<Bodies&>(fleet()); }
 
-bool MujocoWorld::apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+bool MujocoWorld::apply(double t, std::span<const double> believed, const Command& u, double period,
                         std::int64_t periods) noexcept {
   return VehicleWorld::apply(t, believed, u, period, periods) && !bodies().failed();
 }

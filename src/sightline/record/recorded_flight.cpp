@@ -297,8 +297,7 @@ Measured RecordedFlight::measure(double) noexcept {
 }
 
 /// False after the last period.
-bool RecordedFlight::apply(double, std::span<const double>, std::span<const double>, double,
-                           std::int64_t) noexcept {
+bool RecordedFlight::apply(double, std::span<const double>, const Command&, double, std::int64_t) noexcept {
   if (std::exchange(measured_, false)) ++next_;
   return next_ < periods_.size();
 }

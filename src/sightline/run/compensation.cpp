@@ -115,13 +115,13 @@ void Compensation::find_counter(Member& member, const Agent& agent) {
   }
 }
 
-void Compensation::look(BodyId robot, std::span<const double> measured, double stamp) noexcept {
+void Compensation::look(BodyId robot, const ValidStates& measured) noexcept {
   const int place = member_of_[at(robot.index)];
-  if (place < 0) return;
+  if (place < 0 || !measured.is_valid(robot)) return;
   Member& member = members_[at(place)];
+  const double stamp = measured.stamps()[at(robot.index)];
   if (member.time == 0 || !(stamp > member.stamp)) return;
-  const std::span<const double> x = measured.subspan(member.x, member.nx);
-  if (!all_finite(x)) return;
+  const std::span<const double> x = std::span<const double>(measured).subspan(member.x, member.nx);
   const double s = stamp - member.stamp;
   if (s > longest_gap) {
     std::copy(x.begin(), x.end(), member.last.begin());
@@ -142,8 +142,9 @@ void Compensation::look(BodyId robot, std::span<const double> measured, double s
   member.stamp = stamp;
 }
 
-std::span<const double> Compensation::ahead(double t, std::span<const double> believed) noexcept {
-  std::copy(believed.begin(), believed.end(), x_.begin());
+std::span<const double> Compensation::ahead(double t, const ValidStates& estimate) noexcept {
+  const std::span<const double> now = estimate;
+  std::copy(now.begin(), now.end(), x_.begin());
   for (Member& member : members_) {
     const std::span<double> x = std::span(x_).subspan(member.x, member.nx);
     carry(member.model, x, history_, member.u, t - member.delay, t, member.w, scratch_);

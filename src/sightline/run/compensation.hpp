@@ -29,6 +29,7 @@
 
 #include "sightline/ocp/team.hpp"
 #include "sightline/run/feed_forward.hpp"
+#include "sightline/run/valid_states.hpp"
 #include "sightline/safety/input_history.hpp"
 
 namespace sightline {
@@ -62,13 +63,12 @@ class Compensation {
 
   // Once in each period, in this order. Nothing throws, allocates, locks or prints.
 
-  /// A measurement of a robot with its time [s], in the states of all bodies (nx): one to be believed. Where it is not
-  /// newer than the last, nothing happens.
-  void look(BodyId robot, std::span<const double> measured, double stamp) noexcept;
+  /// A measurement of a robot. Where it is not valid, or not newer than the last, nothing happens.
+  void look(BodyId robot, const ValidStates& measured) noexcept;
   /// The states (nx) that commands of t meet: those of robots after their delay, free of what u_w holds; those of bodies
   /// that are no robots after the longest of them. Valid until the next call.
-  /// @param believed  the states at t (nx)
-  std::span<const double> ahead(double t, std::span<const double> believed) noexcept;
+  /// @param estimate  the states at t
+  std::span<const double> ahead(double t, const ValidStates& estimate) noexcept;
   /// u_w of all robots (nu), to be added to what is asked of them.
   std::span<const double> added() const noexcept { return added_; }
   /// What u_w holds of the states of all bodies (nx), which those of ahead() are free of.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "sightline/base/index.hpp"
@@ -53,14 +54,17 @@ Controller::Controller(const Team& world, Solver& given, std::size_t number) : s
   for (int i = 0; i < team.bodies(); ++i) members.push_back(match(world, team, BodyId{i}, number));
 }
 
-void Controller::gather(const Team& world, std::span<const double> x, std::span<const double> u) noexcept {
+void Controller::gather(const Team& world, const ValidStates& x, std::span<const double> u) noexcept {
+  const double* const states_of_world = std::span<const double>(x).data();
   for (const Member& m : members) {
     double* const to = &states[m.ocp_x];
-    if (m.nx > 0) {
-      std::copy_n(&x[m.world_x], m.nx, to);
-      continue;
-    }
-    write_body(world.model(m.body).sight(&x[m.world_x], &u[m.world_u]), {to, m.ocp_nx});
+    const double* const from = states_of_world + m.world_x;
+    if (!x.is_valid(m.body))
+      std::fill_n(to, m.ocp_nx, std::numeric_limits<double>::quiet_NaN());
+    else if (m.nx > 0)
+      std::copy_n(from, m.nx, to);
+    else
+      write_body(world.model(m.body).sight(from, &u[m.world_u]), {to, m.ocp_nx});
   }
 }
 
@@ -93,10 +97,10 @@ UncontrolledRobot::UncontrolledRobot(const Team& world, BodyId robot, bool lands
       sink_speed(lands ? landing_speed : 0.0),
       most_change(change_rate * period) {}
 
-void UncontrolledRobot::steer(double t, std::span<const double> believed, std::span<const double> added,
+void UncontrolledRobot::steer(double t, const ValidStates& estimate, std::span<const double> added,
                               std::span<double> u_min, std::span<double> u_max,
                               std::span<double> u_world) noexcept {
-  const std::span<const double> state = believed.subspan(x, nx);
+  const std::span<const double> state = std::span<const double>(estimate).subspan(x, nx);
   const std::span<double> input = u_world.subspan(u, nu);
   limits.at(t, u_min.first(nu), u_max.first(nu));
   for (std::size_t i = 0; i < nu; ++i) u_min[i] -= added[u + i], u_max[i] -= added[u + i];

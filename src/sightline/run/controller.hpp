@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "sightline/run/valid_states.hpp"
 #include "sightline/safety/brake.hpp"
 #include "sightline/solver/solver.hpp"
 
@@ -42,8 +43,9 @@ struct Controller {
   /// @throws std::invalid_argument where the world has not what the solver's team knows, or as another model
   Controller(const Team& world, Solver& given, std::size_t number);
 
-  /// What the solver is given, from the states and inputs of the world.
-  void gather(const Team& world, std::span<const double> x, std::span<const double> u) noexcept;
+  /// What the solver is given, from the states and inputs of the world. A body that is not valid has no numbers, so that the
+  /// solver refuses the state and goes on with its last plan.
+  void gather(const Team& world, const ValidStates& x, std::span<const double> u) noexcept;
   /// Tells it the applied inputs of the world.
   void set_applied(const AppliedInputs& of_world) noexcept;
   /// Tells it how sure the robots of the world are of what they look at.
@@ -70,8 +72,8 @@ struct UncontrolledRobot {
 
   /// Writes its input into those of the world; the limits are work space of nu at least.
   /// @param added  to the inputs of the world afterwards: limits hold for the sum
-  void steer(double t, std::span<const double> believed, std::span<const double> added,
-             std::span<double> u_min, std::span<double> u_max, std::span<double> u_world) noexcept;
+  void steer(double t, const ValidStates& estimate, std::span<const double> added, std::span<double> u_min,
+             std::span<double> u_max, std::span<double> u_world) noexcept;
 };
 
 }  // namespace sightline

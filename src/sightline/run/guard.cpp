@@ -74,8 +74,9 @@ Guard::Guard(const Team& team, const GuardOptions& options)
       supervisor_(supervisor_of(team, options)),
       search_(team_, options_.searchers, options_.search),
       searches_(options_.searchers.size()),
-      believed_(static_cast<std::size_t>(team.nx())),
+      believed_(team, std::vector<double>(static_cast<std::size_t>(team.nx()))),
       ages_(options_.bodies.size()),
+      stamps_(options_.bodies.size()),
       before_(static_cast<std::size_t>(team.nu())),
       sigmas_(options_.bodies.size()),
       presence_(options_.bodies.size(), Presence::steered),
@@ -121,28 +122,28 @@ Guard::Guard(const Team& team, const GuardOptions& options)
   records_.resize(robots_.size());
 }
 
-std::span<const double> Guard::believe(double t, std::span<const double> measured,
-                                       std::span<const double> stamps,
-                                       std::span<const double> sigma) noexcept {
+const ValidStates& Guard::believe(double t, std::span<const double> measured, std::span<const double> stamps,
+                                  std::span<const double> sigma) noexcept {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
   events_.clear();
   if (sigma.empty())
     std::fill(sigmas_.begin(), sigmas_.end(), 0.0);
   else
     std::copy(sigma.begin(), sigma.end(), sigmas_.begin());
-  if (!supervisor_) {
-    std::copy(measured.begin(), measured.end(), believed_.begin());
-    awaits_position_ = false;
+  if (supervisor_) {
+    const std::span<const double> estimate = supervisor_->believe(t, measured, stamps, sigma);
     for (std::size_t i = 0; i < ages_.size(); ++i) {
-      const bool known = !std::isinf(sigmas_[i]);
-      ages_[i] = known ? std::max(0.0, t - stamps[i]) : std::numeric_limits<double>::infinity();
-      awaits_position_ |= !known && presence_[i] != Presence::absent;
+      ages_[i] = std::max(0.0, supervisor_->age(BodyId{static_cast<int>(i)}));
+      stamps_[i] = t - ages_[i];
     }
-    return believed_;
+    return believed_.take(estimate, stamps_);
   }
-  const std::span<const double> believed = supervisor_->believe(t, measured, stamps, sigma);
-  std::copy(believed.begin(), believed.end(), believed_.begin());
+  (void)believed_.take(measured, stamps);
+  awaits_position_ = false;
   for (std::size_t i = 0; i < ages_.size(); ++i) {
-    ages_[i] = std::max(0.0, supervisor_->age(BodyId{static_cast<int>(i)}));
+    const bool known = !std::isinf(sigmas_[i]);
+    ages_[i] = known ? std::max(0.0, t - believed_.stamps()[i]) : infinity;
+    awaits_position_ |= !known && presence_[i] != Presence::absent;
   }
   return believed_;
 }
@@ -175,7 +176,7 @@ void Guard::tell_unheard(double t) noexcept {
   }
 }
 
-void Guard::fall_back(double t, std::span<const double> x, std::span<const double> plan_ages,
+void Guard::fall_back(double t, const ValidStates& x, std::span<const double> plan_ages,
                       std::span<const double> added, std::span<double> u) noexcept {
   if (supervisor_) {
     supervisor_->command(t, x, plan_ages, added, u);
@@ -191,7 +192,7 @@ void Guard::fall_back(double t, std::span<const double> x, std::span<const doubl
   tell_unheard(t);
 }
 
-void Guard::keep_distances(double t, std::span<const double> x, std::span<const double> added,
+void Guard::keep_distances(double t, const ValidStates& x, std::span<const double> added,
                            std::span<double> u) noexcept {
   for (Robot& of : robots_) {
     of.limits->at(t, of.u_min, of.u_max);
@@ -219,7 +220,8 @@ void Guard::see_all(std::span<const double> x) noexcept {
     if (!is_there(body) || !std::isfinite(ages_[at(body)])) continue;
     const bool is_agent = team_.is_agent(body);
     sights_[at(body)] = team_.model(body).sight(
-        &(is_agent ? x : believed_)[static_cast<std::size_t>(team_.state_offset(body))],
+        &(is_agent ? x
+                   : std::span<const double>(believed_))[static_cast<std::size_t>(team_.state_offset(body))],
         before_.data() + (is_agent ? team_.input_offset(body) : 0));
     const BodySafety& safety = options_.bodies[at(body)];
     crowd_.add({i, sights_[at(body)].p, sights_[at(body)].v, safety.d_hard,

@@ -17,6 +17,7 @@
 
 #include "sightline/math/crew.hpp"
 #include "sightline/run/sample.hpp"
+#include "sightline/run/valid_states.hpp"
 #include "sightline/safety/barrier.hpp"
 #include "sightline/safety/crowd.hpp"
 #include "sightline/safety/search.hpp"
@@ -70,25 +71,25 @@ class Guard {
   /// @throws std::invalid_argument for options out of their range, and for a robot that the barrier cannot keep
   Guard(const Team& team, const GuardOptions& options);
 
-  /// The believed states of all bodies at t [s] (nx), from measurements with a time for each body.
+  /// The state estimate of all bodies at t [s], from measurements (nx) with a time for each body, as they come.
   /// @param sigma  of each body, standard deviation of a position that is estimated [m]; 0: it is measured; infinity: it is
   ///               not known. Empty: all are measured
-  std::span<const double> believe(double t, std::span<const double> measured, std::span<const double> stamps,
-                                  std::span<const double> sigma = {}) noexcept;
+  const ValidStates& believe(double t, std::span<const double> measured, std::span<const double> stamps,
+                             std::span<const double> sigma = {}) noexcept;
   /// Whether each body was believed once; before, nobody is asked for a plan.
   bool knows_all() const noexcept { return supervisor_ ? supervisor_->knows_all() : !awaits_position_; }
   /// Tells what the searchers' views are at t, in any order, after believe().
   void look(double t, std::span<const View> views) noexcept;
-  // Both make of the controllers' inputs u (nu) what is commanded from t on, one after the other, after believe(). x (nx)
-  // are the states that the commands meet: as believed, or carried on over what is in flight.
+  // Both make of the controllers' inputs u (nu) what is commanded from t on, one after the other, after believe(). x
+  // are the states that the commands meet: the estimate, or predicted over what is in flight.
 
   /// Where nothing better is known of a robot, the supervisor's command; of a searcher that has lost its view, the search's.
   /// @param plan_ages  of each body [s]; those of no robot do not count
   /// @param added      to the inputs afterwards (nu), such as what holds robots against wind: limits hold for the sum
-  void fall_back(double t, std::span<const double> x, std::span<const double> plan_ages,
+  void fall_back(double t, const ValidStates& x, std::span<const double> plan_ages,
                  std::span<const double> added, std::span<double> u) noexcept;
   /// The nearest inputs that keep the hard distances; `added` as above.
-  void keep_distances(double t, std::span<const double> x, std::span<const double> added,
+  void keep_distances(double t, const ValidStates& x, std::span<const double> added,
                       std::span<double> u) noexcept;
   /// The inputs u (nu) are applied from t on.
   void record(double t, std::span<const double> u) noexcept;
@@ -158,7 +159,8 @@ class Guard {
   Search search_;
   std::vector<char> searches_;  // whether each searcher does, as told last
   std::vector<Robot> robots_;   // none without a barrier
-  std::vector<double> believed_, ages_, before_;
+  ValidStates believed_;
+  std::vector<double> ages_, stamps_, before_;
   std::vector<double> sigmas_;    // of each body, as told last [m]
   bool awaits_position_ = false;  // a robot that is there never knew where it is
   std::vector<Presence> presence_;

@@ -185,7 +185,7 @@ Measured Localizer::estimate(double t, const Measured& told) noexcept {
 /// Tells a robot's filter how it moved.
 void Localizer::move(const RobotMotion& motion) noexcept {
   const int place = robot_of_[at(motion.robot)];
-  if (place < 0) return;
+  if (place < 0 || !is_usable(motion.motion)) return;
   Robot& robot = robots_[size(place)];
   robot.told[robot.told_count++ % robot.told.size()] = motion.motion;
   robot.filter->advance(motion.motion);

@@ -83,9 +83,12 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
       options_(checked(options, controllers)),
       presence_(everybody(world.team())),
       presence_before_(presence_),
+      measured_(world.team(), world.start()),
+      met_(measured_),
+      estimate_(&measured_),
       lead_(options.compensation != nullptr ? options.compensation->lead() : 0.0),
+      gate_(world.team(), options_.period),
       u_(size(world.team().nu())),
-      applied_(u_),
       none_(u_.size()),
       u_min_(u_.size()),
       u_max_(u_.size()),
@@ -135,27 +138,8 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
                   (options_.team_switcher != nullptr ? options_.team_switcher->events_max() : 0));
 
   // Before any good command the robots hold their u*, within their limits.
-  for (int i = 0; i < world.team().bodies(); ++i) {
-    if (world.team().is_agent(BodyId{i})) rest(BodyId{i}, 0.0);
-  }
-  applied_ = u_;
-}
-
-/// In force for a robot.
-const InputLimits& Loop::limits_of(BodyId robot) const noexcept {
-  const Agent& agent = world_.team().agent(robot);
-  if (options_.team_switcher == nullptr) return agent.limits;
-  const auto place = static_cast<std::size_t>(&agent - world_.team().agents().data());
-  return options_.team_switcher->present().membership.limits[place];
-}
-
-/// A robot's u*, within its limits.
-void Loop::rest(BodyId robot, double t) noexcept {
-  const Agent& agent = world_.team().agent(robot);
-  const std::size_t nu = agent.u_ref.size(), from = size(world_.team().input_offset(robot));
-  const auto u_min = std::span(u_min_).first(nu), u_max = std::span(u_max_).first(nu);
-  limits_of(robot).at(t, u_min, u_max);
-  for (std::size_t i = 0; i < nu; ++i) u_[from + i] = std::clamp(agent.u_ref[i], u_min[i], u_max[i]);
+  for (int i = 0; i < world.team().bodies(); ++i) gate_.rest(BodyId{i}, 0.0, u_);
+  (void)gate_.pass(u_, {});
 }
 
 void Loop::check_steered() const {
@@ -211,8 +195,13 @@ LoopOutcome Loop::run() noexcept {
     const bool changed = options_.team_switcher != nullptr && change_team(k, t);
     sample.team_answered = changes && !options_.team_switcher->pending();
     const Measured seen = localize(t, world_.measure(t), sample);
+    (void)measured_.take(seen.measured, seen.stamps);
     const std::span<const double> x = seen.truth.empty() ? seen.measured : seen.truth;
-    if (changed) follow_guard(t, x, options_.localizer != nullptr ? seen.measured : x);
+    if (changed) {
+      const std::span<const double> valid =
+          seen.truth.empty() ? std::span<const double>(measured_) : seen.truth;
+      follow_guard(t, valid, options_.localizer != nullptr ? measured_ : valid);
+    }
     sample.truth_known = !seen.truth.empty();
     std::copy(x.begin(), x.end(), sample.x.begin());
     std::copy(seen.attitudes.begin(), seen.attitudes.end(), sample.attitudes.begin());
@@ -243,18 +232,18 @@ LoopOutcome Loop::run() noexcept {
 void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   sample.time = t;
   if (outcome_.updates == 0) std::fill(planned_at_.begin(), planned_at_.end(), t);
-  std::span<const double> believed = seen.measured;
   const bool localizes = options_.localizer != nullptr;
-  if (options_.guard != nullptr)
-    believed = options_.guard->believe(t, seen.measured, seen.stamps,
-                                       localizes ? options_.localizer->sigma() : std::span<const double>{});
-  if (options_.guard != nullptr && localizes) options_.guard->look(t, options_.localizer->views());
-  believed_ = believed;
-  const std::span<const double> met = compensate(t, seen);
+  if (options_.guard != nullptr) {
+    estimate_ = &options_.guard->believe(t, seen.measured, seen.stamps,
+                                         localizes ? options_.localizer->sigma() : std::span<const double>{});
+    if (localizes) options_.guard->look(t, options_.localizer->views());
+  }
+  gate_.open(t);
+  const ValidStates& met = compensate(t);
   if (sample.has_path) {
-    for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = believed[i % believed.size()];
+    for (std::size_t i = 0; i < sample.path.size(); ++i) sample.path[i] = (*estimate_)[i % estimate_->size()];
     sample.path_time = t + lead_;
-    for (std::size_t i = 0; i < sample.path_u.size(); ++i) sample.path_u[i] = applied_[i % u_.size()];
+    for (std::size_t i = 0; i < sample.path_u.size(); ++i) sample.path_u[i] = gate_.applied()[i % u_.size()];
   }
   std::copy(u_.begin(), u_.end(), sample.raw_u.begin());  // of those that nobody is asked for
   const std::span<Controller> asked = controllers();
@@ -281,15 +270,15 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   if (options_.guard != nullptr)
     guard(t, met, sample);
   else
-    keep_rates();
-  give(t);
-  std::copy(applied_.begin(), applied_.end(), sample.u.begin());
+    gate_.keep_limits_and_rates(u_, added());
+  pass_gate(t);
+  std::copy(gate_.applied().begin(), gate_.applied().end(), sample.u.begin());
   sample.update_us =
       std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - began_).count();
   if (options_.team_switcher != nullptr) {
     std::transform(seen.stamps.begin(), seen.stamps.end(), ages_.begin(),
                    [t](double stamp) { return t - stamp; });
-    options_.team_switcher->look(t, believed, u_,
+    options_.team_switcher->look(t, *estimate_, u_,
                                  options_.guard != nullptr ? options_.guard->ages() : std::span(ages_));
     for (const Event& event : options_.team_switcher->events()) tell(event);
     options_.team_switcher->clear_events();
@@ -297,55 +286,32 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   outcome_.max_allocations = std::max(outcome_.max_allocations, allocations() - allocated_);
 }
 
-/// Lets no input with what is added change faster than it may.
-void Loop::keep_rates() noexcept {
-  const Team& team = world_.team();
-  for (int b = 0; told_ && b < team.bodies(); ++b) {
-    const BodyId robot{b};
-    if (!team.is_agent(robot) || presence_[size(b)] == Presence::absent) continue;
-    const std::vector<double>& rate_max = team.agent(robot).rate_max;
-    const std::size_t from = size(team.input_offset(robot));
-    for (std::size_t i = 0; i < rate_max.size(); ++i) {
-      const double most = rate_max[i] * options_.period, before = applied_[from + i] - added()[from + i];
-      u_[from + i] = std::clamp(u_[from + i], before - most, before + most);
-    }
-  }
-}
-
 /// Makes of the inputs what is applied from t on, and remembers it.
-void Loop::give(double t) noexcept {
-  std::copy(u_.begin(), u_.end(), applied_.begin());
-  if (options_.compensation != nullptr) {
-    for (int i = 0; i < world_.team().bodies(); ++i) {
-      const BodyId robot{i};
-      if (!world_.team().is_agent(robot) || presence_[size(i)] == Presence::absent) continue;
-      const std::size_t nu = size(world_.team().model(robot).nu());
-      const auto u_min = std::span(u_min_).first(nu), u_max = std::span(u_max_).first(nu);
-      limits_of(robot).at(t, u_min, u_max);
-      const std::size_t from = size(world_.team().input_offset(robot));
-      for (std::size_t k = 0; k < nu; ++k) {
-        double& u = applied_[from + k];
-        u = std::clamp(u + added()[from + k], u_min[k], u_max[k]);
-      }
-    }
-    options_.compensation->record(t, applied_);
+void Loop::pass_gate(double t) noexcept {
+  const Command command =
+      gate_.pass(u_, options_.compensation != nullptr ? added() : std::span<const double>{});
+  for (const BodyId robot : gate_.replaced()) {
+    ++outcome_.refused;
+    tell({t, EventKind::input_refused, 0, static_cast<double>(robot.index)});
   }
-  if (options_.guard != nullptr) options_.guard->record(t, applied_);
+  if (options_.compensation != nullptr) options_.compensation->record(t, command);
+  if (options_.guard != nullptr) options_.guard->record(t, command);
 }
 
 /// Finds u* of robots where it follows from their references.
-void Loop::refer(Controller& controller, double t, std::span<const double> x) noexcept {
+void Loop::refer(Controller& controller, double t, const ValidStates& x) noexcept {
   const Team& team = controller.solver->ocp().team();
   for (std::size_t i = 0; i < controller.members.size(); ++i) {
     const Controller::Member& m = controller.members[i];
     if (m.limits == nullptr) continue;
     options_.compensation->refer(m.body, team.agent(BodyId{static_cast<int>(i)}).x_ref, t + lead_,
-                                 &x[m.world_x], std::span(controller.u_ref).subspan(m.ocp_u, m.nu));
+                                 std::span<const double>(x).data() + m.world_x,
+                                 std::span(controller.u_ref).subspan(m.ocp_u, m.nu));
   }
 }
 
 /// An update; while a late one is at work, what the plan before it has for this time.
-Solution Loop::ask(Controller& controller, double t, std::span<const double> believed) noexcept {
+Solution Loop::ask(Controller& controller, double t, const ValidStates& x) noexcept {
   Solver& solver = *controller.solver;
   Solution solution{.u = controller.plan, .raw_u = controller.plan, .x = {}};
   controller.answered = false;
@@ -353,9 +319,9 @@ Solution Loop::ask(Controller& controller, double t, std::span<const double> bel
       (options_.localizer != nullptr && !options_.localizer->knows_all())) {
     solution.status = Status::invalid_state;
   } else if (!controller.at_work) {
-    controller.gather(world_.team(), believed, u_);
-    if (options_.compensation != nullptr) refer(controller, t, believed);
-    if (told_) controller.set_applied({applied_, added(), added_lean()});
+    controller.gather(world_.team(), x, u_);
+    if (options_.compensation != nullptr) refer(controller, t, x);
+    if (told_) controller.set_applied({gate_.applied(), added(), added_lean()});
     if (options_.localizer != nullptr) controller.set_doubts(options_.localizer->doubts());
     controller.asked_at = t;
     const auto late = std::find_if(options_.late_plans.begin(), options_.late_plans.end(),
@@ -391,20 +357,20 @@ std::span<Controller> Loop::controllers() noexcept {
 }
 
 /// Robots that nobody steers brake.
-void Loop::drift(double t, std::span<const double> believed, Sample& sample) noexcept {
+void Loop::drift(double t, const ValidStates& x, Sample& sample) noexcept {
   if (options_.team_switcher == nullptr) return;
   for (UncontrolledRobot& robot : options_.team_switcher->present().uncontrolled) {
-    robot.steer(t, believed, added(), u_min_, u_max_, u_);
+    robot.steer(t, x, added(), u_min_, u_max_, u_);
     std::copy_n(&u_[robot.u], robot.nu, &sample.raw_u[robot.u]);
     planned_at_[size(robot.body.index)] = t;
   }
 }
 
 /// Lets the guard make of the controllers' inputs what is applied.
-void Loop::guard(double t, std::span<const double> x, Sample& sample) noexcept {
+void Loop::guard(double t, const ValidStates& x, Sample& sample) noexcept {
   for (std::size_t i = 0; i < plan_ages_.size(); ++i) plan_ages_[i] = t - planned_at_[i];
   options_.guard->fall_back(t, x, plan_ages_, added(), u_);
-  keep_rates();
+  gate_.keep_limits_and_rates(u_, added());
   options_.guard->keep_distances(t, x, added(), u_);
   for (const Event& event : options_.guard->events()) tell(event);
   const auto records = options_.guard->barriers();

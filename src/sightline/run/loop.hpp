@@ -1,4 +1,4 @@
-/// The control loop: measure, localize, believe, solve, check, guard, apply; once per period.
+/// The control loop: measure, localize, estimate, solve, check, guard, pass the gate, apply; once per period.
 #pragma once
 
 #include <atomic>
@@ -16,7 +16,9 @@
 #include "sightline/run/ring.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/run/team_switcher.hpp"
+#include "sightline/run/valid_states.hpp"
 #include "sightline/solver/solver.hpp"
+#include "sightline/world/command.hpp"
 #include "sightline/world/fault.hpp"
 #include "sightline/world/world.hpp"
 
@@ -33,8 +35,8 @@ struct LoopOptions {
   std::int64_t (*allocations)() noexcept = nullptr;
   /// Ends the loop at the next period once it is true.
   const std::atomic<bool>* stop = nullptr;
-  /// Supervises, and keeps hard distances; of the world's team, for this loop alone. None: measurements are
-  /// believed and commands applied as they are.
+  /// Supervises, and keeps hard distances; of the world's team, for this loop alone. None: the last valid measurements are the
+  /// state estimate, and commands have no other check than the gate.
   Guard* guard = nullptr;
   /// Says where robots are that are not told; of the world's team, for this loop alone. None: states are as measured.
   Localizer* localizer = nullptr;
@@ -51,10 +53,10 @@ struct LoopOptions {
 
 /// What became of a run.
 struct LoopOutcome {
-  std::int64_t updates = 0;          ///< periods in which the controllers were asked
-  std::int64_t missed = 0;           ///< periods that were over before they could begin
-  std::int64_t dropped = 0;          ///< samples that found the sink full
-  std::int64_t refused = 0;          ///< commands of a robot that were not applied
+  std::int64_t updates = 0;  ///< periods in which the controllers were asked
+  std::int64_t missed = 0;   ///< periods that were over before they could begin
+  std::int64_t dropped = 0;  ///< samples that found the sink full
+  std::int64_t refused = 0;  ///< commands of a robot that were replaced, of a controller or at the gate
   std::int64_t max_allocations = 0;  ///< most in one update: state in to command out, and its triggers
   bool finite = true;    ///< false: the world could not go on; a simulated one, where a state was not finite
   bool stopped = false;  ///< ended by the stop flag
@@ -68,10 +70,12 @@ Sample sized_sample(const Team& team, const Controllers& controllers);
 /// Runs controllers in a world.
 ///
 /// Period k, at t = k period: what the world measures goes to each controller in turn; of a robot whose
-/// command is not finite or not within its limits the last good one is applied instead, and an event tells
+/// command is not finite or not within its limits the last good one is applied instead, and an event reports
 /// it; the sample goes into the sink, and the command to the world. Where a steady clock missed periods, the
-/// command before stayed in force. A localizer comes after the measurement, which the sample has as it was. A guard comes after the measurement and before the command; an update that is late
-/// lets the plan before go on. Nothing in here allocates, locks, throws or prints.
+/// command before stayed in force. A localizer comes after the measurement, which the sample has as it was. A guard comes
+/// after the measurement and before the command. If an update is late, the plan before stays in force. Behind the guard all
+/// states are ValidStates, and the world takes a Command, which the gate alone makes: whatever is measured or planned, what
+/// is applied is finite and within the limits in force. Nothing in here allocates, locks, throws or prints.
 class Loop {
  public:
   /// All of it must outlive the loop.
@@ -93,22 +97,19 @@ class Loop {
   Measured localize(double t, const Measured& told, Sample& sample) noexcept;
   bool apply(double t, std::int64_t periods) noexcept;
   void update(double t, const Measured& seen, Sample& sample) noexcept;
-  Solution ask(Controller& controller, double t, std::span<const double> believed) noexcept;
-  void guard(double t, std::span<const double> x, Sample& sample) noexcept;
+  Solution ask(Controller& controller, double t, const ValidStates& x) noexcept;
+  void guard(double t, const ValidStates& x, Sample& sample) noexcept;
   bool change_team(std::int64_t k, double t) noexcept;
   void follow_team() noexcept;
   void follow_guard(double t, std::span<const double> x, std::span<const double> known) noexcept;
   void welcome(BodyId body, double t, std::span<const double> x) noexcept;
-  std::span<const double> compensate(double t, const Measured& seen) noexcept;
+  const ValidStates& compensate(double t) noexcept;
   std::span<const double> added() const noexcept;
   std::span<const Vec2<double>> added_lean() const noexcept;
-  void refer(Controller& controller, double t, std::span<const double> x) noexcept;
-  void keep_rates() noexcept;
-  void give(double t) noexcept;
-  void rest(BodyId robot, double t) noexcept;
-  const InputLimits& limits_of(BodyId robot) const noexcept;
+  void refer(Controller& controller, double t, const ValidStates& x) noexcept;
+  void pass_gate(double t) noexcept;
   std::span<Controller> controllers() noexcept;
-  void drift(double t, std::span<const double> believed, Sample& sample) noexcept;
+  void drift(double t, const ValidStates& x, Sample& sample) noexcept;
   void command(int index, const Controller& controller, const Solution& solution, double t,
                Sample& sample) noexcept;
   void write_path(const Controller& controller, const Solution& solution, Sample& sample) noexcept;
@@ -120,13 +121,14 @@ class Loop {
   LoopOptions options_;
   std::vector<Controller> controllers_;               // of a team that stays
   std::vector<Presence> presence_, presence_before_;  // of the world's bodies
-  std::span<const double> believed_;                  // at the last update; none before the first
+  ValidStates measured_, met_;                        // as measured or localized; as the commands meet them
+  const ValidStates* estimate_;                       // at the last update
   double lead_;                                       // from a command to its effect, at most [s]
   bool told_ = false;                                 // solvers are told what is applied
   std::size_t signalled_ = 0;                         // signals sent
-  std::vector<double> u_;  // of the controllers and the guard, all robots of the world; always within limits
-  std::vector<double> applied_;  // the same, compensated
-  std::vector<double> none_;     // that is added without compensation
+  CommandGate gate_;
+  std::vector<double> u_;  // of the controllers and the guard, all robots of the world, without what is added
+  std::vector<double> none_;  // that is added without compensation
   std::vector<double> u_min_, u_max_;
   std::vector<double> planned_at_, plan_ages_;     // of each body: time and age of its last good plan [s]
   std::vector<double> ages_;                       // of what was measured of each body [s]

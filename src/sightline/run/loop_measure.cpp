@@ -30,20 +30,19 @@ Measured Loop::localize(double t, const Measured& told, Sample& sample) noexcept
 
 /// The inputs are in force from t on.
 bool Loop::apply(double t, std::int64_t periods) noexcept {
-  if (options_.localizer != nullptr) options_.localizer->apply(applied_, options_.period, periods);
-  return world_.apply(t, believed_, applied_, options_.period, periods);
+  if (options_.localizer != nullptr) options_.localizer->apply(gate_.applied(), options_.period, periods);
+  return world_.apply(t, *estimate_, gate_.applied(), options_.period, periods);
 }
 
-/// The states that the commands of t meet, from those believed at t.
-std::span<const double> Loop::compensate(double t, const Measured& seen) noexcept {
-  if (options_.compensation == nullptr) return believed_;
+/// The states that the commands of t meet, predicted from the estimate of t.
+const ValidStates& Loop::compensate(double t) noexcept {
+  if (options_.compensation == nullptr) return *estimate_;
   for (int i = 0; i < world_.team().bodies(); ++i) {
     const BodyId body{i};
     const bool trusted = options_.guard == nullptr || options_.guard->trusts(body);
-    if (trusted && presence_[size(i)] != Presence::absent)
-      options_.compensation->look(body, seen.measured, seen.stamps[size(i)]);
+    if (trusted && presence_[size(i)] != Presence::absent) options_.compensation->look(body, measured_);
   }
-  return options_.compensation->ahead(t, believed_);
+  return met_.take(options_.compensation->ahead(t, *estimate_), *estimate_);
 }
 
 /// What is added to the inputs of all robots.

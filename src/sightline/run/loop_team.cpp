@@ -15,7 +15,7 @@ bool Loop::change_team(std::int64_t k, double t) noexcept {
     (void)team_switcher.signal(options_.signals[signalled_].name);
   }
   const TeamDue due = clock_.team_due(k);
-  if (due == TeamDue::not_yet || !team_switcher.swap(t, believed_, u_, due == TeamDue::now)) return false;
+  if (due == TeamDue::not_yet || !team_switcher.swap(t, *estimate_, u_, due == TeamDue::now)) return false;
   std::copy(presence_.begin(), presence_.end(), presence_before_.begin());
   follow_team();
   return true;
@@ -25,6 +25,7 @@ bool Loop::change_team(std::int64_t k, double t) noexcept {
 void Loop::follow_team() noexcept {
   const Membership& now = options_.team_switcher->present().membership;
   std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
+  gate_.set_limits(now.limits);
   world_.set_presence(presence_);
   world_.surround(now.around);
   if (options_.localizer != nullptr) options_.localizer->set_presence(presence_);
@@ -37,7 +38,7 @@ void Loop::follow_guard(double t, std::span<const double> x, std::span<const dou
   for (int i = 0; i < team.bodies(); ++i) {
     const bool was_there = presence_before_[size(i)] != Presence::absent;
     const bool is_there = presence_[size(i)] != Presence::absent;
-    if (!is_there && team.is_agent(BodyId{i})) rest(BodyId{i}, t);
+    if (!is_there) gate_.rest(BodyId{i}, t, u_);
     if (was_there || !is_there) continue;
     planned_at_[size(i)] = t;
     if (options_.compensation != nullptr) options_.compensation->forget(BodyId{i});

@@ -82,7 +82,7 @@ void TeamSwitcher::tell(double t, EventKind kind, std::size_t event) noexcept {
   if (told_.size() < told_.capacity()) told_.push_back({t, kind, 0, static_cast<double>(event)});
 }
 
-bool TeamSwitcher::swap(double t, std::span<const double> x, std::span<const double> u, bool wait) noexcept {
+bool TeamSwitcher::swap(double t, const ValidStates& x, std::span<const double> u, bool wait) noexcept {
   if (!pending_) return false;
   while (wait && !is_ready()) nap();
   if (!is_ready()) return false;
@@ -122,9 +122,10 @@ bool TeamSwitcher::takes_tuned(double t) noexcept {
   return true;
 }
 
-void TeamSwitcher::look(double t, std::span<const double> x, std::span<const double> u,
+void TeamSwitcher::look(double t, const ValidStates& states, std::span<const double> u,
                         std::span<const double> ages) noexcept {
   if (pending_) return;
+  const std::span<const double> x = states;
   const std::span<const std::size_t> happening =
       monitor_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_.membership.presence});
   const bool settles = t + period_ >= settles_at_ - same_time;
@@ -245,7 +246,9 @@ void TeamSwitcher::predict(Phase& next) const {
     world_.model(body).step(&x[from], u, period_);
     (void)world_.model(body).normalise(&x[from]);
   }
-  next.controller->gather(world_, x, request_.u);
+  ValidStates predicted(world_, request_.x);
+  (void)predicted.take(x, std::vector<double>(size(world_.bodies()), request_.t));
+  next.controller->gather(world_, predicted, request_.u);
 }
 
 }  // namespace sightline

@@ -73,11 +73,10 @@ class TeamSwitcher {
   /// Lets the pending change take place if it is ready, or once it is.
   /// @param x  states of the world now, that the new solver's memory is warmed with
   /// @return whether the team is another one now
-  bool swap(double t, std::span<const double> x, std::span<const double> u, bool wait) noexcept;
+  bool swap(double t, const ValidStates& x, std::span<const double> u, bool wait) noexcept;
   /// After the update at t, whose plan the next solver goes on from: asks for what happens now.
   /// @param ages  of what is known of each body [s]; empty: all is new
-  void look(double t, std::span<const double> x, std::span<const double> u,
-            std::span<const double> ages) noexcept;
+  void look(double t, const ValidStates& x, std::span<const double> u, std::span<const double> ages) noexcept;
   /// Since the last call of either; what happened, what took effect.
   std::span<const Event> events() const noexcept { return told_; }
   void clear_events() noexcept { told_.clear(); }

@@ -34,7 +34,7 @@ Measured ModelWorld::measure(double t) noexcept {
 }
 
 /// False where a state is no longer finite.
-bool ModelWorld::apply(double, std::span<const double>, std::span<const double> u, double period,
+bool ModelWorld::apply(double, std::span<const double>, const Command& u, double period,
                        std::int64_t periods) noexcept {
   bool finite = true;
   for (; periods > 0; --periods) finite = plant_.step(u, period) && finite;

@@ -22,7 +22,7 @@ class ModelWorld final : public World {
   void set_presence(std::span<const Presence> presence) noexcept override;
   void surround(const Surroundings& around) noexcept override;
   Measured measure(double t) noexcept override;
-  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+  bool apply(double t, std::span<const double> believed, const Command& u, double period,
              std::int64_t periods) noexcept override;
   /// True states of all bodies (nx).
   std::span<const double> x() const noexcept { return plant_.x(); }

@@ -7,7 +7,7 @@ namespace sightline {
 SensingWorld::SensingWorld(std::unique_ptr<World> world)
     : world_(std::move(world)), applied_(size(world_->team().nu())) {}
 
-bool SensingWorld::apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+bool SensingWorld::apply(double t, std::span<const double> believed, const Command& u, double period,
                          std::int64_t periods) noexcept {
   std::copy(u.begin(), u.end(), applied_.begin());
   return world_->apply(t, believed, u, period, periods);

@@ -80,7 +80,7 @@ Measured VehicleWorld::measure(double t) noexcept {
   return now;
 }
 
-bool VehicleWorld::apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+bool VehicleWorld::apply(double t, std::span<const double> believed, const Command& u, double period,
                          std::int64_t periods) noexcept {
   for (std::int64_t k = 0; k < periods; ++k) {
     before(t + static_cast<double>(k) * period);

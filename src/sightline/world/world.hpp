@@ -9,6 +9,7 @@
 #include "sightline/estimate/broadcast_track.hpp"
 #include "sightline/estimate/measurement.hpp"
 #include "sightline/ocp/roster.hpp"
+#include "sightline/world/command.hpp"
 #include "sightline/world/detection.hpp"
 #include "sightline/world/rigid_body.hpp"
 
@@ -66,7 +67,7 @@ class World {
   /// The inputs u (nu) are in force from t [s] on, for `periods` periods of `period` [s]. Of missed periods, the inputs
   /// that went on. `believed` are the states that u was decided on (nx).
   /// @return false where the world cannot go on, which ends the loop
-  virtual bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+  virtual bool apply(double t, std::span<const double> believed, const Command& u, double period,
                      std::int64_t periods) noexcept = 0;
   /// After apply() gave false: why, a sentence; empty where a state is no longer finite. Allocates: for after the flight.
   virtual std::string ended() const { return {}; }

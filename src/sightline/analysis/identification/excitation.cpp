@@ -168,6 +168,7 @@ FlownMotion excite(const Scenario& scenario, AgentId robot, const ExcitationOpti
   ExcitationSignal signal(options);
   std::optional<WayBack> back;
   std::vector<double> u(size(team.nu()));
+  CommandGate gate(team, period);
   std::array<double, 4> command{};
   double last_height = 0.0;
   const std::int64_t periods = std::llround((ExcitationOptions::hover_seconds + options.seconds) / period);
@@ -208,9 +209,12 @@ FlownMotion excite(const Scenario& scenario, AgentId robot, const ExcitationOpti
         command[i] = motion.u_max[i] * std::clamp(part, -1.0, 1.0);
       }
     }
-    motion.u.back() = command;
     std::copy(command.begin(), command.end(), u.begin() + static_cast<std::ptrdiff_t>(u_at));
-    if (!world.apply(t, now.measured, u, period, 1)) {
+    gate.open(t);
+    const Command applied = gate.pass(u, {});
+    std::copy_n(applied.begin() + static_cast<std::ptrdiff_t>(u_at), command.size(), command.begin());
+    motion.u.back() = command;
+    if (!world.apply(t, now.measured, applied, period, 1)) {
       const std::string why = world.ended();
       refuse("{}: {}, expected a flight of {} s; begin higher (--height) or with more room (--radius)",
              scenario.file.native(), why.empty() ? "a state is no longer finite" : why, options.seconds);

@@ -33,7 +33,7 @@ class MujocoWorld final : public VehicleWorld {
               const PlantOptions& plant = {}, const SensorOptions& sensor = {},
               const std::optional<ModelFile>& surroundings = {});
 
-  bool apply(double t, std::span<const double> believed, std::span<const double> u, double period,
+  bool apply(double t, std::span<const double> believed, const Command& u, double period,
              std::int64_t periods) noexcept override;
   /// A touch, or why MuJoCo could not go on.
   std::string ended() const override;
