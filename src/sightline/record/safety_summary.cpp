@@ -243,7 +243,8 @@ std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view t
   }
   // Each that is broken, or else the one that was nearest to it.
   const auto told_of = [&](const Json& wall) {
-    return std::any_of(lines.begin(), lines.end(), [&](const auto& line) { return line.first == wall; });
+    return std::any_of(lines.begin(), lines.end(),
+                       [&](const auto& line) { return line.first == wall.get<std::string>(); });
   };
   for (const Json& bound : json.value("walls", Json::array())) {
     const Json& wall = bound.at("wall");
