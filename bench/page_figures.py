@@ -1,6 +1,6 @@
 """Figures of the page of a flight, one section a call:  page_figures.py frames|growing SIGHTLINE [--short]
 
-A browser (viewer/test/browser.mjs) looks at what SIGHTLINE, the program, serves. Prints what was measured, and ends with 1 where that is
+A browser (tests/npm/browser.mjs) looks at what SIGHTLINE, the program, serves. Prints what was measured, and ends with 1 where that is
 beyond its limit; --short measures less, by wider limits. CHROMIUM names the browser.
 """
 
@@ -38,7 +38,7 @@ class Browser:
     """A browser at an address, told step by step what to do."""
 
     def __init__(self, url):
-        self.process = subprocess.Popen(["node", tree / "viewer/test/browser.mjs", url], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(["node", tree / "tests/npm/browser.mjs", url], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def __call__(self, step):
         print(step, file=self.process.stdin, flush=True)

@@ -145,7 +145,7 @@ void tell_counts(const ServeCounts& counts) {
 }
 
 void tell_without_page() {
-  if (!has_page()) say("built without its page: only data are served");
+  if (!has_page()) say(without_page(page_lacks()) + ": only data are served");
 }
 
 int view(const ViewCommand& command, const Parts& parts) {

@@ -1,4 +1,4 @@
-# Writes OUTPUT, a source with the files of PAGE as strings; with none where PAGE is not said.
+# Writes OUTPUT, a source with the files of PAGE as strings; without PAGE, with none, and with what the build LACKS for it.
 cmake_policy(VERSION 3.22)
 set(files)
 set(count 0)
@@ -24,7 +24,8 @@ endif()
 # Compilers take longer strings than the standard asks of them.
 set(text "#include \"sightline/server/page_files.hpp\"\n\n#include <array>\n\n#pragma GCC diagnostic ignored \"-Woverlength-strings\"\n\nnamespace sightline {\n\n")
 string(APPEND text "std::span<const BuiltFile> built_page() {\n")
-string(APPEND text "  static const std::array<BuiltFile, ${count}> files = {{\n${files}  }};\n  return files;\n}\n\n}  // namespace sightline\n")
+string(APPEND text "  static const std::array<BuiltFile, ${count}> files = {{\n${files}  }};\n  return files;\n}\n\n")
+string(APPEND text "std::string_view page_lacks() { return \"${LACKS}\"; }\n\n}  // namespace sightline\n")
 set(before)
 if(EXISTS ${OUTPUT})
   file(READ ${OUTPUT} before)

@@ -23,5 +23,9 @@ for file in report.html run.mcap summary.json; do
     ((code != 0)) || code=1
   fi
 done
-((code != 0)) || printf '\nin a browser   build/release/bin/sightline view %s\n' "$out"
+if grep -q '"/page.js"' build/release/generated/built_page.cpp; then
+  ((code != 0)) || printf '\nin a browser   build/release/bin/sightline view %s\n' "$out"
+else
+  printf '\n%s\n' "the build is without the page of sightline view: it lacks esbuild or libjs-three" >&2
+fi
 exit "$code"

@@ -41,13 +41,11 @@ count() {
 }
 
 need scripts/deps.sh test
-# The tests read the log with the format's own library; the page of view is built, and looked at in a browser.
-for of in tests/npm viewer; do
-  lock=$of/package-lock.json
-  if [[ -f $lock && ! $of/node_modules/.package-lock.json -nt $lock ]]; then
-    need npm ci --prefix "$of" --no-audit --no-fund
-  fi
-done
+# The tests read the log with the format's own library, and look at the page in a browser.
+lock=tests/npm/package-lock.json
+if [[ ! tests/npm/node_modules/.package-lock.json -nt $lock ]]; then
+  need npm ci --prefix tests/npm --no-audit --no-fund
+fi
 need cmake --preset release
 need cmake --build --preset release
 

@@ -9,20 +9,25 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-TEST(PageFiles, TheProgramCarriesThePageOrAPageThatSaysThatItDoesNot) {
+// What the tests need, scripts/deps.sh test, is what the page is built of.
+TEST(PageFiles, TheProgramCarriesThePage) {
+  ASSERT_TRUE(has_page()) << without_page(page_lacks());
+  EXPECT_EQ(page_lacks(), "");
   const PageFiles files = page_files();
-  ASSERT_TRUE(files.contains("/"));
-  EXPECT_EQ(files.size(), has_page() ? 3U : 1U);
+  ASSERT_EQ(files.size(), 3U);
   for (const auto& [path, file] : files) {
     EXPECT_TRUE(file.open) << path;
     EXPECT_FALSE(file.body.empty()) << path;
   }
-  if (has_page()) {
-    EXPECT_THAT(files.at("/").body, HasSubstr("page.js"));
-    EXPECT_LT(files.at("/page.js").body.size(), 1'500'000U);
-  } else {
-    EXPECT_THAT(files.at("/").body, HasSubstr("built without its page"));
-  }
+  EXPECT_THAT(files.at("/").body, HasSubstr("page.js"));
+  EXPECT_LT(files.at("/page.js").body.size(), 800'000U);
+}
+
+TEST(PageFiles, WithoutAPageItIsSaidWhatTheBuildLackedAndWhatBringsIt) {
+  const PageFiles files = page_files({}, "esbuild and libjs-three");
+  ASSERT_EQ(files.size(), 1U);
+  EXPECT_THAT(files.at("/").body, HasSubstr("for want of esbuild and libjs-three"));
+  EXPECT_THAT(files.at("/").body, HasSubstr("scripts/deps.sh demo"));
 }
 
 // Its policy lets a browser run none, and fetch nothing from elsewhere.

@@ -1,15 +1,23 @@
 // Curves over time, of what the moments tell: distances, view angles, inputs, what the solver and the barrier do, errors of estimates.
-import uPlot from 'uplot';
-import 'uplot/dist/uPlot.min.css';
 import { colours, robotColour } from './palette.js';
+import { Plot } from './plot.js';
 
-const width = () => Math.max(240, document.getElementById('curves').clientWidth);
-const height = 118, pointsMost = 900, pairsMost = 6, robotsMost = 4, degrees = 180 / Math.PI, sigmas = 3, strip = 3;
+const height = 118, pointsMost = 900, pairsMost = 6, robotsMost = 4, degrees = 180 / Math.PI, sigmas = 3;
 
 const pick = (moments, from, to) => {
   const step = Math.max(1, Math.ceil((to - from) / pointsMost)), rows = [];
   for (let k = from; k < to; k += step) rows.push(moments[k]);
   return rows;
+};
+
+// The spans of time over which something holds.
+const spans = (rows, on) => {
+  const all = [];
+  rows.forEach((m, i) => {
+    if (!on(m)) return;
+    if (i > 0 && on(rows[i - 1])) all.at(-1)[1] = m.t; else all.push([m.t, m.t]);
+  });
+  return all;
 };
 
 export class Curves {
@@ -28,7 +36,6 @@ export class Curves {
   }
 
   build(scene) {
-    for (const one of this.plots ?? []) one.plot.destroy();
     this.looks.disconnect();
     this.shown.clear();
     this.drawn = '';
@@ -69,46 +76,13 @@ export class Curves {
   }
 
   makePlot(spec) {
-    const c = colours(), title = document.createElement('h2'), place = document.createElement('div'), now = document.createElement('i');
+    const c = colours(), title = document.createElement('h2'), place = document.createElement('div');
     title.textContent = spec.title;
-    now.className = 'now';
     this.element.append(title, place);
     this.looks.observe(place);
-    const axis = { stroke: c.text, grid: { stroke: c.edge, width: 1 }, ticks: { stroke: c.edge }, font: '11px system-ui' };
     const limits = [...new Set(spec.limits.filter((v) => v !== null && Number.isFinite(v) && Math.abs(v) < 1e6))];
-    const one = { spec, limits, place, now };
-    one.plot = new uPlot({
-      width: width(), height, legend: { live: false, show: spec.series.length > 1 },
-      scales: { x: { time: false }, y: { auto: false, distr: spec.log ? 3 : 1 } },
-      axes: [{ ...axis, size: 30, gap: 2 }, { ...axis, size: 48, ...(spec.log ? { values: (u, all) => all.map((v) => (v === null ? '' : v.toExponential(0))) } : {}) }],
-      series: [{ label: 't' }, ...spec.series.map(({ label, stroke, dash }) => ({ label, stroke, dash, width: 1.5, points: { show: false } })),
-        ...limits.map((v) => ({ label: `limit ${v.toPrecision(3)}`, stroke: c.grey, width: 1, dash: [5, 4], points: { show: false } }))],
-      cursor: { drag: { x: false, y: false }, bind: { click: (u) => () => { this.seek(u.posToVal(u.cursor.left, 'x')); return null; } } },
-      hooks: { draw: [(u) => this.drawBars(u, one)] },
-    }, [[], ...spec.series.map(() => []), ...limits.map(() => [])], place);
-    one.plot.over.append(now);
-    for (const row of [...place.querySelectorAll('.u-series')].slice(spec.series.length)) row.hidden = true;
-    return one;
-  }
-
-  // A strip for each robot at the plot's foot, where it holds.
-  drawBars(u, { spec, rows }) {
-    if (!spec.bars || !rows) return;
-    const { ctx } = u, { top, height: tall } = u.bbox, thick = strip * devicePixelRatio;
-    spec.bars.forEach(({ colour, on }, k) => {
-      ctx.fillStyle = colour;
-      for (let i = 0; i < rows.length; ++i) {
-        if (!on(rows[i])) continue;
-        const from = i;
-        while (i + 1 < rows.length && on(rows[i + 1])) ++i;
-        const x = u.valToPos(rows[from].t, 'x', true), until = u.valToPos(rows[i].t, 'x', true);
-        ctx.fillRect(x, top + tall - (k + 1) * thick, Math.max(until - x, 1), thick);
-      }
-    });
-  }
-
-  resize() {
-    for (const { plot } of this.plots ?? []) plot.setSize({ width: width(), height });
+    const series = [...spec.series, ...limits.map(() => ({ stroke: c.grey, dash: [5, 4] }))];
+    return { spec, limits, place, plot: new Plot(place, { height, series, log: spec.log, colours: c, seek: this.seek }) };
   }
 
   // Moves the line of the present time, which costs little; draws curves where there is something new to draw.
@@ -118,29 +92,24 @@ export class Curves {
     const now = moments[index].t, whole = this.window === 0 && log, span = this.window || 20;
     const end = whole ? history.end : Math.max(now, history.begin + span);
     const begin = whole ? history.begin : Math.max(history.begin, end - span);
-    const what = `${begin} ${end} ${whole ? moments.length : index} ${this.element.clientWidth}`;
+    const what = `${begin} ${end} ${whole ? moments.length : index} ${this.element.clientWidth} ${devicePixelRatio}`;
     if (what !== this.drawn) {
       this.drawn = what;
       const rows = pick(moments, history.indexAt(begin), whole ? moments.length : index + 1);
       for (const one of this.plots) if (this.shown.has(one.place)) this.drawPlot(one, rows, begin, end);
     }
-    for (const { plot, now: mark, place } of this.plots) {
-      if (this.shown.has(place)) mark.style.transform = `translateX(${plot.valToPos(now, 'x').toFixed(1)}px)`;
-    }
+    for (const { plot, place } of this.plots) if (this.shown.has(place)) plot.markNow(now);
   }
 
-  drawPlot(one, rows, begin, end) {
-    const { spec, limits, plot } = one, columns = spec.series.map(({ value }) => rows.map(value));
-    one.rows = rows;
+  drawPlot({ spec, limits, plot }, rows, begin, end) {
+    const columns = spec.series.map(({ value }) => rows.map(value));
     let low = Infinity, high = -Infinity;
     const widen = (v) => { if (v !== null && v < low) low = v; if (v !== null && v > high) high = v; };
     columns.forEach((column) => column.forEach(widen));
     limits.forEach(widen);
+    if (low > high) [low, high] = spec.log ? [1, 1] : [0, 0]; // nothing to show but the axes
     const room = Math.max(0.05 * (high - low), 1e-3);
-    plot.batch(() => {
-      plot.setData([rows.map((m) => m.t), ...columns, ...limits.map((v) => rows.map(() => v))], false);
-      plot.setScale('x', { min: begin, max: Math.max(end, begin + 0.1) });
-      if (low <= high) plot.setScale('y', spec.log ? { min: low / 2, max: high * 2 } : { min: low - room, max: high + room });
-    });
+    plot.draw({ times: rows.map((m) => m.t), values: [...columns, ...limits.map((v) => rows.map(() => v))], x: [begin, Math.max(end, begin + 0.1)],
+      y: spec.log ? [low / 2, high * 2] : [low - room, high + room], strips: spec.bars?.map(({ colour, on }) => ({ colour, spans: spans(rows, on) })) });
   }
 }

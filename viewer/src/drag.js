@@ -1,5 +1,5 @@
 // Goals, targets and obstacles that are dragged in the picture: level, or up and down with shift.
-import * as THREE from 'three';
+import * as THREE from 'three/three.module.js';
 import { robotColour } from './palette.js';
 
 export class Drag {
@@ -17,13 +17,13 @@ export class Drag {
 
   // Once what is drawn is built, or what may be tuned has changed.
   build(scene, tunables) {
-    for (const { goal } of this.handles) goal?.removeFromParent();
+    for (const { goal } of this.handles) if (goal) goal.parent.remove(goal);
     this.handles = [];
     if (!tunables?.tune || !this.stage.world) return;
     for (const reference of tunables.references) {
       const i = scene.bodies.findIndex((body) => body.name === reference.agent);
       if (!reference.goal || i < 0) continue;
-      const goal = new THREE.Mesh(new THREE.OctahedronGeometry(0.12),
+      const goal = new THREE.Mesh(new THREE.OctahedronBufferGeometry(0.12),
         new THREE.MeshBasicMaterial({ color: robotColour(i), wireframe: true }));
       goal.position.set(...reference.goal);
       this.stage.world.add(goal);
@@ -48,7 +48,6 @@ export class Drag {
     const { left, top, width, height } = this.stage.renderer.domElement.getBoundingClientRect();
     const at = new THREE.Vector2((2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height);
     const caster = new THREE.Raycaster();
-    caster.params.Line.threshold = 0.05;
     caster.setFromCamera(at, this.stage.camera);
     return caster;
   }
@@ -61,6 +60,7 @@ export class Drag {
     if (!hit) return;
     event.stopImmediatePropagation();
     this.stage.renderer.domElement.setPointerCapture(event.pointerId);
+    this.stage.orbit(false);
     this.held = { ...hit.handle, at: hit.handle.mesh.position.clone() };
     this.stage.renderer.domElement.style.cursor = 'grabbing';
   }
@@ -82,6 +82,7 @@ export class Drag {
     if (!this.held) return;
     event.stopImmediatePropagation();
     this.held = null;
+    this.stage.orbit(true);
     this.stage.renderer.domElement.style.cursor = '';
   }
 }

@@ -237,6 +237,5 @@ addEventListener('keydown', (event) => {
   event.preventDefault();
 });
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { chooseTheme(systemTheme()); if (history) build(); });
-addEventListener('resize', () => curves.resize());
 const source = new Source({ scene: start, moments: take, link: setLink });
 requestAnimationFrame(frame);

@@ -1,32 +1,32 @@
 // Robots, lines, surfaces and ellipsoids as three draws them; each robot is one mesh, so that it costs one draw.
-import * as THREE from 'three';
-import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js';
+import * as THREE from 'three/three.module.js';
+import { BufferGeometryUtils } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 
 const place = (geometry, { at = [0, 0, 0], turn = [0, 0, 0] }) =>
-  geometry.applyMatrix4(new THREE.Matrix4().compose(new THREE.Vector3(...at), new THREE.Quaternion().setFromEuler(new THREE.Euler(...turn)), new THREE.Vector3(1, 1, 1)));
+  geometry.applyMatrix(new THREE.Matrix4().compose(new THREE.Vector3(...at), new THREE.Quaternion().setFromEuler(new THREE.Euler(...turn)), new THREE.Vector3(1, 1, 1)));
 
 const corners = [[1, 1], [1, -1], [-1, 1], [-1, -1]];
 const cross = Math.PI / 2;
 
 function multirotor() {
-  const parts = [place(new THREE.BoxGeometry(0.22, 0.12, 0.07), {}), place(new THREE.ConeGeometry(0.05, 0.12, 12), { at: [0.17, 0, 0], turn: [0, 0, -cross] })];
+  const parts = [place(new THREE.BoxBufferGeometry(0.22, 0.12, 0.07), {}), place(new THREE.ConeBufferGeometry(0.05, 0.12, 12), { at: [0.17, 0, 0], turn: [0, 0, -cross] })];
   for (const [x, y] of corners) {
-    parts.push(place(new THREE.TorusGeometry(0.1, 0.012, 6, 20), { at: [0.17 * x, 0.17 * y, 0.03] }));
-    parts.push(place(new THREE.BoxGeometry(0.24, 0.025, 0.025), { at: [0.085 * x, 0.085 * y, 0.01], turn: [0, 0, Math.atan2(y, x)] }));
+    parts.push(place(new THREE.TorusBufferGeometry(0.1, 0.012, 6, 20), { at: [0.17 * x, 0.17 * y, 0.03] }));
+    parts.push(place(new THREE.BoxBufferGeometry(0.24, 0.025, 0.025), { at: [0.085 * x, 0.085 * y, 0.01], turn: [0, 0, Math.atan2(y, x)] }));
   }
   return parts;
 }
 
 function rover() {
-  const parts = [place(new THREE.BoxGeometry(0.36, 0.24, 0.1), { at: [0, 0, 0.1] }), place(new THREE.ConeGeometry(0.08, 0.14, 4), { at: [0.24, 0, 0.1], turn: [0, 0, -cross] })];
-  for (const [x, y] of corners) parts.push(place(new THREE.CylinderGeometry(0.07, 0.07, 0.05, 16), { at: [0.12 * x, 0.14 * y, 0.07] }));
+  const parts = [place(new THREE.BoxBufferGeometry(0.36, 0.24, 0.1), { at: [0, 0, 0.1] }), place(new THREE.ConeBufferGeometry(0.08, 0.14, 4), { at: [0.24, 0, 0.1], turn: [0, 0, -cross] })];
+  for (const [x, y] of corners) parts.push(place(new THREE.CylinderBufferGeometry(0.07, 0.07, 0.05, 16), { at: [0.12 * x, 0.14 * y, 0.07] }));
   return parts;
 }
 
 const isRover = (robot) => /unicycle|car|rover|differential|ackermann|mecanum|omni|ground/.test(robot);
 
 export function robotShape(robot, colour) {
-  const geometry = mergeGeometries(isRover(robot) ? rover() : multirotor());
+  const geometry = BufferGeometryUtils.mergeBufferGeometries(isRover(robot) ? rover() : multirotor());
   return new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ color: colour }));
 }
 
@@ -93,7 +93,7 @@ export function colourSurface(mesh, colour) {
 }
 
 export function ellipsoid(colour) {
-  const mesh = new THREE.Mesh(new THREE.SphereGeometry(1, 20, 12), new THREE.MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.35, depthWrite: false, depthTest: false }));
+  const mesh = new THREE.Mesh(new THREE.SphereBufferGeometry(1, 20, 12), new THREE.MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.35, depthWrite: false, depthTest: false }));
   mesh.renderOrder = 1; // it is mostly within its robot
   mesh.matrixAutoUpdate = false;
   mesh.frustumCulled = false;

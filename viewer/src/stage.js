@@ -1,6 +1,6 @@
 // The flight in three dimensions: G is drawn as it is, x and y level, z up, in metres.
-import * as THREE from 'three';
-import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import * as THREE from 'three/three.module.js';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { colours, robotColour } from './palette.js';
 import { colourSurface, ellipsoid, line, robotShape, setEllipsoid, setLine, surfaceGeometries, surfaceMesh } from './shapes.js';
 
@@ -29,6 +29,7 @@ export class Stage {
     this.camera.position.set(-3.2, -4.2, 3.4);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.target.set(0, 0, 0.8);
+    this.controls.enableKeys = false; // the arrows move the time
     this.followed = null; // {body, sensor}
     this.changed = true; // something is to be drawn anew
     this.scale = 1; // of the pixels along each side
@@ -77,8 +78,8 @@ export class Stage {
     this.surfaces = surfaceGeometries(scene.surfaces);
     this.world = new THREE.Scene();
     this.world.background = new THREE.Color(c.back);
-    this.world.add(new THREE.HemisphereLight('#ffffff', '#8a919a', 2.2));
-    const sun = new THREE.DirectionalLight('#ffffff', 1.2);
+    this.world.add(new THREE.HemisphereLight('#ffffff', '#8a919a', 0.7));
+    const sun = new THREE.DirectionalLight('#ffffff', 0.38);
     sun.position.set(3, -2, 6);
     this.world.add(sun);
     const grid = new THREE.GridHelper(20, 20, c.grid, c.grid);
@@ -109,14 +110,14 @@ export class Stage {
   buildBody(body, i) {
     const colour = body.agent ? robotColour(i) : colours().grey;
     const shape = !body.agent
-      ? new THREE.Mesh(new THREE.SphereGeometry(0.12, 24, 16), new THREE.MeshStandardMaterial({ color: colour }))
+      ? new THREE.Mesh(new THREE.SphereBufferGeometry(0.12, 24, 16), new THREE.MeshLambertMaterial({ color: colour }))
       : robotShape(body.robot, colour);
     const parts = { shape, label: document.createElement('span') };
     this.world.add(shape);
     if (!body.agent && body.hard > 0) {
-      parts.hard = new THREE.Mesh(new THREE.SphereGeometry(body.hard, 32, 20),
+      parts.hard = new THREE.Mesh(new THREE.SphereBufferGeometry(body.hard, 32, 20),
         new THREE.MeshBasicMaterial({ color: colours().bad, transparent: true, opacity: 0.13, depthWrite: false }));
-      const wire = new THREE.Mesh(new THREE.SphereGeometry(body.hard, 16, 10),
+      const wire = new THREE.Mesh(new THREE.SphereBufferGeometry(body.hard, 16, 10),
         new THREE.MeshBasicMaterial({ color: colours().bad, wireframe: true, transparent: true, opacity: 0.18 }));
       parts.hard.add(wire);
       this.world.add(parts.hard);
@@ -241,8 +242,13 @@ export class Stage {
     camera.updateProjectionMatrix();
     this.followed = followed;
     this.changed = true;
-    controls.enabled = !followed?.sensor;
+    this.orbit(true);
     this.last = null;
+  }
+
+  // Whether the pointer turns the camera; behind a sensor it never does.
+  orbit(may) {
+    this.controls.enabled = may && !this.followed?.sensor;
   }
 
   aim(moment) {

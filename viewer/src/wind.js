@@ -1,5 +1,5 @@
 // The scenario's wind, in a corner of the stage: an arrow as the camera sees it, and its size.
-import * as THREE from 'three';
+import * as THREE from 'three/three.module.js';
 
 const middle = 22, longest = 17;
 
