@@ -2,8 +2,15 @@
 // and ends the task by a service; `fast_peer DOMAIN px4 SECONDS` says odometry as PX4's agent does, reads set-points and serves a Trigger.
 // Messages are put together by Fast CDR, field by field. It prints what it saw, a line each.
 #include <fastcdr/Cdr.h>
+#if __has_include(<fastdds/utils/IPLocator.hpp>)  // Fast DDS 3
+#include <fastdds/rtps/common/WriteParams.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.hpp>
+#include <fastdds/utils/IPLocator.hpp>
+#define SIGHTLINE_FAST_DDS_3
+#else
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#endif
 
 #include <array>
 #include <chrono>
@@ -30,7 +37,17 @@ extern "C" const char* __asan_default_options() { return "new_delete_type_mismat
 namespace {
 
 namespace dds = eprosima::fastdds::dds;
+#ifdef SIGHTLINE_FAST_DDS_3
+namespace rtps = eprosima::fastdds::rtps;
+constexpr auto received = dds::RETCODE_OK;
+constexpr auto plain_cdr = eprosima::fastcdr::CdrVersion::DDS_CDR;
+std::size_t length_of(const eprosima::fastcdr::Cdr& cdr) { return cdr.get_serialized_data_length(); }
+#else
 namespace rtps = eprosima::fastrtps::rtps;
+const auto received = ReturnCode_t::RETCODE_OK;
+constexpr auto plain_cdr = eprosima::fastcdr::Cdr::DDS_CDR;
+std::size_t length_of(const eprosima::fastcdr::Cdr& cdr) { return cdr.getSerializedDataLength(); }
+#endif
 using eprosima::fastcdr::Cdr;
 using eprosima::fastcdr::FastBuffer;
 using Bytes = std::vector<char>;
@@ -39,6 +56,23 @@ constexpr std::size_t largest = 1U << 18U;
 /// Any type under its name: what is sent and received are bytes with their header.
 class AnyType final : public dds::TopicDataType {
  public:
+#ifdef SIGHTLINE_FAST_DDS_3
+  explicit AnyType(const std::string& name) {
+    set_name(name);
+    max_serialized_type_size = largest;
+  }
+  bool serialize(const void* data, rtps::SerializedPayload_t& payload, dds::DataRepresentationId_t) override {
+    return put(data, payload);
+  }
+  bool deserialize(rtps::SerializedPayload_t& payload, void* data) override { return get(payload, data); }
+  std::uint32_t calculate_serialized_size(const void* data, dds::DataRepresentationId_t) override {
+    return size(data);
+  }
+  void* create_data() override { return new Bytes; }
+  void delete_data(void* data) override { delete static_cast<Bytes*>(data); }
+  bool compute_key(rtps::SerializedPayload_t&, rtps::InstanceHandle_t&, bool) override { return false; }
+  bool compute_key(const void*, rtps::InstanceHandle_t&, bool) override { return false; }
+#else
   explicit AnyType(const std::string& name) {
     setName(name.c_str());
     m_typeSize = largest;
@@ -46,39 +80,46 @@ class AnyType final : public dds::TopicDataType {
     auto_fill_type_object(false);
     auto_fill_type_information(false);
   }
-  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
-    const auto& bytes = *static_cast<Bytes*>(data);
-    payload->encapsulation = CDR_LE;
-    payload->length = static_cast<std::uint32_t>(bytes.size());
-    std::memcpy(payload->data, bytes.data(), bytes.size());
-    return true;
-  }
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
-    const auto* const begin = reinterpret_cast<const char*>(payload->data);
-    static_cast<Bytes*>(data)->assign(begin, begin + payload->length);
-    return true;
-  }
+  bool serialize(void* data, rtps::SerializedPayload_t* payload) override { return put(data, *payload); }
+  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override { return get(*payload, data); }
   std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [data] { return static_cast<std::uint32_t>(static_cast<Bytes*>(data)->size()); };
+    return [data] { return size(data); };
   }
   void* createData() override { return new Bytes; }
   void deleteData(void* data) override { delete static_cast<Bytes*>(data); }
   bool getKey(void*, rtps::InstanceHandle_t*, bool) override { return false; }
+#endif
+
+ private:
+  static std::uint32_t size(const void* data) {
+    return static_cast<std::uint32_t>(static_cast<const Bytes*>(data)->size());
+  }
+  static bool put(const void* data, rtps::SerializedPayload_t& payload) {
+    payload.encapsulation = CDR_LE;
+    payload.length = size(data);
+    std::memcpy(payload.data, static_cast<const Bytes*>(data)->data(), payload.length);
+    return true;
+  }
+  static bool get(const rtps::SerializedPayload_t& payload, void* data) {
+    const auto* const begin = reinterpret_cast<const char*>(payload.data);
+    static_cast<Bytes*>(data)->assign(begin, begin + payload.length);
+    return true;
+  }
 };
 
 Bytes written(const std::function<void(Cdr&)>& fields) {
   Bytes bytes(largest);
   FastBuffer buffer(bytes.data(), bytes.size());
-  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::DDS_CDR);
+  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, plain_cdr);
   cdr.serialize_encapsulation();
   fields(cdr);
-  bytes.resize(cdr.getSerializedDataLength());
+  bytes.resize(length_of(cdr));
   return bytes;
 }
 
 void read(Bytes& bytes, const std::function<void(Cdr&)>& fields) {
   FastBuffer buffer(bytes.data(), bytes.size());
-  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::DDS_CDR);
+  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, plain_cdr);
   cdr.read_encapsulation();
   fields(cdr);
 }
@@ -152,7 +193,7 @@ template <class Take>
 void take(dds::DataReader* reader, Take&& each) {
   Bytes bytes;
   dds::SampleInfo info;
-  while (reader->take_next_sample(&bytes, &info) == ReturnCode_t::RETCODE_OK)
+  while (reader->take_next_sample(&bytes, &info) == received)
     if (info.valid_data) each(bytes, info);
 }
 
@@ -228,7 +269,7 @@ int drive(int domain, double seconds) {
           next<std::string>(cdr), next<std::string>(cdr), next<std::string>(cdr);  // text, meshes
           next<std::vector<std::uint8_t>>(cdr), next<bool>(cdr);
         }
-        whole = whole && cdr.getSerializedDataLength() + 4 > bytes.size();  // filled up to 4
+        whole = whole && length_of(cdr) + 4 > bytes.size();  // filled up to 4
       });
     });
     if (moved_at > 0 && called_at < 0 && seconds_since(begin) > moved_at + 3) {
