@@ -4,11 +4,23 @@
 /// a place up to 2 m from the body, `$[robot]`, `$[observer]` and `$[body]` for names.
 #pragma once
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <array>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace sightline::test {
+
+/// Lists of TOML.
+inline std::string list(const std::vector<double>& numbers) {
+  return fmt::format("[{:.3f}]", fmt::join(numbers, ", "));
+}
+inline std::string quoted(const std::vector<std::string>& names) {
+  return names.empty() ? "[]" : fmt::format("[\"{}\"]", fmt::join(names, "\", \""));
+}
 
 /// A kind of robot: the keys that make it, and what its other keys need to know.
 struct DrawnKind {
@@ -35,7 +47,8 @@ inline const std::vector<DrawnKind>& drawn_kinds() {
                      point = {"p_x", "p_y", "p_z", "v_x", "v_y", "v_z"},
                      car = {"p_x", "p_y", "p_z", "psi", "v"},
                      drone = {"p_x", "p_y", "p_z", "d_x", "d_y", "v_x", "v_y"},
-                     boat = {"north", "east", "depth", "course", "surge"};
+                     boat = {"north", "east", "depth", "course", "surge"},
+                     wing = {"p_x", "p_y", "p_z", "psi", "v", "theta"};
   static const Most one = {1, 1, 1, 1}, px4 = {3, 3, 1, 0.78}, ar_drone = {2.863, 2.863, 1, 1.6};
   static const std::vector<DrawnKind> kinds = {
       {"robot = \"multirotor\"", plane, one, copter},
@@ -97,6 +110,22 @@ f.east = "surge * sin(course)"
 f.depth = 0
 f.course = "rudder"
 f.surge = "(reach * throttle - surge) / 0.4")toml"},
+      {"parameters = { drag = 0.5, thrust = 2.0 }",
+       wing,
+       {1, 1, 1},
+       "flies heads",
+       R"toml(states = ["p_x", "p_y", "p_z", "psi", "v", "theta"]
+inputs = ["push", "turn", "pitch"]
+position = ["p_x", "p_y", "p_z"]
+heading = "psi"
+u_min = [-1.0, -1.0, -1.0]
+u_max = [1.0, 1.0, 1.0]
+f.p_x = "v * cos(psi) * cos(theta)"
+f.p_y = "v * sin(psi) * cos(theta)"
+f.p_z = "v * sin(theta)"
+f.psi = "turn"
+f.v = "thrust * push - drag * v"
+f.theta = "pitch - theta")toml"},
   };
   return kinds;
 }
@@ -210,6 +239,12 @@ inline constexpr std::array<std::string_view, 7> drawn_disturbances = {
     "odometry = { position_bias = $[0 0.02], position_walk = $[0 0.005], heading_walk = $[0 0.005] }",
     "delay = $[0.01 0.15]",
 };
+
+/// Of scenarios of wide reach: control periods [s], and what makes up for late commands and wind.
+inline constexpr std::array<std::string_view, 9> drawn_periods = {"0.001", "0.002", "0.005", "0.01", "0.02",
+                                                                  "0.05",  "0.1",   "0.2",   "0.5"};
+inline constexpr std::array<std::string_view, 3> drawn_compensation = {
+    "disturbance_time = $[0.1 1]", "command_delay = $[0 0.3]", "feed_forward = \"reference\""};
 
 /// Of [[keep_apart]], and limits of states and inputs of one robot.
 inline constexpr std::array<std::string_view, 2> drawn_swarms = {

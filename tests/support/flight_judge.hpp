@@ -192,7 +192,8 @@ class FlightJudge {
       }
     }
     const auto& told = summary_.at("min_distance");
-    expect(told.is_null() ? std::isinf(least) : std::abs(told.get<double>() - least) < tolerance,
+    // Between samples they may be nearer; tests/independent judges by how much.
+    expect(told.is_null() ? std::isinf(least) : told.get<double>() < least + tolerance,
            "the least distance is {:.6g} m, the summary says {}", least, told.dump());
   }
 

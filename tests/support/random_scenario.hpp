@@ -16,11 +16,14 @@
 
 namespace sightline::test {
 
+/// What is drawn: `wide` adds worlds, other periods, starts outside of walls, compensation, rates and subteams.
+enum class Reach { usual, wide };
+
 class RandomScenario {
  public:
-  /// The same seed and duration [s]: the same text.
-  RandomScenario(std::uint64_t seed, double duration)
-      : random_(0x9E3779B97F4A7C15U * (seed + 1)), duration_(duration) {
+  /// The same seed, duration [s] and reach: the same text.
+  RandomScenario(std::uint64_t seed, double duration, Reach reach = Reach::usual)
+      : random_(0x9E3779B97F4A7C15U * (seed + 1)), duration_(duration), wide_(reach == Reach::wide) {
     line("# Seed {} of tests/support/random_scenario.hpp", seed);
     draw_team();
     write_horizon();
@@ -32,6 +35,7 @@ class RandomScenario {
     write_safety();
     write_events();
     write_simulation(seed);
+    if (wide_) write_wide();
   }
 
   const std::string& text() const { return text_; }
@@ -69,12 +73,6 @@ class RandomScenario {
   }
   double between(double low, double high) { return uniform(random_, low, high); }
   std::string number(double low, double high) { return fmt::format("{:.3f}", between(low, high)); }
-  static std::string list(const std::vector<double>& numbers) {
-    return fmt::format("[{:.3f}]", fmt::join(numbers, ", "));
-  }
-  static std::string quoted(const std::vector<std::string>& names) {
-    return names.empty() ? "[]" : fmt::format("[\"{}\"]", fmt::join(names, "\", \""));
-  }
 
   const Body& body(std::size_t i) const {
     return i < robots_.size() ? robots_[i] : uncooperative_[i - robots_.size()];
@@ -157,10 +155,19 @@ class RandomScenario {
     }
   }
 
+  /// Starts below the floor, above the ceiling or beyond the world.
+  void leave_walls(Robot& robot) {
+    const std::size_t wall = robot.kind->is("flies") ? below(3) : 2;
+    if (wall == 0) robot.p.z = between(-0.5, 0.2);
+    if (wall == 1) robot.p.z = between(3.0, 7.0);
+    if (wall == 2) robot.p.x += between(8.0, 20.0);
+  }
+
   void draw_team() {
     has_swarm_ = chance(0.25);
     has_relay_ = chance(0.1);
     has_events_ = chance(0.7);
+    has_parts_ = wide_ && !has_swarm_ && !has_relay_ && !has_events_ && chance(0.3);
     filtered_ = chance(0.5);
     std::vector<const DrawnKind*> fit;
     for (const DrawnKind& kind : drawn_kinds()) {
@@ -175,6 +182,7 @@ class RandomScenario {
       robot.kind = mixed ? any(fit) : one;
       robot.name = fmt::format("r{}", i);
       robot.p = place(robot.kind->is("flies"));
+      if (wide_ && chance(0.12)) leave_walls(robot);
       robot.present = i == 0 || !has_events_ || !chance(0.12);
       robot.looks = chance(looking);
       robot.tracks = !robot.looks || chance(0.3);
@@ -189,12 +197,14 @@ class RandomScenario {
   // --- what is written ---
 
   void write_horizon() {
-    if (chance(0.3)) {
-      line("[horizon]\nduration = {}\nstages = {}\nperiod = {}", number(0.6, 1.6), 8 + below(18),
-           chance(0.7) ? "0.01" : "0.02");
+    std::string_view period = "0.01";
+    if (wide_ || chance(0.3)) {
+      if (wide_ || chance(0.3)) period = wide_ ? any(drawn_periods) : "0.02";
+      line("[horizon]\nduration = {}\nstages = {}\nperiod = {}", number(0.6, 1.6), 8 + below(18), period);
     }
-    if (!has_events_ && !has_relay_ && !has_swarm_ && chance(0.3))
-      line("[solver]\nname = \"{}\"", chance(0.5) ? "cmscgmres" : "cgmres");
+    if (!has_events_ && !has_relay_ && !has_swarm_ && !has_parts_ && chance(wide_ ? 0.5 : 0.3))
+      line("[solver]\nname = \"{}\"\nzeta = {:.2f}", chance(0.5) ? "cmscgmres" : "cgmres",
+           0.2 / std::stod(std::string(period)));
   }
 
   /// Limits of all sizes; u = 0 is within them.
@@ -232,6 +242,14 @@ class RandomScenario {
     } else if (chance(0.4)) {
       const Limits limits = input_limits(kind);
       line("u_min = {}\nu_max = {}", list(limits.first), list(limits.second));
+    }
+    for (const std::string_view key : drawn_compensation) {
+      if (wide_ && chance(0.2)) line("{}", drawn(key, robot));
+    }
+    if (wide_ && chance(0.3)) {
+      std::vector<double> rates;
+      for (const double most : kind.most) rates.push_back(most * between(0.3, 6.0));
+      line("rate_max = {}", list(rates));
     }
     if (robot.looks) line("sensor = {}", drawn("{ pitch = $[-0.2 0.6], offset = $[0 0.2] }", robot));
     if (!kind.text.empty()) line("[agent.{}.robot.text]\n{}", robot.name, kind.text);
@@ -337,9 +355,9 @@ class RandomScenario {
     const bool on_ground =
         std::any_of(robots_.begin(), robots_.end(), [](const Robot& r) { return !r.kind->is("flies"); });
     line("\n[safety]\nbarrier = \"{}\"\nd_hard = {}",
-         !filtered_    ? "off"
-         : chance(0.7) ? "on"
-                       : "report",
+         !filtered_ || (wide_ && chance(0.3)) ? "off"
+         : chance(0.7)                        ? "on"
+                                              : "report",
          number(0.4, 0.8));
     if (on_ground || chance(0.5)) line("floor = {}", on_ground ? number(-1.0, -0.2) : number(0.1, 0.5));
     if (chance(0.3)) line("ceiling = {}", number(3, 6));
@@ -443,6 +461,7 @@ class RandomScenario {
   void write_simulation(std::uint64_t seed) {
     line("\n[simulation]\nduration = {:.1f}\nseed = {}\nsettle = {}", duration_, seed,
          number(0, 0.5 * duration_));
+    if (wide_) line("rms_from = {}", number(0, 0.5 * duration_));
     line("signal = [ {{ at = {}, name = \"go\" }}, {{ at = {}, name = \"back\" }} ]", number(0, duration_),
          number(0, duration_));
     if (chance(0.3)) line("[simulation.disturbance]\n{}", any_of(drawn_disturbances));
@@ -454,15 +473,28 @@ class RandomScenario {
     line("[log]\npaths = 1.0");
   }
 
+  /// The world, and subteams.
+  void write_wide() {
+    const bool vehicles = std::any_of(robots_.begin(), robots_.end(), [](const Robot& r) {
+      return r.kind->keys.find("multirotor") != std::string_view::npos;
+    });
+    if (vehicles && chance(0.25)) line("\n[world]\nkind = \"{}\"", chance(0.8) ? "rotors" : "mujoco");
+    if (!has_parts_) return;
+    const std::vector<std::string> all = names(false, "");
+    const auto middle = all.begin() + static_cast<std::ptrdiff_t>((all.size() + 1) / 2);
+    line("\n[partition]\nfront = {}\nback = {}", quoted({all.begin(), middle}), quoted({middle, all.end()}));
+  }
+
   Random random_;
   double duration_;  // [s]
+  bool wide_;
   std::string text_, last_;
   std::vector<Vec3<double>> places_;
   std::vector<Robot> robots_;
   std::vector<Body> uncooperative_;
   std::vector<Term> terms_;
   int stages_ = 0;  // that events entered
-  bool filtered_ = false, has_swarm_ = false, has_relay_ = false, has_events_ = false;
+  bool filtered_ = false, has_swarm_ = false, has_relay_ = false, has_events_ = false, has_parts_ = false;
 };
 
 }  // namespace sightline::test

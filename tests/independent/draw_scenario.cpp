@@ -1,0 +1,29 @@
+// Draws scenarios of wide reach into a folder:  draw_scenario DIR FIRST COUNT
+// SEED.toml of each seed from FIRST on; a flight lasts 2 to 8 s.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "tests/support/random_scenario.hpp"
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    fmt::print(stderr, "usage: draw_scenario DIR FIRST COUNT\n");
+    return 2;
+  }
+  const std::string folder = argv[1];
+  const std::uint64_t first = std::strtoull(argv[2], nullptr, 10),
+                      count = std::strtoull(argv[3], nullptr, 10);
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    const double duration = 2.0 + 0.5 * static_cast<double>(seed * 7 % 13);
+    std::ofstream file(fmt::format("{}/{}.toml", folder, seed));
+    file << sightline::test::RandomScenario(seed, duration, sightline::test::Reach::wide).text();
+    if (!file.flush()) {
+      fmt::print(stderr, "{}/{}.toml cannot be written\n", folder, seed);
+      return 1;
+    }
+  }
+  return 0;
+}
