@@ -12,18 +12,18 @@
 #include <vector>
 
 #include "tests/support/drawn_kinds.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/drawn_lines.hpp"
 
 namespace sightline::test {
 
 /// What is drawn: `wide` adds worlds, other periods, starts outside of walls, compensation, rates and subteams.
 enum class Reach { usual, wide };
 
-class RandomScenario {
+class RandomScenario : DrawnLines {
  public:
   /// The same seed, duration [s] and reach: the same text.
   RandomScenario(std::uint64_t seed, double duration, Reach reach = Reach::usual)
-      : random_(0x9E3779B97F4A7C15U * (seed + 1)), duration_(duration), wide_(reach == Reach::wide) {
+      : DrawnLines(0x9E3779B97F4A7C15U * (seed + 1)), duration_(duration), wide_(reach == Reach::wide) {
     line("# Seed {} of tests/support/random_scenario.hpp", seed);
     draw_team();
     write_horizon();
@@ -38,7 +38,7 @@ class RandomScenario {
     if (wide_) write_wide();
   }
 
-  const std::string& text() const { return text_; }
+  using DrawnLines::text;
 
  private:
   struct Body {
@@ -48,7 +48,7 @@ class RandomScenario {
   };
   struct Robot : Body {
     const DrawnKind* kind = nullptr;
-    bool looks = false, tracks = false, limits_move = false;
+    bool looks = false, tracks = false, limits_move = false, has_rates = false;
   };
   /// A coupling or constraint that events speak of.
   struct Term {
@@ -57,22 +57,6 @@ class RandomScenario {
     std::size_t robot;
   };
   using Limits = std::pair<std::vector<double>, std::vector<double>>;
-
-  // --- chance ---
-
-  template <class... Args>
-  void line(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
-    text_ += '\n';
-  }
-  bool chance(double p) { return uniform(random_, 0, 1) < p; }
-  std::size_t below(std::size_t n) { return std::size_t{random_()} % n; }
-  template <class List>
-  const auto& any(const List& list) {
-    return list[below(std::size(list))];
-  }
-  double between(double low, double high) { return uniform(random_, low, high); }
-  std::string number(double low, double high) { return fmt::format("{:.3f}", between(low, high)); }
 
   const Body& body(std::size_t i) const {
     return i < robots_.size() ? robots_[i] : uncooperative_[i - robots_.size()];
@@ -187,6 +171,7 @@ class RandomScenario {
       robot.looks = chance(looking);
       robot.tracks = !robot.looks || chance(0.3);
       robot.limits_move = chance(0.05);
+      robot.has_rates = wide_ && chance(0.3);
       robots_.push_back(robot);
     }
     for (std::size_t i = 0; i < uncooperative; ++i) {
@@ -246,7 +231,7 @@ class RandomScenario {
     for (const std::string_view key : drawn_compensation) {
       if (wide_ && chance(0.2)) line("{}", drawn(key, robot));
     }
-    if (wide_ && chance(0.3)) {
+    if (robot.has_rates) {
       std::vector<double> rates;
       for (const double most : kind.most) rates.push_back(most * between(0.3, 6.0));
       line("rate_max = {}", list(rates));
@@ -381,6 +366,12 @@ class RandomScenario {
         line("\n[[event]]\nat = {:.2f}\nadd = \"{}\"", between(0.0, 0.2 * duration_), body(i).name);
       there[i] = true;
     }
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      if (!robots_[i].has_rates || chance(0.5)) continue;
+      for (const double part : {0.3, 0.6})
+        line("\n[[event]]\nat = {:.2f}\n{}", part * duration_ + 0.01 * static_cast<double>(i),
+             limits_event(i));
+    }
     const std::size_t count = 1 + below(6);
     double t = 0.2 * duration_;
     for (std::size_t i = 0; i < count; ++i) {
@@ -418,6 +409,12 @@ class RandomScenario {
                        word("vanish|hold|land", Body{}));
   }
 
+  std::string limits_event(std::size_t robot) {
+    const Limits limits = input_limits(*robots_[robot].kind);
+    return fmt::format("retune = {{ agent = \"{}\", u_min = {}, u_max = {} }}", robots_[robot].name,
+                       list(limits.first), list(limits.second));
+  }
+
   std::string changes() {
     const std::size_t i = below(robots_.size());
     const Robot& robot = robots_[i];
@@ -428,11 +425,8 @@ class RandomScenario {
         return fmt::format("add = {{ couple = {{ {} }} }}",
                            fmt::join(coupling(robot, other, potential(robot)), ", "));
       }
-      case 1: {
-        const Limits limits = input_limits(*robot.kind);
-        return fmt::format("retune = {{ agent = \"{}\", u_min = {}, u_max = {} }}", robot.name,
-                           list(limits.first), list(limits.second));
-      }
+      case 1:
+        return limits_event(i);
       case 2: {
         std::vector<double> R(robot.kind->most.size());
         for (double& weight : R) weight = between(0.1, 2.0);
@@ -465,7 +459,7 @@ class RandomScenario {
     line("signal = [ {{ at = {}, name = \"go\" }}, {{ at = {}, name = \"back\" }} ]", number(0, duration_),
          number(0, duration_));
     if (chance(0.3)) line("[simulation.disturbance]\n{}", any_of(drawn_disturbances));
-    while (chance(0.3)) {
+    while (chance(wide_ ? 0.5 : 0.3)) {
       const double from = between(0, duration_);
       line("[[simulation.fault]]\n{}\nfrom = {:.2f}", any_of(drawn_faults), from);
       if (chance(0.7)) line("until = {:.2f}", from + between(0.05, 0.25 * duration_));
@@ -485,10 +479,9 @@ class RandomScenario {
     line("\n[partition]\nfront = {}\nback = {}", quoted({all.begin(), middle}), quoted({middle, all.end()}));
   }
 
-  Random random_;
   double duration_;  // [s]
   bool wide_;
-  std::string text_, last_;
+  std::string last_;
   std::vector<Vec3<double>> places_;
   std::vector<Robot> robots_;
   std::vector<Body> uncooperative_;
