@@ -150,8 +150,8 @@ class Piece:
         self.at = np.linspace(0.0, 1.0, cuts + 1)
 
 
-def _modelled(robot, body, piece):
-    x, u = body.x[piece.first], body.u[piece.first]
+def _modelled(robot, body, piece, commands):
+    x, u = body.x[piece.first], body.u[commands[piece.first]]
     h = piece.span / piece.cuts
     places = [robot.position(x)]
     with np.errstate(all="ignore"):
@@ -180,7 +180,10 @@ def motions(flight, robots, vehicles):
     """Pieces of the whole flight. `vehicles`: whether the world moves robots by other dynamics than their models'."""
     steps = flight.steps
     last = np.append(np.diff(steps), 1)
-    first = np.flatnonzero(flight.commanded)
+    # Between commands, as in periods that were missed, the one before is in force. After the last one the motion goes on for a
+    # period, whether its end is in the log or not.
+    commands = np.maximum.accumulate(np.where(flight.commanded, np.arange(len(steps)), 0))
+    first = np.flatnonzero(flight.commanded | (np.arange(len(steps)) < len(steps) - 1))
     pieces = []
     for length in sorted(set(last[first])):
         span = length * flight.period
@@ -200,9 +203,9 @@ def motions(flight, robots, vehicles):
                     err = np.linalg.norm(p0 + piece.span * np.nan_to_num(body.v[piece.first]) - straight[:, -1], axis=1)
             elif vehicles:
                 places = np.where(stays[:, None, None], _hermite(body, piece, after), straight)
-                err = 0.5 * np.linalg.norm(places - straight, axis=2).max(axis=1) + np.where(stays, 0, 0.5 * piece.span)
+                err = np.linalg.norm(places - straight, axis=2).max(axis=1) + np.where(stays, 0, 0.5 * piece.span)
             else:
-                places = _modelled(robots[name], body, piece)
+                places = _modelled(robots[name], body, piece, commands)
                 off = np.where(stays[:, None], p1 - places[:, -1], 0.0)
                 places = places + piece.at[None, :, None] ** 2 * off[:, None, :]
                 err = 0.3 * np.linalg.norm(off, axis=1)
