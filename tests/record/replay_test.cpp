@@ -13,13 +13,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A short flight of a shipped scenario, in its log.
+/// A short flight of a scenario, in its log.
 struct ReplayedFlight {
   Scenario scenario;
   test::Folder folder{"replay_test"};
 
+  /// Of a shipped one.
   ReplayedFlight(const std::string& name, double duration, Clock& clock)
-      : scenario(read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/" + name + ".toml")) {
+      : ReplayedFlight(read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/" + name + ".toml"), duration, clock) {}
+  ReplayedFlight(Scenario of, double duration, Clock& clock) : scenario(std::move(of)) {
     scenario.simulation.duration = duration;
     const Controls controls(scenario);
     Ring<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
@@ -64,6 +66,35 @@ TEST(Replay, OfAFlightWhoseTeamChangesTheCommandsAreTheSameBitForBit) {
   EXPECT_EQ(compared.differing(), 0);
   EXPECT_EQ(compared.other_status(), 0);
   EXPECT_FALSE(compared.first());
+}
+
+TEST(Replay, WhereABodyThatMovesJoinsTheCommandsAreTheSameBitForBit) {
+  SimulatedClock clock;
+  const ReplayedFlight flown(parse_scenario(R"(
+[agent.a]
+robot = "omni_rover"
+start = { p = [-0.32, 0.96, 0.0], heading = 0.760 }
+[agent.b]
+robot = "omni_rover"
+start = { p = [0.06, -1.55, 0.0], heading = -2.799, v = [-0.549, -0.636] }
+[obstacle.chaser]
+p = [-2.21, 0.65, 1.13]
+motion = { chase = { agent = "a", speed = 0.355, standoff = 1.233 } }
+present = false
+[[couple]]
+potential = { too_near = { d_min = 1.339, kappa = 10.0 } }
+between = ["b", "chaser"]
+weight = 1.984
+[[event]]
+at = 0.04
+add = "chaser"
+)",
+                                            "chased.toml"),
+                             1.0, clock);
+  RecordedFlight flight = flown.flight();
+  const CommandComparison compared = again(flown.scenario, flight);
+  EXPECT_EQ(compared.updates(), 100);
+  EXPECT_EQ(compared.differing(), 0);
 }
 
 TEST(Replay, OfAFlightThatMissedPeriodsTheCommandsAreTheSameBitForBit) {

@@ -8,9 +8,9 @@ namespace sightline {
 
 ModelWorld::ModelWorld(Team team, std::vector<double> x0, const PlantOptions& plant,
                        const SensorOptions& sensor)
-    : plant_(std::move(team), std::move(x0), plant),
+    : plant_(std::move(team), x0, plant),
       sensor_(plant_.team(), sensor),
-      start_(plant_.x().begin(), plant_.x().end()),
+      start_(std::move(x0)),
       presence_(size(plant_.team().bodies()), Presence::steered) {}
 
 void ModelWorld::set_presence(std::span<const Presence> presence) noexcept {

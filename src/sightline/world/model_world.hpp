@@ -30,7 +30,7 @@ class ModelWorld final : public World {
  private:
   Plant plant_;
   Sensor sensor_;
-  std::vector<double> start_;
+  std::vector<double> start_;  // as it was given, which is that of a replay
   std::vector<Presence> presence_;
 };
 
