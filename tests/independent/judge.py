@@ -45,6 +45,7 @@ class Judge:
         self.vehicles = self.scenario.get("world", {}).get("kind", "model") != "model"
         self.pieces = motions(self.flight, self.robots, self.vehicles)
         self.simulation = self.scenario.get("simulation", {})
+        self.begins_outside = self.scenario.get("safety", {}).get("start_outside", False)  # as the scenario means it
         self.verdict = Verdict()
         self.differences = []  # (claim, sentence)
         self.wrong_commands = 0
@@ -173,14 +174,17 @@ class Judge:
                 if a in self.robots or b in self.robots:
                     yield a, b
 
-    def _least(self, a, b):
-        """Least distance of the motion: (lowest, highest) that it may be [m]; infinity where they never were there both."""
+    def _least(self, a, b, kept=None):
+        """Least distance of the motion: (lowest, highest) that it may be [m]; infinity where they never were there both.
+        With `kept` [m], from the first sample on in which they are so far apart."""
         low = high = np.inf
         at_samples = np.linalg.norm(self.flight.bodies[a].p - self.flight.bodies[b].p, axis=1)
-        if np.isfinite(at_samples).any():
-            low = high = float(np.nanmin(at_samples))
+        since = int(np.argmax(at_samples >= kept)) if kept is not None else 0
+        if np.isfinite(at_samples[since:]).any():
+            low = high = float(np.nanmin(at_samples[since:]))
         for piece in self.pieces:
             ends, err = np.minimum(piece.ends[a], piece.ends[b]), piece.err[a] + piece.err[b]
+            ends = np.where(piece.first >= since, ends, 0)
             found = nearest(piece, a, b)
             if (ends == 2).any():
                 high = min(high, float((found + err)[ends == 2].min()))
@@ -198,13 +202,16 @@ class Judge:
             d_hard = self.team.hard_distance(a, b)
             if d_hard is None:
                 continue
+            all_of_it = low
+            if self.begins_outside:
+                low, high = self._least(a, b, d_hard)
+            one = told.get((a, b)) or told.get((b, a))
+            if one is not None:
+                self.expect("hard_distance", f"least distance of {a} and {b}", one["least"], all_of_it - near, high + near)
+                self.expect("hard_distance", f"d_hard of {a} and {b}", one["d_hard"], d_hard)
             margins[a, b] = low - d_hard, high - d_hard
             if low < d_hard + near:
                 self.verdict.add(f"{a} comes within {high:.6g} m of {b}, d_hard is {d_hard} m", high < d_hard - near)
-            one = told.get((a, b)) or told.get((b, a))
-            if one is not None:
-                self.expect("hard_distance", f"least distance of {a} and {b}", one["least"], low - near, high + near)
-                self.expect("hard_distance", f"d_hard of {a} and {b}", one["d_hard"], d_hard)
         self.expect("min_distance", "min_distance", self.summary["min_distance"], all_low - near, all_high + near)
         if margins and len(told) < min(shown, len(margins)):
             self.differ("hard_distance", f"{len(told)} hard distances in the summary, expected {min(shown, len(margins))}")
@@ -245,7 +252,7 @@ class Judge:
             most, err, sure = beyond(piece.places[name]).max(axis=1), piece.err[name], piece.ends[name] == 2
             low[piece.first] = np.where(sure & ~last[piece.first], np.maximum(low[piece.first], most - err), low[piece.first])
             high[piece.first] = np.fmax(high[piece.first], most + err)
-        if self.scenario["safety"].get("start_outside", False):
+        if self.begins_outside:
             within = counts & (beyond(body.p) <= 1e-6)
             if within.any():
                 counts &= np.arange(len(counts)) >= np.argmax(within)
