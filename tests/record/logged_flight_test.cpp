@@ -91,6 +91,48 @@ TEST(LoggedFlight, TellsWhatWentWrong) {
   EXPECT_THAT(flight.faults.front(), HasSubstr("uav1"));
 }
 
+TEST(LoggedFlight, SaysEachCauseOfAFailureAndNothingElse) {
+  const std::string pair = R"(
+[agent.a]
+robot = "multirotor"
+start = { p = [0.0, 0.0, 1.0], heading = 0.0 }
+R = [1.0, 1.0, 1.0, 1.0]
+[agent.b]
+robot = "multirotor"
+start = { p = [3.0, 0.0, 1.0], heading = 0.0 }
+R = [1.0, 1.0, 1.0, 1.0]
+[simulation]
+duration = 1.0
+)";
+  const std::pair<std::string, std::string> cases[] = {
+      {"", ""},
+      {"[safety]\nd_hard = 3.5\n", "came within 3 m of"},
+      {"[[simulation.fault]]\nkind = \"nan\"\nfrom = 0.2\n", "gave no plan for"},
+      {R"toml(
+[agent.c]
+start = { p = [9.0, 0.0, 1.0], heading = 0.0 }
+[agent.c.robot.text]
+states = ["p_x", "p_y", "p_z", "psi", "load"]
+inputs = ["u"]
+position = ["p_x", "p_y", "p_z"]
+heading = "psi"
+f.p_x = 0
+f.p_y = 0
+f.p_z = 0
+f.psi = "u"
+f.load = "1000 * (1 + load) * (1 + load)"
+)toml",
+       "was not finite"}};
+  for (const auto& [more, sentence] : cases) {
+    const test::Folder folder("logged_causes");
+    const LoggedFlight flight = flown(parse_scenario(pair + more, "causes.toml"), folder.path());
+    if (sentence.empty())
+      EXPECT_TRUE(flight.faults.empty()) << flight.faults.front();
+    else
+      EXPECT_THAT(flight.faults, testing::Contains(HasSubstr(sentence)));
+  }
+}
+
 TEST(RunFolder, IsForOneFlightAtATime) {
   const Scenario scenario = paper_for(1.0);
   const test::Folder folder("run_folder");
