@@ -2,7 +2,8 @@
 /// before it and sees it.
 #pragma once
 
-#include "sightline/estimate/joint_filter.hpp"
+#include "sightline/estimate/broadcast_track.hpp"
+#include "sightline/estimate/pose_filter.hpp"
 #include "tests/support/synthetic_flight.hpp"
 
 namespace sightline::test {
@@ -146,41 +147,6 @@ inline std::vector<Consistency> fly_chain(SyntheticOptions options, int robots, 
         const PoseEstimate e = filters[i]->estimate();
         if (!e.known) ++result[i].unknown;
         if (e.known) result[i].add(e, chain.truth(static_cast<int>(i)));
-      }
-    }
-  }
-  return result;
-}
-
-/// The same with one filter for all robots but the anchor; they tell each other nothing.
-inline std::vector<Consistency> fly_jointly(SyntheticOptions options, int robots, int flights,
-                                            double duration,
-                                            const std::vector<std::pair<int, int>>& edges = {},
-                                            double from = 5.0) {
-  std::vector<Consistency> result(static_cast<std::size_t>(robots));
-  std::vector<MotionSample> motion;
-  std::vector<SeenRobot> arrived;
-  for (int run = 0; run < flights; ++run) {
-    options.seed = 100 + static_cast<std::uint64_t>(run);
-    SyntheticChain chain(options, robots, edges);
-    JointFilter filter({}, std::vector<SensorMount>(static_cast<std::size_t>(robots - 1), options.mount));
-    BroadcastTrack anchor({.sighting_rate = options.camera_rate});
-    while (chain.now() < duration) {
-      chain.advance(motion, arrived);
-      filter.advance(std::span(motion).subspan(1));
-      anchor.take(chain.anchor());
-      for (SeenRobot& seen : arrived) {
-        if (const auto pose = anchor.at(seen.z.stamp); pose && seen.target == 0)
-          seen.z.p_other = pose->p, seen.z.psi_other = pose->psi, seen.z.P_other = pose->P;
-        const Fit fit = filter.take(seen.observer - 1, seen.z, seen.target - 1);
-        result[static_cast<std::size_t>(seen.observer)].restarts += fit.verdict == FitVerdict::restarted;
-      }
-      if (chain.now() < from) continue;
-      for (int i = 1; i < robots; ++i) {
-        const PoseEstimate e = filter.estimate(i - 1);
-        Consistency& of = result[static_cast<std::size_t>(i)];
-        if (!e.known) ++of.unknown;
-        if (e.known) of.add(e, chain.truth(i));
       }
     }
   }
