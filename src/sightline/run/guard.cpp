@@ -54,15 +54,47 @@ std::pair<std::vector<double>, std::vector<double>> tightest(const Team& team, B
   return {u_min, u_max};
 }
 
-EventKind kind_of(const Notice& notice) {
-  const auto shifted = [](EventKind first, int by) {
-    return static_cast<EventKind>(static_cast<int>(first) + by);
-  };
-  if (const auto* level = std::get_if<FallbackLevel>(&notice.what)) {
-    return shifted(EventKind::valid, static_cast<int>(*level));
+EventKind kind_of(FallbackLevel level) {
+  switch (level) {
+    case FallbackLevel::valid:
+      return EventKind::valid;
+    case FallbackLevel::predicted:
+      return EventKind::predicted;
+    case FallbackLevel::slowed:
+      return EventKind::slowed;
+    case FallbackLevel::hold:
+      return EventKind::hold;
+    case FallbackLevel::land:
+      return EventKind::land;
+    case FallbackLevel::grounded:
+      break;
   }
-  return shifted(EventKind::measurement_not_finite,
-                 static_cast<int>(*std::get_if<MeasurementFault>(&notice.what)) - 1);
+  return EventKind::grounded;
+}
+
+EventKind kind_of(MeasurementFault fault) {
+  switch (fault) {
+    case MeasurementFault::none:  // a notice is of a fault
+    case MeasurementFault::not_finite:
+      return EventKind::measurement_not_finite;
+    case MeasurementFault::heading:
+      return EventKind::measurement_heading;
+    case MeasurementFault::world:
+      return EventKind::measurement_world;
+    case MeasurementFault::speed:
+      return EventKind::measurement_speed;
+    case MeasurementFault::jump:
+      return EventKind::measurement_jump;
+    case MeasurementFault::frozen:
+      return EventKind::measurement_frozen;
+    case MeasurementFault::time:
+      break;
+  }
+  return EventKind::measurement_time;
+}
+
+EventKind kind_of(const Notice& notice) {
+  return std::visit([](auto what) { return kind_of(what); }, notice.what);
 }
 
 }  // namespace
