@@ -71,6 +71,18 @@ TEST(FlightPage, AWatcherSeesTheFlightWithItsPredictionsAndEvents) {
   EXPECT_EQ(flight.page.dropped(), 0);
 }
 
+// A log's page shows the same of the same flight: of all solvers, without the rest of the update.
+TEST(FlightPage, TheSolveTimeIsThatOfTheSolvers) {
+  ShownFlight flight(1.0);
+  PageClient client(flight.port());
+  ASSERT_THAT(client.watch(), testing::StartsWith("HTTP/1.1 101"));
+  flight.sample.x = flight.scenario.x0;
+  flight.sample.update_us = 500.0;
+  flight.sample.solvers.assign(2, {.solve_us = 20.0});
+  flight.page.show(flight.sample);
+  EXPECT_THAT(client.hear("\"it\":", 5.0), HasSubstr("\"us\":40,"));
+}
+
 /// Hears the poses of uav0 until a flight of so many periods is over. @return their times, in periods
 std::vector<std::int64_t> hear_poses(PageClient& client, std::int64_t last) {
   test::FoxgloveEars ears;

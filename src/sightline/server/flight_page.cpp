@@ -118,7 +118,9 @@ class FlightPage::Thread {
     }
     newest_.u = sample.u;
     newest_.asked = asked_;
-    newest_.solve_us = std::max(newest_.solve_us, sample.update_us);
+    double solve_us = 0.0;  // of all controllers together, as a log has it
+    for (const SolverRecord& solver : sample.solvers) solve_us += solver.solve_us;
+    newest_.solve_us = std::max(newest_.solve_us, solve_us);
     if (!sample.solvers.empty()) {
       const SolverRecord& solver = sample.solvers.front();
       newest_.status = to_string(solver.status);
