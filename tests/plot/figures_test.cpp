@@ -36,6 +36,17 @@ Drawing drawing(std::vector<double> x, std::vector<double> y, std::string title 
           {.x_label = "x", .y_label = "y", .curves = {{std::move(title), 0, Drawing::Mark::line, x, y}}}}};
 }
 
+Drawing field(Drawing::Grid::View view, double height) {
+  Drawing::Panel panel{.x_label = "x [m]", .y_label = "y [m]"};
+  panel.height = 200;
+  panel.title = "panel's title";
+  panel.grid = {.view = view, .across = 4, .label = "z [m]"};
+  for (int i = 0; i < 16; ++i) {
+    panel.grid.x.push_back(i % 4), panel.grid.y.push_back(i / 4), panel.grid.z.push_back(height * i);
+  }
+  return {.title = "Field", .caption = "", .panels = {panel, panel}, .columns = 2};
+}
+
 TEST(RowsToDraw, RiseWithinTheRowsThereAreFromTheFirstToTheLastAndAreNotTooMany) {
   Random random(1);
   for (int n = 0; n < 500; ++n) {
@@ -142,21 +153,39 @@ TEST(Draw, TakesAnyFiniteCurve) {
   EXPECT_EQ(draw(drawings).size(), drawings.size());
 }
 
+// gnuplot would take "inf" for a variable.
+TEST(Draw, TakesWhatIsNoNumberForAGapWhereverItStands) {
+  for (const double odd : {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+                           nan, std::numeric_limits<double>::max(), -1e300}) {
+    SCOPED_TRACE(odd);
+    Drawing curve = drawing({0, odd, 2, 3}, {1, 2, odd, 4});
+    Drawing::Panel& panel = curve.panels[0];
+    panel.labels = {{odd, 1.0, "hidden"}, {1.0, odd, "hidden"}, {1.0, 1.0, "shown"}};
+    panel.moments = {{odd, "hidden"}, {1.0, "then"}};
+    panel.x_range = {0.0, odd};
+    panel.y_range = {odd, 1.0};
+    const auto figures = draw({curve});
+    ASSERT_EQ(figures.size(), 1u);
+    EXPECT_THAT(figures[0].svg,
+                testing::AllOf(HasSubstr("shown"), HasSubstr("then"), Not(HasSubstr("hidden"))));
+    for (const auto view :
+         {Drawing::Grid::View::map, Drawing::Grid::View::surface, Drawing::Grid::View::cloud}) {
+      Drawing some = field(view, 1.0);
+      some.panels[0].grid.z[5] = odd;
+      EXPECT_EQ(draw({some}).size(), 1u);
+      some.panels[0].grid.x[5] = odd;
+      EXPECT_EQ(draw({some}).size(), 1u) << "the other panel is drawn";
+    }
+    Drawing one = drawing({1e90}, {1e90});
+    one.panels[0].equal_scales = std::isnan(odd);
+    EXPECT_EQ(draw({one}).size(), 1u);
+  }
+}
+
 TEST(Draw, ShowsAnyTextAsItIs) {
   const auto figures = draw({drawing({0, 1}, {1, 2}, "it's `date` @x $y {a_b} \\n \"q\" <b> & ψ")});
   ASSERT_EQ(figures.size(), 1u);
   EXPECT_THAT(figures[0].svg, HasSubstr("it's `date` @x $y {a_b} \\n \"q\" &lt;b> &amp; ψ"));
-}
-
-Drawing field(Drawing::Grid::View view, double height) {
-  Drawing::Panel panel{.x_label = "x [m]", .y_label = "y [m]"};
-  panel.height = 200;
-  panel.title = "panel's title";
-  panel.grid = {.view = view, .across = 4, .label = "z [m]"};
-  for (int i = 0; i < 16; ++i) {
-    panel.grid.x.push_back(i % 4), panel.grid.y.push_back(i / 4), panel.grid.z.push_back(height * i);
-  }
-  return {.title = "Field", .caption = "", .panels = {panel, panel}, .columns = 2};
 }
 
 TEST(Draw, ShowsAFieldAsColoursASurfaceOrPointsWithItsLabels) {

@@ -64,8 +64,28 @@ std::string literal(std::string_view text) {
   return result + "'";
 }
 
+// What gnuplot takes as a number, and differences and products of which are numbers as well.
+bool is_drawn(double value) { return std::abs(value) <= 1e100; }
+
 bool has_a_number(const std::vector<double>& values) {
-  return std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  return std::any_of(values.begin(), values.end(), is_drawn);
+}
+
+// Keeps what has a place on the axes.
+void prune(Drawing::Grid& grid) {
+  for (double& z : grid.z)
+    if (!is_drawn(z)) z = no_value;
+  const auto has_place = [](const std::vector<double>& at) {
+    return std::all_of(at.begin(), at.end(), is_drawn);
+  };
+  if (!has_a_number(grid.z) || !has_place(grid.x) || !has_place(grid.y)) grid = {};
+}
+void prune_notes(Panel& panel) {
+  std::erase_if(panel.labels,
+                [](const Drawing::Note& note) { return !is_drawn(note.x) || !is_drawn(note.y); });
+  std::erase_if(panel.moments, [](const Drawing::Moment& moment) { return !is_drawn(moment.x); });
+  for (auto* range : {&panel.x_range, &panel.y_range})
+    if (*range && !(is_drawn((**range)[0]) && is_drawn((**range)[1]))) range->reset();
 }
 
 // What an axis cannot show becomes a gap; curves, panels and drawings without a point go.
@@ -74,13 +94,14 @@ void prune(std::vector<Drawing>& drawings) {
     for (Panel& panel : drawing.panels) {
       for (Curve& curve : panel.curves) {
         for (std::size_t i = 0; i < curve.x.size(); ++i) {
-          const bool shown = std::isfinite(curve.x[i]) && std::isfinite(curve.y[i]) &&
+          const bool shown = is_drawn(curve.x[i]) && is_drawn(curve.y[i]) &&
                              (!panel.log_x || curve.x[i] > 0) && (!panel.log_y || curve.y[i] > 0);
           if (!shown) curve.y[i] = no_value;
         }
       }
       std::erase_if(panel.curves, [](const Curve& curve) { return !has_a_number(curve.y); });
-      if (!has_a_number(panel.grid.z)) panel.grid = {};
+      prune(panel.grid);
+      prune_notes(panel);
     }
     const bool shared = !drawing.panels.empty() && drawing.panels.front().x_label.empty();
     const std::string x_label = shared ? drawing.panels.back().x_label : "";
@@ -157,8 +178,10 @@ AxisRange range_of(const Panel& panel, std::vector<double> Curve::*axis) {
 
 AxisRange height_of(const Drawing::Grid& grid) {
   if (grid.z.empty()) return {0.0, 0.0};
-  const auto [low, high] = std::minmax_element(grid.z.begin(), grid.z.end());
-  return {*low, *high};
+  AxisRange range;
+  for (const double z : grid.z)
+    if (std::isfinite(z)) range = {std::min(range.low, z), std::max(range.high, z)};
+  return range;
 }
 
 struct Space {
@@ -202,7 +225,8 @@ std::string ranges(const Panel& panel, int axes) {
   if (panel.log_x) return text(x.low / 1.05, x.high * 1.05, y_low, y_high);
   const double x_low = panel.x_range ? (*panel.x_range)[0] : x.low,
                x_high = panel.x_range ? (*panel.x_range)[1] : x.high;
-  const double x_air = x_high > x_low ? 0.003 * (x_high - x_low) : 1e-3;  // the last tic is seen
+  const double x_air = x_high > x_low ? 0.003 * (x_high - x_low)
+                                      : std::max(1e-3, 1e-3 * std::abs(x_low));  // the last tic is seen
   return panel.y_range ? text(x_low, x_high + x_air, (*panel.y_range)[0], (*panel.y_range)[1])
                        : text(x_low, x_high + x_air, y_low, y_high);
 }
