@@ -16,6 +16,7 @@
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
 #include "cli/slurm.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/campaign/merge.hpp"
 #include "sightline/campaign/page.hpp"
 #include "sightline/campaign/paired.hpp"
@@ -260,7 +261,7 @@ int merge(const CampaignCommand& command, const Parts& parts) {
     write_text(out / "campaign.html", campaign_html(tables, campaign_plan(scenario), words, out));
     print("{}\n", (out / "campaign.html").native());
   } catch (const std::exception& error) {  // without gnuplot, say: the table holds all that was flown
-    say(error.what());
+    say(sentence_of(error));
     code = 1;
   }
   for (const char* file : {"campaign.json", "campaign.sqlite"}) print("{}\n", (out / file).native());
@@ -294,7 +295,7 @@ int campaign(const CampaignCommand& command, const Parts& parts) {
     input = read(command, parts);
     if (command.slurm.submit) return campaign_by_slurm(command, input, parts);
   } catch (const std::exception& error) {
-    tell("{}\n", error.what());
+    tell("{}\n", sentence_of(error));
     return 2;
   }
   outlive_the_terminal();
@@ -332,7 +333,7 @@ int campaign(const CampaignCommand& command, const Parts& parts) {
                    campaign_html(shown, input.plan, again(command, input), input.folder,
                                  input.plan.evasion ? evasion_html(*input.plan.evasion, of_page) : ""));
       } catch (const std::runtime_error& error) {  // without gnuplot, say: the table holds all that was flown
-        say(error.what());
+        say(sentence_of(error));
         lost = true;
       }
     }

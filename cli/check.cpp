@@ -3,6 +3,7 @@
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "sightline/analysis/preflight.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/scenario.hpp"
@@ -29,7 +30,7 @@ int check(const CheckCommand& command, const Parts& parts) {
     if (const std::string told = controls.kernels().sentence(); !told.empty()) say(told);
     return 0;
   } catch (const std::exception& error) {
-    tell("{}\n", error.what());
+    tell("{}\n", sentence_of(error));
     return 2;
   }
 }

@@ -13,6 +13,7 @@
 #include "cli/arguments.hpp"
 #include "cli/output.hpp"
 #include "sightline/base/nearest.hpp"
+#include "sightline/base/sentence.hpp"
 
 namespace sightline {
 namespace {
@@ -32,9 +33,11 @@ int execute(int argc, char** argv, const Parts& parts) {
   const std::string_view first = argc > 1 ? argv[1] : "";
   if (!first.starts_with('-') && std::find(commands.begin(), commands.end(), first) == commands.end()) {
     const std::vector<std::string_view> known(commands.begin(), commands.end());
-    say(first.empty() ? fmt::format("the command is missing, expected one of {}", fmt::join(commands, ", "))
-                      : fmt::format("{} is no command, expected one of {}, the nearest is {}", first,
-                                    fmt::join(commands, ", "), nearest(first, known)));
+    const auto near = nearest(first, known);
+    say(first.empty()
+            ? fmt::format("the command is missing, expected one of {}", fmt::join(commands, ", "))
+            : fmt::format("{} is no command, expected one of {}{}", first, fmt::join(commands, ", "),
+                          near ? fmt::format(", the nearest is {}", *near) : std::string()));
     return 2;
   }
   try {
@@ -73,7 +76,7 @@ int command_line(int argc, char** argv, const Parts& parts) {
   try {
     code = execute(argc, argv, parts);
   } catch (const std::exception& e) {
-    tell("sightline: {}\n", e.what());
+    tell("sightline: {}\n", sentence_of(e));
   }
   return finish(code);
 }

@@ -13,6 +13,7 @@
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
 #include "sightline/analysis/tag_size.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/loop_timing.hpp"
 
@@ -123,7 +124,7 @@ int doctor(const DoctorCommand& command, const Parts& parts) {
     scenario = read_fleet(command.fleet, parts);
     fleet = parts.bridge->examine(scenario);
   } catch (const std::exception& error) {
-    tell("{}\n", error.what());
+    tell("{}\n", sentence_of(error));
     return 2;
   }
   listen_to_interrupts();

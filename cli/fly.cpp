@@ -10,6 +10,7 @@
 #include "cli/fault_keys.hpp"
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/run/realtime.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/closed_loop.hpp"
@@ -136,7 +137,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
           fmt::format("{}: agent.{}.localized_by = view, expected \"global\": its link tells no motion",
                       command.fleet.file.native(), scenario.team.name(localized.front().robot)));
   } catch (const std::exception& error) {
-    tell("{}\n", error.what());
+    tell("{}\n", sentence_of(error));
     return 2;
   }
   outlive_the_terminal();
@@ -183,7 +184,7 @@ FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const Excitat
       motion = fly_excitation(alone, robot, options, *world, clock, stop_flight());
       why.clear();
     } catch (const std::exception& error) {
-      why = error.what();
+      why = sentence_of(error);
     }
     world->land(interrupts(), offer_sentence);
   }).join();
@@ -208,7 +209,7 @@ int vehicles(const VehiclesCommand& command, const Parts& parts) {
     for (const std::string& line : stand_ins->counts()) print("{}\n", line);
     return 0;
   } catch (const std::exception& error) {
-    tell("{}\n", error.what());
+    tell("{}\n", sentence_of(error));
     return 2;
   }
 }

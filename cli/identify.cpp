@@ -7,9 +7,11 @@
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "sightline/analysis/identification/identification_text.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/record/replay.hpp"
 #include "sightline/record/text_file.hpp"
+#include "sightline/scenario/file_kind.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline::cli {
@@ -38,10 +40,7 @@ auto in(const fs::path& place, Make&& make) {
 
 /// What the log of a run has of the robot.
 FlownMotion flown(const IdentifyCommand& command, const Parts& parts) {
-  const fs::path log = command.of.file / "run.mcap";
-  if (!fs::is_regular_file(log))
-    throw std::invalid_argument(
-        fmt::format("{}: no run.mcap, expected a scenario or the folder of a run", command.of.file.native()));
+  const fs::path log = log_of(command.of.file);
   const FlownAs flight = flown_as(log);
   const Scenario scenario =
       parse_scenario(flight.text, log, parts, {.files = flight.files, .set = command.of.set});
@@ -52,7 +51,8 @@ FlownMotion flown(const IdentifyCommand& command, const Parts& parts) {
 }  // namespace
 
 int identify(const IdentifyCommand& command, const Parts& parts) {
-  const bool of_log = fs::is_directory(command.of.file);
+  std::error_code ignored;  // of what cannot be looked at, the reading says why
+  const bool of_log = fs::is_directory(command.of.file, ignored);
   std::optional<FolderLock> lock;
   FlownMotion motion;
   std::optional<Identification> found;
@@ -81,7 +81,7 @@ int identify(const IdentifyCommand& command, const Parts& parts) {
       found = in(command.of.file, [&] { return sightline::identify(motion, options.kind); });
     }
   } catch (const std::exception& error) {
-    tell("{}\n", error.what());
+    tell("{}\n", sentence_of(error));
     return 2;
   }
 
@@ -98,7 +98,7 @@ int identify(const IdentifyCommand& command, const Parts& parts) {
     write_text(folder / "identify.html", identification_html(*found, motion));
     if (!command.json) print("{}\n", (folder / "identify.html").native());
   } catch (const std::runtime_error& error) {
-    say(fmt::format("no identify.html: {}", error.what()));
+    say(fmt::format("no identify.html: {}", sentence_of(error)));
   }
   return 0;
 }

@@ -5,6 +5,7 @@
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "sightline/analysis/potential_page.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/record/text_file.hpp"
 #include "sightline/scenario/scenario.hpp"
@@ -41,7 +42,7 @@ int potential(const PotentialOptions& options, const Parts& parts) {
         options.output.empty() ? std::filesystem::path("out") / scenario.name / "potential" : options.output,
         std::initializer_list<std::string_view>{"verdict.json", "index.html"});
   } catch (const std::exception& error) {
-    tell("{}\n", error.what());
+    tell("{}\n", sentence_of(error));
     return 2;
   }
 

@@ -12,12 +12,14 @@
 #include "cli/output.hpp"
 #include "cli/partition.hpp"
 #include "cli/progress.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/record/logged_flight.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/report/report.hpp"
 #include "sightline/run/realtime.hpp"
 #include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/file_kind.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/server/tuning.hpp"
 
@@ -164,7 +166,7 @@ int run(const RunOptions& options, const Parts& parts) {
     folder.emplace(options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output,
                    scenario, partition.has_value());
   } catch (const std::exception& error) {
-    tell("{}\n", error.what());
+    tell("{}\n", sentence_of(error));
     return 2;
   }
   outlive_the_terminal();
@@ -225,7 +227,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
     try {
       write_report(folder);
     } catch (const std::exception& error) {
-      say(error.what());
+      say(sentence_of(error));
       bad = true;
     }
   }
@@ -248,16 +250,9 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
 }
 
 int report(const std::filesystem::path& folder) {
-  if (!std::filesystem::is_directory(folder)) {
-    tell("{}: not a folder, expected the folder of a run\n", folder.native());
-    return 2;
-  }
-  if (!std::filesystem::is_regular_file(folder / "run.mcap")) {
-    tell("{}: no run.mcap, expected the folder of a run\n", folder.native());
-    return 2;
-  }
   std::optional<FolderLock> lock;
   try {
+    (void)log_of(folder);
     lock.emplace(folder, std::initializer_list<std::string_view>{"run.mcap", "timing.csv", "summary.json",
                                                                  "report.html"});
   } catch (const std::invalid_argument& error) {
@@ -267,7 +262,7 @@ int report(const std::filesystem::path& folder) {
   try {
     write_report(folder);
   } catch (const std::exception& error) {
-    say(error.what());
+    say(sentence_of(error));
     return 1;
   }
   print("{}\n", (folder / "report.html").native());

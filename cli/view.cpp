@@ -12,8 +12,10 @@
 #include "cli/fleet.hpp"
 #include "cli/linked_sink.hpp"
 #include "cli/output.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/record/replay.hpp"
 #include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/file_kind.hpp"
 #include "sightline/server/flight_page.hpp"
 #include "sightline/server/log_page.hpp"
 #include "sightline/server/log_playback.hpp"
@@ -57,11 +59,7 @@ void wait_until(Moments::time_point end) {
 }
 
 int view_log(const ViewCommand& command, const Parts& parts, const ServeOptions& options) {
-  const std::filesystem::path &folder = command.of.file, log = folder / "run.mcap";
-  if (!std::filesystem::is_regular_file(log)) {
-    tell("{}: no run.mcap, expected the folder of a run\n", folder.native());
-    return 2;
-  }
+  const std::filesystem::path &folder = command.of.file, log = log_of(folder);
   if (!command.of.set.empty() || command.speed || command.paused || command.tune || !command.output.empty())
     throw std::invalid_argument(
         "--set, --speed, --paused, --tune and --output of a log, expected none: it is flown already");
@@ -152,11 +150,12 @@ int view(const ViewCommand& command, const Parts& parts) {
   const ServeOptions& options = command.serve;
   outlive_the_terminal();
   listen_to_interrupts();
+  std::error_code ignored;  // of what cannot be looked at, the reading says why
   try {
-    return std::filesystem::is_directory(command.of.file) ? view_log(command, parts, options)
-                                                          : view_flight(command, parts, options);
+    return std::filesystem::is_directory(command.of.file, ignored) ? view_log(command, parts, options)
+                                                                   : view_flight(command, parts, options);
   } catch (const std::exception& error) {
-    tell("{}\n", error.what());
+    tell("{}\n", sentence_of(error));
     return 2;
   }
 }

@@ -7,6 +7,7 @@
 #include "sightline/record/logged_flight.hpp"
 #include "sightline/record/replay.hpp"
 #include "sightline/report/report.hpp"
+#include "sightline/scenario/file_kind.hpp"
 #include "sightline/scenario/parts.hpp"
 
 namespace sightline::python {
@@ -53,8 +54,7 @@ Flown run(const Scenario& given, const fs::path& out, const std::optional<std::u
 
 std::string replay(const fs::path& folder, const std::optional<std::string>& solver,
                    const std::vector<std::string>& set) {
-  const fs::path log = folder / "run.mcap";
-  if (!fs::is_regular_file(log)) refuse("{}: no run.mcap, expected the folder of a run", folder.native());
+  const fs::path log = log_of(folder);
   std::atomic<bool> stop = false;
   const std::atomic<double> flown = 0.0;
   auto flight = std::async(std::launch::async, [&] {

@@ -34,9 +34,8 @@ void KeywordSource::expect_only(std::span<const std::string_view> keys) const {
   for (const auto& [key, value] : given_) {
     const std::string name = py::str(key);
     if (std::find(keys.begin(), keys.end(), name) != keys.end()) continue;
-    const std::string expected = keys.empty() ? std::string("no argument")
-                                              : fmt::format("a known one, the nearest is \"{}\"",
-                                                            nearest(shortened(name, shown_size), keys));
+    const std::string expected =
+        keys.empty() ? std::string("no argument") : "a known one" + hint(shortened(name, shown_size), keys);
     throw py::type_error(fmt::format("{}.{} = {}, expected {}", part_, name, shown(value), expected));
   }
 }

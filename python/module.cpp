@@ -1,5 +1,10 @@
 // The Python module: `import sightline` is python/sightline/__init__.py, which takes its names from here.
+#include <exception>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
 #include "python/bindings.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/scenario/scenario_text.hpp"
 
@@ -9,6 +14,16 @@ PYBIND11_MODULE(_sightline, module) {
   module.attr("__version__") = std::string(sightline::version);
   module.attr("compiler") = std::string(sightline::compiler);
   pybind11::register_exception<sightline::ScenarioError>(module, "ScenarioError", PyExc_ValueError);
+  // What libraries throw, in words of ours.
+  pybind11::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const std::filesystem::filesystem_error& error) {
+      PyErr_SetString(PyExc_RuntimeError, sightline::sentence_of(error).c_str());
+    } catch (const nlohmann::json::exception& error) {
+      PyErr_SetString(PyExc_RuntimeError, sightline::sentence_of(error).c_str());
+    }
+  });
   python::bind_formula(module);
   python::bind_parts(module);
   python::bind_team(module);

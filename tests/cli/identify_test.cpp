@@ -67,7 +67,7 @@ TEST(IdentifyCommand, RefusesInOneSentence) {
   EXPECT_THAT(refused(rotors + " --agent uav0 --seconds 2"), HasSubstr("--seconds = 2, expected 5 to 600 s"));
   EXPECT_THAT(refused("scenarios/ground_and_air.toml --agent rover"), HasSubstr("expected"));
   EXPECT_THAT(refused(folder.string() + " --agent uav0"),
-              HasSubstr("no run.mcap, expected a scenario or the folder of a run"));
+              HasSubstr("no run.mcap, expected the folder of a run"));
   const std::string out = (folder / "out").string();
   ASSERT_NE(sightline("run " + rotors + " -o " + out, folder).code, 2);
   EXPECT_THAT(refused(out + " --agent uav0"),

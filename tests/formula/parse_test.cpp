@@ -137,7 +137,9 @@ TEST(Parse, ConstantsThatAreNotFiniteAreRefused) {
   EXPECT_EQ(formula_refusal("log(-2)"), "1:1: \"log\" gives no finite number, expected a finite constant");
   EXPECT_EQ(formula_refusal("1e200 * 1e200"),
             "1:7: \"*\" gives no finite number, expected a finite constant");
-  EXPECT_EQ(formula_refusal("inf"), "1:1: \"inf\" is unknown, expected a known name, the nearest is \"min\"");
+  EXPECT_EQ(formula_refusal("inf"),
+            "1:1: \"inf\" is unknown, expected a known name: pi, k, range, t, x, y, z, sqrt, abs, min, max, "
+            "sin and 7 more");
 }
 
 TEST(Parse, DepthLengthAndNumberOfOperationsAreBounded) {

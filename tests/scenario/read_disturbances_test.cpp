@@ -36,7 +36,7 @@ TEST(ReadDisturbances, WhatIsNoWindIsRefused) {
   EXPECT_EQ(refused("wind = { size = -1.0, direction = 0.0 }\n"),
             "a:2: d.wind.size = -1, expected >= 0 m/s^2");
   EXPECT_EQ(refused("wind = { size = 1.0, towards = 0.0 }\n"),
-            "a:2: d.wind.towards = 0, expected a known key, the nearest is \"size\"");
+            "a:2: d.wind.towards = 0, expected a known key: size, direction");
   EXPECT_EQ(refused("wind = [1.0, 0.0]\n"), "a:2: d.wind = [1, 0], expected an array of 3 numbers");
   EXPECT_EQ(refused("wind = 1.0\n"), "a:2: d.wind = 1, expected an array of 3 numbers");
 }

@@ -43,7 +43,7 @@ TEST(ReadEvasion, EachKeyReachesItsField) {
 
 TEST(ReadEvasion, WhatCannotBeIsRefusedWithItsLine) {
   EXPECT_EQ(evasion_refusal("agent = \"lamp\"\ntarget = \"lamp\"\nobstacle = \"hand\""),
-            "a:1: agent = \"lamp\", expected a robot, the nearest is \"uav0\"");
+            "a:1: agent = \"lamp\", expected a robot: uav0");
   EXPECT_EQ(evasion_refusal("agent = \"uav0\"\ntarget = \"lamq\"\nobstacle = \"hand\""),
             "a:2: target = \"lamq\", expected another body, the nearest is \"lamp\"");
   EXPECT_EQ(evasion_refusal(evasion_names + "d_min = 0.0"), "a:4: d_min = 0, expected > 0 m");

@@ -64,7 +64,7 @@ TEST(ReadKeepApart, WhatIsWrongIsRefusedWithItsPlace) {
   EXPECT_EQ(keep_apart_refusal("agents = \"some\"\n" + rest),
             "a.toml:13: keep_apart[0].agents = \"some\", expected \"all\" or a list of names");
   EXPECT_EQ(keep_apart_refusal("agents = [\"a\", \"d\"]\n" + rest),
-            "a.toml:13: keep_apart[0].agents[1] = \"d\", expected a robot, the nearest is \"a\"");
+            "a.toml:13: keep_apart[0].agents[1] = \"d\", expected a robot: a, b, c");
   EXPECT_THAT(keep_apart_refusal("agents = [\"a\", \"o\"]\n" + rest), testing::HasSubstr("expected a robot"));
   EXPECT_THAT(keep_apart_refusal("agents = [\"a\", \"a\"]\n" + rest),
               testing::HasSubstr("expected each robot once"));

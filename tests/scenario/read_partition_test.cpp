@@ -84,7 +84,7 @@ TEST(Partition, PutsEveryRobotIntoOnePartInWords) {
   EXPECT_EQ(partition_refusal("[partition]\nleft = [\"a0\", \"a1\"]\nright = [\"a2\", \"a3\", \"a0\"]\n"),
             "a.toml:17: partition.right[2] = \"a0\", expected a robot that no part has yet");
   EXPECT_EQ(partition_refusal("[partition]\nleft = [\"b0\"]\n"),
-            "a.toml:16: partition.left[0] = \"b0\", expected a robot, the nearest is \"a0\"");
+            "a.toml:16: partition.left[0] = \"b0\", expected a robot: a0, a1, a2, a3");
   EXPECT_EQ(partition_refusal("[partition]\nleft = []\n"),
             "a.toml:16: partition.left = [], expected an array of one or more robots by name");
   EXPECT_EQ(partition_refusal("[partition]\n"),

@@ -171,7 +171,7 @@ TEST(ReadRegion, WhatIsNoRegionIsRefusedWithWhatWasExpected) {
   EXPECT_EQ(region_refusal("region = { inside = \"x > 0\", kappa = 3 }"),
             at + ".kappa = 3, expected a known key, the nearest is \"kappa_A\"");
   EXPECT_EQ(region_refusal("region = { inside = \"x > 0\", slope = { steep = {} } }"),
-            at + ".slope.steep = {}, expected a known key, the nearest is \"none\"");
+            at + ".slope.steep = {}, expected a known key: none, quadratic, softplus");
   EXPECT_EQ(region_refusal("region = { inside = \"x > 0\", parameters = { a = true } }"),
             at + ".parameters.a = true, expected a number, a formula in quotes, or a table with value");
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 #include <string_view>
 
 namespace sightline {
@@ -11,6 +12,11 @@ namespace sightline {
 struct Range {
   double low, high;           // both are allowed
   std::string_view expected;  // ends with the unit
+
+  /// False of what is not a number.
+  constexpr bool holds(double value) const { return value >= low && value <= high; }
+  /// The words, and the bound that the value breaks where they leave it out: "> 0 m, at most 1e9".
+  std::string expected_of(double value) const;
 };
 
 /// Nothing a scenario measures is larger; beyond it squares and sixth powers are no longer safe.
@@ -25,6 +31,15 @@ constexpr Range positive(std::string_view expected) {
 }
 
 inline constexpr Range time_range = not_negative(">= 0 s");
+
+inline std::string Range::expected_of(double value) const {
+  std::string words(expected);
+  if (words.find("at most 1e9") != std::string::npos) return words;
+  if (value > high && high == largest_number) words += ", at most 1e9";
+  if (value < low && low == -largest_number) words += ", at least -1e9";
+  if (value > 0 && value < low && low == std::numeric_limits<double>::min()) words += ", at least 2.3e-308";
+  return words;
+}
 
 /// Finite, not negative.
 inline bool at_least_zero(double value) { return value >= 0 && std::isfinite(value); }

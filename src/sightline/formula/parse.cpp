@@ -281,8 +281,8 @@ class Parser {
     std::vector<std::string_view> known = {"pi"};
     for (const auto& [word, meaning] : names_) known.push_back(word);
     for (const Function& f : functions) known.push_back(f.name);
-    refuse(token, fmt::format("{} is unknown, expected a known name, the nearest is \"{}\"", shown(token),
-                              nearest(token.text.substr(0, 40), known)));
+    refuse(token, fmt::format("{} is unknown, expected a known name{}", shown(token),
+                              hint(token.text.substr(0, 40), known)));
   }
 
   Part call(const Token& token) {

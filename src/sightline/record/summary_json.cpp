@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "sightline/base/sentence.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/record/text_file.hpp"
@@ -118,7 +119,7 @@ std::string write_summary(const std::filesystem::path& folder, std::string_view 
     write_text(folder / "summary.json", json);
     return {};
   } catch (const std::runtime_error& error) {
-    return error.what();
+    return sentence_of(error);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/base/sentence.hpp"
 #include "sightline/record/summary.hpp"
 
 namespace sightline {
@@ -44,7 +45,7 @@ auto of_summary(Read&& read) {
   try {
     return read();
   } catch (const Json::exception& e) {
-    throw std::runtime_error(fmt::format("summary.json is no summary of a run: {}", e.what()));
+    throw std::runtime_error(fmt::format("summary.json is no summary of a run: {}", sentence_of(e)));
   }
 }
 

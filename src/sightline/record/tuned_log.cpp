@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/record/log_text.hpp"
 
 namespace sightline {
@@ -72,7 +73,7 @@ std::string tuned_events(const std::filesystem::path& log) {
           nlohmann::json::parse(words->second.at("team")).value("events", nlohmann::json::array()).size();
   } catch (const std::exception& error) {
     throw std::runtime_error(
-        fmt::format("{}: what was tuned cannot be read: {}", log.string(), error.what()));
+        fmt::format("{}: what was tuned cannot be read: {}", log.string(), sentence_of(error)));
   }
   if (!mcap.ok()) throw std::runtime_error(mcap.error());
   std::string text;

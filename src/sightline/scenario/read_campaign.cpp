@@ -142,11 +142,11 @@ class PlanReader {
   [[noreturn]] void refuse_key(const TomlTable& at, std::string_view why) const {
     const std::string key = at.text("key", "");
     const std::vector<std::string_view> all(keys_.begin(), keys_.end());
+    const auto near = nearest(shortened(key, shown_size), all);
     at.refuse(
         "key",
-        fmt::format(
-            "the key of a number that this file writes out or may, the nearest it writes is \"{}\" ({})",
-            nearest(shortened(key, shown_size), all), why));
+        fmt::format("the key of a number that this file writes out or may{} ({})",
+                    near ? fmt::format(", the nearest it writes is \"{}\"", *near) : std::string(), why));
   }
 
   std::string position_key(const std::string& name, int i) const {

@@ -56,9 +56,7 @@ std::vector<AgentId> read_agents(const TomlTable& at, const Team& team) {
     if (body.index < 0 || !team.is_agent(body)) {
       std::vector<std::string_view> known;
       for (const Agent& agent : team.agents()) known.push_back(agent.name);
-      at.refuse(
-          "agents", i,
-          fmt::format("a robot, the nearest is \"{}\"", nearest(shortened(names[i], name_size_max), known)));
+      at.refuse("agents", i, "a robot" + hint(shortened(names[i], name_size_max), known));
     }
     if (std::find(agents.begin(), agents.end(), body) != agents.end())
       at.refuse("agents", i, "each robot once");
@@ -77,9 +75,7 @@ Observer observer_of(const Team& team, const Observers& observers, BodyId body) 
 BodyId body_named(const TomlTable& at, std::string_view key, std::size_t i, std::string_view name,
                   const Team& team) {
   if (const BodyId body = team.find(name); body.index >= 0) return body;
-  at.refuse(key, i,
-            fmt::format("a known name, the nearest is \"{}\"",
-                        nearest(shortened(name, name_size_max), body_names(team, Among::bodies))));
+  at.refuse(key, i, "a known name" + hint(shortened(name, name_size_max), body_names(team, Among::bodies)));
 }
 
 std::vector<BodyId> bodies_named(const TomlTable& at, std::string_view key, std::size_t length,

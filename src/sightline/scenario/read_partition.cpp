@@ -40,8 +40,7 @@ PlannedPart read_part_of(const TomlTable& at, const std::string& name, const Tea
     const BodyId body = team.find(part.robots[i]);
     if (body.index >= 0 && team.is_agent(body)) at.refuse(name, i, "a robot that no part has yet");
     at.refuse(name, i,
-              fmt::format("a robot, the nearest is \"{}\"", nearest(shortened(part.robots[i], name_size_max),
-                                                                    body_names(team, Among::robots))));
+              "a robot" + hint(shortened(part.robots[i], name_size_max), body_names(team, Among::robots)));
   }
   return part;
 }

@@ -33,7 +33,7 @@ void check_state(const TomlTable& at, std::string_view key, std::size_t i, const
                  const TextRobot& robot) {
   if (std::find(robot.states.begin(), robot.states.end(), name) != robot.states.end()) return;
   const std::vector<std::string_view> known(robot.states.begin(), robot.states.end());
-  at.refuse(key, i, fmt::format("a state, the nearest is \"{}\"", nearest(name, known)));
+  at.refuse(key, i, "a state" + hint(name, known));
 }
 
 std::vector<std::string> read_heading(const TomlTable& at, const TextRobot& robot) {

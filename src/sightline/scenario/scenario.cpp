@@ -321,8 +321,7 @@ class Reader {
     if (found == bodies_.end() || !scenario_.team.is_agent(found->second)) {
       std::vector<std::string_view> known;
       for (const Agent& agent : scenario_.team.agents()) known.push_back(agent.name);
-      at.refuse("agent", fmt::format("a robot, the nearest is \"{}\"",
-                                     nearest(shortened(name, name_size_max), known)));
+      at.refuse("agent", "a robot" + hint(shortened(name, name_size_max), known));
     }
     return AgentId{found->second};
   }

@@ -7,7 +7,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
+
+#include "sightline/scenario/file_kind.hpp"
 
 namespace sightline {
 namespace {
@@ -114,13 +117,17 @@ std::string_view kind_of(mode_t mode) {
 
 }  // namespace
 
+ScenarioError::ScenarioError(std::string_view file, const std::string& place, std::string_view sentence)
+    : std::runtime_error(fmt::format("{}{}: {}", one_line(file), place, one_line(sentence))),
+      file_(file),
+      sentence_(one_line(sentence)) {}
+
 ScenarioError::ScenarioError(std::string_view file, std::size_t line, std::string_view sentence)
-    : std::runtime_error(line > 0 ? fmt::format("{}:{}: {}", one_line(file), line, one_line(sentence))
-                                  : fmt::format("{}: {}", one_line(file), one_line(sentence))) {}
+    : ScenarioError(file, line > 0 ? fmt::format(":{}", line) : std::string(), sentence) {}
 
 ScenarioError::ScenarioError(std::string_view file, std::size_t line, std::size_t column,
                              std::string_view sentence)
-    : std::runtime_error(fmt::format("{}:{}:{}: {}", one_line(file), line, column, one_line(sentence))) {}
+    : ScenarioError(file, fmt::format(":{}:{}", line, column), sentence) {}
 
 std::string one_line(std::string_view text) {
   std::string line;
@@ -168,7 +175,6 @@ std::string read_text(const std::filesystem::path& path) {
   if (!S_ISREG(status.st_mode)) {
     throw refuse(fmt::format("this is {}, expected a scenario file", kind_of(status.st_mode)));
   }
-  if (status.st_size > static_cast<off_t>(scenario_size_max)) throw too_large();
   const Descriptor in{::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)};
   if (in.number < 0) throw fault();
 
@@ -179,8 +185,15 @@ std::string read_text(const std::filesystem::path& path) {
     if (n == 0) return text;
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) throw fault();
+    const bool first = text.empty();
     text.append(block, static_cast<std::size_t>(n));
-    if (text.size() > scenario_size_max) throw too_large();
+    if (!first && text.size() <= scenario_size_max) continue;
+    const FileKind kind = file_kind(std::string_view(text).substr(0, file_head));
+    const bool large = std::max<std::uintmax_t>(text.size(), static_cast<std::uintmax_t>(status.st_size)) >
+                       scenario_size_max;
+    // A text is what it is once it is no TOML.
+    if (!kind.what.empty() && (large || !kind.is_text)) throw refuse(kind_sentence(kind));
+    if (large) throw too_large();
   }
 }
 

@@ -17,6 +17,16 @@ class ScenarioError : public std::runtime_error {
   /// @param line  0 for what stands in no line of the file
   ScenarioError(std::string_view file, std::size_t line, std::string_view sentence);
   ScenarioError(std::string_view file, std::size_t line, std::size_t column, std::string_view sentence);
+
+  /// The file, or the name of another layer, "--set KEY=VALUE".
+  const std::string& file() const { return file_; }
+  /// What is wrong, without its place.
+  const std::string& sentence() const { return sentence_; }
+
+ private:
+  ScenarioError(std::string_view file, const std::string& place, std::string_view sentence);
+
+  std::string file_, sentence_;
 };
 
 /// Largest scenario that is read [bytes].

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "sightline/scenario/file_kind.hpp"
 #include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/string_place.hpp"
 
@@ -90,12 +91,15 @@ TomlDocument parse_toml(std::string_view text, std::string file) {
 }
 
 toml::table parse_layer(std::string_view text, const std::string& file) {
+  const FileKind kind = file_kind(text.substr(0, file_head));
+  if (!kind.what.empty() && !kind.is_text) throw ScenarioError(file, 1, kind_sentence(kind));
   check_text(text, file);
   try {
     toml::table root = toml::parse(text, file);
     refuse_null_characters(root, "", file);
     return root;
   } catch (const toml::parse_error& error) {
+    if (!kind.what.empty()) throw ScenarioError(file, 1, kind_sentence(kind));
     throw ScenarioError(file, std::max<std::size_t>(error.source().begin.line, 1),
                         fmt::format("{}, expected TOML", shortened(error.description(), 4 * shown_size)));
   }
@@ -145,8 +149,7 @@ void TomlTable::expect_only(std::span<const std::string_view> known) const {
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
     const std::string expected = known.empty()
                                      ? std::string("no key here")
-                                     : fmt::format("a known key, the nearest is \"{}\"",
-                                                   nearest(shortened(key.str(), shown_size), known));
+                                     : "a known key" + hint(shortened(key.str(), shown_size), known);
     refuse_at_place(*document_, key.source(),
                     fmt::format("{} = {}, expected {}", place(key.str()), shown(node), expected));
   }
@@ -178,8 +181,7 @@ double TomlTable::number_at(const toml::node& node, const std::string& at, const
   const bool is_number = node.is_floating_point() || node.is_integer();
   const double value = is_number ? *node.value<double>() : 0.0;
   if (!is_number) refuse_node(node, at, fmt::format("a number, {}", range.expected));
-  // Written so that NaN is refused.
-  if (!(value >= range.low && value <= range.high)) refuse_node(node, at, range.expected);
+  if (!range.holds(value)) refuse_node(node, at, range.expected_of(value));
   return value;
 }
 
@@ -203,7 +205,13 @@ std::string TomlTable::text(std::string_view key, std::string_view expected) con
 }
 
 std::string_view TomlTable::word(std::string_view key, std::span<const std::string_view> known) const {
-  return word(key, known, fmt::format("one of \"{}\"", fmt::join(known, "\", \"")));
+  const std::string expected = fmt::format("one of \"{}\"", fmt::join(known, "\", \""));
+  const TomlValue given = value(key, expected);
+  if (!given.is_text()) given.refuse(expected);
+  const auto found = std::find(known.begin(), known.end(), given.text());
+  if (found != known.end()) return *found;
+  const auto near = nearest(shortened(given.text(), shown_size), known);
+  given.refuse(near ? fmt::format("{}, the nearest is \"{}\"", expected, *near) : expected);
 }
 
 std::string_view TomlTable::word(std::string_view key, std::span<const std::string_view> known,
@@ -338,7 +346,7 @@ std::string_view TomlValue::word(std::span<const std::string_view> known, std::s
   const auto found = std::find(known.begin(), known.end(), text());
   if (found != known.end()) return *found;
   if (known.empty()) refuse(fmt::format("{}, there is none", expected));
-  refuse(fmt::format("{}, the nearest is \"{}\"", expected, nearest(shortened(text(), shown_size), known)));
+  refuse(fmt::format("{}{}", expected, hint(shortened(text(), shown_size), known)));
 }
 
 std::vector<TomlValue> TomlValue::items() const {
@@ -351,7 +359,7 @@ std::vector<TomlValue> TomlValue::items() const {
 
 double TomlValue::number(const Range& range) const {
   const double value = *node_->value<double>();
-  if (!(value >= range.low && value <= range.high)) refuse(range.expected);
+  if (!range.holds(value)) refuse(range.expected_of(value));
   return value;
 }
 

@@ -22,6 +22,7 @@
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/record/localization_log.hpp"
@@ -329,7 +330,7 @@ class LogPage::Thread {
         if (log_->state() == LogState::growing || moments_.empty()) look();
         fault_.clear();
       } catch (const std::exception& error) {
-        fault_ = error.what();  // of a log that is just being made it ends; it is looked at again
+        fault_ = sentence_of(error);  // of a log that is just being made it ends; it is looked at again
       }
       tell();
     }

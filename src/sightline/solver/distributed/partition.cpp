@@ -109,8 +109,8 @@ Partition read_partition(std::string_view text, const Team& team) {
     for (const std::string& word : part.robots) {
       const BodyId body = word.empty() ? BodyId{} : team.find(word);
       if (body.index < 0 || !team.is_agent(body)) {
-        refuse("partition = \"{}\": \"{}\" is no robot of the team, expected one such as \"{}\"", text, word,
-               nearest(word, names));
+        refuse("partition = \"{}\": \"{}\" is no robot of the team, expected one{}", text, word,
+               hint(word, names));
       }
       subteam.push_back(AgentId{body});
     }

@@ -1,0 +1,187 @@
+#include "sightline/scenario/file_kind.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <system_error>
+#include <vector>
+
+#include "sightline/base/refuse.hpp"
+
+namespace sightline {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::string_view scenario = "a scenario file (TOML)",
+                           no_log =
+                               "a scenario file (TOML); logs are read from the folder of a run, as run "
+                               "and fly write it";
+
+struct Magic {
+  std::string_view begins;
+  FileKind kind;
+};
+
+constexpr std::string_view mcap_magic = "\x89MCAP0\r\n"sv;
+
+constexpr std::array magics = {
+    Magic{"ULog\x01\x12\x35"sv, {"a PX4 ULog", no_log}},
+    Magic{"\xa3\x95\x80"sv, {"a dataflash log of ArduPilot", no_log}},
+    Magic{"#ROSBAG V"sv, {"a bag of ROS 1", no_log}},
+    Magic{"SQLite format 3\0"sv,
+          {"an SQLite database, as a rosbag2 .db3 or the table of a campaign",
+           "a scenario file (TOML); campaign --resume takes the folder of a campaign"}},
+    Magic{"\x89HDF\r\n"sv, {"an HDF5 file", no_log}},
+    Magic{"\x1f\x8b"sv, {"a gzip archive", scenario}},
+    Magic{"PK\x03\x04"sv, {"a zip archive", scenario}},
+    Magic{"\x28\xb5\x2f\xfd"sv, {"a zstd archive", scenario}},
+    Magic{"\xfd\x37zXZ"sv, {"an xz archive", scenario}},
+    Magic{"%PDF-"sv, {"a PDF", scenario}},
+    Magic{"\x89PNG"sv, {"a PNG picture", scenario}},
+    Magic{"\xff\xd8\xff"sv, {"a JPEG picture", scenario}},
+    Magic{"\x7f\x45LF"sv, {"a program (ELF)", scenario}},
+};
+
+/// A log of ours, or of somebody else: the header names the library that wrote it.
+FileKind mcap_kind(std::string_view head) {
+  if (head.substr(0, 256).find("sightline") != std::string_view::npos)
+    return {"the log of a run", "a scenario file (TOML), or the folder that the log lies in"};
+  return {"an MCAP recording, as of rosbag2",
+          "a scenario file (TOML); recordings of other programs are not read, those of run and fly by the "
+          "folder of the run"};
+}
+
+std::string_view trimmed_left(std::string_view line) {
+  line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
+  return line;
+}
+
+/// Lines that say something: neither empty nor a comment. The last may be cut off.
+std::vector<std::string_view> lines_of(std::string_view head) {
+  if (head.starts_with("\xef\xbb\xbf")) head.remove_prefix(3);
+  std::vector<std::string_view> lines;
+  while (!head.empty()) {
+    const std::size_t end = std::min(head.find('\n'), head.size());
+    std::string_view line = head.substr(0, end);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    const std::string_view words = trimmed_left(line);
+    if (!words.empty() && !words.starts_with('#')) lines.push_back(line);
+    head.remove_prefix(std::min(end + 1, head.size()));
+  }
+  return lines;
+}
+
+/// The key of a YAML mapping, "robots" of "robots:" and of "robots: ..."; empty where the line has none.
+std::string_view yaml_key(std::string_view line) {
+  line = trimmed_left(line);
+  if (line.starts_with("- ")) line = trimmed_left(line.substr(2));
+  const std::size_t colon = line.find(':');
+  if (colon == std::string_view::npos || (colon + 1 < line.size() && line[colon + 1] != ' ')) return {};
+  const std::string_view key = line.substr(0, colon);
+  return key.find_first_of(" =[]{},\"'") == std::string_view::npos ? key : std::string_view();
+}
+
+struct YamlKind {
+  std::array<std::string_view, 3> keys;  // any of these
+  FileKind kind;
+};
+
+constexpr std::array yaml_kinds = {
+    YamlKind{{"robot_types", "firmware_params", "initial_position"},
+             {"a crazyflies.yaml of Crazyswarm2",
+              "a scenario file (TOML), in which each robot is an [agent.NAME] with its initial_position as "
+              "start.p and link = { kind = \"crazyswarm2\" }",
+              true}},
+    YamlKind{{"camera_matrix", "distortion_coeffs", "distortion_coefficients"},
+             {"the calibration of a camera (YAML)",
+              "a scenario file (TOML), whose [agent.NAME.camera] has the width, the height and the "
+              "field_of_view",
+              true}},
+    YamlKind{{"standalone_tags", "tag_bundles", "tag_family"},
+             {"the tags of apriltag_ros (YAML)",
+              "a scenario file (TOML), whose [agent.NAME.tags] say which tags a body has", true}},
+    YamlKind{{"rosbag2_bagfile_information", "relative_file_paths", "storage_identifier"},
+             {"the metadata of a rosbag2 (YAML)", no_log, true}},
+};
+
+FileKind yaml_kind(const std::vector<std::string_view>& lines) {
+  for (const YamlKind& one : yaml_kinds) {
+    const bool has = std::any_of(lines.begin(), lines.end(), [&](std::string_view line) {
+      const std::string_view key = yaml_key(line);
+      return !key.empty() && std::find(one.keys.begin(), one.keys.end(), key) != one.keys.end();
+    });
+    if (has) return one.kind;
+  }
+  const std::string_view first = lines.front();
+  const bool begins = first.starts_with("---") || first.starts_with("%YAML") || first.starts_with("- ");
+  if (begins || !yaml_key(first).empty()) return {"YAML", scenario, true};
+  return {};
+}
+
+/// Whether two rows have as many columns, by one of the marks that stand between them.
+bool is_table(std::string_view first, std::string_view second) {
+  return std::any_of(std::begin(",;\t"), std::end(",;\t") - 1, [&](char mark) {
+    const auto columns = std::count(first.begin(), first.end(), mark);
+    return columns > 0 && columns == std::count(second.begin(), second.end(), mark);
+  });
+}
+
+FileKind text_kind(std::string_view head) {
+  const std::vector<std::string_view> lines = lines_of(head);
+  if (lines.empty()) return {};
+  const std::string_view first = trimmed_left(lines.front());
+  if (first.starts_with('{')) return {"JSON", scenario, true};
+  if (first.starts_with('<'))
+    return {"XML", "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"", true};
+  if (first.starts_with("QGC WPL")) return {"a list of waypoints of QGroundControl", scenario, true};
+  // A table in TOML is a [header] of its own.
+  if (lines.size() > 1 && first.find('=') == std::string_view::npos && !first.starts_with('[') &&
+      is_table(lines[0], lines[1]))
+    return {
+        "a table of values (CSV)",
+        "a scenario file (TOML), in which a path is written as reference = { waypoints = { times = [...], p "
+        "= [[x, y, z], ...] } }",
+        true};
+  return yaml_kind(lines);
+}
+
+/// The beginning of a file; empty where it cannot be read.
+std::string head_of(const std::filesystem::path& file) {
+  std::string head(file_head, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  return head;
+}
+
+}  // namespace
+
+FileKind file_kind(std::string_view head) {
+  if (head.starts_with(mcap_magic)) return mcap_kind(head);
+  for (const Magic& magic : magics)
+    if (head.starts_with(magic.begins)) return magic.kind;
+  if (head.find('\0') != std::string_view::npos) return {};
+  return text_kind(head.substr(0, file_head));
+}
+
+std::string kind_sentence(const FileKind& kind) {
+  return kind.what.empty() ? std::string() : fmt::format("this is {}, expected {}", kind.what, kind.expected);
+}
+
+std::filesystem::path log_of(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(folder, ignored)) {
+    const FileKind kind = file_kind(head_of(folder));
+    refuse("{}: this is {}, expected the folder of a run", folder.native(),
+           kind.what.empty() ? "a file"sv : kind.what);
+  }
+  std::filesystem::path log = folder / "run.mcap";
+  if (!std::filesystem::is_regular_file(log, ignored))
+    refuse("{}: no run.mcap, expected the folder of a run", folder.native());
+  return log;
+}
+
+}  // namespace sightline
