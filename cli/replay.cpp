@@ -7,8 +7,10 @@
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "cli/partition.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/file_kind.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -68,13 +70,9 @@ void print_text(const CommandComparison& compared, const Scenario& scenario) {
 }  // namespace
 
 int replay(const ReplayCommand& command, const Parts& parts) {
-  const std::filesystem::path log = command.folder / "run.mcap";
   const bool changed = command.solver || !command.set.empty();
   try {
-    if (!std::filesystem::is_regular_file(log)) {
-      tell("{}: no run.mcap, expected the folder of a run\n", command.folder.native());
-      return 2;
-    }
+    const std::filesystem::path log = log_of(command.folder);
     const FlownAs flown = flown_as(log);
     const Scenario scenario = flown_scenario(flown, log, parts, command.solver, command.set);
     RecordedFlight flight(log, scenario.team, scenario.x0, scenario.horizon.dt, goals_of(scenario.fleet));
@@ -86,7 +84,6 @@ int replay(const ReplayCommand& command, const Parts& parts) {
       say(fmt::format("samples were lost after {:.6g} s, what followed is not replayed",
                       *flight.lost_after()));
     }
-    if (flight.periods().empty()) return 1;
     if (flight.truncated())
       say(fmt::format("the log ends at {:.6g} s without its end", flight.periods().back().time));
 
@@ -104,7 +101,7 @@ int replay(const ReplayCommand& command, const Parts& parts) {
     if (changed) return 0;
     return compared.differing() == 0 && compared.differing_estimates() == 0 && !flight.lost_after() ? 0 : 1;
   } catch (const std::exception& error) {
-    tell("{}\n", error.what());
+    tell("{}\n", sentence_of(error));
     return 2;
   }
 }

@@ -16,13 +16,37 @@ namespace {
 
 static_assert(sizeof(Vec3<double>) == 3 * sizeof(double) && sizeof(Vec2<double>) == 2 * sizeof(double));
 
-/// A recording, and the whole states of its bodies once they were asked for.
+/// The whole states of a body, a row a period.
+struct LoggedStates {
+  std::vector<double> x;
+  std::size_t nx = 0;
+
+  void add(std::span<const double> row) {
+    if (nx == 0) nx = row.size();
+    if (row.size() != nx) refuse("a state of {} numbers, expected {}", row.size(), nx);
+    x.insert(x.end(), row.begin(), row.end());
+  }
+};
+
+/// A recording and the states of its bodies, all of one pass over the file: of a log that still grows, as it was then.
 struct OpenLog {
   std::filesystem::path folder;
+  std::map<std::string, LoggedStates, std::less<>> states{};  // by topic
   Recording recording;
-  std::map<std::string, std::vector<double>> states{};  // by topic, a row a period
 
-  explicit OpenLog(const std::filesystem::path& of) : folder(of), recording(read_recording(of)) {}
+  explicit OpenLog(const std::filesystem::path& of)
+      : folder(of), recording(read_recording(of, [this](const McapMessage& message) { add(message); })) {
+    for (auto& [topic, of_body] : states) of_body.x.resize(recording.time.size() * of_body.nx);
+  }
+
+ private:
+  LogText text_{};
+
+  void add(const McapMessage& message) {
+    if (message.encoding != "json" || !message.topic.ends_with("/state")) return;
+    text_.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
+    states[std::string(message.topic)].add(text_.numbers("x"));
+  }
 };
 using SharedLog = std::shared_ptr<OpenLog>;
 
@@ -51,30 +75,12 @@ py::array_t<double> shown(const SharedLog& log, const std::vector<Vec2<double>>&
   return shown(log, reinterpret_cast<const double*>(list.data()), {static_cast<py::ssize_t>(list.size()), 2});
 }
 
-/// Reads the states of all bodies, all bits of them.
-void read_states(OpenLog& log) {
-  for (const Recording::Body& body : log.recording.bodies)
-    log.states.emplace("/" + body.name + "/state", std::vector<double>());
-  const std::filesystem::path file = log.folder / "run.mcap";
-  McapReader reader(file);
-  LogText text;
-  reader.visit([&](const McapMessage& message) {
-    const auto place = log.states.find(std::string(message.topic));
-    if (place == log.states.end()) return;
-    text.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
-    const std::span<const double> x = text.numbers("x");
-    place->second.insert(place->second.end(), x.begin(), x.end());
-  });
-  if (!reader.ok()) throw std::runtime_error(fmt::format("{}: {}", file.native(), reader.error()));
-}
-
 py::array_t<double> states_of(const LoggedBody& of) {
-  OpenLog& log = *of.log;
-  if (log.states.empty()) read_states(log);
-  std::vector<double>& all = log.states.at("/" + of.body->name + "/state");
-  // A log that was cut off may have one period more of them.
-  const std::size_t rows = log.recording.time.size(), nx = rows > 0 ? all.size() / rows : 0;
-  return shown(of.log, all.data(), {static_cast<py::ssize_t>(rows), static_cast<py::ssize_t>(nx)});
+  static const LoggedStates none;
+  const auto found = of.log->states.find("/" + of.body->name + "/state");
+  const LoggedStates& all = found != of.log->states.end() ? found->second : none;
+  return shown(of.log, all.x.data(),
+               {static_cast<py::ssize_t>(of.log->recording.time.size()), static_cast<py::ssize_t>(all.nx)});
 }
 
 /// Applied inputs, a row a period.

@@ -34,20 +34,49 @@ class OneAtATime {
   std::atomic_flag& taken_;
 };
 
-/// The options of a solver as [solver] of a scenario has them, and read by that.
-std::string table_of(std::string_view name, const py::kwargs& options) {
-  std::string text = fmt::format("name = \"{}\"\n", name);
-  for (const auto& [key, value] : options) {
-    const std::string shown =
-        py::isinstance<py::str>(value) ? fmt::format("\"{}\"", std::string(py::str(value)))
-        : py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value)
-            ? std::string(py::str(py::repr(value)))
-            : throw py::type_error(fmt::format("{}.{} = {}, expected a number or a word", name,
-                                               std::string(py::str(key)),
-                                               std::string(py::str(py::repr(value)))));
-    text += fmt::format("{} = {}\n", std::string(py::str(key)), shown);
+bool is_truth(const py::handle& value) {
+  const std::string_view type = Py_TYPE(value.ptr())->tp_name;
+  return py::isinstance<py::bool_>(value) || type == "numpy.bool_" || type == "numpy.bool";
+}
+
+/// The int of what has __index__; none of what has not, as an array of one real number.
+py::object whole_number(const py::handle& value) {
+  if (PyIndex_Check(value.ptr()) == 0) return {};
+  auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  if (!whole) PyErr_Clear();
+  return whole;
+}
+
+/// Puts an option into the table of a solver as the value that it is: what has __index__ is a whole number, what has __float__ a
+/// number, of Python and of numpy.
+void put_option(toml::table& table, const std::string& key, const py::handle& value) {
+  if (table.contains(key)) refuse("{} is given twice", key);
+  if (py::isinstance<py::str>(value)) {
+    table.insert(key, value.cast<std::string>());
+  } else if (is_truth(value)) {
+    table.insert(key, PyObject_IsTrue(value.ptr()) == 1);
+  } else if (const auto whole = whole_number(value)) {
+    int beyond = 0;
+    const long long number = PyLong_AsLongLongAndOverflow(whole.ptr(), &beyond);
+    if (beyond != 0)
+      refuse("{} = {}, expected a number of 64 bits", key, std::string(py::str(py::repr(value))));
+    table.insert(key, static_cast<std::int64_t>(number));
+  } else if (py::hasattr(value, "__float__")) {
+    const double number = PyFloat_AsDouble(value.ptr());
+    if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+    table.insert(key, number);
+  } else {
+    throw py::type_error(
+        fmt::format("{} = {}, expected a number or a word", key, std::string(py::str(py::repr(value)))));
   }
-  return text;
+}
+
+/// The options of a solver as [solver] of a scenario has them, and read by that.
+SolverChoice choice_of(std::string_view name, const Horizon& horizon, const py::kwargs& options) {
+  TomlDocument document{.file = fmt::format("options of {}", name), .root = {}};
+  document.root.insert("name", std::string(name));
+  for (const auto& [key, value] : options) put_option(document.root, key.cast<std::string>(), value);
+  return read_solver(TomlTable(document), horizon);
 }
 
 /// A solver and who is in it.
@@ -57,10 +86,7 @@ struct GuardedSolver {
 
   GuardedSolver(const Team& team, const std::string& name, const Horizon& horizon,
                 const py::kwargs& options) {
-    const SolverChoice known = solver_named(name);
-    const std::string text = table_of(known.name, options);
-    const TomlDocument document = parse_toml(text, fmt::format("options of {}", name));
-    const SolverChoice choice = read_solver(TomlTable(document), horizon);
+    const SolverChoice choice = choice_of(solver_named(name).name, horizon, options);
     const py::gil_scoped_release others_run;
     solver = make_solver(choice, team, horizon);
   }

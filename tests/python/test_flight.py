@@ -134,6 +134,39 @@ def test_a_log_is_arrays_that_look_at_its_memory(scenarios, tmp_path):
         sl.Log(tmp_path / "nowhere")
 
 
+def records_of(log):
+    """Where the records of an MCAP file stand: (kind, from, to)."""
+    at = 8
+    while at < len(log) - 8:
+        to = at + 9 + int.from_bytes(log[at + 1:at + 9], "little")
+        yield log[at], at, to
+        at = to
+
+
+def test_a_log_that_grows_stays_what_it_was_when_it_was_opened(scenarios, tmp_path):
+    flown(scenarios, tmp_path / "whole", set=["simulation.duration=20.0"])
+    whole, grows = (tmp_path / "whole" / "run.mcap").read_bytes(), tmp_path / "grows"
+    grows.mkdir()
+    (grows / "timing.csv").write_bytes((tmp_path / "whole" / "timing.csv").read_bytes())
+    (grows / "run.mcap").write_bytes(whole[:len(whole) // 2])
+    log = sl.Log(grows)
+    n = len(log)
+    assert 0 < n < 2000 and not log.complete
+    (grows / "run.mcap").write_bytes(whole)
+    for name in log.bodies:
+        assert log[name].x.shape == (n, 7)
+        np.testing.assert_array_equal(log[name].p, log[name].x[:, :3])
+
+
+def test_a_log_without_its_beginning_is_no_flight_to_repeat(scenarios, tmp_path):
+    flown(scenarios, tmp_path, set=["simulation.duration=20.0"])
+    log = (tmp_path / "run.mcap").read_bytes()
+    _, begin, end = next(record for record in records_of(log) if record[0] == 0x06)
+    (tmp_path / "run.mcap").write_bytes(log[:begin] + log[end:])
+    with pytest.raises(RuntimeError, match="holds no samples of the first period"):
+        sl.replay(tmp_path)
+
+
 def test_many_flights_leave_no_memory_behind(scenarios, tmp_path):
     def resident():
         with open("/proc/self/statm") as file:

@@ -134,6 +134,15 @@ def test_parts_are_all_that_are_registered_with_their_parameters(sightline):
     (lambda: sl.newton_riccati(paper_pair(), tolerance=-1.0), ValueError, "tolerance"),
     (lambda: sl.newton_riccati(paper_pair(), toleranz=1.0), ValueError, 'the nearest is "tolerance"'),
     (lambda: sl.newton_riccati(paper_pair(), N=0), ValueError, "expected"),
+    (lambda: sl.cgmres(paper_pair(), jacobian='exact"\nk_max = 3 #'), ValueError, r"jacobian = .*expected one of"),
+    (lambda: sl.cgmres(paper_pair(), **{"k_max = 3\nzeta": 1.0}), ValueError, "expected a known key"),
+    (lambda: sl.cgmres(paper_pair(), name="newton_riccati"), ValueError, "name is given twice"),
+    (lambda: sl.cgmres(paper_pair(), k_max=True), ValueError, "k_max = true, expected an integer"),
+    (lambda: sl.cgmres(paper_pair(), k_max=np.bool_(True)), ValueError, "k_max = true, expected an integer"),
+    (lambda: sl.cgmres(paper_pair(), k_max=2.0), ValueError, "k_max = 2, expected an integer"),
+    (lambda: sl.cgmres(paper_pair(), k_max=2**70), ValueError, "expected a number of 64 bits"),
+    (lambda: sl.cgmres(paper_pair(), zeta=float("nan")), ValueError, "zeta = nan, expected > 0"),
+    (lambda: sl.cgmres(paper_pair(), zeta=[1.0]), TypeError, r"zeta = \[1\.0\], expected a number or a word"),
     (lambda: sl.newton_riccati(sl.Team()), ValueError, ""),
     (lambda: sl.Solver(paper_pair(), "newton"), ValueError, "solver = newton, expected one of"),
     (lambda: sl.Plant(paper_pair(), [0.0]), ValueError, ""),
@@ -162,6 +171,14 @@ def test_a_robot_a_target_and_a_limit_of_each_kind_fly_together():
     x[team.state(uav)] = [2, 0, 1, 1, 0, 0, 0]
     solution = sl.newton_riccati(team).solve(0.0, x)
     assert np.all(np.isfinite(solution.u)) and solution.status != sl.Status.not_finite
+
+
+@pytest.mark.parametrize("whole", [int, np.int64, np.int32, np.uint8])
+@pytest.mark.parametrize("real", [float, np.float64, np.float32])
+def test_options_are_numbers_of_python_and_of_numpy(whole, real):
+    given = sl.cgmres(paper_pair(), k_max=whole(3), zeta=real(25.0), tolerance=whole(1), jacobian="forward_difference")
+    plain = sl.cgmres(paper_pair(), k_max=3, zeta=25.0, tolerance=1.0, jacobian="forward_difference")
+    np.testing.assert_array_equal(given.solve(0.0, np.asarray(start)).u, plain.solve(0.0, np.asarray(start)).u)
 
 
 def test_many_teams_leave_no_memory_behind():

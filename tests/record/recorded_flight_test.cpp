@@ -142,6 +142,20 @@ TEST(RecordedFlight, SamplesThatTheLogLostEndWhatCanBeRepeated) {
   EXPECT_EQ(flight.periods().size(), 123U);
 }
 
+// A replay would start from a state that no controller had.
+TEST(RecordedFlight, ALogThatLostItsFirstPeriodIsRefused) {
+  const Scenario scenario = noisy();
+  SimulatedClock clock;
+  (void)logged(scenario, place("from_its_start"), clock);
+  fs::create_directories(place("later"));
+  test::copy_log(place("from_its_start") / "run.mcap", place("later") / "run.mcap",
+                 [](std::string_view, std::string& text) {
+                   if (text.starts_with("{\"time\":0,") || text.starts_with("{\"time\":0.01,")) text.clear();
+                 });
+  EXPECT_THAT(replay_refusal(scenario, place("later")),
+              testing::HasSubstr("run.mcap holds no samples of the first period"));
+}
+
 TEST(RecordedFlight, DetectionsComeBackAsTheyWere) {
   const Scenario scenario = noisy();
   Team team = scenario.team;

@@ -275,9 +275,11 @@ RecordedFlight::RecordedFlight(const std::filesystem::path& log, Team team, std:
     throw std::runtime_error(fmt::format("{} cannot be replayed: {}", log.string(), error.what()));
   }
   if (!mcap.ok()) throw std::runtime_error(mcap.error());
-  if (periods_.empty() && !lost_after_)
-    throw std::runtime_error(
-        fmt::format("{} holds no measurements of a whole period, expected the log of a run", log.string()));
+  if (periods_.empty())
+    throw std::runtime_error(fmt::format("{} holds no {}, expected the log of a run", log.string(),
+                                         lost_after_
+                                             ? "samples of the first period, from which a replay starts"
+                                             : "measurements of a whole period"));
   truncated_ = mcap.truncated();
 }
 

@@ -21,6 +21,7 @@
 
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/record/camera_log.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/localization_log.hpp"
@@ -422,7 +423,7 @@ class RecordingReader::Files {
       read_team(json::parse(words.at("team")), run);
       reader.emplace(run, number_of<std::size_t>(words, "controllers"));
     } catch (const std::exception& e) {
-      refuse("{} is no sound log of a run: {}", path, e.what());
+      refuse("{} is no sound log of a run: {}", path, sentence_of(e));
     }
   }
 
@@ -433,7 +434,7 @@ class RecordingReader::Files {
         if (visitor) visitor(message);
       });
     } catch (const std::exception& e) {
-      refuse("{} is no sound log of a run: {}", path, e.what());
+      refuse("{} is no sound log of a run: {}", path, sentence_of(e));
     }
     if (!log.ok()) refuse("{}", log.error());
     run.complete = !log.truncated();
@@ -459,9 +460,10 @@ void RecordingReader::read_on(const std::function<void(const McapMessage&)>& vis
 const Recording& RecordingReader::run() const { return files_->run; }
 std::size_t RecordingReader::rows() const { return files_->reader->rows(); }
 
-Recording read_recording(const std::filesystem::path& folder) {
+Recording read_recording(const std::filesystem::path& folder,
+                         const std::function<void(const McapMessage&)>& visitor) {
   RecordingReader reader(folder);
-  reader.read_on();
+  reader.read_on(visitor);
   reader.files_->reader->trim();
   Recording run = std::move(reader.files_->run);
   run.comparisons = read_comparisons(folder, run);

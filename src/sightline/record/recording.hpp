@@ -115,8 +115,10 @@ struct Recording {
 };
 
 /// Reads a run's folder; the log of a killed run as far as it is sound.
+/// @param visitor  receives each message of run.mcap once it is read, so that what it keeps is of the same moment of a log that grows
 /// @throws std::runtime_error with a sentence that names the file where it cannot be read
-Recording read_recording(const std::filesystem::path& folder);
+Recording read_recording(const std::filesystem::path& folder,
+                         const std::function<void(const McapMessage&)>& visitor = {});
 
 /// Reads a run's folder piece by piece, while it is still written.
 class RecordingReader {
@@ -139,7 +141,8 @@ class RecordingReader {
   std::size_t rows() const;
 
  private:
-  friend Recording read_recording(const std::filesystem::path& folder);
+  friend Recording read_recording(const std::filesystem::path& folder,
+                                  const std::function<void(const McapMessage&)>& visitor);
   class Files;
   std::unique_ptr<Files> files_;
 };

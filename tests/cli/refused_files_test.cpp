@@ -1,0 +1,71 @@
+// Files that are no scenarios, and names that are no files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/command.hpp"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+using test::fresh_folder;
+using test::lines;
+using test::sightline;
+
+// Whatever command a log, a calibration or a table is given to.
+TEST(RefusedFiles, AFileThatIsNoScenarioIsRefusedWithWhatItIs) {
+  const fs::path folder = fresh_folder();
+  const auto write = [&](const char* name, std::string_view text) {
+    std::ofstream(folder / name, std::ios::binary) << text;
+    return (folder / name).string();
+  };
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {write("flight.ulg", "ULog\x01\x12\x35\x01"), "a PX4 ULog"},
+      {write("bag.mcap", "\x89MCAP0\r\n\x01"), "an MCAP recording, as of rosbag2"},
+      {write("crazyflies.yaml", "robots:\n  cf1:\n    initial_position: [0, 0, 0]\n"),
+       "a crazyflies.yaml of Crazyswarm2"},
+      {write("camera.yaml", "image_width: 640\ncamera_matrix:\n  rows: 3\n"),
+       "the calibration of a camera (YAML)"},
+      {write("path.csv", "t,x,y,z\n0,0,0,1\n"), "a table of values (CSV)"}};
+  for (const auto& [file, what] : files) {
+    for (const char* command : {"check", "run", "view", "identify", "explain", "campaign", "potential"}) {
+      const auto refused = sightline(std::string(command) + " " + file, folder);
+      EXPECT_EQ(refused.code, 2) << command << " " << what;
+      EXPECT_THAT(refused.err,
+                  testing::StartsWith(file + ":1: this is " + what + ", expected a scenario file"))
+          << command;
+    }
+    for (const char* command : {"replay", "report"}) {
+      const auto refused = sightline(std::string(command) + " " + file, folder);
+      EXPECT_EQ(refused.code, 2) << command << " " << what;
+      EXPECT_EQ(refused.err, file + ": this is " + what + ", expected the folder of a run\n");
+    }
+  }
+}
+
+TEST(RefusedFiles, ALoopOfLinksIsRefusedByASentence) {
+  const fs::path folder = fresh_folder();
+  fs::create_symlink("b", folder / "a");
+  fs::create_symlink("a", folder / "b");
+  const std::string loop = (folder / "a").string(),
+                    scenario = SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml";
+  const auto refused = [&](const std::string& arguments) {
+    const auto result = sightline(arguments, folder);
+    EXPECT_EQ(result.code, 2) << arguments;
+    EXPECT_EQ(lines(result.err), 1) << result.err;
+    EXPECT_THAT(result.err, testing::AllOf(testing::HasSubstr(loop), testing::HasSubstr("expected"),
+                                           testing::Not(testing::HasSubstr("filesystem error"))))
+        << arguments;
+  };
+  for (const char* command :
+       {"check ", "run ", "view ", "identify ", "explain ", "campaign ", "potential ", "replay ", "report "})
+    refused(command + loop);
+  for (const char* command : {"run ", "campaign ", "identify ", "potential "})
+    refused(command + scenario + " -o " + loop);
+  refused("view " + scenario + " --tune --port 0 --seconds 1 -o " + loop);
+}
+
+}  // namespace
+}  // namespace sightline
