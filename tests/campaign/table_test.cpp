@@ -10,6 +10,7 @@
 #include "sightline/base/version.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/small_campaign.hpp"
 
 namespace sightline {
@@ -131,6 +132,69 @@ TEST(RunTable, WhatIsNoCampaignIsRefusedAndStays) {
   EXPECT_THAT(refusal(file, scenario, 9), testing::HasSubstr("no such table: runs"));
 }
 
+// Of each column, of a row in the middle, whatever is put in its place.
+TEST(RunTable, ARowThatWasAlteredIsRefusedByItsRunAndStays) {
+  const fs::path folder = test::fresh_folder(), file = flown_table(folder / "a.sqlite", 1, 8);
+  const Scenario scenario = small_campaign();
+  std::vector<std::string> names;
+  {
+    Database database(file, Database::Open::as_it_is);
+    Database::Statement columns(database, "SELECT name FROM pragma_table_info('runs')");
+    while (columns.step()) names.push_back(columns.text(0));
+  }
+  const fs::path altered = folder / "b.sqlite";
+  const auto refused = [&](const std::string& change) {
+    fs::copy_file(file, altered, fs::copy_options::overwrite_existing);
+    Database(altered, Database::Open::as_it_is).execute(change);
+    const std::string before = test::read_file(altered);
+    const std::string said = refusal(altered, scenario, 9);
+    EXPECT_TRUE(test::read_file(altered) == before);
+    return said;
+  };
+  for (const std::string& name : names) {
+    if (name == "index") continue;
+    const std::string value = name == "outcome"  ? "'recovered!'"
+                              : name == "digest" ? "'0'"
+                                                 : "coalesce(2 * x + 1.5, 7)";
+    std::string change = value;
+    if (const auto x = change.find('x'); x != std::string::npos && value.front() != '\'')
+      change.replace(x, 1, sql_name(name));
+    EXPECT_THAT(refused("UPDATE runs SET " + sql_name(name) + " = " + change + " WHERE \"index\" = 3"),
+                testing::HasSubstr("b.sqlite: the row of run 3 is not as it was written, expected"))
+        << name;
+  }
+  EXPECT_THAT(refused("DELETE FROM runs WHERE \"index\" = 3"), testing::HasSubstr("not one after another"));
+  EXPECT_THAT(refused("UPDATE runs SET \"index\" = CASE \"index\" WHEN 3 THEN -1 ELSE \"index\" END"),
+              testing::HasSubstr("the row of run -1"));
+  EXPECT_EQ(refused("DELETE FROM runs WHERE \"index\" = 7"), "") << "it is flown again";
+}
+
+// The plan and the text are the same, the numbers are not: a row of another program.
+TEST(RunTable, RunsThatFlyOtherwiseNowDoNotGoOn) {
+  const fs::path file = test::fresh_folder() / "a.sqlite";
+  const Scenario scenario = small_campaign();
+  const CampaignPlan& plan = *scenario.campaign;
+  const Variants variants(scenario, plan);
+  Pilot pilot(variants, plan);
+  const RunDraw run = draw_run(plan, 9, 0);
+  for (const double by : {0.0, 1e-9}) {
+    fs::remove(file);
+    RunResult result = pilot.fly(run);
+    result.energy += by;
+    {
+      RunTable table(file, scenario, plan, 9);
+      table.add(run, result);
+      table.finish();
+    }
+    RunTable table(file, scenario, plan, 9);
+    const auto go_on = [&] { check_continues(table, file, scenario, plan, {.runs = 4, .seed = 9}); };
+    const std::string said = refusal_of<std::invalid_argument>(go_on);
+    EXPECT_THAT(said, by > 0 ? testing::HasSubstr("holds 1 runs, of which number 0 flies otherwise now")
+                             : testing::HasSubstr(""));
+    EXPECT_EQ(said.empty(), by == 0.0);
+  }
+}
+
 TEST(RunTable, ACampaignWithoutARunIsBegunAnew) {
   const fs::path file = test::fresh_folder() / "a.sqlite";
   Scenario scenario = small_campaign();
@@ -145,14 +209,14 @@ TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
   Database::Statement columns(database, "SELECT name FROM pragma_table_info('runs')");
   while (columns.step()) names.push_back(columns.text(0));
   EXPECT_THAT(names,
-              testing::ElementsAre("index", "seed", "outcome", "reason", "min_distance", "time_to_first_view",
-                                   "fraction_in_view", "could_brake", "violations", "energy", "chatter",
-                                   "drift", "longest_without_plan", "barrier_conflict", "longest_out_of_view",
-                                   "status_converged", "status_stepped", "status_iteration_limit",
-                                   "status_deadline", "status_not_finite", "status_invalid_state",
-                                   "uav0.range", "uav0.bearing", "uav0.height", "uav0.heading", "uav0.v_f",
-                                   "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
-                                   "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy"));
+              testing::ElementsAre(
+                  "index", "seed", "outcome", "reason", "min_distance", "time_to_first_view",
+                  "fraction_in_view", "could_brake", "violations", "energy", "chatter", "drift",
+                  "longest_without_plan", "barrier_conflict", "longest_out_of_view", "status_converged",
+                  "status_stepped", "status_iteration_limit", "status_deadline", "status_not_finite",
+                  "status_invalid_state", "uav0.range", "uav0.bearing", "uav0.height", "uav0.heading",
+                  "uav0.v_f", "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
+                  "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy", "digest"));
   Database::Statement about(database,
                             "SELECT group_concat(value, '|') FROM campaign WHERE key IN "
                             "('scenario', 'seed', 'version', 'duration')");

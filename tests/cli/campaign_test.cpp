@@ -153,14 +153,14 @@ TEST(Campaign, WhatAFolderHoldsIsNeverReplaced) {
     EXPECT_THAT(refused.err, HasSubstr(why)) << words;
     EXPECT_THAT(refused.err, HasSubstr("another folder by -o")) << words;
   }
-  // The plan and the text are the same, the numbers are not: a row of another program.
+  // A number that somebody changed.
   {
     Database database(table, Database::Open::as_it_is);
     database.execute("UPDATE runs SET energy = energy + 1e-9 WHERE \"index\" = 7");
   }
   const auto other = sightline(campaign + " --runs 8", folder);
   EXPECT_EQ(other.code, 2);
-  EXPECT_THAT(other.err, HasSubstr("holds 8 runs, of which number 7 flies otherwise now"));
+  EXPECT_THAT(other.err, HasSubstr("campaign.sqlite: the row of run 7 is not as it was written"));
   EXPECT_EQ(one(table, "SELECT count(*) FROM runs"), "8");
   EXPECT_TRUE(read_file(out / "campaign.html") == page);
 }

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "sightline/base/refuse.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/campaign/database.hpp"
 #include "sightline/campaign/shard.hpp"
 #include "sightline/campaign/table.hpp"
@@ -77,6 +78,7 @@ ShardTable read_shard(const fs::path& file, const fs::path& scratch) {
             table.shard.of, table.shard.first()));
     count.step();
     rows = count.integer(0), misplaced = count.integer(1), last = count.integer(2);
+    check_rows(database);
     if (const auto digest = table.about.find(std::string(digest_key)); digest != table.about.end()) {
       if (digest->second != Database::Value(rows_digest(database)))
         throw std::runtime_error("rows are not as they were written");
@@ -84,7 +86,7 @@ ShardTable read_shard(const fs::path& file, const fs::path& scratch) {
       if (!is_as_written(file, scratch)) throw std::runtime_error("bytes are not as they were written");
     }
   } catch (const std::exception& error) {
-    refuse("{}: holds no sound shard ({})", file.native(), error.what());
+    refuse("{}: holds no sound shard ({})", file.native(), sentence_of(error));
   }
   if (table.of_runs == 0)
     refuse("{}: holds a campaign that was not flown by --shard, expected a shard", file.native());
@@ -175,7 +177,7 @@ CampaignWords campaign_words(const fs::path& file) {
             .runs = static_cast<int>(count.integer(0)),
             .recovered = static_cast<int>(count.integer(1))};
   } catch (const std::exception& error) {
-    refuse("{}: holds no campaign ({})", file.native(), error.what());
+    refuse("{}: holds no campaign ({})", file.native(), sentence_of(error));
   }
 }
 

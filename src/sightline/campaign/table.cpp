@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "sightline/base/refuse.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/record/text_file.hpp"
 
@@ -73,7 +74,35 @@ std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
     for (const std::string_view ending : localization_endings)
       columns.push_back(
           fmt::format("{} REAL", sql_name(std::string(scenario.team.name(one.robot)) + std::string(ending))));
+  columns.push_back(fmt::format("{} TEXT NOT NULL", sql_name(row_digest_column)));
   return fmt::format("CREATE TABLE runs({})", fmt::join(columns, ", "));
+}
+
+/// FNV-1a, 64 bits, of what fields are and hold.
+class Digest {
+ public:
+  void add(const Database::Value& value) {
+    const std::size_t kind = value.index();
+    add(&kind, sizeof kind);
+    if (const auto* whole = std::get_if<std::int64_t>(&value)) add(whole, sizeof *whole);
+    if (const auto* real = std::get_if<double>(&value)) add(real, sizeof *real);
+    if (const auto* text = std::get_if<std::string>(&value)) add(text->data(), text->size());
+  }
+  std::string text() const { return fmt::format("{:016x}", hash_); }
+
+ private:
+  void add(const void* data, std::size_t bytes) {
+    for (std::size_t i = 0; i < bytes; ++i)
+      hash_ = (hash_ ^ static_cast<const unsigned char*>(data)[i]) * 0x100000001b3ULL;
+  }
+
+  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
+};
+
+int width_of(Database& database) {
+  Database::Statement width(database, "SELECT count(*) FROM pragma_table_info('runs')");
+  width.step();
+  return static_cast<int>(width.integer(0));
 }
 
 std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result) {
@@ -100,6 +129,9 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
   for (const double value : result.energies) real(value);
   for (const RobotLocalization& one : result.localizations)
     for (const double value : {one.rmse, one.anees, one.longest_without_sight}) real(value);
+  Digest digest;
+  for (const Database::Value& value : row) digest.add(value);
+  row.emplace_back(digest.text());
   return row;
 }
 
@@ -138,27 +170,24 @@ void write_digest(Database& database) {
   insert.step();
 }
 
-/// FNV-1a, 64 bits, of what each field is and holds.
 std::string rows_digest(Database& database) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  const auto add = [&](const void* data, std::size_t bytes) {
-    for (std::size_t i = 0; i < bytes; ++i)
-      hash = (hash ^ static_cast<const unsigned char*>(data)[i]) * 0x100000001b3ULL;
-  };
-  Database::Statement width(database, "SELECT count(*) FROM pragma_table_info('runs')");
-  width.step();
+  Digest digest;
+  const int width = width_of(database);
+  Database::Statement rows(database, "SELECT * FROM runs ORDER BY \"index\"");
+  while (rows.step())
+    for (int i = 0; i < width; ++i) digest.add(rows.value(i));
+  return digest.text();
+}
+
+void check_rows(Database& database) {
+  const int last = width_of(database) - 1;
   Database::Statement rows(database, "SELECT * FROM runs ORDER BY \"index\"");
   while (rows.step()) {
-    for (int i = 0; i < static_cast<int>(width.integer(0)); ++i) {
-      const Database::Value value = rows.value(i);
-      const std::size_t kind = value.index();
-      add(&kind, sizeof kind);
-      if (const auto* whole = std::get_if<std::int64_t>(&value)) add(whole, sizeof *whole);
-      if (const auto* real = std::get_if<double>(&value)) add(real, sizeof *real);
-      if (const auto* text = std::get_if<std::string>(&value)) add(text->data(), text->size());
-    }
+    Digest digest;
+    for (int i = 0; i < last; ++i) digest.add(rows.value(i));
+    if (rows.text(last) != digest.text())
+      throw std::runtime_error(fmt::format("the row of run {} is not as it was written", rows.integer(0)));
   }
-  return fmt::format("{:016x}", hash);
 }
 
 RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, const CampaignPlan& plan,
@@ -226,13 +255,18 @@ void RunTable::go_on(const AboutCampaign& about, const std::string& columns) {
     Database::Statement made(*database_, "SELECT sql FROM sqlite_master WHERE name = 'runs'");
     if (!(made.step() && made.text(0) == columns)) others.emplace_back("columns");
   } catch (const std::runtime_error& error) {
-    refuse(fmt::format("holds no campaign ({})", error.what()));
+    refuse(fmt::format("holds no campaign ({})", sentence_of(error)));
   }
   if (rows_ == 0) return database_.reset();
   if (!others.empty())
     refuse(fmt::format("holds {} runs of another campaign: another {}", rows_, fmt::join(others, ", ")));
   if (last != shard_.run(rows_ - 1))
     refuse(fmt::format("holds {} runs up to number {}, not one after another", rows_, last));
+  try {
+    check_rows(*database_);
+  } catch (const std::runtime_error& error) {
+    refuse(error.what());
+  }
 }
 
 RunTable::~RunTable() {

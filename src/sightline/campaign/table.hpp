@@ -26,7 +26,7 @@ using AboutCampaign = std::map<std::string, Database::Value>;
 ///
 ///   runs      "index", seed, outcome, reason, min_distance, time_to_first_view, fraction_in_view, could_brake, violations,
 ///             energy, chatter, drift, longest_without_plan, barrier_conflict, a column status_NAME for each Status, a column for each number drawn, by its name, and
-///             ROBOT.energy for each robot
+///             ROBOT.energy for each robot; at last digest, of all that stands before it in the row
 ///   campaign  key, value: scenario, text, plan (the text of the scenario that draws, where that is another), seed,
 ///             duration, version, compiler; "file NAME" with the text of each file that the scenario names; of a shard
 ///             "I/N of RUNS" as shard; at its end a digest of all rows
@@ -100,6 +100,11 @@ inline constexpr std::string_view digest_key = "digest";
 
 /// The word of `campaign` that tells the shard.
 inline constexpr std::string_view shard_key = "shard";
+/// The column of a row's digest, the last one.
+inline constexpr std::string_view row_digest_column = "digest";
+/// @throws std::runtime_error naming the first run whose row is not as it was written
+void check_rows(Database& database);
+
 /// Of the text of a file that the scenario names, before its name.
 inline constexpr std::string_view file_key = "file ";
 
