@@ -58,6 +58,25 @@ TEST(Set, EachCommandThatTakesAScenarioKnowsItAndNamesItWhereItIsWrong) {
   }
 }
 
+// The file's campaign draws the centre of a circle that is no more.
+TEST(Set, AFlightIsNotStoppedByACampaignThatDrawsWhatIsReplaced) {
+  const fs::path folder = fresh_folder();
+  const std::string file =
+      pair + " --set 'agent.uav1.reference={constant={p=[0.0,0.0,1.0]}}' --set simulation.duration=0.5 ";
+  const auto run = sightline("run " + file + "-o " + (folder / "out").string(), folder);
+  EXPECT_NE(run.code, 2) << run.err;
+  const auto replay = sightline("replay " + (folder / "out").string(), folder);
+  EXPECT_EQ(replay.code, 0) << replay.err;
+  const auto view = sightline("view " + file + "--port 0 --seconds 0.2", folder);
+  EXPECT_EQ(view.code, 0) << view.err;
+  const auto check = sightline("check " + file, folder);
+  EXPECT_EQ(check.code, 0) << check.err;
+  EXPECT_THAT(check.out, HasSubstr("warning     no campaign can be flown: "));
+  const auto campaign = sightline("campaign " + file + "--runs 1", folder);
+  EXPECT_EQ(campaign.code, 2);
+  EXPECT_THAT(campaign.err, testing::AllOf(HasSubstr("agent.uav1.reference.circle"), HasSubstr("expected")));
+}
+
 TEST(Set, ACampaignHoldsOfBothScenariosAndTellsItWhereARunFliesAgain) {
   const fs::path folder = fresh_folder();
   const std::string words = "campaign " + pair +

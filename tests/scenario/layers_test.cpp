@@ -171,9 +171,10 @@ TEST_F(Layers, ACampaignDrawsNumbersOfAllLayers) {
       {"simulation.disturbance.input_delay=0.0"});
   ASSERT_TRUE(s.campaign);
   EXPECT_EQ(s.campaign->draws.size(), 2u);
-  EXPECT_EQ(refusal("[campaign]\n[[campaign.draw]]\nkey = \"couple[0].wieght\"\nuniform = [0.1, 0.2]\n")
-                .find(in("upper.toml") + ":4:"),
-            0u);
+  const Scenario wrong =
+      read("[campaign]\n[[campaign.draw]]\nkey = \"couple[0].wieght\"\nuniform = [0.1, 0.2]\n");
+  ASSERT_TRUE(wrong.campaign_refusal);
+  EXPECT_EQ(std::string(wrong.campaign_refusal->what()).find(in("upper.toml") + ":4:"), 0u);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "sightline/scenario/read_campaign.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +16,11 @@ start = { p = [0.0, 0.0, 1.0], heading = 0.0, v = [0.0, 0.0] }
 p = [1.0, 0.0, 1.0]
 )";
 
-CampaignPlan plan(const std::string& text) { return *parse_scenario(robots + text, "a").campaign; }
+CampaignPlan plan(const std::string& text) {
+  const Scenario scenario = parse_scenario(robots + text, "a");
+  if (scenario.campaign_refusal) throw ScenarioError(*scenario.campaign_refusal);
+  return *scenario.campaign;
+}
 
 TEST(ReadCampaign, AScenarioWithoutTheSectionHasNoCampaign) {
   EXPECT_FALSE(parse_scenario(robots, "a").campaign.has_value());
@@ -76,6 +81,31 @@ TEST(ReadCampaign, ANumberOfTheCampaignItselfIsNotDrawn) {
       plan("[campaign]\nduration = 12.0\n[[campaign.draw]]\nkey = \"campaign.duration\"\nuniform = [1.0, "
            "2.0]\n"),
       ScenarioError);
+}
+
+// Of all that [campaign] may say, nothing is of use to a flight that is no campaign's.
+TEST(ReadCampaign, WhatIsWrongWithItStopsNoOtherFlight) {
+  for (const char* wrong :
+       {"[campaign]\nruns = 100\n", "[campaign]\nduration = -1.0\n",
+        "[campaign]\n[[campaign.draw]]\nkey = \"agent.uav0.start.q[0]\"\nuniform = [0.0, 1.0]\n",
+        "[campaign]\n[[campaign.start]]\nagent = \"uav9\"\n", "[campaign.evasion]\nagent = \"uav9\"\n",
+        "campaign = 3\n"}) {
+    const bool is_key = wrong[0] == 'c';
+    const Scenario scenario = parse_scenario(is_key ? wrong + robots : robots + wrong, "a");
+    EXPECT_EQ(scenario.team.bodies(), 2) << wrong;
+    EXPECT_FALSE(scenario.campaign) << wrong;
+    ASSERT_TRUE(scenario.campaign_refusal) << wrong;
+    EXPECT_THAT(scenario.campaign_refusal->what(), testing::HasSubstr("expected")) << wrong;
+  }
+}
+
+// The drawn number would be a comment behind another value.
+TEST(ReadCampaign, AKeySetsNothingButTheNumberThatIsDrawn) {
+  for (const char* key : {R"(solver.name=\"cgmres\" #)", "horizon.stages=3 #", "simulation.seed=1", "a=b.c"})
+    EXPECT_THROW(
+        plan(fmt::format("[campaign]\n[[campaign.draw]]\nkey = \"{}\"\nuniform = [1.0, 2.0]\n", key)),
+        ScenarioError)
+        << key;
 }
 
 }  // namespace

@@ -151,6 +151,8 @@ Preflight preflight(const Scenario& scenario) {
   append(p.warnings, warnings_of_touches(scenario));
   append(p.warnings, tags.warnings);
   append(p.warnings, unobservable_robots(scenario));
+  if (scenario.campaign_refusal)
+    p.warnings.push_back(fmt::format("no campaign can be flown: {}", scenario.campaign_refusal->what()));
   return p;
 }
 

@@ -92,6 +92,7 @@ RunResult Pilot::fly(const RunDraw& run) {
 }
 
 const CampaignPlan& campaign_plan(const Scenario& scenario) {
+  if (scenario.campaign_refusal) throw *scenario.campaign_refusal;
   if (scenario.campaign) return *scenario.campaign;
   refuse("{}:1: campaign is missing, expected [campaign] with what is drawn", scenario.file.native());
 }

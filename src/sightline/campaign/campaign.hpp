@@ -44,7 +44,7 @@ class Pilot {
 };
 
 /// What the scenario draws.
-/// @throws std::invalid_argument where it has no [campaign]
+/// @throws std::invalid_argument where it has no [campaign], ScenarioError where that cannot be flown
 const CampaignPlan& campaign_plan(const Scenario& scenario);
 
 /// @throws ScenarioError where the scenario cannot be judged over many runs of the plan, as Variants

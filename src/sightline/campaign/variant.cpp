@@ -7,6 +7,7 @@
 
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/layers.hpp"
+#include "sightline/scenario/set_value.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {
@@ -81,17 +82,17 @@ Variants::Variants(const Scenario& base, const CampaignPlan& plan)
 void Variants::try_additions() const {
   const auto is_added = [](const Drawn& drawn) { return !drawn.number; };
   if (std::none_of(draws_.begin(), draws_.end(), is_added)) return;
+  const RunDraw run = draw_run(plan_, 0, 0);
   try {
-    (void)of(draw_run(plan_, 0, 0));
+    (void)of(run);
   } catch (const ScenarioError& error) {
-    const std::string_view sentence = error.what();
     for (const Drawn& drawn : draws_) {
-      if (!is_added(drawn) || !sentence.starts_with(fmt::format("--set {}=", drawn.key))) continue;
+      if (!is_added(drawn) || error.file() != set_layer(assignment(drawn.key, drawn.of(run))).name) continue;
       throw ScenarioError(
           file_.native(), 1,
           fmt::format("{} is missing, expected the number that the campaign draws, or a place "
                       "for it ({})",
-                      drawn.key, sentence.substr(sentence.find(": ") + 2)));
+                      drawn.key, error.sentence()));
     }
     throw;
   }
@@ -124,11 +125,10 @@ Scenario Variants::of(const RunDraw& run) const {
   // What is drawn by key comes first: a start may be around a body whose own place is drawn.
   std::vector<std::string> added;
   for (const Drawn& drawn : draws_) {
-    const double value = drawn.times * run.values[drawn.draw] + drawn.plus;
     if (drawn.number) {
-      changes.emplace_back(*drawn.number, value);
+      changes.emplace_back(*drawn.number, drawn.of(run));
     } else {
-      added.push_back(fmt::format("{}={}", drawn.key, value));
+      added.push_back(assignment(drawn.key, drawn.of(run)));
     }
   }
   const double* value = run.values.data();

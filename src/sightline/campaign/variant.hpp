@@ -53,6 +53,8 @@ class Variants {
     std::string key;
     std::size_t draw;
     double times, plus;
+
+    double of(const RunDraw& run) const { return times * run.values[draw] + plus; }
   };
   std::vector<Drawn> draws_;
   std::vector<std::size_t> of_team_;             // indices of values

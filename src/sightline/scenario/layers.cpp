@@ -114,8 +114,7 @@ TomlDocument layered(std::string_view text, std::string file, std::span<const st
   TomlDocument document = parse_toml(text, std::move(file));
   if (set.empty() && !document.root.contains(based_on_key)) return document;
   stack(text, document.file, {}, document.layers);
-  for (const std::string& assignment : set)
-    document.layers.push_back({"--set " + shortened(assignment, 80), assignment, false});
+  for (const std::string& assignment : set) document.layers.push_back(set_layer(assignment));
   document.root = root_of(document);
   return document;
 }

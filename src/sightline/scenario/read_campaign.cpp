@@ -5,11 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <set>
+#include <stdexcept>
 
+#include "sightline/scenario/layers.hpp"
 #include "sightline/scenario/read_part.hpp"
+#include "sightline/scenario/scenario.hpp"
 #include "sightline/scenario/scenario_numbers.hpp"
+#include "sightline/scenario/set_value.hpp"
+#include "sightline/scenario/templates.hpp"
 
 namespace sightline {
 namespace {
@@ -114,13 +120,11 @@ class PlanReader {
     try {
       try_set(set);
     } catch (const ScenarioError& error) {
-      const std::string_view why = error.what();
-      const auto of_it = [&](const Missing& missing) {
-        return why.starts_with(fmt::format("--set {}: ", missing.assignment));
-      };
-      const auto found = std::find_if(missing_.begin(), missing_.end(), of_it);
-      if (found == missing_.end()) refuse_key(missing_.front().at, why);
-      refuse_key(found->at, why.substr(std::string_view("--set : ").size() + found->assignment.size()));
+      const auto found = std::find_if(missing_.begin(), missing_.end(), [&](const Missing& missing) {
+        return error.file() == set_layer(missing.assignment).name;
+      });
+      if (found == missing_.end()) refuse_key(missing_.front().at, error.what());
+      refuse_key(found->at, error.sentence());
     }
   }
 
@@ -136,7 +140,12 @@ class PlanReader {
   }
 
   void note_missing(const TomlTable& at, const std::string& key, double value) {
-    if (!numbers_.contains(key)) missing_.push_back({at, fmt::format("{}={}", key, value)});
+    if (numbers_.contains(key)) return;
+    try {
+      missing_.push_back({at, assignment(key, value)});
+    } catch (const std::invalid_argument& error) {
+      refuse_key(at, error.what());
+    }
   }
 
   [[noreturn]] void refuse_key(const TomlTable& at, std::string_view why) const {
@@ -212,8 +221,10 @@ EvasionPlan read_evasion(const TomlTable& at, const Team& team) {
   return plan;
 }
 
-CampaignPlan read_campaign(const TomlDocument& document, ScenarioNumbers numbers, const Team& team,
-                           const std::function<void(const std::vector<std::string>& set)>& try_set) {
+namespace {
+
+CampaignPlan read_plan(const TomlDocument& document, ScenarioNumbers numbers, const Team& team,
+                       const std::function<void(const std::vector<std::string>& set)>& try_set) {
   CampaignPlan plan;
   const TomlTable at = TomlTable(document).table("campaign");
   at.read({{"duration", &plan.duration, positive("> 0 s")},
@@ -227,6 +238,26 @@ CampaignPlan read_campaign(const TomlDocument& document, ScenarioNumbers numbers
   for (const TomlTable& draw : at.tables("draw")) plan.draws.push_back(reader.read_draw(draw));
   reader.try_missing(try_set);
   return plan;
+}
+
+}  // namespace
+
+void read_campaign(const TomlDocument& document, const std::string& text, const ScenarioChanges& changes,
+                   Scenario& scenario) {
+  if (!document.root.contains("campaign")) return;
+  const std::filesystem::path file = document.file;
+  // What the file does not write is tried in the scenario alone.
+  const auto try_set = [&](const std::vector<std::string>& set) {
+    TomlDocument flight = parse_toml(text, document.file);
+    flight.root.erase("campaign");
+    parse_scenario(printed(flight), file, *scenario.parts, {.files = changes.files, .set = set});
+  };
+  try {
+    scenario.campaign =
+        read_plan(as_written(document), numbers_of(parse_toml(text, document.file)), scenario.team, try_set);
+  } catch (const ScenarioError& error) {
+    scenario.campaign_refusal = error;
+  }
 }
 
 }  // namespace sightline

@@ -27,7 +27,6 @@
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/scenario/read_shape.hpp"
 #include "sightline/scenario/read_vehicle.hpp"
-#include "sightline/scenario/scenario_numbers.hpp"
 #include "sightline/scenario/templates.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
@@ -366,20 +365,13 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file, con
   if (in_layers) text = printed(document);
   expand(document);
   Reader(document, scenario).read();
-  // A campaign draws numbers of the text as it is written.
-  if (document.root.contains("campaign")) {
-    const auto try_set = [&](const std::vector<std::string>& set) {
-      TomlDocument flight = parse_toml(text, file.native());
-      flight.root.erase("campaign");
-      parse_scenario(printed(flight), file, parts, {.files = changes.files, .set = set});
-    };
-    scenario.campaign = read_campaign(as_written(document), numbers_of(parse_toml(text, file.native())),
-                                      scenario.team, try_set);
-  }
+  read_campaign(document, text, changes, scenario);
   if (in_layers) {  // what is good in its layers flies by its one text, as from a log
     auto places = std::move(scenario.coupling_places);
+    auto campaign_refusal = std::move(scenario.campaign_refusal);
     scenario = parse_scenario(std::move(text), file, parts, {.files = changes.files});
     scenario.coupling_places = std::move(places);
+    if (campaign_refusal) scenario.campaign_refusal = std::move(campaign_refusal);
     return scenario;
   }
   scenario.name = file.stem().string();

@@ -155,6 +155,8 @@ struct Scenario {
   std::optional<FleetPlan> fleet{};          ///< how its robots are reached, where they are not simulated
   std::optional<PartitionPlan> partition{};  ///< of the whole team; where it plans apart, `team` is its part
   std::optional<CampaignPlan> campaign{};
+  /// Why its [campaign] cannot be flown, which stops no other flight; none where it can, and where it has none.
+  std::optional<ScenarioError> campaign_refusal{};
   /// Threads that share the barriers and the simulated world of a large team, told in no file: the result is the same. None: nobody.
   std::shared_ptr<Crew> crew{};
 };

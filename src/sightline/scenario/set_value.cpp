@@ -11,6 +11,8 @@
 #include <variant>
 #include <vector>
 
+#include "sightline/base/refuse.hpp"
+
 namespace sightline {
 namespace {
 
@@ -80,6 +82,16 @@ bool is_word(std::string_view text) {
 }
 
 }  // namespace
+
+std::string assignment(std::string_view key, double value) {
+  if (key.find('=') != std::string_view::npos || !steps_of(trimmed(key)))
+    refuse("{}, expected a key as couple[0].weight", one_line(shortened(key, shown_size)));
+  return fmt::format("{}={}", key, value);
+}
+
+TomlLayer set_layer(std::string_view assignment) {
+  return {"--set " + shortened(assignment, 80), std::string(assignment), false};
+}
 
 void set_value(toml::table& root, const TomlLayer& layer) {
   const std::string_view assignment = layer.text;
