@@ -192,9 +192,6 @@ int view(const ViewCommand& command, const Parts& parts);
 /// @param announce  called with the address of the page
 int view_tuned(const ViewCommand& command, const Parts& parts,
                const std::function<void(const std::string&)>& announce);
-/// Lets events come in flight.
-/// @throws std::invalid_argument for a team or a solver that cannot follow them
-void make_tunable(Scenario& scenario);
 /// When the page is closed, if nobody ends it before.
 std::chrono::steady_clock::time_point end_of(const ViewCommand& command);
 /// What became of those who looked on.

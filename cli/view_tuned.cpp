@@ -127,20 +127,12 @@ class TunedFlight {
 };
 
 Scenario made_to_be_tuned(Scenario scenario) {
-  scenario.simulation.compare.clear();
   lift_deadline(scenario.solver);
   make_tunable(scenario);
   return scenario;
 }
 
 }  // namespace
-
-void make_tunable(Scenario& scenario) {
-  if (scenario.partition)
-    throw std::invalid_argument("--tune of a team that plans in parts, expected one solver for all");
-  scenario.tuned = std::make_shared<TunedScript>();
-  check_solvers(scenario);
-}
 
 int view_tuned(const ViewCommand& command, const Parts& parts,
                const std::function<void(const std::string&)>& announce) {

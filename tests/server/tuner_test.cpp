@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <filesystem>
+
 #include "tests/support/scenario_text.hpp"
 #include "tests/support/tuned_flight.hpp"
 
@@ -24,6 +27,36 @@ void expect_same_again(const FlownCommands& flown) {
   const FlownCommands again = fly_tuned(scenario_of(flown.flight), {}, false);
   EXPECT_EQ(again.u, flown.u);
   EXPECT_EQ(again.x, flown.x);
+}
+
+// A comparison with solvers that cannot follow a change is none of a tuned flight.
+TEST(Tuner, EachShippedScenarioTakesAChangeAndComesToAScenarioThatIsFlown) {
+  namespace fs = std::filesystem;
+  int compared = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(SIGHTLINE_SOURCE_DIR "/scenarios")) {
+    if (entry.path().extension() != ".toml") continue;
+    if (entry.path().parent_path().filename() == "mujoco") continue;  // of a world that is built apart
+    SCOPED_TRACE(entry.path().native());
+    Scenario scenario = read_scenario(entry.path());
+    compared += scenario.simulation.compare.empty() ? 0 : 1;
+    const std::size_t events = scenario.script.events.size();
+    make_tunable(scenario);
+    Tuner tuner(scenario);
+    const Tuner::Json terms = tuner.tunables()["terms"];
+    Tuner::Json change = {{"wind", {{"acceleration", {0.1, 0.0, 0.0}}}}};
+    if (!terms.empty())
+      change = {{"retune",
+                 {{terms[0]["kind"].get<std::string>(), terms[0]["name"]},
+                  {"weight", terms[0]["weight"].get<double>() + 0.1}}}};
+    EXPECT_NO_THROW((void)tuner.change(change, std::nan(""), 0.0));
+    ASSERT_EQ(scenario.tuned->size(), 1U);
+    scenario.tuned->happen(0, scenario.horizon.dt);
+    const Scenario again = parse_scenario(tuner.flight_text(), scenario.file);
+    EXPECT_EQ(again.script.events.size(), events + 1);
+    EXPECT_TRUE(again.simulation.compare.empty());
+    EXPECT_NO_THROW((void)parse_scenario(tuner.final_text(), scenario.file));
+  }
+  EXPECT_GE(compared, 5);
 }
 
 TEST(Tuner, AFlightThatNobodyTunesIsTheSameFlight) {

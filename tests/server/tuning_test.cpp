@@ -58,12 +58,16 @@ TEST(Tuning, AChangeIsAnsweredAndHandedToTheFlight) {
   EXPECT_EQ(ramp_of(tuned.scenario.tuned->event(0)), 0.3);
   EXPECT_TRUE(soon(
       [&] { return json::parse(tuned.tuning.files().at("/tune.json").body)["terms"][0]["weight"] == 0.4; }));
-  // Not before it happened is it of the flight that is written.
-  EXPECT_THAT(tuned.tuning.files().at("/tuned.toml").body, testing::Not(HasSubstr("[[event]]")));
+  // Not before it happened is it of the flight that is written, which says so from the answer on.
+  EXPECT_THAT(
+      tuned.tuning.files().at("/tuned.toml").body,
+      testing::AllOf(testing::Not(HasSubstr("[[event]]")),
+                     HasSubstr("\n# not in this text, since it is accepted and not flown yet: tune 0: ")));
   tuned.scenario.tuned->happen(0, 0.25);
   EXPECT_TRUE(soon([&] {
     return tuned.tuning.files().at("/tuned.toml").body.find("[[event]]\nat = 0.25\n") != std::string::npos;
   }));
+  EXPECT_THAT(tuned.tuning.files().at("/tuned.toml").body, testing::Not(HasSubstr("not flown yet")));
 }
 
 TEST(Tuning, AFlightIsPausedSteppedAndBegunAnew) {

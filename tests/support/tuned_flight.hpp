@@ -67,7 +67,7 @@ class TuningSink final : public Sink<Sample> {
 inline FlownCommands fly_tuned(Scenario scenario, std::vector<TimedChange> changes, bool tuned = true) {
   scenario.simulation.compare.clear();
   lift_deadline(scenario.solver);
-  if (tuned) scenario.tuned = std::make_shared<TunedScript>();
+  if (tuned) make_tunable(scenario);
   FlownCommands flown;
   const auto tuner = tuned ? std::make_unique<Tuner>(scenario) : nullptr;
   const Controls controls(scenario);

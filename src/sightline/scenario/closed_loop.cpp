@@ -16,6 +16,7 @@
 #include "sightline/scenario/read_estimate.hpp"
 #include "sightline/scenario/read_partition.hpp"
 #include "sightline/scenario/read_safety.hpp"
+#include "sightline/scenario/templates.hpp"
 #include "sightline/solver/distributed/partition.hpp"
 #include "sightline/world/camera_world.hpp"
 #include "sightline/world/synthetic_detections.hpp"
@@ -112,6 +113,16 @@ void check_solvers(const Scenario& scenario) {
       break;
     }
   }
+}
+
+void make_tunable(Scenario& scenario) {
+  if (scenario.partition) refuse("--tune of a team that plans in parts, expected one solver for all");
+  TomlDocument document = parse_toml(scenario.text, scenario.file.native());
+  toml::table* const simulation = document.root["simulation"].as_table();
+  if (simulation != nullptr && simulation->erase("compare") > 0) scenario.text = printed(document);
+  scenario.simulation.compare.clear();
+  scenario.tuned = std::make_shared<TunedScript>();
+  check_solvers(scenario);
 }
 
 void lift_deadline(SolverChoice& choice) {

@@ -25,6 +25,11 @@ std::string team_planners();
 /// Whether the solver of that name can.
 bool plans_in_a_changing_team(std::string_view solver);
 
+/// Makes a scenario's flight one that is changed while it flies. No other solver flies it afterwards, by its text too: many cannot
+/// follow a team that changes, and the text with the changes is flown again.
+/// @throws std::invalid_argument for a team that plans in parts, and as check_solvers()
+void make_tunable(Scenario& scenario);
+
 /// In simulated time no deadline acts: a solver has the time it takes, and a run is the same on any machine.
 void lift_deadline(SolverChoice& choice);
 

@@ -84,12 +84,14 @@ class FlightPage::Thread {
       ring.pop();
       any = true;
     }
+    // Answers before files: who reads that a change is accepted finds it in the files.
+    const std::string answers = tuning_ != nullptr ? tuning_->told() : std::string();
     const bool told = tells_more() && !newest_.seen.empty();  // of a flight that waits, too
     if (!any && !told) return;
     if (any) tell([&] { drawn_.add(newest_); });
     feed_.hand_over(nanoseconds(newest_.time));
     std::string moment = scene_.moment(newest_, events_);
-    if (tuning_ != nullptr) moment.insert(moment.rfind('}'), tuning_->told());
+    moment.insert(moment.rfind('}'), answers);
     server_.post(moment);
     newest_.paths.clear();
     newest_.solve_us = 0.0;

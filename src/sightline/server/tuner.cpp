@@ -288,9 +288,17 @@ void Tuner::keep(const Json& change, const TeamEvent& event) {
 std::string Tuner::flight_text() const {
   std::string text = scenario_.text;
   const TunedScript& tuned = *scenario_.tuned;
-  for (std::size_t i = 0; i < tuned.size(); ++i)
-    if (!std::isnan(tuned.at(i)) && !tuned.is_ignored(i)) text += tuned.text(i, tuned.at(i));
-  return text;
+  std::string to_come;
+  for (std::size_t i = 0; i < tuned.size(); ++i) {
+    const double at = tuned.at(i);
+    if (tuned.is_ignored(i)) continue;
+    if (std::isnan(at))
+      to_come += fmt::format("\n# not in this text, since it is accepted and not flown yet: {}\n",
+                             one_line(tuned.event(i).name));
+    else
+      text += tuned.text(i, at);
+  }
+  return text + to_come;
 }
 
 std::string Tuner::final_text() const {

@@ -42,7 +42,8 @@ class Tuner {
   /// @return the name of its event
   std::string change(const Json& change, double ramp, double now);
 
-  /// The scenario with all that was tuned so far, each event at its time: flown again it gives the same commands.
+  /// The scenario with all that was tuned so far, each event at its time: flown again it gives the same commands. A comment at its end
+  /// names each change that is accepted and not flown yet.
   std::string flight_text() const;
   /// The scenario with the values that were tuned last, from the start.
   /// @throws std::invalid_argument where a value has no place in the scenario's text

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "sightline/base/refuse.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/server/tuner.hpp"
 
 namespace sightline {
@@ -138,9 +139,10 @@ class Tuning::Thread {
       said.sentence = act(message);
     } catch (const std::exception& error) {
       said.accepted = false;
-      said.sentence = error.what();
+      said.sentence = sentence_of(error);
       ++refused;
     }
+    write_files(false);  // before its answer: who reads that one finds the change in the files
     const std::scoped_lock lock(lock_);
     said.number = answered_++;
     answers_.push_back(std::move(said));
