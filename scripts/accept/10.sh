@@ -37,7 +37,7 @@ defects() {
 }
 encirclements() { tests safety_campaign_test 'EncirclementCampaign.*'; }
 one_attacker() { tests safety_campaign_test 'BarrierCampaign.*'; }
-mutants() { scripts/mutants.sh "$build"; }
+mutants() { scripts/mutants.sh "$build" barrier; }
 # Blocks of 50 side by side; each leaves what it printed.
 random() {
   local from=0 to=1999 block=50
