@@ -24,7 +24,7 @@ else()
   file(GLOB viewer_sources CONFIGURE_DEPENDS ${viewer}/src/*)
   list(INSERT embed 1 -DPAGE=${page_of_viewer})
   add_custom_command(OUTPUT ${built_page}
-    COMMAND ${CMAKE_COMMAND} -E env NODE_PATH=${THREE_JS} ${ESBUILD} ${viewer}/src/main.js --bundle --minify --format=esm
+    COMMAND ${ESBUILD} ${viewer}/src/main.js --bundle --minify --format=esm --alias:three=${THREE_JS}/three
       --target=es2022 --log-level=warning --outdir=${page_of_viewer} --entry-names=page
       "--banner:js=/*! three.js, Copyright (C) three.js authors, MIT license */"
     COMMAND ${CMAKE_COMMAND} -E copy ${viewer}/index.html ${page_of_viewer}/index.html
