@@ -24,5 +24,45 @@ TEST(Quantile, IsTheLeastThatItsShareDoesNotExceed) {
 
 TEST(Quantile, OfNothingIsNoNumber) { EXPECT_TRUE(std::isnan(quantile({}, 0.5))); }
 
+TEST(Quantiles, OfAStreamAreThoseOfItsListWhileItIsShort) {
+  Random random(2);
+  Quantiles stream;
+  std::vector<double> list;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 5000; ++i) {
+    list.push_back(std::exp(uniform(random, -3, 9)));
+    stream.add(list.back());
+    sum += list.back();
+  }
+  for (const double q : {0.0, 0.1, 0.5, 0.99, 1.0}) EXPECT_EQ(stream.quantile(q), quantile(list, q));
+  EXPECT_EQ(stream.mean(), sum / 5000);
+  EXPECT_EQ(stream.greatest(), quantile(list, 1.0));
+}
+
+TEST(Quantiles, OfALongStreamAreWithinHalfAPercent) {
+  Random random(3);
+  Quantiles stream;
+  std::vector<double> list;
+  for (std::size_t i = 0; i < 3 * Quantiles::exact_max; ++i) {
+    list.push_back(std::exp(uniform(random, -3, 9)));
+    stream.add(list.back());
+  }
+  EXPECT_EQ(stream.count(), list.size());
+  for (const double q : {0.001, 0.1, 0.5, 0.9, 0.99, 0.9999}) {
+    const double exact = quantile(list, q);
+    EXPECT_NEAR(stream.quantile(q), exact, 0.005 * exact) << q;
+  }
+  EXPECT_EQ(stream.greatest(), quantile(list, 1.0));
+}
+
+TEST(Quantiles, WhatIsOutOfTheirRangeCountsAsTheExtremes) {
+  Quantiles stream;
+  for (std::size_t i = 0; i < Quantiles::exact_max; ++i) stream.add(0.0);
+  for (std::size_t i = 0; i < 2 * Quantiles::exact_max; ++i) stream.add(1e300);
+  EXPECT_EQ(stream.quantile(0.2), 0.0);
+  EXPECT_EQ(stream.quantile(0.5), 1e300);
+  EXPECT_TRUE(std::isnan(Quantiles().mean()) && std::isnan(Quantiles().greatest()));
+}
+
 }  // namespace
 }  // namespace sightline

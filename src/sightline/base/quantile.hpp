@@ -1,10 +1,11 @@
-/// Quantiles of numbers.
+/// Quantiles of numbers, of a list and of a stream of any length.
 #pragma once
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -21,5 +22,63 @@ inline double quantile(std::vector<double> values, double q) {
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
+
+/// Of numbers as they come, in bounded memory: at most 0.6 MB. Mean and extremes are exact; quantiles are exact of the first
+/// `exact_max` numbers, and of more than that within 0.5 % of the number where it is 1e-6 to 1e12. Smaller ones count as the least,
+/// larger ones as the greatest that came.
+class Quantiles {
+ public:
+  static constexpr std::size_t exact_max = 65'536;
+
+  /// Takes the memory for so many numbers beforehand, as far as it is bounded.
+  void reserve(std::size_t count) { first_.reserve(std::min(count, exact_max)); }
+
+  void add(double value) {
+    sum_ += value;
+    least_ = std::min(least_, value);
+    greatest_ = std::max(greatest_, value);
+    ++count_;
+    if (count_ <= exact_max) return first_.push_back(value);
+    if (bins_.empty()) {
+      bins_.resize(bins);
+      for (const double one : first_) ++bins_[bin_of(one)];
+    }
+    ++bins_[bin_of(value)];
+  }
+
+  std::uint64_t count() const { return count_; }
+  /// Of no numbers, these are not a number.
+  double mean() const { return sum_ / static_cast<double>(count_); }
+  double greatest() const { return count_ > 0 ? greatest_ : std::numeric_limits<double>::quiet_NaN(); }
+  /// As the function of that name.
+  double quantile(double q) const {
+    assert(q >= 0 && q <= 1 && "a quantile is a share");
+    if (bins_.empty()) return sightline::quantile(first_, q);
+    const double rank = std::max(1.0, std::ceil(q * static_cast<double>(count_)));
+    double up_to = 0.0;
+    for (std::size_t bin = 0; bin < bins; ++bin) {
+      up_to += static_cast<double>(bins_[bin]);
+      if (up_to < rank) continue;
+      const double middle = lowest * std::exp((static_cast<double>(bin) - 0.5) * log_ratio);
+      return bin == 0 ? least_ : bin == bins - 1 ? greatest_ : std::clamp(middle, least_, greatest_);
+    }
+    return greatest_;
+  }
+
+ private:
+  // Bin i > 0 holds what lies between lowest * ratio^(i - 1) and lowest * ratio^i, ratio = 1.01.
+  static constexpr double lowest = 1e-6, log_ratio = 0.009950330853168083;
+  static constexpr std::size_t bins = 4200;
+
+  static std::size_t bin_of(double value) {
+    if (!(value > lowest)) return 0;
+    return static_cast<std::size_t>(std::min(std::log(value / lowest) / log_ratio + 1.0, bins - 1.0));
+  }
+
+  std::vector<double> first_;
+  std::vector<std::uint64_t> bins_;  // of all numbers, once there are more than first_ holds
+  double sum_ = 0.0, least_ = std::numeric_limits<double>::infinity(), greatest_ = -least_;
+  std::uint64_t count_ = 0;
+};
 
 }  // namespace sightline

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -138,15 +139,17 @@ class McapWriter final : public MessageSink {
 
   void write(const Bytes& bytes);
   void fail(std::string_view what, int error_number);
-  Bytes chunk_indexes();
+  void write_chunk_indexes(std::uint64_t data_end_at);
   bool read_back(std::uint64_t at, std::span<std::byte> bytes);
   void write_summary();
 
   std::string path_;
   std::string error_;
   int file_ = -1;               // -1: closed, or failed
-  std::uint64_t position_ = 0;  // bytes written and sound
-  std::uint32_t crc_ = 0;       // of the data section, then of the summary section
+  std::uint64_t position_ = 0;  // bytes written
+  std::uint64_t sound_ =
+      std::numeric_limits<std::uint64_t>::max();  // where the summary begins, which counts whole alone
+  std::uint32_t crc_ = 0;                         // of the data section, then of the summary section
   std::unique_ptr<ZSTD_CCtx_s, std::size_t (*)(ZSTD_CCtx_s*)> zstd_;
 
   Bytes chunk_;  // records of the open chunk, uncompressed

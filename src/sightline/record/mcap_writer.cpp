@@ -98,7 +98,13 @@ McapWriter::McapWriter(const std::filesystem::path& path, std::string_view profi
   write(out_);
 }
 
-McapWriter::~McapWriter() { close(); }
+McapWriter::~McapWriter() {
+  try {
+    close();
+  } catch (...) {  // no memory: the log ends like that of a killed run, and is read so
+    abandon();
+  }
+}
 
 SchemaId McapWriter::schema(std::string_view name, std::string_view encoding, std::string_view text) {
   const auto id = static_cast<std::uint16_t>(++schemas_);  // 0 means "no schema" in the format
@@ -235,9 +241,11 @@ void McapWriter::close() {
   if (closed != 0 && errno != EINTR) fail("cannot be closed", errno);
 }
 
-// Where each chunk is, and where its lists are, read back from the file: in memory it would grow for as long as one flies.
-McapWriter::Bytes McapWriter::chunk_indexes() {
+// Where each chunk is, and where its lists are, read back from the file and written in pieces: in memory it would grow for as long as
+// one flies.
+void McapWriter::write_chunk_indexes(std::uint64_t data_end_at) {
   constexpr std::size_t chunk_head = record_head + 44;  // up to the compressed records
+  constexpr std::size_t piece = 64 << 10;               // [B]
   std::array<std::byte, chunk_head> head;
   Bytes all;
   std::optional<std::size_t> open;  // the index of the chunk before this record
@@ -252,10 +260,12 @@ McapWriter::Bytes McapWriter::chunk_indexes() {
     put(all, uncompressed);
     close_record(all, *open);
     open.reset();
+    if (all.size() < piece) return;
+    write(all);
+    all.clear();
   };
-  for (std::uint64_t at = magic.size(), length = 0; at < position_; at += length) {
-    if (!read_back(at, std::span(head).first(std::min<std::uint64_t>(head.size(), position_ - at))))
-      return {};
+  for (std::uint64_t at = magic.size(), length = 0; at < data_end_at; at += length) {
+    if (!read_back(at, std::span(head).first(std::min<std::uint64_t>(head.size(), data_end_at - at)))) return;
     length = record_head + load<std::uint64_t>(&head[1]);
     const auto kind = static_cast<RecordKind>(head[0]);
     if (kind == message_index && open) {
@@ -277,7 +287,7 @@ McapWriter::Bytes McapWriter::chunk_indexes() {
     compressed = length - chunk_head;
   }
   close_index();
-  return all;
+  write(all);
 }
 
 bool McapWriter::read_back(std::uint64_t at, std::span<std::byte> bytes) {
@@ -292,8 +302,7 @@ bool McapWriter::read_back(std::uint64_t at, std::span<std::byte> bytes) {
 }
 
 void McapWriter::write_summary() {
-  const Bytes indexes = chunk_indexes();
-  if (file_ < 0) return;
+  const std::uint64_t data_end_at = position_;
   out_.clear();
   const std::size_t end = open_record(out_, data_end);
   put(out_, crc_);
@@ -302,8 +311,8 @@ void McapWriter::write_summary() {
   if (file_ < 0) return;
 
   // The summary: one group of records per kind, then where each group is.
-  const std::uint64_t summary_at = position_;
-  out_.clear();
+  const std::uint64_t summary_at = sound_ = position_;
+  crc_ = 0;  // of the summary from here on
   Bytes counts;
   const std::size_t record = open_record(counts, statistics);
   put(counts, messages_);
@@ -322,31 +331,33 @@ void McapWriter::write_summary() {
   close_record(counts, record);
 
   Bytes offsets;
-  const auto group = [&](RecordKind kind, const Bytes& records) {
-    if (records.empty()) return;
+  const auto group = [&](RecordKind kind, const auto& write_records) {
+    const std::uint64_t at = position_;
+    write_records();
+    if (position_ == at) return;
     const std::size_t offset = open_record(offsets, summary_offset);
     put(offsets, static_cast<std::uint8_t>(kind));
-    put(offsets, std::uint64_t{summary_at + out_.size()});
-    put(offsets, std::uint64_t{records.size()});
+    put(offsets, at);
+    put(offsets, position_ - at);
     close_record(offsets, offset);
-    put_bytes(out_, records);
   };
-  group(schema_record, schema_records_);
-  group(channel_record, channel_records_);
-  group(statistics, counts);
-  group(chunk_index, indexes);
-  group(metadata_index, metadata_indexes_);
-  const std::uint64_t offsets_at = summary_at + out_.size();
-  put_bytes(out_, offsets);
+  group(schema_record, [&] { write(schema_records_); });
+  group(channel_record, [&] { write(channel_records_); });
+  group(statistics, [&] { write(counts); });
+  group(chunk_index, [&] { write_chunk_indexes(data_end_at); });
+  group(metadata_index, [&] { write(metadata_indexes_); });
+  const std::uint64_t offsets_at = position_;
+  write(offsets);
 
   // The footer's CRC covers the summary and the footer up to itself.
+  out_.clear();
   const std::size_t foot = open_record(out_, footer);
   put(out_, summary_at);
   put(out_, offsets_at);
   put(out_, std::uint32_t{0});
   close_record(out_, foot);
   out_.resize(out_.size() - 4);
-  put(out_, crc32_of(0, out_));
+  put(out_, crc32_of(crc_, out_));
   put_bytes(out_, std::as_bytes(std::span(magic)));
   write(out_);
 }
@@ -370,6 +381,7 @@ void McapWriter::fail(std::string_view what, int error_number) {
 
 void McapWriter::abandon() noexcept {
   if (file_ < 0) return;
+  position_ = std::min(position_, sound_);
   [[maybe_unused]] const int cut = ::ftruncate(file_, static_cast<off_t>(position_));  // best effort
   ::close(std::exchange(file_, -1));
 }

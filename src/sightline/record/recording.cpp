@@ -146,6 +146,7 @@ class RowReader {
   }
 
   void take(const McapMessage& message) const {
+    if (run_.stride > 1 && !is_kept(message)) return;
     const auto place = places_.find(message.topic);
     if (place != places_.end()) place->second(message);
   }
@@ -188,6 +189,16 @@ class RowReader {
   }
 
  private:
+  // Of a recording that is thinned: events, and what belongs to one of its periods.
+  bool is_kept(const McapMessage& message) const {
+    constexpr std::size_t events_max = 10'000;
+    if (message.topic == "/events") return run_.events.size() < events_max;
+    if (message.topic == "/tuned" || message.topic.ends_with("/camera_info")) return true;
+    run_.last = std::max(run_.last, 1e-9 * static_cast<double>(message.log_time));
+    const auto period = std::llround(1e-9 * static_cast<double>(message.log_time) / run_.period);
+    return static_cast<std::size_t>(period) % run_.stride == 0;
+  }
+
   static json parsed(const McapMessage& message) {
     const auto* text = reinterpret_cast<const char*>(message.bytes.data());
     return json::parse(text, text + message.bytes.size());
@@ -327,8 +338,9 @@ std::ifstream opened(const std::filesystem::path& path) {
 // Times to solve of all controllers together. Whole rows alone: the last may have been cut off, or is not written yet.
 class TimingReader {
  public:
-  TimingReader(const std::filesystem::path& path, std::size_t controllers)
-      : path_(path.string()), controllers_(controllers), file_(opened(path)) {
+  /// Of each `stride` rows the longest time.
+  TimingReader(const std::filesystem::path& path, std::size_t controllers, std::size_t stride)
+      : path_(path.string()), controllers_(controllers), stride_(stride), file_(opened(path)) {
     if (!file_) refuse("{} cannot be read, expected the measured times of a run", path_);
   }
 
@@ -341,7 +353,11 @@ class TimingReader {
         file_.seekg(before);
         return;
       }
-      if (std::exchange(headed_, true)) solve_us.push_back(sum_of(line));
+      if (!std::exchange(headed_, true)) continue;
+      if (rows_++ % stride_ == 0)
+        solve_us.push_back(sum_of(line));
+      else
+        solve_us.back() = std::max(solve_us.back(), sum_of(line));
     }
   }
 
@@ -362,14 +378,14 @@ class TimingReader {
   }
 
   std::string path_;
-  std::size_t controllers_;
+  std::size_t controllers_, stride_, rows_ = 0;
   std::ifstream file_;
   bool headed_ = false;
 };
 
-std::vector<double> read_timing(const std::filesystem::path& path, std::size_t controllers) {
+std::vector<double> read_timing(const std::filesystem::path& path, std::size_t stride) {
   std::vector<double> solve_us;
-  TimingReader(path, controllers).read_on(solve_us);
+  TimingReader(path, 1, stride).read_on(solve_us);
   return solve_us;
 }
 
@@ -385,7 +401,8 @@ std::vector<Recording::Comparison> read_comparisons(const std::filesystem::path&
     if (summary.is_discarded() || summary.value("scenario", "") != run.name ||
         summary.value("seed", 0ULL) != run.seed)
       continue;
-    comparisons.push_back({text, summary.value("solver", ""), read_timing(entry.path() / "timing.csv", 1)});
+    comparisons.push_back(
+        {text, summary.value("solver", ""), read_timing(entry.path() / "timing.csv", run.stride)});
   }
   std::sort(comparisons.begin(), comparisons.end(),
             [](const auto& a, const auto& b) { return a.solver < b.solver; });
@@ -406,7 +423,9 @@ Number number_of(const McapWords& words, const char* key) {
 
 class RecordingReader::Files {
  public:
-  explicit Files(const std::filesystem::path& of) : folder(of), path((of / "run.mcap").string()), log(path) {
+  Files(const std::filesystem::path& of, std::size_t stride)
+      : folder(of), path((of / "run.mcap").string()), log(path) {
+    run.stride = stride;
     if (!log.ok()) refuse("{}", log.error());
     const auto found = log.metadata().find("sightline");
     if (found == log.metadata().end())
@@ -438,7 +457,7 @@ class RecordingReader::Files {
     }
     if (!log.ok()) refuse("{}", log.error());
     run.complete = !log.truncated();
-    if (!timing) timing.emplace(folder / "timing.csv", run.controllers.size());
+    if (!timing) timing.emplace(folder / "timing.csv", run.controllers.size(), run.stride);
     timing->read_on(run.solve_us);
   }
 
@@ -450,8 +469,8 @@ class RecordingReader::Files {
   std::optional<TimingReader> timing;
 };
 
-RecordingReader::RecordingReader(const std::filesystem::path& folder)
-    : files_(std::make_unique<Files>(folder)) {}
+RecordingReader::RecordingReader(const std::filesystem::path& folder, std::size_t stride)
+    : files_(std::make_unique<Files>(folder, stride)) {}
 RecordingReader::~RecordingReader() = default;
 
 void RecordingReader::read_on(const std::function<void(const McapMessage&)>& visitor) {
@@ -461,8 +480,8 @@ const Recording& RecordingReader::run() const { return files_->run; }
 std::size_t RecordingReader::rows() const { return files_->reader->rows(); }
 
 Recording read_recording(const std::filesystem::path& folder,
-                         const std::function<void(const McapMessage&)>& visitor) {
-  RecordingReader reader(folder);
+                         const std::function<void(const McapMessage&)>& visitor, std::size_t stride) {
+  RecordingReader reader(folder, stride);
   reader.read_on(visitor);
   reader.files_->reader->trim();
   Recording run = std::move(reader.files_->run);

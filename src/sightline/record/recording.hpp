@@ -96,7 +96,9 @@ struct Recording {
 
   std::string name, scenario, version, compiler, solver;
   std::uint64_t seed = 0;
-  double period = 0.0;       ///< [s]
+  double period = 0.0;     ///< [s]
+  std::size_t stride = 1;  ///< periods from one row to the next
+  double last = 0.0;  ///< where that is more than one: when the last period began, which may have no row [s]
   std::vector<double> time;  ///< [s]
   std::vector<double> cost;  ///< stage cost l, one a period
   std::vector<Body> bodies;
@@ -112,20 +114,25 @@ struct Recording {
   std::vector<double> solve_us;         ///< measured, all controllers together, one a row of timing.csv
   std::vector<Comparison> comparisons;  ///< in the order of the solvers' names
   bool complete = true;                 ///< false: the log ends in the middle, the run was killed
+
+  double row_time() const { return static_cast<double>(stride) * period; }  ///< from one row to the next [s]
+  /// Of the run [s]; 0 where it has no row.
+  double end() const { return time.empty() ? 0.0 : (stride > 1 ? last : time.back()) + period; }
 };
 
 /// Reads a run's folder; the log of a killed run as far as it is sound.
 /// @param visitor  receives each message of run.mcap once it is read, so that what it keeps is of the same moment of a log that grows
+/// @param stride   periods from one row to the next, >= 1
 /// @throws std::runtime_error with a sentence that names the file where it cannot be read
 Recording read_recording(const std::filesystem::path& folder,
-                         const std::function<void(const McapMessage&)>& visitor = {});
+                         const std::function<void(const McapMessage&)>& visitor = {}, std::size_t stride = 1);
 
 /// Reads a run's folder piece by piece, while it is still written.
 class RecordingReader {
  public:
   /// Reads what the log says of itself, no row yet.
   /// @throws as read_recording()
-  explicit RecordingReader(const std::filesystem::path& folder);
+  explicit RecordingReader(const std::filesystem::path& folder, std::size_t stride = 1);
   ~RecordingReader();
   RecordingReader(const RecordingReader&) = delete;
   RecordingReader& operator=(const RecordingReader&) = delete;
@@ -142,7 +149,7 @@ class RecordingReader {
 
  private:
   friend Recording read_recording(const std::filesystem::path& folder,
-                                  const std::function<void(const McapMessage&)>& visitor);
+                                  const std::function<void(const McapMessage&)>& visitor, std::size_t stride);
   class Files;
   std::unique_ptr<Files> files_;
 };

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "sightline/base/no_value.hpp"
-#include "sightline/base/quantile.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/potential/protection.hpp"
 #include "sightline/record/event_words.hpp"
@@ -20,7 +19,6 @@ namespace {
 constexpr double raw_tolerance = 1e-9;    // of a raw input beyond its limit
 constexpr double lost_after = 2.0;        // out of view at the end for so long is a failure [s]
 constexpr std::size_t events_max = 1000;  // in the summary; the log has all
-constexpr double solves_reserved = 1e6;   // at most at the start
 
 bool weighs(const Agent& agent, std::span<const int> states) {
   return std::any_of(states.begin(), states.end(),
@@ -81,7 +79,7 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
   landing_.resize(sights_.size());
   find_what_is_in_force();
   const double solves = scenario_.simulation.duration / period_ * static_cast<double>(controllers);
-  solve_us_.reserve(static_cast<std::size_t>(std::clamp(solves, 0.0, solves_reserved)) + 1);
+  solve_us_.reserve(static_cast<std::size_t>(std::clamp(solves, 0.0, 1e6)) + 1);
 }
 
 void Summary::add_view(const Observation& pair) {
@@ -312,7 +310,7 @@ void Summary::add_solvers(const Sample& sample) {
   std::int64_t allocations = 0;
   for (const SolverRecord& record : sample.solvers) {
     ++statuses_[static_cast<std::size_t>(record.status)];
-    solve_us_.push_back(record.solve_us);
+    solve_us_.add(record.solve_us);
     allocations += record.allocations;
     pairs_ = std::max(pairs_, record.pairs);
   }
@@ -336,6 +334,8 @@ void Summary::add_drift(const Sample& sample) {
     steered_[i] = landing_[i] ? nullptr : present_.agent(robot.body);
   }
   drift_.mark(sample.time, sights_, presence_, steered_);
+  std::fill(steered_.begin(), steered_.end(),
+            nullptr);  // they are of the present team, which a copy has anew
 }
 
 std::vector<std::string> Summary::out_of_view() const {
@@ -379,14 +379,10 @@ std::vector<SummaryValues::Chatter> Summary::chatter() const {
 SummaryValues Summary::values() const {
   const Team& team = scenario_.team;
   const auto name = [&](BodyId body) { return std::string(team.name(body)); };
-  double sum = 0.0;
-  for (const double us : solve_us_) sum += us;
-
   SummaryValues v;
   v.updates = updates_;
   v.cost = cost_;
-  v.solve_us = {sum / static_cast<double>(solve_us_.size()), quantile(solve_us_, 0.5),
-                quantile(solve_us_, 0.99), quantile(solve_us_, 1.0)};
+  v.solve_us = {solve_us_.mean(), solve_us_.quantile(0.5), solve_us_.quantile(0.99), solve_us_.greatest()};
   v.allocations_per_update = allocations_;
   v.statuses = statuses_;
   v.not_finite = not_finite_;

@@ -56,6 +56,6 @@ Drawing::Curve Curves::level(std::string title, std::size_t colour, double y) co
   return {std::move(title), colour, Drawing::Mark::dashed, {recording_.time.front(), end()}, {y, y}};
 }
 
-double Curves::end() const { return recording_.time.back() + recording_.period; }
+double Curves::end() const { return recording_.end(); }
 
 }  // namespace sightline

@@ -19,10 +19,10 @@ using Panel = Drawing::Panel;
 
 double tilt_of(const Vec2<double>& lean) { return std::atan(norm(lean.x, lean.y)); }
 
-/// The period that begins at a time; none where the log has none.
+/// The row of the period that begins at a time; none where the recording has none.
 std::optional<std::size_t> row_at(const Recording& r, double time) {
   const auto found = std::lower_bound(r.time.begin(), r.time.end(), time - same_time);
-  if (found == r.time.end()) return std::nullopt;
+  if (found == r.time.end() || (r.stride > 1 && *found > time + same_time)) return std::nullopt;
   return static_cast<std::size_t>(found - r.time.begin());
 }
 

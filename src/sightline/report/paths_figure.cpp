@@ -101,7 +101,7 @@ Drawing paths_drawing(const Recording& r, const Curves& curves) {
   }
   const double arrow = std::max(0.05, 0.05 * std::max(of_x.length(), of_y.length()));
   const std::size_t stride = std::max(
-      {std::size_t{1}, static_cast<std::size_t>(std::lround(mark_interval / std::max(r.period, 1e-4))),
+      {std::size_t{1}, static_cast<std::size_t>(std::lround(mark_interval / std::max(r.row_time(), 1e-4))),
        r.time.size() / places_max});
   Curve joined{"at the same time", Drawing::faint_colour, Mark::thin, {}, {}};
   std::set<std::size_t> observers;
@@ -143,7 +143,7 @@ Drawing paths_drawing(const Recording& r, const Curves& curves) {
   }
   std::string caption =
       fmt::format("Arrows: headings of {}, each {:.4g} s", r.pairs.empty() ? "the robots" : "the observers",
-                  static_cast<double>(stride) * r.period);
+                  static_cast<double>(stride) * r.row_time());
   if (!r.pairs.empty()) caption += "; grey: observer and target at the same time";
   if (cones) caption += "; dashed: what the sensor covers at the end";
   if (by_name) caption += "; names stand at the ends of the paths";

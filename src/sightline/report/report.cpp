@@ -23,6 +23,7 @@
 #include "sightline/record/planned_view.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/record/text_file.hpp"
+#include "sightline/record/thinned_recording.hpp"
 #include "sightline/report/camera_figure.hpp"
 #include "sightline/report/curves.hpp"
 #include "sightline/report/flown_figure.hpp"
@@ -264,7 +265,7 @@ void add_times(const Recording& r, const Curves& curves, std::vector<Drawing>& d
       bars.x[edge] = low * std::exp(ratio * static_cast<double>(edge));
     }
     for (const double value : ms) {
-      t.push_back(static_cast<double>(t.size()) * r.period);
+      t.push_back(static_cast<double>(t.size()) * r.row_time());
       if (!(value > 0)) continue;
       sum += value, ++measured;
       bars.y[std::min(bins - 1, static_cast<std::size_t>(std::log(value / low) / ratio))] += 1;
@@ -441,6 +442,8 @@ std::string notes_of(const Recording& r) {
   }
   if (r.pairs.size() > pairs_max)
     notes += fmt::format("Of the {} observers the {} that saw least are drawn. ", r.pairs.size(), pairs_max);
+  if (r.stride > 1)
+    notes += fmt::format("One period of {} is drawn; of times to solve, the longest of them. ", r.stride);
   return notes.empty() ? notes : fmt::format("<p class=\"soft\">{}</p>\n", escaped(notes));
 }
 
@@ -457,7 +460,7 @@ std::string read_file(const std::filesystem::path& file) {
 
 std::string report_html(const Recording& recording, std::string_view summary, std::string_view partition) {
   const Recording& r = recording;
-  const double end = r.time.empty() ? 0.0 : r.time.back() + r.period;
+  const double end = r.end();
   std::string page = fmt::format(
       "{}<p class=\"soft\">{:.6g} s in periods of {:.4g} ms, solver {}, seed {}. sightline {}, {}.</p>\n",
       page_head(r.name), end, 1000 * r.period, escaped(r.solver), r.seed, escaped(r.version),
@@ -481,7 +484,7 @@ std::string report_html(const Recording& recording, std::string_view summary, st
 }
 
 void write_report(const std::filesystem::path& folder) {
-  const Recording recording = read_recording(folder);
+  const Recording recording = read_thinned_recording(folder);
   const auto text_of = [&](const char* file) {
     return std::filesystem::exists(folder / file) ? read_file(folder / file) : std::string();
   };

@@ -36,7 +36,7 @@ Curve levels_of(const Recording& r, std::size_t robot) {
       corner(event.time);
     }
   }
-  if (!steps.x.empty()) corner(r.time.back() + r.period);
+  if (!steps.x.empty()) corner(r.end());
   return steps;
 }
 
@@ -52,7 +52,7 @@ Curve acts_of(const Recording& r, std::size_t robot, double height) {
     acts.x.push_back(r.time[k]);
     acts.y.push_back(height);
   }
-  if (acts.x.size() % 3 == 1) acts.x.push_back(r.time.back() + r.period), acts.y.push_back(height);
+  if (acts.x.size() % 3 == 1) acts.x.push_back(r.end()), acts.y.push_back(height);
   return acts;
 }
 
