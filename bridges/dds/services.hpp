@@ -19,6 +19,8 @@ class OperatorServices {
   /// @param calls  outlives this
   /// @throws std::runtime_error where a topic cannot be had
   OperatorServices(dds_entity_t participant, std::string node, OperatorCalls& calls);
+  OperatorServices(const OperatorServices&) = delete;  // its readers point into it
+  OperatorServices& operator=(const OperatorServices&) = delete;
 
   /// Whether another program serves under this name.
   bool has_rival(std::span<const SeenWriter> writers) const;

@@ -36,6 +36,8 @@ class TagIntake {
 
   /// @throws std::runtime_error where /tf cannot be had
   TagIntake(const Scenario& scenario, const std::vector<WatchedCamera>& cameras, dds_entity_t participant);
+  TagIntake(const TagIntake&) = delete;  // its reader points into it
+  TagIntake& operator=(const TagIntake&) = delete;
 
   /// Of the control thread: what came since the last time, in the order of arrival. Valid until the next call.
   /// @param origin  time 0 of the stamps, of the monotonic clock

@@ -224,7 +224,8 @@ TEST_P(StaleData, NoMessageMakesACommandThatIsNotFiniteOrTooLarge) {
   double t = 0.0;
   for (int k = 0; k < messages; ++k, t += 0.01) {
     if (k % 500 == 0) {
-      guard = Guard(team, *guard_options(flown));
+      std::destroy_at(&guard);
+      std::construct_at(&guard, team, *guard_options(flown));
       plant = Plant(team, flown.x0);
       t = 0.0;
     }

@@ -353,7 +353,8 @@ TEST(Supervisor, WhateverIsAskedAndMeasuredTheCommandIsFiniteAndWithinItsLimits)
   World world;
   for (int k = 0; k < 20'000; ++k) {
     if (k % 400 == 0) {
-      world.supervisor = Supervisor(world.team, {});
+      std::destroy_at(&world.supervisor);
+      std::construct_at(&world.supervisor, world.team, SupervisorOptions{});
       world.restart();
     }
     std::copy(world.x.begin(), world.x.end(), world.measured.begin());

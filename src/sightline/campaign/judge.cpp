@@ -134,6 +134,15 @@ bool Judge::inputs_hold() noexcept {
 }
 
 void Judge::publish() noexcept {
+  if (failure_) return;
+  try {
+    judge();
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+}
+
+void Judge::judge() {
   const bool changed = follow();
   if (updates_ == 0) {
     look(u_rest_);
@@ -197,6 +206,7 @@ std::string Judge::reason(std::string ended, bool whole) const {
 }
 
 RunResult Judge::result(const LoopOutcome& outcome, std::string ended) const {
+  if (failure_) std::rethrow_exception(failure_);
   RunResult result = result_;
   const auto periods = std::llround(plan_.duration / period_);
   if (!std::isfinite(result.min_distance)) result.min_distance = no_value;

@@ -66,12 +66,16 @@ class Judge final : public Sink<Sample> {
  public:
   /// @param sample  of sized_sample()
   Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample);
+  Judge(const Judge&) = delete;  // its agents are those of its present team
+  Judge& operator=(const Judge&) = delete;
 
   Sample* claim() noexcept override { return &sample_; }
+  /// Where a sample cannot be judged, as where there is no memory, none after it is.
   void publish() noexcept override;
   void close() noexcept override {}
 
   /// @param ended  why the world ended the flight, a sentence; empty where it did not
+  /// @throws what kept a sample from being judged
   RunResult result(const LoopOutcome& outcome, std::string ended = {}) const;
 
  private:
@@ -95,6 +99,7 @@ class Judge final : public Sink<Sample> {
 
   enum class Fault : std::uint8_t { none, not_finite, input, no_plan };
 
+  void judge();
   void blame(Fault fault) noexcept;
   /// Empty where nothing failed. @param whole  the loop flew to the end of the run
   std::string reason(std::string ended, bool whole) const;
@@ -129,6 +134,7 @@ class Judge final : public Sink<Sample> {
   double fault_time_ = 0.0;     // [s]
   bool too_close_ = false;
   RunResult result_;
+  std::exception_ptr failure_;  // of judge()
 };
 
 }  // namespace sightline

@@ -19,7 +19,7 @@ std::optional<Supervisor> supervisor_of(const Team& team, const GuardOptions& op
   if (!options.supervisor) return std::nullopt;
   SupervisorOptions supervisor = *options.supervisor;
   supervisor.command_delays = options.command_delays;
-  return Supervisor(team, supervisor);
+  return std::optional<Supervisor>(std::in_place, team, supervisor);
 }
 
 BarrierOptions without_floor(BarrierOptions options) {

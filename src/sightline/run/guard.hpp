@@ -70,6 +70,8 @@ class Guard {
 
   /// @throws std::invalid_argument for options out of their range, and for a robot that the barrier cannot keep
   Guard(const Team& team, const GuardOptions& options);
+  Guard(const Guard&) = delete;  // its robots point into its team
+  Guard& operator=(const Guard&) = delete;
 
   /// The state estimate of all bodies at t [s], from measurements (nx) with a time for each body, as they come.
   /// @param sigma  of each body, standard deviation of a position that is estimated [m]; 0: it is measured; infinity: it is

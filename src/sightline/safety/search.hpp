@@ -84,6 +84,8 @@ class Search {
   /// @param robots  those that are localized by view
   /// @throws std::invalid_argument for options out of their range, and for a robot that cannot turn where it stands
   Search(const Team& team, std::span<const BodyId> robots, const SearchOptions& options);
+  Search(const Search&) = delete;  // its robots point into its team
+  Search& operator=(const Search&) = delete;
 
   /// The robots' views at t [s], in any order; x are the states of all bodies, as believed (nx).
   void look(double t, std::span<const View> views, std::span<const double> x) noexcept;

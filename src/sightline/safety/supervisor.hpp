@@ -47,6 +47,8 @@ class Supervisor {
  public:
   /// @throws std::invalid_argument for options out of their range, and for a robot of more than 16 inputs
   Supervisor(const Team& team, const SupervisorOptions& options);
+  Supervisor(const Supervisor&) = delete;  // its robots point into its team
+  Supervisor& operator=(const Supervisor&) = delete;
 
   /// @param measured  states of all bodies as the sensor gives them (nx)
   /// @param stamps    time of the measurement of each body [s]; the same as before: there is nothing new
