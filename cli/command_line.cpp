@@ -12,6 +12,7 @@
 
 #include "cli/arguments.hpp"
 #include "cli/output.hpp"
+#include "sightline/base/failure.hpp"
 #include "sightline/base/nearest.hpp"
 #include "sightline/base/sentence.hpp"
 
@@ -72,6 +73,7 @@ int execute(int argc, char** argv, const Parts& parts) {
 int command_line(int argc, char** argv, const Parts& parts) {
   using namespace cli;
   open_streams();
+  report_failures_to([](std::string_view line) noexcept { write_message(line); });
   int code = 1;
   try {
     code = execute(argc, argv, parts);

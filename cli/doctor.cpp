@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <future>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <thread>
@@ -14,6 +13,7 @@
 #include "cli/output.hpp"
 #include "sightline/analysis/tag_size.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/loop_timing.hpp"
 
@@ -136,7 +136,7 @@ int doctor(const DoctorCommand& command, const Parts& parts) {
   std::vector<Finding> findings;
   try {
     std::future<LoopTiming> timed =
-        std::async(std::launch::async, time_loop, scenario, seconds, &stop_flight());
+        run_for_value([&] { return time_loop(scenario, seconds, &stop_flight()); });
     // Each look asks what has not been answered yet.
     while (timed.wait_for(looks_each) != std::future_status::ready) (void)fleet->findings();
     timing = timed.get();

@@ -5,8 +5,8 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <thread>
 
+#include "sightline/base/service_thread.hpp"
 #include "sightline/server/paced_clock.hpp"
 
 namespace sightline::cli {
@@ -15,7 +15,7 @@ namespace sightline::cli {
 class EnterKey {
  public:
   EnterKey(PacedClock& clock, std::atomic<bool>& stop)
-      : thread_([this, &clock, &stop] {
+      : thread_("the Enter key", [this, &clock, &stop] {
           pollfd typed{STDIN_FILENO, POLLIN, 0};
           while (!done_ && !stop && clock.paused()) {
             if (::poll(&typed, 1, 100) <= 0) continue;
@@ -33,7 +33,7 @@ class EnterKey {
 
  private:
   std::atomic<bool> done_{false};
-  std::thread thread_;
+  ServiceThread thread_;
 };
 
 }  // namespace sightline::cli

@@ -45,12 +45,12 @@ bool FaultKeys::on_a_terminal() {
 
 FaultKeys::FaultKeys(Take take, Help help) {
   if (!on_a_terminal()) return;
-  thread_ = std::thread([this, take = std::move(take), help = std::move(help)] { read(take, help); });
+  thread_.start([this, take = std::move(take), help = std::move(help)] { read(take, help); });
 }
 
 FaultKeys::~FaultKeys() {
   done_ = true;
-  if (thread_.joinable()) thread_.join();
+  thread_.join();
 }
 
 void FaultKeys::read(const Take& take, const Help& help) const {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>
 
+#include "sightline/base/service_thread.hpp"
 #include "sightline/scenario/link_fault.hpp"
 
 namespace sightline::cli {
@@ -51,7 +51,7 @@ class FaultKeys {
   void read(const Take& take, const Help& help) const;
 
   std::atomic<bool> done_{false};
-  std::thread thread_;
+  ServiceThread thread_{"the keys of faults"};
 };
 
 }  // namespace sightline::cli

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
-#include <thread>
 
 #include "cli/commands.hpp"
 #include "cli/fault_keys.hpp"
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
+#include "sightline/base/c_callback.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/run/realtime.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/closed_loop.hpp"
@@ -69,10 +70,10 @@ bool say_end(const LinkedWorld& world) {
 /// All before a flight but arming. Nothing is written: a folder keeps the flight that it has.
 int fly_dry(const Scenario& scenario, LinkedWorld& world) {
   if (world.exchange() == nullptr) (void)Controls(scenario);  // its refusals
-  std::thread([&] {
+  run_apart([&] {
     offer_sentence(become_realtime(control_priority).sentence());
     (void)world.take_off(Arming::dry_run, interrupts(), offer_sentence);
-  }).join();
+  });
   return say_end(world) ? 1 : 0;
 }
 
@@ -83,7 +84,7 @@ std::atomic<bool>& stop_flight() { return interrupted; }
 
 void listen_to_interrupts() {
   struct sigaction action {};
-  action.sa_handler = on_interrupt;
+  action.sa_handler = c_callback<on_interrupt>;
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
 }
@@ -176,7 +177,7 @@ FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const Excitat
   listen_to_interrupts();
   FlownMotion motion;
   std::string why = "it did not take off";
-  std::thread([&] {
+  run_apart([&] {
     offer_sentence(become_realtime(control_priority).sentence());
     if (!world->take_off(Arming::real, interrupts(), offer_sentence)) return;
     SteadyClock clock;
@@ -187,7 +188,7 @@ FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const Excitat
       why = sentence_of(error);
     }
     world->land(interrupts(), offer_sentence);
-  }).join();
+  });
   (void)say_end(*world);
   if (!why.empty()) throw std::invalid_argument(why);
   return motion;

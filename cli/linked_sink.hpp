@@ -20,7 +20,12 @@ class ShownSink final : public Sink<Sample> {
     page_.show(*sample_);
     sink_.publish();
   }
+  void drop(const Sample& sample) noexcept override {
+    page_.show(sample);
+    sink_.drop(sample);
+  }
   void close() noexcept override { sink_.close(); }
+  bool is_abandoned() const noexcept override { return sink_.is_abandoned(); }
 
  private:
   Sink<Sample>& sink_;
@@ -38,18 +43,27 @@ class LinkedSink final : public Sink<Sample> {
 
   Sample* claim() noexcept override { return sample_ = sink_.claim(); }
   void publish() noexcept override {
-    const auto lands = [](FallbackLevel level) { return level >= FallbackLevel::land; };
-    too_old_ = too_old_ || std::any_of(sample_->levels.begin(), sample_->levels.end(), lands);
-    if (too_old_ || world_.asked_to_land()) stop_.store(true, std::memory_order_relaxed);
-    world_.show(*sample_);
+    look(*sample_);
     sink_.publish();
   }
+  void drop(const Sample& sample) noexcept override {
+    look(sample);
+    sink_.drop(sample);
+  }
   void close() noexcept override { sink_.close(); }
+  bool is_abandoned() const noexcept override { return sink_.is_abandoned(); }
 
   /// Whether a robot was to land by its supervisor.
   bool too_old() const { return too_old_; }
 
  private:
+  void look(const Sample& sample) noexcept {
+    const auto lands = [](FallbackLevel level) { return level >= FallbackLevel::land; };
+    too_old_ = too_old_ || std::any_of(sample.levels.begin(), sample.levels.end(), lands);
+    if (too_old_ || world_.asked_to_land()) stop_.store(true, std::memory_order_relaxed);
+    world_.show(sample);
+  }
+
   Sink<Sample>& sink_;
   LinkedWorld& world_;
   std::atomic<bool>& stop_;

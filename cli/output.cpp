@@ -8,6 +8,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 
 #include "sightline/base/reason.hpp"
@@ -48,7 +50,7 @@ class Stream {
     return 0;
   }
 
-  void wait_at_most(WallClock::duration time) { left_ = time; }
+  void wait_at_most(WallClock::duration time) { left_ = time.count(); }
 
  private:
   static constexpr std::chrono::milliseconds look{100};
@@ -57,25 +59,28 @@ class Stream {
     for (;;) {
       pollfd room = {file_, POLLOUT, 0};
       const auto begin = WallClock::now();
-      const auto most = wait ? std::clamp<WallClock::duration>(left_, {}, look) : WallClock::duration(0);
+      const auto most = wait ? std::clamp<WallClock::duration>(WallClock::duration(left_), {}, look)
+                             : WallClock::duration(0);
       const auto ms = std::chrono::ceil<std::chrono::milliseconds>(most);
       const int ready = ::poll(&room, 1, static_cast<int>(ms.count()));
       if (ready > 0 || (ready < 0 && errno != EINTR)) return 0;  // what is wrong, the writing tells
       if (!wait) return ETIMEDOUT;
-      if (left_ != WallClock::duration::max()) left_ -= WallClock::now() - begin;
-      if (left_ <= WallClock::duration(0)) return ETIMEDOUT;
+      const auto took = (WallClock::now() - begin).count();
+      if (left_ != WallClock::duration::max().count()) left_ -= took;
+      if (left_ <= 0) return ETIMEDOUT;
     }
   }
 
   int file_;
   bool is_socket_ = false;
-  WallClock::duration left_ = WallClock::duration::max();
+  // Of all threads that write together.
+  std::atomic<WallClock::rep> left_ = WallClock::duration::max().count();
 };
 
 /// Both streams and what became of the results.
 struct Streams {
   Stream results{STDOUT_FILENO}, messages{STDERR_FILENO};
-  int lost = 0;  // errno of the results
+  std::atomic<int> lost = 0;  // errno of the results
 
   Streams() { messages.wait_at_most(patience); }
 };
@@ -83,6 +88,21 @@ struct Streams {
 Streams& streams() {
   static Streams all;
   return all;
+}
+
+/// In one piece where it fits, so that lines of several threads do not mix; without memory of the heap.
+void write_sentence(std::string_view sentence, void (*write)(std::string_view) noexcept) noexcept {
+  constexpr std::string_view begin = "sightline: ";
+  std::array<char, 1024> line{};
+  if (begin.size() + sentence.size() + 1 > line.size()) {
+    write(begin);
+    write(sentence);
+    return write("\n");
+  }
+  char* const text = std::copy(begin.begin(), begin.end(), line.data());
+  char* const end = std::copy(sentence.begin(), sentence.end(), text);
+  *end = '\n';
+  write({line.data(), static_cast<std::size_t>(end - line.data()) + 1});
 }
 
 }  // namespace
@@ -110,8 +130,8 @@ void write_message(std::string_view text) noexcept { (void)streams().messages.wr
 
 void offer_message(std::string_view text) noexcept { (void)streams().messages.write(text, false); }
 
-void say(std::string_view sentence) { tell("sightline: {}\n", sentence); }
-void offer_sentence(std::string_view sentence) { offer_message(fmt::format("sightline: {}\n", sentence)); }
+void say(std::string_view sentence) noexcept { write_sentence(sentence, write_message); }
+void offer_sentence(std::string_view sentence) noexcept { write_sentence(sentence, offer_message); }
 
 int finish(int code) {
   const int lost = streams().lost;

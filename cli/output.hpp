@@ -36,9 +36,9 @@ void tell(fmt::format_string<Args...> format, Args&&... args) {
   write_message(fmt::format(format, std::forward<Args>(args)...));
 }
 /// A sentence, in a line that begins with the program's name.
-void say(std::string_view sentence);
+void say(std::string_view sentence) noexcept;
 /// The same where nothing may wait: it is left out where nobody reads.
-void offer_sentence(std::string_view sentence);
+void offer_sentence(std::string_view sentence) noexcept;
 
 /// At the end: the exit code, which is 1 instead of 0 where results were lost; says so.
 int finish(int code);

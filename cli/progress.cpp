@@ -8,10 +8,9 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
-#include <system_error>
-#include <thread>
 
 #include "cli/output.hpp"
+#include "sightline/base/service_thread.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -54,11 +53,8 @@ struct ProgressThread::Shared {
 ProgressThread::ProgressThread(std::function<std::string(bool last)> line)
     : shared_(std::make_shared<Shared>()) {
   shared_->line = std::move(line);
-  try {
-    std::thread([shared = shared_] { shared->run(); }).detach();
-  } catch (const std::system_error&) {
+  if (!run_unattended([shared = shared_] { shared->run(); }))
     shared_->ended = true;  // no thread, no progress
-  }
 }
 
 void ProgressThread::end() {

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "cli/allocations.hpp"
 #include "cli/commands.hpp"
@@ -13,6 +12,7 @@
 #include "cli/partition.hpp"
 #include "cli/progress.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/record/logged_flight.hpp"
 #include "sightline/record/summary.hpp"
@@ -47,15 +47,18 @@ void print_table(const std::vector<SummaryLine>& lines) {
 /// From the ground to the ground, by a thread of its own: what it asks of the machine is for no one else.
 LoopOutcome fly_linked(LinkedFlight& linked, ClosedLoop& loop, Sink<Sample>& sink) {
   LoopOutcome outcome;
-  std::thread([&] {
+  run_apart([&] {
     offer_sentence(become_realtime(control_priority).sentence());
-    if (linked.world.take_off(linked.arming, linked.interrupts, offer_sentence)) {
-      outcome = loop.fly();
-      linked.world.land(linked.interrupts, offer_sentence);
-    } else {
-      sink.close();
+    bool flies = true;  // where taking off fails halfway, some do
+    try {
+      flies = linked.world.take_off(linked.arming, linked.interrupts, offer_sentence);
+      if (flies) outcome = loop.fly();
+    } catch (const std::exception& error) {
+      say(sentence_of(error));
     }
-  }).join();
+    if (flies) linked.world.land(linked.interrupts, offer_sentence);
+    sink.close();
+  });
   return outcome;
 }
 

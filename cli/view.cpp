@@ -13,6 +13,7 @@
 #include "cli/linked_sink.hpp"
 #include "cli/output.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/record/replay.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/file_kind.hpp"
@@ -107,12 +108,16 @@ int view_flight(const ViewCommand& command, const Parts& parts, const ServeOptio
       say("paused, Enter flies on");
       enter.emplace(clock, stop);
     }
-    std::thread flight([&] { outcome = loop.fly(); });
-    std::thread timer([&] {
+    ServiceThread timer("the end of the view", [&] {
       wait_until(end);
       stop = true;
     });
-    flight.join();
+    try {
+      run_apart([&] { outcome = loop.fly(); });
+    } catch (...) {
+      stop = true;  // nothing flies that a view could wait for
+      throw;
+    }
     if (!stop) say("the flight is over, the page stays until Ctrl-C");
     timer.join();
   }

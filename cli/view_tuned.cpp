@@ -13,6 +13,7 @@
 #include "cli/fleet.hpp"
 #include "cli/linked_sink.hpp"
 #include "cli/output.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/record/logged_flight.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/server/flight_page.hpp"
@@ -77,7 +78,7 @@ class TunedFlight {
       say("paused, Enter or the page flies on");
       enter.emplace(clock_, over_);
     }
-    std::thread timer([&] {
+    ServiceThread timer("the end of the view", [&] {
       wait(end);
       over_ = true;
     });

@@ -37,7 +37,7 @@ fs::path fly(const Scenario& given, const fs::path& out, int runs, const std::op
   const FolderLock lock(out.empty() ? fs::path("out") / given.name / "campaign" : out,
                         {"campaign.sqlite", "campaign.html"});
   fs::path file = lock.folder() / "campaign.sqlite";
-  auto flight = std::async(std::launch::async, [&] {
+  auto flight = run_for_value([&] {
     RunTable table(file, given, plan, options.seed);
     check_continues(table, file, given, plan, options);
     done = options.first = table.rows();

@@ -39,7 +39,7 @@ Flown run(const Scenario& given, const fs::path& out, const std::optional<std::u
   const RunFolder folder(out.empty() ? fs::path("out") / scenario.name : out, scenario);
   std::atomic<bool> stop = false;
   std::atomic<double> flown = 0.0;
-  auto flight = std::async(std::launch::async, [&] {
+  auto flight = run_for_value([&] {
     const Controls controls(scenario);
     SimulatedClock clock;
     return fly_logged(
@@ -57,7 +57,7 @@ std::string replay(const fs::path& folder, const std::optional<std::string>& sol
   const fs::path log = log_of(folder);
   std::atomic<bool> stop = false;
   const std::atomic<double> flown = 0.0;
-  auto flight = std::async(std::launch::async, [&] {
+  auto flight = run_for_value([&] {
     const FlownAs as = flown_as(log);
     if (!as.partition.empty() && !solver)
       refuse("{}: flown in parts, {}; expected a solver for the whole team, or the command sightline replay",

@@ -6,6 +6,7 @@
 #include <future>
 
 #include "python/bindings.hpp"
+#include "sightline/base/service_thread.hpp"
 
 namespace sightline::python {
 

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <stdexcept>
 
+#include "sightline/base/c_callback.hpp"
 #include "sightline/base/now.hpp"
 
 namespace sightline::dds {
@@ -19,6 +21,9 @@ struct QosDelete {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
 };
 using Qos = std::unique_ptr<dds_qos_t, QosDelete>;
+struct SerdataUnref {
+  void operator()(ddsi_serdata* data) const { ddsi_serdata_unref(data); }
+};
 using Listener = std::unique_ptr<dds_listener_t, void (*)(dds_listener_t*)>;
 
 Qos qos_of(Quality quality, const MessageType& type) {
@@ -39,14 +44,18 @@ Qos qos_of(Quality quality, const MessageType& type) {
 }
 
 /// The topic under the name that its type has on the wire.
-dds_entity_t made_topic(dds_entity_t participant, const dds_topic_descriptor_t& type,
-                        const std::string& topic) {
+Entity made_topic(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic) {
   const std::string type_name = wire_type(type.m_typename);
   dds_topic_descriptor_t named = type;
   named.m_typename = type_name.c_str();
-  const dds_entity_t made = dds_create_topic(participant, &named, topic.c_str(), nullptr, nullptr);
-  if (made < 0) throw std::runtime_error(fmt::format("topic {}: {}", topic, dds_strretcode(-made)));
+  Entity made(dds_create_topic(participant, &named, topic.c_str(), nullptr, nullptr));
+  if (made.get() < 0)
+    throw std::runtime_error(fmt::format("topic {}: {}", topic, dds_strretcode(-made.get())));
   return made;
+}
+
+void note_reader(dds_entity_t, dds_publication_matched_status_t status, void* came) noexcept {
+  if (status.current_count_change > 0) *static_cast<std::atomic<std::int64_t>*>(came) = monotonic_now();
 }
 
 std::string on_wire(const std::string& topic) { return topic.starts_with('/') ? wire_topic(topic) : topic; }
@@ -58,35 +67,28 @@ RawWriter::RawWriter(Port at, const dds_topic_descriptor_t& type, const std::str
   if (at.voice == Voice::silent) return;
   const Qos qos = qos_of(quality, message_type(type.m_typename));
   const Listener listener(dds_create_listener(&reader_came_), dds_delete_listener);
-  dds_lset_publication_matched(listener.get(),
-                               [](dds_entity_t, dds_publication_matched_status_t status, void* came) {
-                                 if (status.current_count_change > 0)
-                                   *static_cast<std::atomic<std::int64_t>*>(came) = monotonic_now();
-                               });
-  entity_ = dds_create_writer(at, made_topic(at, type, topic_), qos.get(), listener.get());
-  if (entity_ < 0)
-    throw std::runtime_error(fmt::format("writer of {}: {}", topic_, dds_strretcode(-entity_)));
-}
-
-RawWriter::~RawWriter() {
-  if (entity_ > 0) dds_delete(entity_);  // waits for its listener
+  dds_lset_publication_matched(listener.get(), c_callback<note_reader>);
+  of_topic_ = made_topic(at, type, topic_);
+  entity_ = Entity(dds_create_writer(at, of_topic_.get(), qos.get(), listener.get()));
+  if (entity_.get() < 0)
+    throw std::runtime_error(fmt::format("writer of {}: {}", topic_, dds_strretcode(-entity_.get())));
 }
 
 bool RawWriter::heard(std::span<const SeenWriter> readers) const {
-  if (entity_ > 0) return matched() > 0;
+  if (entity_.get() > 0) return matched() > 0;
   return std::any_of(readers.begin(), readers.end(), [&](const SeenWriter& reader) {
     return reader.topic == topic_ && reader.type == type_;
   });
 }
 
 int RawWriter::matched() const noexcept {
-  if (entity_ == 0) return 0;
-  return std::max(0, static_cast<int>(dds_get_matched_subscriptions(entity_, nullptr, 0)));
+  if (entity_.get() == 0) return 0;
+  return std::max(0, static_cast<int>(dds_get_matched_subscriptions(entity_.get(), nullptr, 0)));
 }
 
 int RawWriter::rivals(std::span<const SeenWriter> writers) const {
   dds_guid_t ours{};  // of a silent one: nobody's
-  if (entity_ > 0) dds_get_guid(entity_, &ours);
+  if (entity_.get() > 0) dds_get_guid(entity_.get(), &ours);
   return static_cast<int>(std::count_if(writers.begin(), writers.end(), [&](const SeenWriter& writer) {
     return writer.topic == topic_ && std::memcmp(&writer.guid, &ours, sizeof ours) != 0;
   }));
@@ -96,19 +98,21 @@ WriterList::WriterList(dds_entity_t participant, dds_entity_t of)
     : reader_(dds_create_reader(participant, of, nullptr, nullptr)),
       samples_(writers_max),
       infos_(writers_max) {
-  if (reader_ < 0) throw std::runtime_error(fmt::format("who writes: {}", dds_strretcode(-reader_)));
+  if (reader_.get() < 0)
+    throw std::runtime_error(fmt::format("who writes: {}", dds_strretcode(-reader_.get())));
 }
 
 std::vector<SeenWriter> WriterList::look() {
   std::vector<SeenWriter> writers;
   samples_[0] = nullptr;  // lend us theirs
-  const dds_return_t count = dds_read(reader_, samples_.data(), infos_.data(), writers_max, writers_max);
+  const dds_return_t count =
+      dds_read(reader_.get(), samples_.data(), infos_.data(), writers_max, writers_max);
   for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(0, count)); ++i) {
     if (!infos_[i].valid_data || infos_[i].instance_state != DDS_ALIVE_INSTANCE_STATE) continue;
     const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples_[i]);
     writers.push_back({endpoint.topic_name, endpoint.type_name, endpoint.key});
   }
-  if (count > 0) dds_return_loan(reader_, samples_.data(), count);
+  if (count > 0) dds_return_loan(reader_.get(), samples_.data(), count);
   return writers;
 }
 
@@ -122,17 +126,16 @@ RawReader::RawReader(dds_entity_t participant, const dds_topic_descriptor_t& typ
       scratch_((type.m_size + 7) / 8) {
   const Qos qos = qos_of(quality, message_type(type.m_typename));
   const Listener listener(dds_create_listener(this), dds_delete_listener);
-  dds_lset_data_available(listener.get(), on_data);
-  dds_lset_subscription_matched(listener.get(), on_writer);
-  entity_ = dds_create_reader(participant, made_topic(participant, type, topic_), qos.get(), listener.get());
-  if (entity_ < 0)
-    throw std::runtime_error(fmt::format("reader of {}: {}", topic_, dds_strretcode(-entity_)));
+  dds_lset_data_available(listener.get(), c_callback<on_data>);
+  dds_lset_subscription_matched(listener.get(), c_callback<on_writer>);
+  of_topic_ = made_topic(participant, type, topic_);
+  entity_ = Entity(dds_create_reader(participant, of_topic_.get(), qos.get(), listener.get()));
+  if (entity_.get() < 0)
+    throw std::runtime_error(fmt::format("reader of {}: {}", topic_, dds_strretcode(-entity_.get())));
 }
 
-RawReader::~RawReader() { dds_delete(entity_); }  // waits for its listener
-
 int RawReader::matched() const noexcept {
-  return std::max(0, static_cast<int>(dds_get_matched_publications(entity_, nullptr, 0)));
+  return std::max(0, static_cast<int>(dds_get_matched_publications(entity_.get(), nullptr, 0)));
 }
 
 void RawReader::take(const ddsi_serdata* data, std::uint64_t writer) {
@@ -150,13 +153,14 @@ void RawReader::take(const ddsi_serdata* data, std::uint64_t writer) {
     return;
   }
   std::fill(scratch_.begin(), scratch_.end(), 0);
+  const auto free = [this](void* message) { dds_sample_free(message, &type_, DDS_FREE_CONTENTS); };
+  const std::unique_ptr<void, decltype(free)> contents(scratch_.data(), free);  // take_() may throw
   if (ddsi_serdata_to_sample(data, scratch_.data(), nullptr, nullptr)) {
     ++counts_.received;
     take_(scratch_.data(), {monotonic_now(), writer, size});
   } else {
     ++counts_.unreadable;
   }
-  dds_sample_free(scratch_.data(), &type_, DDS_FREE_CONTENTS);
 }
 
 void RawReader::on_writer(dds_entity_t, dds_subscription_matched_status_t status, void* self) {
@@ -169,10 +173,12 @@ void RawReader::on_data(dds_entity_t reader, void* self) {
   ddsi_serdata* data[most] = {};
   dds_sample_info_t info[most];
   for (dds_return_t n; (n = dds_takecdr(reader, data, most, info, DDS_ANY_STATE)) > 0;) {
-    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+    const auto count = static_cast<std::size_t>(n);
+    std::array<std::unique_ptr<ddsi_serdata, SerdataUnref>, most>
+        held;  // given back where take() throws, too
+    for (std::size_t i = 0; i < count; ++i) held[i].reset(data[i]);
+    for (std::size_t i = 0; i < count; ++i)
       if (info[i].valid_data) own.take(data[i], info[i].publication_handle);
-      ddsi_serdata_unref(data[i]);
-    }
   }
 }
 

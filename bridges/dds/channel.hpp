@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,29 @@ struct Port {
   operator dds_entity_t() const { return participant; }
 };
 
+/// A text of a message; empty where the message has none.
+inline std::string_view text_in(const char* text) noexcept { return text != nullptr ? text : ""; }
+
+/// An entity of Cyclone DDS: a topic, a reader, a writer. Its end waits for its listeners.
+class Entity {
+ public:
+  Entity() = default;
+  explicit Entity(dds_entity_t made) : made_(made) {}
+  ~Entity() {
+    if (made_ > 0) dds_delete(made_);
+  }
+  Entity(Entity&& other) noexcept : made_(std::exchange(other.made_, 0)) {}
+  Entity& operator=(Entity&& other) noexcept {
+    std::swap(made_, other.made_);
+    return *this;
+  }
+
+  dds_entity_t get() const noexcept { return made_; }  ///< 0: none; below: a dds_return_t that says why not
+
+ private:
+  dds_entity_t made_ = 0;
+};
+
 /// A writer or a reader of the domain, with the names of its topic and of its type as on the wire.
 struct SeenWriter {
   std::string topic, type;
@@ -53,7 +77,7 @@ class WriterList {
   std::vector<SeenWriter> look();
 
  private:
-  dds_entity_t reader_;
+  Entity reader_;
   std::vector<void*> samples_;
   std::vector<dds_sample_info_t> infos_;
 };
@@ -64,13 +88,12 @@ class RawWriter {
   /// @param topic  of ROS, "/a/b"; as on the wire where it does not begin with /
   /// @throws std::runtime_error with the topic
   RawWriter(Port at, const dds_topic_descriptor_t& type, const std::string& topic, Quality quality);
-  ~RawWriter();
   RawWriter(const RawWriter&) = delete;
   RawWriter& operator=(const RawWriter&) = delete;
 
   /// Sends; a reader that does not keep up misses it. Nothing is allocated for messages up to 256 bytes.
   bool write(const void* message) noexcept {
-    return entity_ > 0 && dds_write(entity_, message) == DDS_RETCODE_OK;
+    return entity_.get() > 0 && dds_write(entity_.get(), message) == DDS_RETCODE_OK;
   }
   /// Readers that there are.
   int matched() const noexcept;
@@ -78,7 +101,7 @@ class RawWriter {
   bool heard(std::span<const SeenWriter> readers) const;
   /// When the last of them came, of the monotonic clock [ns]; 0: never. Of any thread.
   std::int64_t reader_came() const noexcept { return reader_came_; }
-  dds_entity_t entity() const noexcept { return entity_; }
+  dds_entity_t entity() const noexcept { return entity_.get(); }
   /// Of these, those of the same topic that are not ours.
   int rivals(std::span<const SeenWriter> writers) const;
   const std::string& topic() const { return topic_; }
@@ -87,7 +110,7 @@ class RawWriter {
  private:
   std::string topic_, type_;
   std::atomic<std::int64_t> reader_came_{0};
-  dds_entity_t entity_ = 0;  // of a silent one: none
+  Entity of_topic_, entity_;  // of a silent one: none; the last first
 };
 
 template <class M>
@@ -128,7 +151,6 @@ class RawReader {
   /// @throws std::runtime_error with the topic
   RawReader(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
             Quality quality, std::optional<std::size_t> payload, Writers writers, Take take);
-  ~RawReader();
   RawReader(const RawReader&) = delete;
   RawReader& operator=(const RawReader&) = delete;
 
@@ -154,7 +176,7 @@ class RawReader {
   std::atomic<int> writers_came_{0};
   std::uint64_t first_writer_ = 0;
   std::vector<std::uint64_t> scratch_;  // one message
-  dds_entity_t entity_ = 0;
+  Entity of_topic_, entity_;            // last: what it fills outlives it
 };
 
 template <class M>

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <thread>
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/now.hpp"
@@ -79,7 +80,6 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       start_(scenario.x0),
       measured_(scenario.x0),
       stamps_(size(team_.bodies()), never_seen),
-      rest_(size(team_.nu())),
       period_(std::llround(1e9 * scenario.horizon.dt)),
       times_(times_of_task(times, scenario_)),
       node_(scenario.fleet->network.node),
@@ -95,7 +95,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
   if (voice == Voice::speaks && scenario.fleet->network.topics)
     topics_ = std::make_unique<TopicsOut>(scenario, domain_->participant(),
                                           [this](std::size_t i) { return robots_[i].end->counts(); });
-  watcher_ = std::thread([this, list = WriterList(domain_->participant())]() mutable {
+  watcher_.start([this, list = WriterList(domain_->participant())]() mutable {
     while (!done_) {
       const std::vector<SeenWriter> writers = list.look();
       for (Robot& robot : robots_) robot.end->watch(writers);

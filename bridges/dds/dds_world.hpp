@@ -7,7 +7,6 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "bridges/dds/domain.hpp"
@@ -19,6 +18,7 @@
 #include "bridges/dds/seen_bodies.hpp"
 #include "bridges/dds/services.hpp"
 #include "bridges/dds/topics_out.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/scenario/bridge.hpp"
 
 namespace sightline::dds {
@@ -89,8 +89,8 @@ class DdsWorld final : public LinkedWorld {
   bool in_our_hands() const;
 
   Scenario scenario_;
-  const Team& team_;
-  std::vector<double> start_, measured_, stamps_, rest_;
+  const Team& team_;  // of it
+  std::vector<double> start_, measured_, stamps_;
   std::int64_t period_;  // [ns]
   LinkTimes times_;
   std::string node_;
@@ -115,7 +115,7 @@ class DdsWorld final : public LinkedWorld {
   std::atomic<bool> done_{false};
   std::mutex news_;          // of the next
   TellPerson news_go_to_{};  // while the task is flown
-  std::thread watcher_;
+  ServiceThread watcher_{"the watch over writers"};
 };
 
 }  // namespace sightline::dds

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "bridges/dds/channel.hpp"
+#include "sightline/base/c_callback.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -66,7 +67,7 @@ std::string domain_xml(const FleetNetwork& network, std::optional<int> receive_p
 Domain::Domain(const FleetNetwork& network, std::optional<int> receive_priority, Identity who)
     : number_(network.domain) {
   if (!network.keys.empty()) check_keys(network.keys, who);
-  dds_set_log_sink(count_complaint, nullptr);
+  dds_set_log_sink(c_callback<count_complaint>, nullptr);
   const std::int64_t before = complaints();
   const auto refused = [&](dds_return_t code) {
     return std::runtime_error(fmt::format(

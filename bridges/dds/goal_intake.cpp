@@ -53,7 +53,7 @@ bool GoalIntake::is_inside(const Vec3<double>& p) const noexcept {
 
 void GoalIntake::on_goal(const void* message) {
   const auto& m = *static_cast<const geometry_msgs_msg_dds__PoseStamped_*>(message);
-  if (from_.frame != m.header.frame_id) return refuse(Refusal::frame);
+  if (from_.frame != text_in(m.header.frame_id)) return refuse(Refusal::frame);
   Message goal;
   goal.count = 1;
   goal.waypoints[0] = waypoint_of(m.pose);
@@ -62,12 +62,13 @@ void GoalIntake::on_goal(const void* message) {
 
 void GoalIntake::on_path(const void* message) {
   const auto& m = *static_cast<const nav_msgs_msg_dds__Path_*>(message);
-  if (from_.frame != m.header.frame_id) return refuse(Refusal::frame);
+  if (from_.frame != text_in(m.header.frame_id)) return refuse(Refusal::frame);
   const std::span poses(m.poses._buffer, m.poses._length);
   if (poses.empty() || poses.size() > GoalTrack::path_most) return refuse(Refusal::length);
   Message path;
   for (const auto& pose : poses) {
-    if (*pose.header.frame_id != '\0' && from_.frame != pose.header.frame_id) return refuse(Refusal::frame);
+    const std::string_view frame = text_in(pose.header.frame_id);
+    if (!frame.empty() && from_.frame != frame) return refuse(Refusal::frame);
     Waypoint& next = path.waypoints[path.count];
     next = waypoint_of(pose.pose);
     next.after = seconds(m.header.stamp, pose.header.stamp);

@@ -98,7 +98,7 @@ PartTalk::PartTalk(const Scenario& scenario, dds_entity_t participant)
         of_predictions, std::nullopt, Writers::all,
         [this, &other](const void* message, const Arrival& arrival) { take(other, message, arrival); });
   }
-  thread_ = std::thread([this] { write_all(); });
+  thread_.start([this] { write_all(); });
 }
 
 PartTalk::~PartTalk() {

@@ -6,11 +6,11 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/conversion.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/run/ring.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/solver/distributed/part_solver.hpp"
@@ -97,8 +97,8 @@ class PartTalk final : public PartExchange {
   std::uint64_t session_, number_ = 0;
   std::atomic<std::int64_t> sent_{0};
   RawWriter writer_;
-  Ring<PartMessage> waiting_;  // to be written
-  std::thread thread_;         // last: it uses all of it
+  Ring<PartMessage> waiting_;                            // to be written
+  ServiceThread thread_{"the messages to other parts"};  // last: it uses all of it
 };
 
 }  // namespace sightline::dds

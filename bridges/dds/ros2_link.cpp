@@ -20,7 +20,9 @@ using RosOdometry = nav_msgs_msg_dds__Odometry_;
 constexpr Nanoseconds ros_odometry_old = 500'000'000;
 constexpr double stands = 0.05;  // slower is at rest [m/s], [rad/s]
 
-bool is_wanted(const std::string& wanted, const char* frame) { return wanted.empty() || wanted == frame; }
+bool is_wanted(const std::string& wanted, const char* frame) {
+  return wanted.empty() || wanted == text_in(frame);
+}
 
 }  // namespace
 

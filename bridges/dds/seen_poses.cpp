@@ -31,7 +31,7 @@ struct PoseTaker {
   Attitude attitude;
 
   void operator()(const RosHeader& header, const RosPose& pose, const Arrival& arrival) const noexcept {
-    if (!frame.empty() && frame != header.frame_id) {
+    if (!frame.empty() && frame != text_in(header.frame_id)) {
       intake.take_other_frame();
       return;
     }
@@ -66,13 +66,13 @@ void read_named(PoseIntake& intake, dds_entity_t participant, const PosesFrom& f
                                                                                  const Arrival& a) {
         const auto& array = *static_cast<const Array*>(m);
         const std::span bodies(array.poses._buffer, array.poses._length);
-        const auto body =
-            std::find_if(bodies.begin(), bodies.end(), [&](const auto& named) { return name == named.name; });
+        const auto body = std::find_if(bodies.begin(), bodies.end(),
+                                       [&](const auto& named) { return name == text_in(named.name); });
         if (body != bodies.end()) take(array.header, body->pose, a);
         const std::scoped_lock lock(others->lock);
         others->found = others->found || body != bodies.end();
         for (std::size_t i = 0; !others->found && i < bodies.size() && others->names.size() < named_most; ++i)
-          others->names.insert(bodies[i].name);
+          others->names.emplace(text_in(bodies[i].name));
       }));
 }
 
@@ -85,8 +85,8 @@ struct SeenTransforms {
 
 FrameTransform transform_of(const geometry_msgs_msg_dds__TransformStamped_& t, const Arrival& arrival) {
   const auto& [p, q] = t.transform;
-  return {t.header.frame_id,    t.child_frame_id,   {p.x, p.y, p.z},
-          {q.w, q.x, q.y, q.z}, stamp_of(t.header), arrival.writer};
+  return {text_in(t.header.frame_id), text_in(t.child_frame_id), {p.x, p.y, p.z},
+          {q.w, q.x, q.y, q.z},       stamp_of(t.header),        arrival.writer};
 }
 
 void read_transforms(PoseIntake& intake, dds_entity_t participant, const PosesFrom& from, Attitude attitude) {

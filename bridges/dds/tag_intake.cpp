@@ -32,7 +32,7 @@ std::span<const SeenTag> tags_of_message(const void* message) {
 
 /// tf2 takes "/camera" for "camera".
 std::string_view bare(const char* frame) {
-  const std::string_view name = frame;
+  const std::string_view name = text_in(frame);
   return name.starts_with('/') ? name.substr(1) : name;
 }
 

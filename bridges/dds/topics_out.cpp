@@ -19,6 +19,7 @@
 #include "bridges/dds/ros_words.hpp"
 #include "sightline/base/index.hpp"
 #include "sightline/base/now.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/event_words.hpp"
 #include "sightline/run/ring.hpp"
@@ -30,6 +31,7 @@ namespace {
 constexpr std::chrono::milliseconds tick_time{20};
 constexpr std::int64_t ticks_of_scene = 5, ticks_of_diagnostics = 50;
 constexpr std::size_t moments_kept = 32;
+constexpr std::size_t said_max = 1000;  // sentences that wait
 constexpr int lines_a_second = 50;
 constexpr std::uint32_t marker_lifetime = 500'000'000;  // [ns]
 constexpr std::uint8_t log_info = 20, log_warn = 30, log_error = 40;
@@ -99,7 +101,7 @@ class TopicsOut::Thread {
   void run();
   void say(std::string_view sentence) {
     const std::scoped_lock lock(said_lock_);
-    said_.emplace_back(sentence);
+    if (said_.size() < said_max) said_.emplace_back(sentence);
   }
   std::string in_words() const;
 
@@ -169,7 +171,7 @@ class TopicsOut::Thread {
   std::vector<std::string> said_;
   std::atomic<std::int64_t> written_{0}, ran_{0}, worked_{0};  // [1], [ns], [ns]
   std::atomic<bool> done_{false};
-  std::thread thread_;  // last: it uses all of it
+  ServiceThread thread_{"the topics of the flight"};  // last: it uses all of it
 };
 
 TopicsOut::Thread::Thread(const Scenario& scenario, dds_entity_t participant, Counts counts)
@@ -209,7 +211,7 @@ TopicsOut::Thread::Thread(const Scenario& scenario, dds_entity_t participant, Co
                               of_shown);
     }
   }
-  thread_ = std::thread([this] { run(); });
+  thread_.start([this] { run(); });
 }
 
 void TopicsOut::Thread::run() {

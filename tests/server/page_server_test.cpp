@@ -3,8 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cerrno>
+#include <ctime>
 #include <list>
+#include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include "sightline/server/foxglove_feed.hpp"
 #include "sightline/server/http.hpp"
@@ -46,6 +51,60 @@ TEST(PageServer, AFileCanBeMadeForEachRequestByWhatItAsks) {
   EXPECT_THAT(PageClient(server.port()).ask("GET /made.json?from=7"), HasSubstr("\r\n\r\nfrom 7"));
   EXPECT_THAT(PageClient(server.port()).ask("GET /made.json?from=8"), HasSubstr("\r\n\r\nfrom 8"));
   EXPECT_TRUE(PageClient(server.port()).ask("HEAD /made.json?from=9").ends_with("\r\n\r\n"));
+}
+
+TEST(PageServer, WhatThrowsWhileItServesCostsThatClientAlone) {
+  PageFiles files = two_files();
+  files["/made.json"] = {
+      .type = "application/json", .body = {}, .made = [](const HttpRequest&) -> std::string {
+        throw std::runtime_error("no such row");
+      }};
+  const PageServer server({}, files, nullptr, [](std::string_view) { throw std::bad_alloc(); });
+  const std::string answer = PageClient(server.port()).ask("GET /made.json");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 500 Internal Server Error"));
+  EXPECT_THAT(answer, HasSubstr("this could not be made: no such row"));
+  PageClient speaker(server.port());
+  EXPECT_THAT(speaker.watch(), StartsWith("HTTP/1.1 101"));
+  speaker.say(PageClient::masked(1, "{}"));
+  (void)speaker.hear();
+  EXPECT_TRUE(speaker.ended());
+  EXPECT_THAT(PageClient(server.port()).ask("GET /"), HasSubstr("<p>page"));
+  EXPECT_TRUE(soon([&] { return server.counts().refused == 2; }));
+}
+
+TEST(PageServer, AFileThatIsMadeSlowlyHoldsNobodyUpWhoPutsAnother) {
+  std::atomic<bool> begun = false, go_on = false;
+  PageFiles files = two_files();
+  files["/slow.json"] = {.type = "application/json", .body = {}, .made = [&](const HttpRequest&) {
+                           begun = true;
+                           EXPECT_TRUE(soon([&] { return go_on.load(); }));
+                           return std::string("slow");
+                         }};
+  PageServer server({}, files);
+  std::string answer;
+  std::thread client([&] { answer = PageClient(server.port()).ask("GET /slow.json"); });
+  ASSERT_TRUE(soon([&] { return begun.load(); }));
+  server.put("/slow.json", {"application/json", "another"});  // does not wait for it
+  go_on = true;
+  client.join();
+  EXPECT_TRUE(answer.ends_with("slow"));
+  EXPECT_TRUE(PageClient(server.port()).ask("GET /slow.json").ends_with("another"));
+}
+
+TEST(PageServer, WithoutADescriptorLeftItSleepsAndServesLater) {
+  const PageServer server = on_loopback();
+  std::vector<int> taken;
+  for (int fd = 0; (fd = ::dup(STDIN_FILENO)) >= 0;) taken.push_back(fd);
+  ASSERT_EQ(errno, EMFILE);
+  ::close(taken.back());
+  taken.pop_back();
+  PageClient client(server.port());  // takes the last one
+  EXPECT_TRUE(client.connected());
+  const std::clock_t before = std::clock();  // of all threads
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 0.2);
+  for (const int fd : taken) ::close(fd);
+  EXPECT_THAT(client.ask("GET /"), HasSubstr("<p>page"));
 }
 
 TEST(PageServer, AWrongHostAndAForeignOriginAreRefusedForPagesAndWatchers) {

@@ -9,6 +9,8 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "sightline/base/c_callback.hpp"
+
 namespace sightline::mujoco {
 namespace {
 
@@ -21,6 +23,7 @@ thread_local std::array<char, message_size> message{};
 void (*errors_before)(const char*) = nullptr;
 void (*warnings_before)(const char*) = nullptr;
 
+/// Leaves over MuJoCo's frames, which are of C in the calls that set way_back.
 void on_error(const char* text) {
   if (way_back == nullptr) {  // a call of the program's own
     if (errors_before != nullptr) return errors_before(text);
@@ -42,14 +45,15 @@ void take_over_messages() {
   static const bool done = [] {
     errors_before = mju_user_error;
     warnings_before = mju_user_warning;
-    mju_user_error = on_error;
-    mju_user_warning = on_warning;
+    mju_user_error = c_callback<on_error>;
+    mju_user_warning = c_callback<on_warning>;
     return true;
   }();
   (void)done;
 }
 
-/// Whether a call of C functions came to its end.
+/// Whether a call of C functions came to its end. Not for mj_loadXML, whose reader and compiler are C++: a jump over their frames
+/// would leave their objects behind. It catches what goes wrong in there itself, and says it in its own error.
 template <class Call>
 bool came_back(const Call& call) noexcept {
   std::jmp_buf here;
@@ -100,10 +104,7 @@ ModelPointer load(const std::string& mjcf, const ModelFile* beside) {
   if (beside != nullptr) files.add(std::filesystem::path(beside->name).filename(), beside->text);
   const std::string path = beside != nullptr ? (beside->folder / own).string() : own;
   std::array<char, message_size> error{};
-  mjModel* made = nullptr;
-  message.fill(0);
-  if (!came_back([&] { made = mj_loadXML(path.c_str(), files.get(), error.data(), message_size); }))
-    throw std::invalid_argument(on_one_line(last_error()));
+  mjModel* const made = mj_loadXML(path.c_str(), files.get(), error.data(), message_size);
   if (made == nullptr) throw std::invalid_argument(on_one_line(error.data()));
   return ModelPointer(made);
 }

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <condition_variable>
 #include <exception>
+#include <list>
 #include <map>
 #include <mutex>
-#include <thread>
 
 #include "sightline/base/refuse.hpp"
+#include "sightline/base/service_thread.hpp"
 
 namespace sightline {
 namespace {
@@ -119,8 +120,8 @@ int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const Campa
     }
   };
   {
-    std::vector<std::jthread> threads;
-    for (int i = 1; i < options.threads; ++i) threads.emplace_back(work);
+    std::list<ServiceThread> threads;  // where the machine has fewer, the others fly all runs
+    for (int i = 1; i < options.threads; ++i) threads.emplace_back("a thread of the campaign", work);
     work();
   }
   return order.end();

@@ -205,7 +205,12 @@ RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, 
   const std::string columns = columns_of(scenario, plan);
   if (std::filesystem::exists(file_)) go_on(about, columns);
   if (!database_) begin(about, columns);
-  thread_ = std::jthread([this](const std::stop_token& stop) { keep_committing(stop); });
+  thread_.start([this] { keep_committing(stop_.get_token()); },
+                [this] {
+                  const std::scoped_lock lock(mutex_);
+                  failure_ = std::current_exception();
+                  changed_.notify_all();
+                });
 }
 
 // The file appears with its tables.
@@ -271,7 +276,7 @@ void RunTable::go_on(const AboutCampaign& about, const std::string& columns) {
 
 RunTable::~RunTable() {
   try {
-    thread_.request_stop();
+    stop_.request_stop();
     thread_.join();
     if (!waiting_.empty() && !failure_) commit(std::move(waiting_));
   } catch (...) {  // finish() tells; nobody asked it
@@ -340,7 +345,7 @@ void RunTable::commit(std::vector<Row> rows) {
 }
 
 void RunTable::finish() {
-  thread_.request_stop();
+  stop_.request_stop();
   thread_.join();
   if (failure_) std::rethrow_exception(failure_);
   if (!waiting_.empty()) commit(std::exchange(waiting_, {}));

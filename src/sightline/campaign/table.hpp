@@ -11,9 +11,9 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
+#include "sightline/base/service_thread.hpp"
 #include "sightline/campaign/campaign.hpp"
 #include "sightline/campaign/database.hpp"
 
@@ -75,7 +75,8 @@ class RunTable {
   std::vector<Row> waiting_;
   std::exception_ptr failure_;
   bool changes_ = false;
-  std::jthread thread_;
+  std::stop_source stop_;
+  ServiceThread thread_{"the table of the campaign"};
 };
 
 /// Whether the campaign can go on after the rows that are there: the last of them is flown again. Before the first add().

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "sightline/base/service_thread.hpp"
+
 namespace sightline {
 namespace {
 
@@ -40,14 +42,26 @@ Crew::Crew(int threads) : threads_(threads) {
     throw std::invalid_argument("threads = " + std::to_string(threads) + ", expected 1 to " +
                                 std::to_string(most));
   ranges_ = std::make_unique<Range[]>(static_cast<std::size_t>(threads));
-  for (int t = 1; t < threads; ++t) others_.emplace_back([this, t] { wait_for_work(t); });
+  others_ = std::make_unique<std::unique_ptr<ServiceThread>[]>(static_cast<std::size_t>(threads));
+  try {
+    for (int t = 1; t < threads; ++t) {
+      auto& other = others_[static_cast<std::size_t>(t)] =
+          std::make_unique<ServiceThread>("a solver's thread");
+      other->start_or_throw([this, t]() noexcept { wait_for_work(t); });
+    }
+  } catch (...) {
+    end();  // those that wait already
+    throw;
+  }
 }
 
 std::shared_ptr<Crew> crew_where(bool pays, std::shared_ptr<Crew> crew) {
   return crew != nullptr && pays ? std::move(crew) : std::make_shared<Crew>(1);
 }
 
-Crew::~Crew() {
+Crew::~Crew() { end(); }
+
+void Crew::end() noexcept {
   stop_.store(true, std::memory_order_relaxed);
   job_.fetch_add(1, std::memory_order_release);
   job_.notify_all();

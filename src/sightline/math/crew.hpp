@@ -9,13 +9,13 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <thread>
 #include <type_traits>
-#include <vector>
 
 #include "sightline/math/subnormals.hpp"
 
 namespace sightline {
+
+class ServiceThread;
 
 /// Memory and threads are taken when it is made; share() neither allocates nor locks. The others wait for work by looking for it
 /// for some microseconds, then asleep. Whoever shares works too and takes over what another thread has not begun, so a thread that
@@ -58,6 +58,7 @@ class Crew {
   void work_on(int thread) noexcept;
   bool take(Range& range, int& part) noexcept;
   void wait_for_work(int thread) noexcept;
+  void end() noexcept;
 
   int threads_;
   // Of the job that is on: written before its ranges, read after a part of them was taken.
@@ -69,7 +70,7 @@ class Crew {
   alignas(64) std::atomic<std::uint32_t> job_{0};
   alignas(64) std::atomic<int> done_{0};
   std::atomic<bool> busy_{false}, stop_{false};
-  std::vector<std::jthread> others_;
+  std::unique_ptr<std::unique_ptr<ServiceThread>[]> others_;
 };
 
 /// That crew where it is there and pays, else one that shares nothing.

@@ -221,25 +221,25 @@ Log::Log(const Scenario& scenario, const std::filesystem::path& folder, const Co
       files_(std::make_unique<Files>(scenario, folder, controllers.size(), std::move(written), flown)) {}
 
 Log::~Log() {
-  if (thread_.joinable()) ring_.close();
+  ring_.close();
   finish();
 }
 
 void Log::start() {
-  thread_ = std::thread([this] {
-    while (const Sample* sample = ring_.wait()) {
-      files_->take(*sample);
-      ring_.pop();
-    }
-    files_->end();
-  });
+  thread_.start(
+      [this] {
+        while (const Sample* sample = ring_.wait()) {
+          files_->take(*sample);
+          ring_.pop();
+        }
+        files_->end();
+      },
+      [this] { ring_.abandon(); });
 }
 
-void Log::finish() {
-  if (thread_.joinable()) thread_.join();
-}
+void Log::finish() { thread_.join(); }
 
-std::string Log::error() const { return files_->error(); }
+std::string Log::error() const { return thread_.failed() ? std::string(thread_.failure()) : files_->error(); }
 bool Log::begun() const { return files_->begun(); }
 const Summary& Log::summary() const { return files_->summary(); }
 

@@ -5,8 +5,8 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <thread>
 
+#include "sightline/base/service_thread.hpp"
 #include "sightline/record/mcap.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/run/loop.hpp"
@@ -72,7 +72,7 @@ class Log {
 
   Ring<Sample>& ring_;
   std::unique_ptr<Files> files_;
-  std::thread thread_;
+  ServiceThread thread_{"the log"};
 };
 
 }  // namespace sightline

@@ -1,12 +1,12 @@
 #include "sightline/run/loop.hpp"
 
 #include <fmt/format.h>
+#include <time.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 
 #include "sightline/base/index.hpp"
@@ -183,11 +183,7 @@ LoopOutcome Loop::run() noexcept {
     outcome_.stopped = options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
     if (k == periods || outcome_.stopped || !outcome_.finite) break;
 
-    Sample* slot = sink_.claim();
-    while (slot == nullptr && clock_.waits_for_log()) {
-      std::this_thread::yield();
-      slot = sink_.claim();
-    }
+    Sample* const slot = claim_slot();
     Sample& sample = slot != nullptr ? *slot : spare_;
     sample.has_path = k >= next_path;
     if (sample.has_path) next_path = (k / path_every + 1) * path_every;
@@ -222,11 +218,29 @@ LoopOutcome Loop::run() noexcept {
       sink_.publish();
     } else {
       ++outcome_.dropped;
+      sink_.drop(sample);
     }
     outcome_.finite = apply(t, 1);
   }
   sink_.close();
   return outcome_;
+}
+
+/// Room for the next sample; none where the sink has none. Where time stands still meanwhile, it waits for room, but neither for a
+/// sink that nobody empties nor past a request to stop: what flies does not depend on what records it.
+Sample* Loop::claim_slot() noexcept {
+  constexpr timespec nap = {0, 100'000};
+  // Counted in naps, so that a process that was stopped does not take its pause for the log's.
+  const auto naps_max = static_cast<std::int64_t>(options_.log_patience / 1e-4);
+  Sample* slot = sink_.claim();
+  for (std::int64_t naps = 0; slot == nullptr && clock_.waits_for_log() && !log_is_stuck_; ++naps) {
+    if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) break;
+    log_is_stuck_ = naps >= naps_max || sink_.is_abandoned();
+    ::nanosleep(&nap, nullptr);
+    slot = sink_.claim();
+  }
+  if (slot != nullptr) log_is_stuck_ = false;
+  return slot;
 }
 
 void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {

@@ -35,6 +35,8 @@ struct LoopOptions {
   std::int64_t (*allocations)() noexcept = nullptr;
   /// Ends the loop at the next period once it is true.
   const std::atomic<bool>* stop = nullptr;
+  /// Where the clock waits for the log: the longest wait for room in the sink, before samples are dropped instead [s].
+  double log_patience = 30.0;
   /// Supervises, and keeps hard distances; of the world's team, for this loop alone. None: the last valid measurements are the
   /// state estimate, and commands have no other check than the gate.
   Guard* guard = nullptr;
@@ -84,6 +86,8 @@ class Loop {
   ///         controller knows is there, of the same model, and the sink's items are of sized_sample()
   Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
        const LoopOptions& options);
+  Loop(const Loop&) = delete;  // its controllers point into what it was made of
+  Loop& operator=(const Loop&) = delete;
 
   /// Runs to the end, once; closes the sink.
   LoopOutcome run() noexcept;
@@ -94,6 +98,7 @@ class Loop {
   std::int64_t allocations() const noexcept {
     return options_.allocations != nullptr ? options_.allocations() : 0;
   }
+  Sample* claim_slot() noexcept;
   Measured localize(double t, const Measured& told, Sample& sample) noexcept;
   bool apply(double t, std::int64_t periods) noexcept;
   void update(double t, const Measured& seen, Sample& sample) noexcept;
@@ -137,6 +142,7 @@ class Loop {
   Sample spare_;                                   // written where the sink is full
   std::chrono::steady_clock::time_point began_{};  // the last measurement
   std::int64_t allocated_ = 0;                     // before it
+  bool log_is_stuck_ = false;                      // it had no room for as long as log_patience
   LoopOutcome outcome_;
 };
 

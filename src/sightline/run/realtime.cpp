@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <thread>
+#include "sightline/base/service_thread.hpp"
 
 namespace sightline {
 namespace {
@@ -21,7 +21,7 @@ bool set_priority(int priority) {
 
 bool may_be_realtime(int priority) {
   bool may = false;
-  std::thread([&] { may = set_priority(priority); }).join();
+  run_apart([&] { may = set_priority(priority); });
   return may;
 }
 

@@ -22,8 +22,12 @@ class Sink {
   virtual T* claim() noexcept = 0;
   /// Takes over the claimed item.
   virtual void publish() noexcept = 0;
+  /// An item that found no room: whoever acts on items or shows them acts on this one, too. It is not kept.
+  virtual void drop(const T&) noexcept {}
   /// Nothing comes after what was published.
   virtual void close() noexcept = 0;
+  /// Whether nobody takes items any more: claim() then never has room again.
+  virtual bool is_abandoned() const noexcept { return false; }
 };
 
 /// Items are made once, as copies of a prototype, and written and read where they are. No locks: the producer
@@ -48,6 +52,7 @@ class Ring final : public Sink<T> {
   }
   /// Producer: nothing comes after what was published.
   void close() noexcept override { closed_.store(true, std::memory_order_release); }
+  bool is_abandoned() const noexcept override { return abandoned_.load(std::memory_order_acquire); }
 
   /// Consumer: the oldest item, or nullptr where none waits.
   const T* front() const noexcept {
@@ -57,6 +62,8 @@ class Ring final : public Sink<T> {
   }
   /// Consumer: done with the item at the front.
   void pop() noexcept { read_.store(read_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
+  /// Consumer, or who should have been: no item is taken any more.
+  void abandon() noexcept { abandoned_.store(true, std::memory_order_release); }
   /// Consumer: the oldest item, as soon as there is one; nullptr when the ring is closed and empty.
   const T* wait() const noexcept {
     // Each nap costs some 10 us: the longer it waits, the longer they are, from 0.2 ms.
@@ -76,7 +83,7 @@ class Ring final : public Sink<T> {
   // Counts of all items ever, each on a cache line of its own.
   alignas(64) std::atomic<std::size_t> written_{0};
   alignas(64) std::atomic<std::size_t> read_{0};
-  std::atomic<bool> closed_{false};
+  std::atomic<bool> closed_{false}, abandoned_{false};
 };
 
 }  // namespace sightline

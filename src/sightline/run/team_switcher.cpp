@@ -70,7 +70,7 @@ TeamSwitcher::TeamSwitcher(Roster start, const Script& script, MakeSolver make,
   request_.events.reserve(script_.events.size() + 1);
   refused_.reserve(script_.events.size() + 1);
   told_.reserve(3 * (script_.events.size() + 1) + 4);
-  thread_ = std::thread([this] { work(); });
+  thread_.start_or_throw([this]() noexcept { work(); });
 }
 
 TeamSwitcher::~TeamSwitcher() {

@@ -18,9 +18,9 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "sightline/base/service_thread.hpp"
 #include "sightline/ocp/event_monitor.hpp"
 #include "sightline/ocp/roster.hpp"
 #include "sightline/ocp/tuned_script.hpp"
@@ -44,7 +44,7 @@ class TeamSwitcher {
   /// @param make  of teams of this horizon; called on the thread
   /// @param tuned  events that come in flight, one a period; none: none do
   /// @throws std::invalid_argument for a script that has faults_of(), the first of them, and where the solver that is made
-  /// is no TeamPlanner
+  /// is no TeamPlanner; std::system_error where the machine has no thread
   TeamSwitcher(Roster start, const Script& script, MakeSolver make, std::shared_ptr<TunedScript> tuned = {});
   ~TeamSwitcher();
   TeamSwitcher(const TeamSwitcher&) = delete;
@@ -124,7 +124,7 @@ class TeamSwitcher {
   std::vector<std::size_t> refused_;  // events
   Phase next_;                        // no solver: the team stays
   double next_settles_at_;
-  std::thread thread_;
+  ServiceThread thread_{"the change of teams"};
 };
 
 }  // namespace sightline

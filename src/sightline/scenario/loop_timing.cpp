@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "sightline/base/quantile.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
@@ -95,10 +95,10 @@ LoopTiming time_loop(Scenario scenario, double seconds, const std::atomic<bool>*
                   stop);
   LoopTiming timing;
   LoopOutcome outcome;
-  std::thread([&] {
+  run_apart([&] {
     timing.realtime = become_realtime(control_priority);
     outcome = loop.fly();
-  }).join();
+  });
   timing.period = scenario.horizon.dt;
   timing.periods = outcome.updates + outcome.missed;
   timing.missed = outcome.missed;

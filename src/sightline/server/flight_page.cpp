@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/record/log_topics.hpp"
 #include "sightline/run/ring.hpp"
 #include "sightline/server/admission.hpp"
@@ -48,7 +49,7 @@ class FlightPage::Thread {
         server_(
             options, files_of_flight(scene_, tuning), &feed_,
             tuning == nullptr ? HearWatcher() : [tuning](std::string_view text) { tuning->hear(text); }),
-        thread_([this] { run(); }) {}
+        thread_("the page", [this] { run(); }) {}
   ~Thread() {
     done_ = true;
     thread_.join();
@@ -190,7 +191,7 @@ class FlightPage::Thread {
   ServeOptions options_;
   PageServer server_;
   std::atomic<bool> done_{false};
-  std::thread thread_;  // last: it uses all of it
+  ServiceThread thread_;  // last: it uses all of it
 };
 
 FlightPage::FlightPage(const Scenario& scenario, const Sample& prototype, const ServeOptions& options,

@@ -47,6 +47,8 @@ std::string_view reason_of(int status) {
       return "Method Not Allowed";
     case 431:
       return "Request Header Fields Too Large";
+    case 500:
+      return "Internal Server Error";
     default:
       return "Service Unavailable";
   }

@@ -23,6 +23,7 @@
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/record/localization_log.hpp"
@@ -255,7 +256,7 @@ class LogPage::Thread {
     look();
     server_.emplace(options, files(), topics);
     tell();
-    thread_ = std::thread([this] { run(); });
+    thread_.start([this] { run(); });
   }
   ~Thread() {
     done_ = true;
@@ -345,7 +346,7 @@ class LogPage::Thread {
   std::string told_, fault_;
   std::optional<PageServer> server_;
   std::atomic<bool> done_{false};
-  std::thread thread_;
+  ServiceThread thread_{"the page of the log"};  // last: it uses all of it
 };
 
 LogPage::LogPage(const std::filesystem::path& folder, std::function<Scenario()> flown,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "sightline/record/cdr.hpp"
@@ -101,7 +102,7 @@ LogPlayback::LogPlayback(std::filesystem::path log, const Scenario& scenario)
     channels_[one.topic] = feed_.channel(schema, one.topic, one.encoding, {});
   }
   if (!reader.ok()) throw std::runtime_error(reader.error());
-  thread_ = std::thread([this] { run(); });
+  thread_.start([this] { run(); });
 }
 
 LogPlayback::~LogPlayback() {

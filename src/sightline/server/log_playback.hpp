@@ -7,9 +7,9 @@
 #include <map>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
+#include "sightline/base/service_thread.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/server/foxglove_feed.hpp"
 #include "sightline/server/scene_topics.hpp"
@@ -43,7 +43,7 @@ class LogPlayback {
   std::vector<std::string> names_;  // of the bodies
   SceneTopics drawn_;
   std::atomic<bool> done_{false};
-  std::thread thread_;  // last: it uses all of it
+  ServiceThread thread_{"the playback of the log"};  // last: it uses all of it
 };
 
 }  // namespace sightline

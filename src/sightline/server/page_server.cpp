@@ -13,9 +13,10 @@
 #include <list>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
 #include <vector>
 
+#include "sightline/base/sentence.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/server/admission.hpp"
 #include "sightline/server/connection.hpp"
 #include "sightline/server/foxglove.hpp"
@@ -27,8 +28,9 @@ namespace {
 
 using Time = Connection::Time;
 
-constexpr int look_around_ms = 250;            // longest time without a look at who is too late
-constexpr std::chrono::seconds ping_after{5};  // nothing heard of a watcher
+constexpr int look_around_ms = 250;                 // longest time without a look at who is too late
+constexpr std::chrono::milliseconds full_for{100};  // before it accepts again where the process has no room
+constexpr std::chrono::seconds ping_after{5};       // nothing heard of a watcher
 constexpr std::chrono::seconds gone_after{20};
 constexpr auto too_late = std::chrono::duration<double>(PageServer::patience);
 
@@ -92,9 +94,10 @@ class PageServer::Thread {
         url_(fmt::format("http://{}:{}/{}{}", options.address, port_,
                          token_.empty() ? "" : "?token=", token_)),
         admission_(port_, token_, checked_origins(options)),
-        files_(std::move(files)),
-        hear_(std::move(hear)),
-        thread_([this] { run(); }) {}
+        hear_(std::move(hear)) {
+    for (auto& [path, file] : files) put(path, std::move(file));
+    thread_.start([this] { run(); }, [this] { leave_all(); });
+  }
   ~Thread() {
     done_ = true;
     wake();
@@ -106,8 +109,9 @@ class PageServer::Thread {
   const std::string& token() const { return token_; }
 
   void put(std::string_view path, PageFile file) {
+    auto kept = std::make_shared<const PageFile>(std::move(file));
     const std::scoped_lock lock(files_lock_);
-    files_.insert_or_assign(std::string(path), std::move(file));
+    files_.insert_or_assign(std::string(path), std::move(kept));
   }
 
   void post(std::string_view state) {
@@ -136,10 +140,11 @@ class PageServer::Thread {
     while (!done_) {
       polled.clear();
       polled.push_back({wake_.get(), POLLIN, 0});
-      polled.push_back({listener_.get(), POLLIN, 0});
+      const bool full = std::chrono::steady_clock::now() < accepts_from_;
+      polled.push_back({full ? -1 : listener_.get(), POLLIN, 0});
       polled.push_back({topics_ != nullptr ? topics_->fd() : -1, POLLIN, 0});
       for (const Connection& one : connections_) polled.push_back({one.fd(), one.awaited(), 0});
-      (void)::poll(polled.data(), polled.size(), look_around_ms);
+      (void)::poll(polled.data(), polled.size(), full ? static_cast<int>(full_for.count()) : look_around_ms);
       std::uint64_t ignored = 0;
       (void)!::read(wake_.get(), &ignored, sizeof ignored);
       const Time now = std::chrono::steady_clock::now();
@@ -153,10 +158,22 @@ class PageServer::Thread {
     }
   }
 
+  /// Nobody is served any more; the rest of the process goes on.
+  void leave_all() noexcept {
+    sessions_.clear();
+    connections_.clear();
+    listener_ = OwnedDescriptor();
+  }
+
   void accept_new(Time now) {
-    for (;;) {
+    while (now >= accepts_from_) {
       OwnedDescriptor socket(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-      if (socket.get() < 0) return;
+      if (socket.get() < 0 && (errno == EINTR || errno == ECONNABORTED)) continue;
+      if (socket.get() < 0) {
+        // Where the process has no descriptor left, the connection goes on waiting: a look at once would find it again.
+        if (errno != EAGAIN && errno != EWOULDBLOCK) accepts_from_ = now + full_for;
+        return;
+      }
       ++now_counts_.connections;
       if (connections_.size() >= connections_max) {
         ++now_counts_.refused;
@@ -180,10 +197,20 @@ class PageServer::Thread {
       if (speaker != sessions_.end())
         speaker->second.hear(message);
       else if (hear_)
-        hear_(message.payload);
+        hear(one, message.payload);
       else
         ++now_counts_.unasked;
     one.send(now);
+  }
+
+  /// What a message brings about is not the server's: where that fails, who sent it is left.
+  void hear(Connection& one, std::string_view message) {
+    try {
+      hear_(message);
+    } catch (const std::exception&) {
+      ++now_counts_.refused;
+      one.close();
+    }
   }
 
   void refuse(Connection& one, int status, std::string_view why, Time now) {
@@ -194,9 +221,8 @@ class PageServer::Thread {
   void answer(Connection& one, Time now) {
     const auto request = parse_request(one.head());
     if (!request) return refuse(one, 400, "this is no request", now);
-    const std::scoped_lock lock(files_lock_);
-    const auto file = files_.find(request->path);
-    const bool open = file != files_.end() && file->second.open;
+    const std::shared_ptr<const PageFile> file = file_at(request->path);
+    const bool open = file != nullptr && file->open;
     const std::string_view protocol = foxglove_protocol(request->header("sec-websocket-protocol"));
     const bool topics = topics_ != nullptr && !protocol.empty() && request->path == "/";
     const auto asked = topics ? Admission::Asked::topics
@@ -208,10 +234,21 @@ class PageServer::Thread {
       return refuse(one, 405, "this page is read-only", now);
     if (request->path == "/live") return upgrade(one, *request, "", now);
     if (topics) return upgrade(one, *request, protocol, now);
-    if (file == files_.end()) return refuse(one, 404, "there is nothing here", now);
-    const PageFile& of = file->second;
-    one.answer(http_response(200, of.type, of.made ? of.made(*request) : of.body, request->method == "GET"),
-               now);
+    if (file == nullptr) return refuse(one, 404, "there is nothing here", now);
+    try {
+      one.answer(http_response(200, file->type, file->made ? file->made(*request) : file->body,
+                               request->method == "GET"),
+                 now);
+    } catch (const std::exception& error) {
+      refuse(one, 500, fmt::format("this could not be made: {}", sentence_of(error)), now);
+    }
+  }
+
+  /// None: nothing stands there. What is made of it later holds nobody up who puts another file.
+  std::shared_ptr<const PageFile> file_at(std::string_view path) {
+    const std::scoped_lock lock(files_lock_);
+    const auto file = files_.find(path);
+    return file != files_.end() ? file->second : nullptr;
   }
 
   void upgrade(Connection& one, const HttpRequest& request, std::string_view protocol, Time now) {
@@ -299,14 +336,14 @@ class PageServer::Thread {
   std::string token_, url_;
   Admission admission_;
   std::mutex files_lock_;
-  PageFiles files_;
+  std::map<std::string, std::shared_ptr<const PageFile>, std::less<>> files_;
   HearWatcher hear_;
 
   std::list<Connection> connections_;                  // of the thread, as what follows
   std::map<Connection*, FoxgloveSession> sessions_;    // of those that speak Foxglove's protocol
   std::int64_t left_messages_ = 0, left_dropped_ = 0;  // of those that have left
   ServeCounts now_counts_;
-  Time pinged_{};
+  Time pinged_{}, accepts_from_{};
 
   mutable std::mutex counts_lock_;
   ServeCounts counts_;
@@ -314,7 +351,7 @@ class PageServer::Thread {
   Connection::Bytes newest_;
   std::int64_t newest_number_ = 0;
   std::atomic<bool> done_{false};
-  std::thread thread_;  // last: it uses all of it
+  ServiceThread thread_{"the page's server"};  // last: it uses all of it
 };
 
 PageServer::PageServer(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics, HearWatcher hear)

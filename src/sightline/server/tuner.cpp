@@ -137,13 +137,13 @@ Tuner::Tuner(const Scenario& scenario) : scenario_(scenario), script_(scenario.s
       const auto found =
           std::find_if(of_team.begin(), of_team.end(), [&](const auto& t) { return t.name == name; });
       if (found == of_team.end()) continue;  // a limit, which has no weight
-      Term& term = terms_.emplace_back(Term{kind,
-                                            name,
-                                            place,
-                                            {},
-                                            found->term.weight,
-                                            found->term.potential,
-                                            list[i].value("potential", Json())});
+      Term& term = now_.terms.emplace_back(Term{kind,
+                                                name,
+                                                place,
+                                                {},
+                                                found->term.weight,
+                                                found->term.potential,
+                                                list[i].value("potential", Json())});
       if constexpr (requires { found->between; }) {
         term.agents = {std::string(scenario_.team.name(found->between.first)),
                        std::string(scenario_.team.name(found->between.second))};
@@ -157,10 +157,10 @@ Tuner::Tuner(const Scenario& scenario) : scenario_(scenario), script_(scenario.s
   const Json agents = section_of(document, "agent");
   for (const Agent& agent : scenario_.team.agents()) {
     const auto table = agents.find(agent.name);
-    references_[agent.name] = table != agents.end() ? table->value("reference", Json()) : Json();
+    now_.references[agent.name] = table != agents.end() ? table->value("reference", Json()) : Json();
   }
   const Vec3<double>& wind = scenario_.simulation.disturbances.wind;
-  wind_ = {wind.x, wind.y, wind.z};
+  now_.wind = {wind.x, wind.y, wind.z};
   try {  // of a file that writes its events as one array nothing can stand behind
     (void)parse_toml(scenario_.text + "\n[[event]]\nat = 0.0\n", scenario_.file.native());
   } catch (const ScenarioError& error) {
@@ -169,10 +169,10 @@ Tuner::Tuner(const Scenario& scenario) : scenario_(scenario), script_(scenario.s
   }
 }
 
-Tuner::Term& Tuner::term(const std::string& kind, const std::string& name) {
-  const auto found = std::find_if(terms_.begin(), terms_.end(),
+Tuner::Term& Tuner::Values::term(const std::string& kind, const std::string& name) {
+  const auto found = std::find_if(terms.begin(), terms.end(),
                                   [&](const Term& t) { return t.kind == kind && t.name == name; });
-  if (found == terms_.end()) refuse("{} = {}, expected the name of a [[{}]]", kind, in_quotes(name), kind);
+  if (found == terms.end()) refuse("{} = {}, expected the name of a [[{}]]", kind, in_quotes(name), kind);
   return *found;
 }
 
@@ -205,7 +205,7 @@ Json Tuner::completed(const Json& change) const {
   Json& retune = whole["retune"];
   const auto* const asked = retune.contains("potential") ? chosen(retune["potential"]) : nullptr;
   if (asked == nullptr || !asked->second.is_object()) return whole;
-  for (const Term& term : terms_) {
+  for (const Term& term : now_.terms) {
     if (!retune.contains(term.kind) || retune[term.kind] != Json(term.name)) continue;
     const auto* const now = chosen(term.table);
     if (now == nullptr || now->first != asked->first || !now->second.is_object()) continue;
@@ -245,17 +245,18 @@ std::string Tuner::change(const Json& change, double ramp, double now) {
   event.name =
       shortened(one_line(fmt::format("tune {}: {}", script_ + tuned.size(), words)), name_size_max - 4);
   keys += fmt::format("name = {}\n", in_quotes(event.name));
-  keep(whole, event);
+  Values next = now_;
+  next.take(whole, event);
   std::string name = event.name;
   tuned.add(std::move(event), std::move(keys));
+  now_ = std::move(next);  // what is flown is what is kept
   return name;
 }
 
-/// Remembers what holds from now on, and where the scenario's text would say it.
-void Tuner::keep(const Json& change, const TeamEvent& event) {
+void Tuner::Values::take(const Json& change, const TeamEvent& event) {
   const auto set = [&](const std::string& place, const Json& value) {
-    std::erase_if(final_, [&](const auto& entry) { return entry.first == place; });
-    final_.emplace_back(place, toml_of(value));
+    std::erase_if(last, [&](const auto& entry) { return entry.first == place; });
+    last.emplace_back(place, toml_of(value));
   };
   const auto each = [](const Json& value, const auto& act) {
     for (const Json& one : value.is_array() ? value : Json::array({value})) act(one);
@@ -274,12 +275,12 @@ void Tuner::keep(const Json& change, const TeamEvent& event) {
         }
       } else if (key == "reference") {
         const std::string agent = one.at("agent");
-        set(fmt::format("agent.{}.reference", agent), references_[agent] = one.at("reference"));
+        set(fmt::format("agent.{}.reference", agent), references[agent] = one.at("reference"));
       } else if (key == "move") {
         const std::string kind = one.contains("target") ? "target" : "obstacle", body = one.at(kind);
         set(fmt::format("{}.{}.p", kind, body), one.at("p"));
       } else if (key == "wind") {
-        set("simulation.disturbance.wind", wind_ = one.at("acceleration"));
+        set("simulation.disturbance.wind", wind = one.at("acceleration"));
       }
     });
   }
@@ -302,9 +303,9 @@ std::string Tuner::flight_text() const {
 }
 
 std::string Tuner::final_text() const {
-  if (final_.empty()) return scenario_.text;
+  if (now_.last.empty()) return scenario_.text;
   std::vector<std::string> set;
-  for (const auto& [place, value] : final_) set.push_back(fmt::format("{}={}", place, value));
+  for (const auto& [place, value] : now_.last) set.push_back(fmt::format("{}={}", place, value));
   try {
     return parse_scenario(printed(expanded(scenario_)), scenario_.file, *scenario_.parts,
                           {.files = scenario_.files, .set = set})
@@ -324,7 +325,7 @@ Json Tuner::reference_of(const std::string& agent) const {
   }
   Json told = {{"agent", agent},  {"kind", nullptr},  {"value", nullptr},
                {"goal", nullptr}, {"places", places}, {"parameters", Json::array()}};
-  const auto* const now = chosen(references_.at(agent));
+  const auto* const now = chosen(now_.references.at(agent));
   if (now == nullptr) return told;
   told["kind"] = now->first;
   told["value"] = now->second;
@@ -339,7 +340,7 @@ Json Tuner::reference_of(const std::string& agent) const {
 
 Json Tuner::tunables() const {
   Json terms = Json::array(), references = Json::array(), bodies = Json::array();
-  for (const Term& term : terms_) {
+  for (const Term& term : now_.terms) {
     const auto* const potential = chosen(term.table);
     terms.push_back(
         {{"kind", term.kind},
@@ -359,7 +360,7 @@ Json Tuner::tunables() const {
   return {{"terms", terms},
           {"references", references},
           {"bodies", bodies},
-          {"wind", wind_},
+          {"wind", now_.wind},
           {"faults", InjectFault::words_of_kinds},
           {"ramp", usual_ramp},
           {"changes", scenario_.tuned->size()}};

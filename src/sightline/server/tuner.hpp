@@ -66,17 +66,25 @@ class Tuner {
     Json table;  // { NAME = {...} }
   };
 
+  /// What holds, and where the scenario's text would say it.
+  struct Values {
+    std::vector<Term> terms{};
+    Json references{}, wind{};  // references by the names of their robots
+    std::vector<std::pair<std::string, std::string>>
+        last{};  // what was tuned last: places in the text, values
+
+    Term& term(const std::string& kind, const std::string& name);
+    /// After a change; where it throws, they are spoilt.
+    void take(const Json& change, const TeamEvent& event);
+  };
+
   std::string keys_of(const Json& change, double ramp) const;
   Json completed(const Json& change) const;
-  void keep(const Json& change, const TeamEvent& event);
-  Term& term(const std::string& kind, const std::string& name);
   Json reference_of(const std::string& agent) const;
 
   Scenario scenario_;
   std::size_t script_;  // events of it
-  std::vector<Term> terms_;
-  Json references_, wind_;                                  // references by the names of their robots
-  std::vector<std::pair<std::string, std::string>> final_;  // what was tuned last: places in the text, values
+  Values now_;
 };
 
 /// A JSON value as TOML, on one line.

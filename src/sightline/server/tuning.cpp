@@ -15,6 +15,7 @@
 
 #include "sightline/base/refuse.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/server/tuner.hpp"
 
 namespace sightline {
@@ -63,7 +64,7 @@ class Tuning::Thread {
   Thread(const Scenario& scenario, TuningControls controls)
       : tuned_(scenario.tuned), tuner_(scenario), controls_(std::move(controls)) {
     write_files(true);
-    thread_ = std::thread([this] { run(); });
+    thread_.start([this] { run(); });
   }
   ~Thread() {
     {
@@ -77,7 +78,7 @@ class Tuning::Thread {
   void hear(std::string_view message) {
     {
       const std::scoped_lock lock(lock_);
-      if (waiting_.size() >= waiting_max) {
+      if (waiting_.size() >= waiting_max || thread_.failed()) {
         ++unheard;
         return;
       }
@@ -194,6 +195,21 @@ class Tuning::Thread {
     if (!first && became == became_) return;
     became_ = became;
     PageFiles files;
+    try {
+      files = tuned_files();
+    } catch (
+        const std::exception& error) {  // the tuning goes on; what stood there would not be what is flown
+      for (const char* path : {"/tuned.toml", "/final.toml"})
+        files[path] = {"text/plain; charset=utf-8",
+                       fmt::format("# not written, as it could not be made: {}\n", sentence_of(error))};
+    }
+    const std::scoped_lock lock(lock_);
+    for (auto& [path, file] : files) files_.insert_or_assign(path, std::move(file));
+    ++version;
+  }
+
+  PageFiles tuned_files() {
+    PageFiles files;
     Message tunables = tuner_.tunables();
     tunables["tune"] = true;
     tunables["can_pause"] = controls_.clock != nullptr;
@@ -203,14 +219,12 @@ class Tuning::Thread {
     tunables["no_final"] = nullptr;
     try {
       files["/final.toml"] = {type, tuner_.final_text()};
-    } catch (const std::invalid_argument& error) {
+    } catch (const std::exception& error) {
       tunables["no_final"] = error.what();
       files["/final.toml"] = {"text/plain; charset=utf-8", fmt::format("# {}\n", error.what())};
     }
     files["/tune.json"] = {"application/json", dumped(tunables)};
-    const std::scoped_lock lock(lock_);
-    files_ = std::move(files);
-    ++version;
+    return files;
   }
 
   std::shared_ptr<const TunedScript> tuned_;
@@ -225,7 +239,7 @@ class Tuning::Thread {
   std::deque<Answer> answers_;
   PageFiles files_;
   bool done_ = false;
-  std::thread thread_;  // last: it uses all of it
+  ServiceThread thread_{"the tuning"};  // last: it uses all of it
 };
 
 Tuning::Tuning(const Scenario& scenario, TuningControls controls)

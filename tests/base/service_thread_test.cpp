@@ -1,0 +1,98 @@
+#include "sightline/base/service_thread.hpp"
+
+#include <gtest/gtest.h>
+#include <pthread.h>
+
+#include <atomic>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+namespace sightline {
+namespace {
+
+std::string told;
+
+/// While it lives, lines of failures go to `told`.
+struct ReportsToTold {
+  ReportsToTold() {
+    told.clear();
+    report_failures_to([](std::string_view line) noexcept { told += line; });
+  }
+  ~ReportsToTold() { report_failures_to(nullptr); }
+};
+
+/// While it lives, the machine has no thread for this process: none has room for such a stack.
+class NoThreads {
+ public:
+  NoThreads() {
+    pthread_getattr_default_np(&before_);
+    pthread_attr_t huge = before_;
+    pthread_attr_setstacksize(&huge, std::size_t{1} << 50);
+    pthread_setattr_default_np(&huge);
+  }
+  ~NoThreads() { pthread_setattr_default_np(&before_); }
+  NoThreads(const NoThreads&) = delete;
+  NoThreads& operator=(const NoThreads&) = delete;
+
+ private:
+  pthread_attr_t before_{};
+};
+
+TEST(ServiceThread, WhatItsFunctionThrowsEndsTheServiceAloneAndIsReportedOnce) {
+  const ReportsToTold here;
+  std::atomic<bool> stopped = false;
+  ServiceThread thread("the page");
+  thread.start([] { throw std::bad_alloc(); }, [&] { stopped = true; });
+  thread.join();
+  EXPECT_TRUE(thread.failed());
+  EXPECT_TRUE(stopped);
+  EXPECT_EQ(thread.failure(), "the page has ended: std::bad_alloc");
+  EXPECT_EQ(told, "sightline: the page has ended: std::bad_alloc\n");
+}
+
+TEST(ServiceThread, WhatIsNoExceptionAndWhatStoppingThrowsEndNothingElse) {
+  const ReportsToTold here;
+  ServiceThread thread("the log");
+  thread.start([] { throw 7; }, [] { throw std::runtime_error("in vain"); });
+  thread.join();
+  EXPECT_EQ(thread.failure(), "the log has ended: an exception without words");
+}
+
+TEST(ServiceThread, WithoutAThreadOfTheMachineTheServiceIsStoppedAndReported) {
+  const ReportsToTold here;
+  bool ran = false, stopped = false;
+  {
+    const NoThreads none;
+    ServiceThread thread("the page");
+    thread.start([&] { ran = true; }, [&] { stopped = true; });
+    EXPECT_TRUE(thread.failed());
+    thread.join();
+    EXPECT_FALSE(run_unattended([&] { ran = true; }));
+    EXPECT_THROW(run_apart([&] { ran = true; }), std::system_error);
+    ServiceThread needed("a solver's thread");
+    EXPECT_THROW(needed.start_or_throw([]() noexcept {}), std::system_error);
+  }
+  EXPECT_FALSE(ran);
+  EXPECT_TRUE(stopped);
+  EXPECT_TRUE(told.starts_with("sightline: the page has ended: ")) << told;
+}
+
+TEST(ServiceThread, JoinsAtItsEnd) {
+  std::atomic<int> done = 0;
+  {
+    const ServiceThread thread("a service", [&] { done = 1; });
+  }
+  EXPECT_EQ(done, 1);
+}
+
+TEST(RunApart, ThrowsWhatItsFunctionThrowsWhereItIsWaitedFor) {
+  EXPECT_THROW(run_apart([] { throw std::length_error("too long"); }), std::length_error);
+  int value = 0;
+  run_apart([&] { value = 3; });
+  EXPECT_EQ(value, 3);
+}
+
+}  // namespace
+}  // namespace sightline

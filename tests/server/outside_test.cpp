@@ -1,0 +1,132 @@
+// What goes wrong beside the control path, while something is flown, watched and logged: no flight ends by it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "sightline/base/failure.hpp"
+#include "sightline/record/logged_flight.hpp"
+#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/server/flight_page.hpp"
+#include "tests/support/counted_new.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/page_client.hpp"
+#include "tests/support/scenario_text.hpp"
+#include "tests/support/view_scenario.hpp"
+
+namespace sightline {
+namespace {
+
+using test::PageClient;
+using test::soon;
+
+/// Hands each sample to a page, and to the log behind it.
+class SeenSink final : public Sink<Sample> {
+ public:
+  SeenSink(Sink<Sample>& log, FlightPage& page) : log_(log), page_(page) {}
+  Sample* claim() noexcept override { return sample_ = log_.claim(); }
+  void publish() noexcept override {
+    page_.show(*sample_);
+    log_.publish();
+  }
+  void close() noexcept override { log_.close(); }
+  bool is_abandoned() const noexcept override { return log_.is_abandoned(); }
+
+ private:
+  Sink<Sample>& log_;
+  FlightPage& page_;
+  Sample* sample_ = nullptr;
+};
+
+/// A flight with a log, a page and somebody who watches it.
+struct WatchedFlight {
+  explicit WatchedFlight(double duration) : scenario(test::scenario_of(test::view_scenario)) {
+    scenario.simulation.duration = duration;
+  }
+
+  /// @param go_wrong  flies the loop amid what goes wrong
+  LoggedFlight fly(const std::function<LoopOutcome(ClosedLoop&)>& go_wrong, FlightOptions options = {}) {
+    options.team_switcher = controls.team_switcher();
+    options.watched = [&](Sink<Sample>& log, const Sample& prototype) -> Sink<Sample>& {
+      page.emplace(scenario, prototype);
+      const std::string& url = page->url();
+      port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+      watcher.emplace(port);
+      EXPECT_THAT(watcher->watch(), testing::StartsWith("HTTP/1.1 101"));
+      return sink.emplace(log, *page);
+    };
+    options.fly = [&](ClosedLoop& loop, Sink<Sample>&) { return go_wrong(loop); };
+    return fly_logged(scenario, folder, clock, controls.controllers(), options);
+  }
+
+  Scenario scenario;
+  Controls controls{scenario};
+  SimulatedClock clock;
+  std::filesystem::path folder = test::fresh_folder();
+  std::optional<FlightPage> page;
+  std::uint16_t port = 0;
+  std::optional<PageClient> watcher;
+  std::optional<SeenSink> sink;
+};
+
+TEST(Outside, NoMemoryForPageAndLogEndsNoFlight) {
+  static std::atomic<int> reports;
+  reports = 0;
+  report_failures_to([](std::string_view) noexcept { ++reports; });
+  WatchedFlight flight(20.0);
+  std::int64_t failed = 0;
+  const LoggedFlight flown = flight.fly([&](ClosedLoop& loop) {
+    const NoMemoryElsewhere none;
+    const LoopOutcome outcome = loop.fly();
+    EXPECT_TRUE(soon([&] { return reports > 0; }));
+    failed = none.failed();
+    return outcome;
+  });
+  report_failures_to(nullptr);
+  EXPECT_EQ(flown.outcome.updates, 2000);
+  EXPECT_TRUE(flown.outcome.finite);
+  EXPECT_GT(failed, 0);
+  EXPECT_FALSE(flown.logged);  // and it is said
+  EXPECT_THAT(flown.faults, testing::Contains(testing::HasSubstr("std::bad_alloc")));
+}
+
+TEST(Outside, NoDescriptorLeftEndsNoFlight) {
+  WatchedFlight flight(5.0);
+  const LoggedFlight flown = flight.fly([&](ClosedLoop& loop) {
+    std::vector<int> taken;
+    for (int fd = 0; (fd = ::dup(STDIN_FILENO)) >= 0;) taken.push_back(fd);
+    const LoopOutcome outcome = loop.fly();
+    for (const int fd : taken) ::close(fd);
+    return outcome;
+  });
+  EXPECT_EQ(flown.outcome.updates, 500);
+  EXPECT_TRUE(flown.logged);
+  EXPECT_THAT(PageClient(flight.port).ask("GET /scene.json"), testing::StartsWith("HTTP/1.1 200"));
+}
+
+TEST(Outside, AStuckLogHoldsNoStopUp) {
+  WatchedFlight flight(60.0);
+  std::atomic<bool> stop = false, ended = false, go_on = false;
+  std::thread person([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    stop = true;
+    EXPECT_TRUE(soon([&] { return ended.load(); }));
+    go_on = true;
+  });
+  const LoggedFlight flown = flight.fly(
+      [&](ClosedLoop& loop) {
+        const LoopOutcome outcome = loop.fly();
+        ended = true;
+        return outcome;
+      },
+      {.stop = &stop, .written = [&](double) { EXPECT_TRUE(soon([&] { return go_on.load(); })); }});
+  person.join();
+  EXPECT_TRUE(flown.outcome.stopped);
+  EXPECT_LT(flown.outcome.updates, 6000);
+}
+
+}  // namespace
+}  // namespace sightline
