@@ -38,8 +38,8 @@ TEST(Failure, IsReportedOnceWithWhatWasThrownFirst) {
   record_in(failure, std::bad_alloc());
   record_in(failure, std::runtime_error("another"));
   EXPECT_TRUE(failure.happened());
-  EXPECT_EQ(failure.sentence(), "the page has ended: std::bad_alloc");
-  EXPECT_EQ(reported, "sightline: the page has ended: std::bad_alloc\n");
+  EXPECT_EQ(failure.sentence(), "the page has ended: there is not enough memory");
+  EXPECT_EQ(reported, "sightline: the page has ended: there is not enough memory\n");
 }
 
 TEST(Failure, WhatIsNoExceptionIsReportedToo) {

@@ -48,8 +48,8 @@ TEST(ServiceThread, WhatItsFunctionThrowsEndsTheServiceAloneAndIsReportedOnce) {
   thread.join();
   EXPECT_TRUE(thread.failed());
   EXPECT_TRUE(stopped);
-  EXPECT_EQ(thread.failure(), "the page has ended: std::bad_alloc");
-  EXPECT_EQ(told, "sightline: the page has ended: std::bad_alloc\n");
+  EXPECT_EQ(thread.failure(), "the page has ended: there is not enough memory");
+  EXPECT_EQ(told, "sightline: the page has ended: there is not enough memory\n");
 }
 
 TEST(ServiceThread, WhatIsNoExceptionAndWhatStoppingThrowsEndNothingElse) {

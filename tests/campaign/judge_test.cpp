@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <optional>
+#include <type_traits>
 
 #include "sightline/potential/bearing.hpp"
+#include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
 namespace {
@@ -64,6 +66,13 @@ class Flown {
 };
 
 CampaignPlan judged_plan() { return {.duration = 1.0, .view_within = 0.5, .d_hard = 0.6, .braking = 0.6}; }
+
+// What points into itself stays where it is.
+template <class... Owners>
+constexpr bool all_stay = ((!std::is_copy_constructible_v<Owners> && !std::is_move_constructible_v<Owners> &&
+                            !std::is_copy_assignable_v<Owners> && !std::is_move_assignable_v<Owners>)&&...);
+static_assert(
+    all_stay<Guard, Supervisor, Search, Loop, ClosedLoop, Judge, TeamSwitcher, Crew, ServiceThread>);
 
 TEST(Judge, InViewInTimeAndAtTheEndIsRecovered) {
   Flown flown(judged_plan());

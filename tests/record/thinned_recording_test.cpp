@@ -28,13 +28,13 @@ std::filesystem::path flown_folder() {
 
 TEST(ThinnedRecording, IsEachNthPeriodOfALongFlight) {
   const std::filesystem::path folder = flown_folder();
-  const Recording whole = read_recording(folder), thinned = read_thinned_recording(folder, 67);
-  EXPECT_EQ(thinned.stride, 3U);
-  ASSERT_EQ(thinned.time.size(), 67U);
+  const Recording whole = read_recording(folder), thinned = read_thinned_recording(folder, 65);
+  EXPECT_EQ(thinned.stride, 4U);
+  ASSERT_EQ(thinned.time.size(), 50U);
   EXPECT_EQ(thinned.end(), whole.end());
-  EXPECT_DOUBLE_EQ(thinned.row_time(), 0.03);
+  EXPECT_DOUBLE_EQ(thinned.row_time(), 0.04);
   for (std::size_t row = 0; row < thinned.time.size(); ++row) {
-    const std::size_t of_whole = 3 * row;
+    const std::size_t of_whole = 4 * row;
     ASSERT_EQ(thinned.time[row], whole.time[of_whole]);
     ASSERT_EQ(thinned.cost[row], whole.cost[of_whole]);
     ASSERT_EQ(thinned.controllers[0].residual[row], whole.controllers[0].residual[of_whole]);
@@ -44,7 +44,7 @@ TEST(ThinnedRecording, IsEachNthPeriodOfALongFlight) {
         ASSERT_EQ(thinned.bodies[body].u[i][row], whole.bodies[body].u[i][of_whole]);
     }
     const auto from = whole.solve_us.begin() + static_cast<std::ptrdiff_t>(of_whole);
-    const auto left = std::min<std::ptrdiff_t>(3, whole.solve_us.end() - from);
+    const auto left = std::min<std::ptrdiff_t>(4, whole.solve_us.end() - from);
     ASSERT_EQ(thinned.solve_us[row], *std::max_element(from, from + left));
   }
   EXPECT_EQ(thinned.events.size(), whole.events.size());

@@ -8,7 +8,9 @@
 #include <thread>
 
 #include "sightline/base/failure.hpp"
+#include "sightline/base/service_thread.hpp"
 #include "sightline/record/logged_flight.hpp"
+#include "sightline/record/mcap.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/server/flight_page.hpp"
 #include "tests/support/counted_new.hpp"
@@ -90,7 +92,26 @@ TEST(Outside, NoMemoryForPageAndLogEndsNoFlight) {
   EXPECT_TRUE(flown.outcome.finite);
   EXPECT_GT(failed, 0);
   EXPECT_FALSE(flown.logged);  // and it is said
-  EXPECT_THAT(flown.faults, testing::Contains(testing::HasSubstr("std::bad_alloc")));
+  EXPECT_THAT(flown.faults, testing::Contains(testing::HasSubstr("memory")));
+}
+
+TEST(Outside, ALogThatCannotBeClosedForWantOfMemoryEndsLikeThatOfAKilledRun) {
+  const std::filesystem::path file = test::fresh_folder() / "run.mcap";
+  auto writer = std::make_unique<McapWriter>(file, "", "");
+  const ChannelId channel = writer->channel(writer->schema("text", "", ""), "/text", "json", {});
+  const std::string text = "{}";
+  writer->message(channel, 0, 1, std::as_bytes(std::span(text)));
+  writer->flush();
+  writer->message(channel, 1, 2, std::as_bytes(std::span(text)));
+  {
+    const NoMemoryElsewhere none;
+    run_apart([&] { writer.reset(); });
+  }
+  McapReader reader(file);
+  int messages = 0;
+  EXPECT_TRUE(reader.visit([&](const McapMessage&) { ++messages; })) << reader.error();
+  EXPECT_EQ(messages, 1);
+  EXPECT_TRUE(reader.truncated());
 }
 
 TEST(Outside, NoDescriptorLeftEndsNoFlight) {

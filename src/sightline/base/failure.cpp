@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
 
 namespace sightline {
 namespace {
@@ -34,6 +35,8 @@ void Failure::record(const char* service) noexcept {
   put(" has ended: ");
   try {
     throw;
+  } catch (const std::bad_alloc&) {
+    put("there is not enough memory");
   } catch (const std::exception& error) {
     put(error.what());
   } catch (...) {

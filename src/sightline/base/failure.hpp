@@ -23,7 +23,7 @@ class Failure {
   void record(const char* service) noexcept;
 
   bool happened() const noexcept { return state_.load(std::memory_order_acquire) == State::kept; }
-  /// "the page has ended: std::bad_alloc"; empty where nothing failed. At most `length_max` bytes.
+  /// "the page has ended: there is not enough memory"; empty where nothing failed. At most `length_max` bytes.
   std::string_view sentence() const noexcept;
 
   static constexpr std::size_t length_max = 400;

@@ -25,7 +25,7 @@ std::uint64_t mixed(std::uint64_t hash, double value) {
 }
 
 /// What a key is made of besides operands; beyond all operations.
-enum Kind : std::uint64_t { of_operation = 1, of_number = 101, of_parameter, of_product };
+enum KeyKind : std::uint64_t { of_operation = 1, of_number = 101, of_parameter, of_product };
 
 }  // namespace
 

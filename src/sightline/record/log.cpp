@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/sentence.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/record/log_topics.hpp"
 #include "sightline/record/team_json.hpp"
@@ -199,7 +200,7 @@ std::string Log::Files::error() const {
     try {
       std::rethrow_exception(what);
     } catch (const std::exception& error) {
-      return error.what();
+      return sentence_of(error);
     } catch (...) {
     }
     return "an exception without words";

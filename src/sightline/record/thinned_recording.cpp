@@ -25,8 +25,10 @@ std::size_t periods_timed(const std::filesystem::path& folder) {
 }  // namespace
 
 Recording read_thinned_recording(const std::filesystem::path& folder, std::size_t rows_max) {
-  const std::size_t periods = std::max<std::size_t>(1, periods_timed(folder));
-  return read_recording(folder, {}, (periods + rows_max - 1) / rows_max);
+  const std::size_t periods = periods_timed(folder);
+  if (periods <= rows_max) return read_recording(folder);
+  const std::size_t rows = std::max<std::size_t>(1, rows_max / 5 * 4);
+  return read_recording(folder, {}, (periods + rows - 1) / rows);
 }
 
 }  // namespace sightline

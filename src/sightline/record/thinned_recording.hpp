@@ -11,8 +11,9 @@ namespace sightline {
 /// 10 min at 100 Hz: shorter flights are not thinned.
 inline constexpr std::size_t thinned_rows_max = 60'000;
 
-/// As read_recording(), with each Recording::stride-th period alone, so that there are at most `rows_max`. Of times to solve a row has
-/// the longest of its stride; of events the first 10 000 are there.
+/// As read_recording(), of more than `rows_max` periods with each Recording::stride-th alone. Those are four fifths of `rows_max` at most,
+/// so that a flight that is thinned takes no more memory than one that just is not. Of times to solve a row has the longest of its
+/// stride; of events the first 10 000 are there.
 /// @throws as read_recording()
 Recording read_thinned_recording(const std::filesystem::path& folder,
                                  std::size_t rows_max = thinned_rows_max);

@@ -197,8 +197,8 @@ class Tuning::Thread {
     PageFiles files;
     try {
       files = tuned_files();
-    } catch (
-        const std::exception& error) {  // the tuning goes on; what stood there would not be what is flown
+    } catch (const std::exception& error) {
+      // The tuning goes on; what stood there would not be what is flown.
       for (const char* path : {"/tuned.toml", "/final.toml"})
         files[path] = {"text/plain; charset=utf-8",
                        fmt::format("# not written, as it could not be made: {}\n", sentence_of(error))};
@@ -220,8 +220,9 @@ class Tuning::Thread {
     try {
       files["/final.toml"] = {type, tuner_.final_text()};
     } catch (const std::exception& error) {
-      tunables["no_final"] = error.what();
-      files["/final.toml"] = {"text/plain; charset=utf-8", fmt::format("# {}\n", error.what())};
+      const std::string sentence = sentence_of(error);
+      tunables["no_final"] = sentence;
+      files["/final.toml"] = {"text/plain; charset=utf-8", fmt::format("# {}\n", sentence)};
     }
     files["/tune.json"] = {"application/json", dumped(tunables)};
     return files;
