@@ -16,8 +16,10 @@ class ShownSink final : public Sink<Sample> {
   ShownSink(Sink<Sample>& sink, FlightPage& page) : sink_(sink), page_(page) {}
 
   Sample* claim() noexcept override { return sample_ = sink_.claim(); }
+  bool takes_between() const noexcept override { return sink_.takes_between(); }
+  Sample* claim_between() noexcept override { return sample_ = sink_.claim_between(); }
   void publish() noexcept override {
-    page_.show(*sample_);
+    if (sample_->of == Sample::Of::update) page_.show(*sample_);
     sink_.publish();
   }
   void drop(const Sample& sample) noexcept override {
@@ -42,8 +44,10 @@ class LinkedSink final : public Sink<Sample> {
       : sink_(sink), world_(world), stop_(stop) {}
 
   Sample* claim() noexcept override { return sample_ = sink_.claim(); }
+  bool takes_between() const noexcept override { return sink_.takes_between(); }
+  Sample* claim_between() noexcept override { return sample_ = sink_.claim_between(); }
   void publish() noexcept override {
-    look(*sample_);
+    if (sample_->of == Sample::Of::update) look(*sample_);
     sink_.publish();
   }
   void drop(const Sample& sample) noexcept override {

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 
@@ -16,15 +17,26 @@ namespace {
 
 static_assert(sizeof(Vec3<double>) == 3 * sizeof(double) && sizeof(Vec2<double>) == 2 * sizeof(double));
 
-/// The whole states of a body, a row a period.
+/// The whole states of a body, a row a message; after keep() a row a period.
 struct LoggedStates {
-  std::vector<double> x;
+  std::vector<double> time, x;
   std::size_t nx = 0;
 
-  void add(std::span<const double> row) {
+  void add(double at, std::span<const double> row) {
+    time.push_back(at);
     if (nx == 0) nx = row.size();
     if (row.size() != nx) refuse("a state of {} numbers, expected {}", row.size(), nx);
     x.insert(x.end(), row.begin(), row.end());
+  }
+  /// Those of the periods: a log has others, of periods that were missed and after the last command.
+  void keep(const std::vector<double>& periods) {
+    std::size_t kept = 0;
+    for (std::size_t row = 0; row < time.size() && kept < periods.size(); ++row) {
+      if (time[row] != periods[kept]) continue;
+      std::copy_n(x.begin() + static_cast<std::ptrdiff_t>(row * nx), nx,
+                  x.begin() + static_cast<std::ptrdiff_t>(kept++ * nx));
+    }
+    x.resize(periods.size() * nx);
   }
 };
 
@@ -36,7 +48,7 @@ struct OpenLog {
 
   explicit OpenLog(const std::filesystem::path& of)
       : folder(of), recording(read_recording(of, [this](const McapMessage& message) { add(message); })) {
-    for (auto& [topic, of_body] : states) of_body.x.resize(recording.time.size() * of_body.nx);
+    for (auto& [topic, of_body] : states) of_body.keep(recording.time);
   }
 
  private:
@@ -45,7 +57,7 @@ struct OpenLog {
   void add(const McapMessage& message) {
     if (message.encoding != "json" || !message.topic.ends_with("/state")) return;
     text_.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
-    states[std::string(message.topic)].add(text_.numbers("x"));
+    states[std::string(message.topic)].add(text_.number("time"), text_.numbers("x"));
   }
 };
 using SharedLog = std::shared_ptr<OpenLog>;

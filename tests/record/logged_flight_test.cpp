@@ -30,18 +30,24 @@ LoggedFlight flown(const Scenario& scenario, const fs::path& folder, const Fligh
   return fly_logged(scenario, folder, clock, controls.controllers(), options);
 }
 
-/// Passes all samples on, and counts them.
+/// Passes all samples on, and counts those of updates and the others.
 class CountedSink final : public Sink<Sample> {
  public:
   explicit CountedSink(Sink<Sample>& log) : log_(log) {}
-  Sample* claim() noexcept override { return log_.claim(); }
-  void publish() noexcept override { ++samples, log_.publish(); }
+  Sample* claim() noexcept override { return sample_ = log_.claim(); }
+  bool takes_between() const noexcept override { return log_.takes_between(); }
+  Sample* claim_between() noexcept override { return sample_ = log_.claim_between(); }
+  void publish() noexcept override {
+    ++(sample_->of == Sample::Of::update ? samples : between);
+    log_.publish();
+  }
   void close() noexcept override { log_.close(); }
 
-  int samples = 0;
+  int samples = 0, between = 0;
 
  private:
   Sink<Sample>& log_;
+  Sample* sample_ = nullptr;
 };
 
 TEST(LoggedFlight, OfOneScenarioTwiceHasTheSameBytesWhoeverLooksOn) {
@@ -60,6 +66,7 @@ TEST(LoggedFlight, OfOneScenarioTwiceHasTheSameBytesWhoeverLooksOn) {
   EXPECT_TRUE(a.logged && b.logged);
   EXPECT_EQ(a.outcome.updates, 200);
   EXPECT_EQ(counted->samples, 200);
+  EXPECT_EQ(counted->between, 1) << "the states after the last command";
   EXPECT_NEAR(written, 2.0, 0.02);
   EXPECT_EQ(test::read_file(once.path() / "run.mcap"), test::read_file(watched.path() / "run.mcap"));
   EXPECT_EQ(test::read_file(watched.path() / "summary.json"), b.summary);

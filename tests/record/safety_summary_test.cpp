@@ -22,7 +22,41 @@ d_hard = 1.2
                         "a.toml");
 }
 
+/// The same, whose bodies a test lets begin beyond its limits on purpose.
+Scenario meant_outside(Scenario scenario) {
+  scenario.safety->start_outside = true;
+  return scenario;
+}
+
 const std::vector<Presence> there = {Presence::steered, Presence::steered, Presence::hold};
+
+/// A summary of bodies that are put where a test wants them, at rest.
+class Judged {
+ public:
+  explicit Judged(const Scenario& scenario) : team_(scenario.team), summary_(scenario) {
+    sample_.x.resize(static_cast<std::size_t>(team_.nx()));
+    sample_.u.resize(static_cast<std::size_t>(team_.nu()));
+  }
+  void add(double time, const std::vector<Sight<double>>& sights, const std::vector<Presence>& presence,
+           const std::vector<BarrierRecord>& barriers = {}, const std::vector<FallbackLevel>& levels = {}) {
+    for (int i = 0; i < team_.bodies(); ++i) {
+      const Pose<double> pose{sights[at(BodyId{i})].p, {1, 0}};
+      team_.model(BodyId{i}).at_rest(pose, sample_.x.data() + team_.state_offset(BodyId{i}));
+    }
+    sample_.time = time;
+    sample_.presence = presence;
+    sample_.barriers = barriers;
+    sample_.levels = levels;
+    summary_.add(sample_, sights);
+  }
+  Sample& sample() { return sample_; }
+  SafetySummary* operator->() { return &summary_; }
+
+ private:
+  Team team_;
+  SafetySummary summary_;
+  Sample sample_{};
+};
 
 std::vector<Sight<double>> places(double a, double b, double o) {
   std::vector<Sight<double>> sights(3);
@@ -32,40 +66,40 @@ std::vector<Sight<double>> places(double a, double b, double o) {
 }
 
 TEST(SafetySummary, KeepsTheLeastOfEachHardDistanceAndItsTime) {
-  SafetySummary summary(scenario("[safety]\nbarrier = \"on\"\nd_hard = 0.5\n"));
+  Judged summary(scenario("[safety]\nbarrier = \"on\"\nd_hard = 0.5\n"));
   const std::vector<BarrierRecord> idle(2);
   summary.add(0.0, places(0, 3, 9), there, idle);
   summary.add(0.1, places(0, 0.6, 9), there, idle);
   summary.add(0.2, places(0, 4, 5.1), there, idle);
-  EXPECT_EQ(summary.pairs().size(), 3U);
-  const std::vector<std::string> broken = summary.broken();
+  EXPECT_EQ(summary->pairs().size(), 3U);
+  const std::vector<std::string> broken = summary->broken();
   ASSERT_EQ(broken.size(), 1U);
   EXPECT_EQ(broken[0], "b came within 1.1 m of o at 0.20 s, d_hard is 1.2 m");
-  const auto json = nlohmann::json::parse(summary.json());
+  const auto json = nlohmann::json::parse(summary->json());
   EXPECT_EQ(json.at("barrier"), "on");
   EXPECT_EQ(json.at("hard_distances").at(0).at("b"), "o") << "the worst first";
   EXPECT_NEAR(json.at("hard_distances").at(1).at("least").get<double>(), 0.6, 1e-12);
   EXPECT_EQ(json.at("hard_distances").at(1).at("time"), 0.1);
-  const auto lines = safety_lines(summary.json());
+  const auto lines = safety_lines(summary->json());
   EXPECT_EQ(lines.at(0).second, "b and o: 1.1 m at least, BROKEN, to be 1.2 m");
   EXPECT_EQ(lines.at(1).second, "a and b: 0.6 m at least, kept 0.5 m");
 }
 
 TEST(SafetySummary, ADistanceThatIsJustReachedIsKept) {
-  SafetySummary summary(scenario("[safety]\nd_hard = 0.5\n"));
+  Judged summary(scenario("[safety]\nd_hard = 0.5\n"));
   summary.add(0.0, places(0, 0.5, 9), there, {});
-  EXPECT_TRUE(summary.broken().empty());
+  EXPECT_TRUE(summary->broken().empty());
   summary.add(0.0, places(0, 0.4999999, 9), there, {});
-  EXPECT_EQ(summary.broken().size(), 1U);
+  EXPECT_EQ(summary->broken().size(), 1U);
 }
 
 TEST(SafetySummary, ABodyThatIsNotThereComesNearNobody) {
-  SafetySummary summary(scenario("[safety]\nd_hard = 0.5\n"));
+  Judged summary(scenario("[safety]\nd_hard = 0.5\n"));
   const std::vector<Presence> alone = {Presence::steered, Presence::absent, Presence::absent};
   summary.add(0.0, places(0, 0.1, 0.2), alone, {});
-  EXPECT_TRUE(summary.broken().empty());
+  EXPECT_TRUE(summary->broken().empty());
   summary.add(0.1, places(0, 0.1, 9), there, {});
-  EXPECT_EQ(summary.broken().size(), 1U);
+  EXPECT_EQ(summary->broken().size(), 1U);
 }
 
 std::vector<Sight<double>> heights(double a, double b) {
@@ -76,12 +110,12 @@ std::vector<Sight<double>> heights(double a, double b) {
 
 TEST(SafetySummary, JudgesTheWallsThatTheScenarioStatesOrTheBarrierIsToKeep) {
   const auto judged = [](const std::string& safety) {
-    SafetySummary summary(scenario(safety));
+    Judged summary(scenario(safety));
     auto sights = heights(0.2, 11.0);
     sights[1].p.y = -102.0;
     summary.add(0.0, heights(1.0, 1.0), there, {});
     summary.add(0.1, sights, there, {});
-    return summary.broken();
+    return summary->broken();
   };
   EXPECT_TRUE(judged("").empty());
   EXPECT_TRUE(judged("[safety]\nd_hard = 0.5\n").empty());
@@ -94,15 +128,19 @@ TEST(SafetySummary, JudgesTheWallsThatTheScenarioStatesOrTheBarrierIsToKeep) {
 }
 
 TEST(SafetySummary, TellsTheWorstOfEachWall) {
-  SafetySummary summary(scenario("[safety]\nfloor = 0.3\nceiling = 2.0\n"));
+  Judged summary(scenario("[safety]\nfloor = 0.3\nceiling = 2.0\n"));
   summary.add(0.0, heights(1.0, 1.5), there, {});
   summary.add(0.1, heights(0.3 - 1e-9, 1.6), there, {});
-  EXPECT_TRUE(summary.broken().empty()) << "rounding breaks nothing";
+  EXPECT_TRUE(summary->broken().empty()) << "rounding breaks nothing";
   summary.add(0.2, heights(0.25, 1.0), there, {});
-  const auto json = nlohmann::json::parse(summary.json());
-  EXPECT_EQ(json.at("walls").at(0).dump(),
-            R"({"kept":false,"limit":0.3,"name":"a","time":0.2,"wall":"floor","worst":0.25})");
-  const auto lines = safety_lines(summary.json());
+  const auto json = nlohmann::json::parse(summary->json());
+  const auto& wall = json.at("walls").at(0);
+  EXPECT_EQ(wall.at("name"), "a");
+  EXPECT_EQ(wall.at("wall"), "floor");
+  EXPECT_EQ(wall.at("time"), 0.2);
+  EXPECT_FALSE(wall.at("kept").get<bool>());
+  EXPECT_NEAR(wall.at("worst").get<double>(), 0.25, 1e-12);
+  const auto lines = safety_lines(summary->json());
   ASSERT_GE(lines.size(), 2U);
   EXPECT_EQ(lines[lines.size() - 2],
             (std::pair<std::string, std::string>("floor", "a: 0.25 m at least, BROKEN, to be 0.3 m")));
@@ -120,48 +158,109 @@ TEST(SafetySummary, ARobotThatLandsIsGroundedOrAbsentHasNoFloor) {
         {there, grounded},
         {sinks, {}},
         {gone, {}}}) {
-    SafetySummary summary(scenario("[safety]\nfloor = 0.3\n"));
+    Judged summary(scenario("[safety]\nfloor = 0.3\n"));
     summary.add(0.0, heights(1.0, 1.0), there, {});
     summary.add(0.1, heights(0.05, 1.0), presence, {}, levels);
-    EXPECT_TRUE(summary.broken().empty());
+    EXPECT_TRUE(summary->broken().empty());
     summary.add(0.2, heights(0.05, 0.2), presence, {}, levels);
-    EXPECT_EQ(summary.broken().size(), 1U) << "the other one has its floor";
+    EXPECT_EQ(summary->broken().size(), 1U) << "the other one has its floor";
   }
 }
 
-TEST(SafetySummary, ARobotThatBeginsBelowTheFloorIsJudgedFromWhenItIsAbove) {
-  SafetySummary summary(scenario("[safety]\nfloor = 0.3\n"));
-  summary.add(0.0, heights(0.1, 1.0), there, {});
-  EXPECT_EQ(summary.broken(),
-            std::vector<std::string>{"a began at a height of 0.1 m at 0.00 s and never came "
-                                     "within, the floor is 0.3 m"});
-  summary.add(0.1, heights(0.2, 1.0), there, {});
-  EXPECT_EQ(summary.broken().size(), 1U);
-  summary.add(0.2, heights(0.35, 1.0), there, {});
-  EXPECT_TRUE(summary.broken().empty());
-  summary.add(0.3, heights(0.28, 1.0), there, {});
-  EXPECT_EQ(summary.broken(),
-            std::vector<std::string>{"a came to a height of 0.28 m at 0.30 s, the floor is 0.3 m"});
+// 0.1 m and 0.2 m for 0.1 s each, then up to 0.35 m and down to 0.28 m.
+std::vector<std::string> begun_below(Judged& summary, double last = 0.28) {
+  summary.add(0.0, heights(0.1, 1.0), there);
+  summary.add(0.1, heights(0.2, 1.0), there);
+  summary.add(0.2, heights(0.35, 1.0), there);
+  summary.add(0.3, heights(last, 1.0), there);
+  return summary->broken();
+}
+
+TEST(SafetySummary, AStartBelowTheFloorBreaksItWithTheWorstValueAndTheTime) {
+  Judged summary(scenario("[safety]\nfloor = 0.3\n"));
+  EXPECT_EQ(
+      begun_below(summary, 0.4),
+      std::vector<std::string>{"a came to a height of 0.1 m at 0.00 s, the floor is 0.3 m, for 0.17 s"});
+  const auto json = nlohmann::json::parse(summary->json());
+  EXPECT_FALSE(json.at("walls").at(0).at("kept").get<bool>());
+  EXPECT_NEAR(json.at("walls").at(0).at("broken_for").get<double>(), 0.1 + 0.1 * 2 / 3, 1e-9);
+  EXPECT_EQ(safety_lines(summary->json()).back().second,
+            "a: 0.1 m at least, BROKEN, to be 0.3 m, for 0.17 s");
+}
+
+TEST(SafetySummary, AStartThatIsMeantIsJudgedFromWhenItIsWithin) {
+  const Scenario meant = meant_outside(scenario("[safety]\nfloor = 0.3\n"));
+  Judged kept(meant), broken(meant), never(meant);
+  EXPECT_TRUE(begun_below(kept, 0.4).empty());
+  EXPECT_EQ(safety_lines(kept->json()).back().second,
+            "a: 0.35 m at least, kept 0.3 m, outside at the start for 0.17 s, then kept");
+  EXPECT_EQ(begun_below(broken).at(0).substr(0, 65),
+            "a came to a height of 0.28 m at 0.30 s, the floor is 0.3 m, for 0");
+  never.add(0.0, heights(0.1, 1.0), there);
+  never.add(0.1, heights(0.2, 1.0), there);
+  EXPECT_EQ(never->broken(), std::vector<std::string>{"a began at a height of 0.1 m at 0.00 s and never came "
+                                                      "within, the floor is 0.3 m, for 0.10 s"});
+}
+
+TEST(SafetySummary, AStartWithinTheHardDistanceIsJudgedLikeOneBeyondAWall) {
+  const auto flown = [](const Scenario& of) {
+    Judged summary(of);
+    summary.add(0.0, places(0, 0.3, 9), there);
+    summary.add(0.1, places(0, 0.39, 9), there);
+    summary.add(0.2, places(0, 0.6, 9), there);
+    return std::pair(summary->broken(), safety_lines(summary->json()).at(0).second);
+  };
+  const Scenario strict = scenario("[safety]\nd_hard = 0.5\n");
+  EXPECT_EQ(flown(strict).first.at(0), "a came within 0.3 m of b at 0.00 s, d_hard is 0.5 m, for 0.15 s");
+  EXPECT_TRUE(flown(meant_outside(strict)).first.empty());
+  EXPECT_EQ(flown(meant_outside(strict)).second,
+            "a and b: 0.6 m at least, kept 0.5 m, outside at the start for 0.15 s, then kept");
+}
+
+TEST(SafetySummary, OneThatCeasesToLandIsJudgedFromWhenItIsAboveTheFloor) {
+  const std::vector<FallbackLevel> lands = {FallbackLevel::land, FallbackLevel::valid, FallbackLevel::valid};
+  Judged summary(scenario("[safety]\nfloor = 0.3\n"));
+  summary.add(0.0, heights(1.0, 1.0), there);
+  summary.add(0.1, heights(0.05, 1.0), there, {}, lands);
+  summary.add(0.2, heights(0.1, 1.0), there);
+  summary.add(0.3, heights(0.4, 1.0), there);
+  EXPECT_TRUE(summary->broken().empty());
+}
+
+TEST(SafetySummary, RefusesAStartOutsideThatNoStartIs) {
+  EXPECT_THROW((void)scenario("[safety]\nfloor = 0.3\nceiling = 2.0\nd_hard = 0.5\nstart_outside = true\n"),
+               std::invalid_argument);
+}
+
+TEST(SafetySummary, CountsThePeriodsThatNobodySaw) {
+  Judged summary(scenario("[safety]\nd_hard = 0.5\n"));
+  summary.sample().truth_known = false;
+  summary.sample().event_count = 1;
+  summary.sample().events[0] = {0.0, EventKind::missed_period, 0, 12.0};
+  summary.add(0.0, places(0, 3, 9), there);
+  EXPECT_EQ(nlohmann::json::parse(summary->json()).at("unseen_periods"), 12);
+  EXPECT_EQ(safety_lines(summary->json()).back().second,
+            "12 were not seen, only the measurements around them are judged");
 }
 
 TEST(SafetySummary, WhatDrivesHasNeitherFloorNorCeiling) {
-  SafetySummary summary(parse_scenario(
+  Judged summary(parse_scenario(
       "[agent.rover]\nrobot = \"omni_rover\"\nstart = { p = [0.0, 0.0, 0.0] }\n[safety]\nfloor = 0.3\n",
       "a.toml"));
   summary.add(0.0, std::vector<Sight<double>>(1), std::vector{Presence::steered}, {});
-  EXPECT_TRUE(summary.broken().empty());
-  EXPECT_TRUE(summary.bounds().empty());
+  EXPECT_TRUE(summary->broken().empty());
+  EXPECT_TRUE(summary->bounds().empty());
 }
 
 TEST(SafetySummary, TellsHowOftenTheBarrierActed) {
   for (const auto& [mode, word] : {std::pair{"on", "acted"}, {"report", "would have acted"}}) {
-    SafetySummary summary(scenario("[safety]\nbarrier = \"" + std::string(mode) + "\"\n"));
+    Judged summary(scenario("[safety]\nbarrier = \"" + std::string(mode) + "\"\n"));
     std::vector<BarrierRecord> records(2);
     for (int k = 0; k < 8; ++k) {
       records[1] = {.active = k < 2, .conflict = k < 1};
       summary.add(0.1 * k, places(0, 3, 9), there, records);
     }
-    const auto lines = safety_lines(summary.json());
+    const auto lines = safety_lines(summary->json());
     ASSERT_EQ(lines.size(), 8U);
     EXPECT_EQ(lines[6].first, "barrier of a");
     EXPECT_EQ(lines[6].second, std::string(word) + " 0.0 % of the time");

@@ -82,6 +82,7 @@ std::vector<std::string> warnings_of_starts(const Scenario& scenario) {
   const Team& team = scenario.team;
   const std::vector<Start> starts = starts_of(scenario);
   std::vector<std::string> sentences;
+  if (scenario.safety && scenario.safety->start_outside) return sentences;  // it is meant
   for (const Start& start : starts) {
     if (scenario.safety && team.is_agent(start.body)) add_walls(scenario, start, sentences);
   }

@@ -11,11 +11,7 @@
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
-namespace {
-
-constexpr double same_distance = 1e-9;  // [m]
-
-}  // namespace
+namespace {}  // namespace
 
 std::string_view to_string(Outcome outcome) {
   constexpr std::array<std::string_view, outcome_count> names = {"recovered", "lost", "too_close", "failed"};
@@ -27,7 +23,7 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
       plan_(plan),
       period_(scenario.horizon.dt),
       hold_after_(hold_after(scenario)),
-      safety_(scenario),
+      safety_(scenario, plan.d_hard),
       localization_(scenario),
       sample_(std::move(sample)),
       chatter_(static_cast<std::size_t>(scenario.team.nu())),
@@ -45,18 +41,11 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
     const Agent& agent = team_.agent(body);
     agents_[at(body)] = &agent;
     u_rest_.insert(u_rest_.end(), agent.u_ref.begin(), agent.u_ref.end());
-    for (int j = 0; j < team_.bodies(); ++j) {
-      // Two robots once; a robot and what is not controlled, whichever stands first.
-      const BodyId other{j};
-      if (other == body || (team_.is_agent(other) && j < i)) continue;
-      pairs_.push_back({body, other, hard_distance(scenario, body, other).value_or(plan.d_hard)});
-    }
   }
   result_.energies.resize(robots_.size(), 0.0);
   sights_.resize(static_cast<std::size_t>(team_.bodies()));
   u_min_.resize(u_rest_.size());
   u_max_.resize(u_rest_.size());
-  result_.min_distance = std::numeric_limits<double>::infinity();
 }
 
 /// What is asked of whom from this sample on. @return whether it is something else than before
@@ -85,31 +74,6 @@ void Judge::look(std::span<const double> u) noexcept {
                                    u.data() + team_.input_offset(body));
     seen.lean = true_lean(seen.lean, body, sample_);
   }
-}
-
-/// Whether the two of each pair are so far apart that their closing speed can be braked away before d_hard.
-void Judge::look_at_brakes() noexcept {
-  for (Pair& pair : pairs_) {
-    if (pair.met || !is_there(pair.robot) || !is_there(pair.other)) continue;
-    pair.met = true;
-    const Sight<double>&a = sights_[at(pair.robot)], &b = sights_[at(pair.other)];
-    const Vec3<double> r = a.p - b.p;
-    const double distance = norm(r);
-    const double closing = distance > 0 ? std::max(0.0, -dot(r, a.v - b.v) / distance) : 0.0;
-    pair.could_brake = pair.d_hard == 0 || distance >= pair.d_hard + closing * closing / (2 * plan_.braking);
-    result_.could_brake = result_.could_brake && pair.could_brake;
-  }
-}
-
-bool Judge::distances_hold() noexcept {
-  bool hold = true;
-  for (const Pair& pair : pairs_) {
-    if (!is_there(pair.robot) || !is_there(pair.other)) continue;
-    const double distance = norm(sights_[at(pair.robot)].p - sights_[at(pair.other)].p);
-    result_.min_distance = std::min(result_.min_distance, distance);
-    hold = hold && !(pair.could_brake && distance < pair.d_hard - same_distance);
-  }
-  return hold;
 }
 
 bool Judge::inputs_hold() noexcept {
@@ -143,21 +107,25 @@ void Judge::publish() noexcept {
 }
 
 void Judge::judge() {
-  const bool changed = follow();
+  const bool is_update = sample_.of == Sample::Of::update, changed = is_update && follow();
   if (updates_ == 0) {
     look(u_rest_);
-    look_at_brakes();
+    safety_.look_at_brakes(sights_, sample_.presence, plan_.braking);
+  }
+  look(sample_.u);
+  if (changed) safety_.look_at_brakes(sights_, sample_.presence, plan_.braking);
+  safety_.add(sample_, sights_);
+  const bool apart = !safety_.too_close_now();
+  if (!is_update) {
+    if (!all_finite(sample_.x)) blame(Fault::not_finite);
+    if (!apart) ++result_.violations;
+    return;
   }
   ++updates_;
-  look(sample_.u);
-  if (changed) look_at_brakes();
   const bool in_limits = inputs_hold(), finite = all_finite(sample_.x) && all_finite(sample_.u);
   const bool good = in_limits && finite;
   if (!good) blame(finite ? Fault::input : Fault::not_finite);
-  const bool apart = distances_hold();
-  safety_.add(sample_.time, sights_, sample_.presence, sample_.barriers, sample_.levels);
   localization_.add(sample_);
-  too_close_ = too_close_ || !apart;
   if (!good || !apart) ++result_.violations;
 
   bool any_asked = false, all_seen = true;
@@ -209,7 +177,9 @@ RunResult Judge::result(const LoopOutcome& outcome, std::string ended) const {
   if (failure_) std::rethrow_exception(failure_);
   RunResult result = result_;
   const auto periods = std::llround(plan_.duration / period_);
-  if (!std::isfinite(result.min_distance)) result.min_distance = no_value;
+  const double least = safety_.least_distance();
+  result.min_distance = std::isfinite(least) ? least : no_value;
+  result.could_brake = safety_.could_brake();
   double first = views_.empty() ? no_value : 0.0;
   bool at_end = true;
   for (const View& view : views_) {
@@ -229,7 +199,7 @@ RunResult Judge::result(const LoopOutcome& outcome, std::string ended) const {
   result.localizations = localization_.robots();
   result.reason = reason(std::move(ended), outcome.finite && updates_ == periods);
   result.outcome = !result.reason.empty() ? Outcome::failed
-                   : too_close_           ? Outcome::too_close
+                   : safety_.too_close()  ? Outcome::too_close
                    : !(in_time && at_end) ? Outcome::lost
                                           : Outcome::recovered;
   return result;

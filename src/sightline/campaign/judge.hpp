@@ -70,6 +70,8 @@ class Judge final : public Sink<Sample> {
   Judge& operator=(const Judge&) = delete;
 
   Sample* claim() noexcept override { return &sample_; }
+  bool takes_between() const noexcept override { return true; }
+  Sample* claim_between() noexcept override { return &sample_; }
   /// Where a sample cannot be judged, as where there is no memory, none after it is.
   void publish() noexcept override;
   void close() noexcept override {}
@@ -90,13 +92,6 @@ class Judge final : public Sink<Sample> {
     double wait() const { return asked ? std::max(waited, first - since) : waited; }
   };
 
-  struct Pair {
-    BodyId robot, other;
-    double d_hard;            // [m]; 0: nobody asks for one
-    bool met = false;         // both were there
-    bool could_brake = true;  // when both were first there
-  };
-
   enum class Fault : std::uint8_t { none, not_finite, input, no_plan };
 
   void judge();
@@ -108,8 +103,6 @@ class Judge final : public Sink<Sample> {
     return sample_.presence[static_cast<std::size_t>(body.index)] != Presence::absent;
   }
   void look(std::span<const double> u) noexcept;
-  void look_at_brakes() noexcept;
-  bool distances_hold() noexcept;
   bool inputs_hold() noexcept;
 
   const Team& team_;
@@ -121,7 +114,6 @@ class Judge final : public Sink<Sample> {
   Sample sample_;
   std::vector<View> views_;
   std::vector<BodyId> robots_;
-  std::vector<Pair> pairs_;
   std::vector<Sight<double>> sights_;
   std::vector<double> u_rest_, u_min_, u_max_;
   Chatter chatter_;
@@ -132,7 +124,6 @@ class Judge final : public Sink<Sample> {
   std::vector<PlanGaps> gaps_;  // of each solver
   Fault fault_ = Fault::none;   // the first
   double fault_time_ = 0.0;     // [s]
-  bool too_close_ = false;
   RunResult result_;
   std::exception_ptr failure_;  // of judge()
 };

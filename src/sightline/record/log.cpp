@@ -143,6 +143,7 @@ void Log::Files::take(const Sample& sample) noexcept {
 }
 
 void Log::Files::add(const Sample& sample) {
+  if (sample.of == Sample::Of::states) return topics_->add_states(sample);
   const double cost = judging_.what ? std::numeric_limits<double>::quiet_NaN() : summary_.stage_cost();
   const bool ends_chunk = topics_->add(sample, summary_.present(), cost);
   add_timing(sample);

@@ -34,6 +34,8 @@ namespace sightline {
 ///                   /tuned                     {time, number, name, text}, of a flight that is tuned
 ///                 what a replay needs, as recorded_flight.hpp says; and words: "sightline" with scenario, version,
 ///                 compiler, seed, solver and team, "files" with the texts of the files that the scenario names.
+///                 Beside those of the periods there are states, poses and twists of periods that were missed, where the
+///                 world knows the truth, and at the end those after the last command.
 ///   timing.csv    measured times [us], allocations and missed periods; a row for each period
 ///
 /// In JSON, null is a number that was not finite; ROS messages with such numbers are left out.

@@ -127,7 +127,24 @@ bool LogTopics::add(const Sample& sample, const PresentTeam& present, double cos
   return first;
 }
 
+void LogTopics::add_states(const Sample& sample) {
+  for (BodyChannels& channels : bodies_) add_place(channels, sample);
+  add_events(sample);
+}
+
 void LogTopics::add_body(BodyChannels& channels, const Sample& sample) {
+  add_place(channels, sample);
+  if (sample.presence[size(channels.body.index)] == Presence::absent) return;
+  const Model& model = team_.model(channels.body);
+  const std::size_t offset = size(team_.state_offset(channels.body));
+  const double *x = sample.x.data() + offset, *u = sample.u.data() + team_.input_offset(channels.body);
+  if (channels.measured) add_pose(*channels.measured, model, sample.measured.data() + offset, sample.time);
+  const bool finite = all_finite({x, size(model.nx())}) && all_finite({u, size(model.nu())});
+  if (finite && channels.attitude) add_attitude(channels, sample);
+}
+
+/// State, pose and twist.
+void LogTopics::add_place(BodyChannels& channels, const Sample& sample) {
   const Model& model = team_.model(channels.body);
   const std::size_t nx = size(model.nx()), offset = size(team_.state_offset(channels.body));
   const double *x = sample.x.data() + offset, *u = sample.u.data() + team_.input_offset(channels.body);
@@ -136,13 +153,11 @@ void LogTopics::add_body(BodyChannels& channels, const Sample& sample) {
   message_.send(channels.state, sample.time);
   if (sample.presence[size(channels.body.index)] == Presence::absent) return;
   add_pose(channels.pose, model, x, sample.time);
-  if (channels.measured) add_pose(*channels.measured, model, sample.measured.data() + offset, sample.time);
   if (!all_finite({x, nx}) || !all_finite({u, size(model.nu())})) return;
   const Vec3<double> v = model.sight(x, u).v;
   encode_twist(bytes_, frame_of_G,
                {nanoseconds(sample.time), {v.x, v.y, v.z}, {0, 0, turn_rate(model, channels.roles, x, u)}});
   send_bytes(channels.twist, sample.time);
-  if (channels.attitude) add_attitude(channels, sample);
 }
 
 void LogTopics::add_attitude(BodyChannels& channels, const Sample& sample) {
@@ -228,6 +243,10 @@ void LogTopics::add_records(const Sample& sample, double cost) {
     message_.put("cost", cost);
     message_.send(solvers_[c], sample.time);
   }
+  add_events(sample);
+}
+
+void LogTopics::add_events(const Sample& sample) {
   for (int i = 0; i < sample.event_count; ++i) {
     const Event& event = sample.events[size(i)];
     message_.begin(event.time);

@@ -34,6 +34,8 @@ class LogTopics {
   /// @param cost     its stage cost; not a number: not known
   /// @return whether it is the first in its 0.1 s of simulated time
   bool add(const Sample& sample, const PresentTeam& present, double cost);
+  /// Of a sample without an update.
+  void add_states(const Sample& sample);
 
  private:
   struct BodyChannels {
@@ -53,6 +55,7 @@ class LogTopics {
   }
 
   void add_body(BodyChannels& channels, const Sample& sample);
+  void add_place(BodyChannels& channels, const Sample& sample);
   void open_attitudes(const Scenario& scenario);
   void add_attitude(BodyChannels& channels, const Sample& sample);
   void add_pose(McapChannel& channel, const Model& model, const double* x, double time);
@@ -61,6 +64,7 @@ class LogTopics {
   void add_reference(BodyChannels& channels, const PresentTeam& present, double time);
   void add_barrier(BodyChannels& channels, const Sample& sample);
   void add_records(const Sample& sample, double cost);
+  void add_events(const Sample& sample);
 
   Team team_;
   MessageSink& to_;

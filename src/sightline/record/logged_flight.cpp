@@ -62,7 +62,8 @@ LoggedFlight fly_logged(const Scenario& scenario, const std::filesystem::path& f
   World& world = options.world == nullptr ? *simulated : *options.world;
   Sample prototype = sized_sample(world, controllers);
   make_room_for_plans(scenario, prototype);
-  Ring<Sample> ring(ring_capacity(prototype), prototype);
+  const std::size_t capacity = ring_capacity(prototype);
+  Ring<Sample> ring(capacity, prototype, capacity / 2);
   Sink<Sample>& sink = options.watched ? options.watched(ring, prototype) : ring;
   ClosedLoop loop(scenario, world, controllers, clock, sink, options.allocations, options.team_switcher,
                   options.stop);

@@ -166,7 +166,7 @@ class RecordedFlight::Reader {
   void end() {
     auto& periods = flight_.periods_;
     const std::int64_t agents = static_cast<std::int64_t>(flight_.team_.agents().size());
-    if (!periods.empty() && (measurements_ != flight_.team_.bodies() || inputs_ != agents))
+    if (!drop_states() && !periods.empty() && (measurements_ != flight_.team_.bodies() || inputs_ != agents))
       periods.pop_back();
     std::int64_t next = 0;
     for (std::size_t i = 0; i < periods.size(); ++i) {
@@ -187,8 +187,16 @@ class RecordedFlight::Reader {
     return flight_.periods_.back();
   }
 
+  /// States that stand alone are of no period of the loop: it missed that one, or had ended.
+  bool drop_states() {
+    const bool alone = !flight_.periods_.empty() && measurements_ == 0 && inputs_ == 0;
+    if (alone) flight_.periods_.pop_back();
+    return alone;
+  }
+
   void begin_period() {
     const Team& team = flight_.team_;
+    (void)drop_states();
     if (!flight_.periods_.empty() && measurements_ == 0)
       throw std::runtime_error("it holds no measurements, as those of sightline before it had replay");
     if (!flight_.periods_.empty() && measurements_ != team.bodies())

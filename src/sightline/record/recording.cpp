@@ -204,8 +204,23 @@ class RowReader {
     return json::parse(text, text + message.bytes.size());
   }
 
+  /// States that no record of a solver followed are of no update: of a missed period, or after the last command.
+  void drop_states() {
+    if (run_.cost.size() >= run_.time.size()) return;
+    run_.time.pop_back();
+    for (Recording::Body& body : run_.bodies) {
+      body.p.pop_back();
+      body.heading.pop_back();
+      body.v.pop_back();
+      body.lean.pop_back();
+    }
+  }
+
   void state(Recording::Body& body, const McapMessage& message) {
-    if (&body == &run_.bodies.front()) run_.time.push_back(parsed(message).at("time"));
+    if (&body == &run_.bodies.front()) {
+      drop_states();
+      run_.time.push_back(parsed(message).at("time"));
+    }
     body.p.push_back({no_value, no_value, no_value});
     body.heading.push_back(no_value);
     body.v.push_back({no_value, no_value, no_value});

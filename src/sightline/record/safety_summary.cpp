@@ -19,7 +19,10 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t most_shown = 8;
 constexpr std::array<const char*, 3> modes = {"off", "on", "report"};
 constexpr std::array<const char*, 3> wall_names = {"floor", "ceiling", "world"};
-constexpr double touched = 1e-6;  // [m] a wall that is passed by less is kept
+constexpr double wall_tolerance = 1e-6;      // [m] beyond a wall
+constexpr double distance_tolerance = 1e-9;  // [m] nearer than d_hard
+constexpr double shown_time = 0.005;         // [s] a shorter one is left out of words
+constexpr double nothing = -std::numeric_limits<double>::infinity();
 
 using Bound = SafetySummary::Bound;
 
@@ -39,45 +42,85 @@ bool flies(const Model& model) {
   return false;
 }
 
+/// The sides on which a bound lies, outward.
+std::span<const Vec3<double>> sides(Bound::Of of) {
+  static constexpr std::array<Vec3<double>, 4> level = {{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
+  static constexpr std::array<Vec3<double>, 2> upright = {{{0, 0, -1}, {0, 0, 1}}};
+  if (of == Bound::Of::world) return level;
+  return std::span(upright).subspan(of == Bound::Of::floor ? 0 : 1, 1);
+}
+
+/// Along such a side [m].
+double limit_along(const Bound& bound) { return bound.of == Bound::Of::floor ? -bound.value : bound.value; }
+
 double excess_of(const Bound& bound, const Vec3<double>& p) {
-  switch (bound.of) {
-    case Bound::Of::floor:
-      return bound.limit - p.z;
-    case Bound::Of::ceiling:
-      return p.z - bound.limit;
-    case Bound::Of::world:
-      break;
-  }
-  return std::max(std::abs(p.x), std::abs(p.y)) - bound.limit;
+  double most = nothing;
+  for (const Vec3<double>& n : sides(bound.of)) most = std::max(most, dot(n, p) - limit_along(bound));
+  return most;
+}
+
+std::string for_how_long(double time) {
+  return time >= shown_time ? fmt::format(", for {:.2f} s", time) : "";
 }
 
 }  // namespace
 
-bool SafetySummary::Pair::kept() const { return least2 >= d_hard * d_hard; }
-
-bool SafetySummary::Bound::kept() const { return !(excess > touched) && (within || !counts); }
-
-double SafetySummary::Bound::worst() const {
-  const double most = counts && !within ? std::max(excess, begun) : excess;
-  return of == Of::floor ? limit - most : limit + most;
+bool LimitRecord::raise(const Extreme& most) noexcept {
+  if (most.value > worst_.value) worst_ = most;
+  return most.value > tolerance_;
 }
 
-SafetySummary::SafetySummary(const Scenario& scenario) : period_(scenario.horizon.dt) {
+void LimitRecord::begin(double time, double excess, bool excused) noexcept {
+  counts_ = true;
+  excused_ = excused && excess > tolerance_;
+  time_ = time, excess_ = excess;
+  if (excused_)
+    start_ = {excess, time};
+  else
+    (void)raise({excess, time});
+}
+
+bool LimitRecord::move(double time, double excess, const Extreme& most) noexcept {
+  // On a line between samples on both sides of the limit.
+  const bool was = excess_ > tolerance_, is = excess > tolerance_;
+  const double across = was != is ? std::abs((was ? excess_ : excess) / (excess - excess_)) : 1.0;
+  const double beyond = was || is ? (time - time_) * across : 0.0;
+  time_ = time, excess_ = excess;
+  if (!excused_) {
+    broken_for_ += beyond;
+    return raise(most);
+  }
+  outside_for_ += beyond;
+  if (is) {
+    if (most.value > start_.value) start_ = most;
+    return false;
+  }
+  excused_ = false;
+  return raise({excess, time});
+}
+
+double SafetySummary::Bound::worst() const {
+  return of == Of::floor ? value - limit.worst().value : value + limit.worst().value;
+}
+
+SafetySummary::SafetySummary(const Scenario& scenario, double d_hard_otherwise)
+    : motion_(scenario.team), period_(scenario.horizon.dt) {
   const Team& team = scenario.team;
   for (int i = 0; i < team.bodies(); ++i) names_.emplace_back(team.name(BodyId{i}));
   for (int i = 0; i < team.bodies(); ++i) {
     for (int j = i + 1; j < team.bodies(); ++j) {
-      const auto d_hard = hard_distance(scenario, BodyId{i}, BodyId{j});
-      if (d_hard)
-        pairs_.push_back({BodyId{i}, BodyId{j}, *d_hard, std::numeric_limits<double>::infinity(), 0.0});
+      const BodyId a{i}, b{j};
+      if (team.is_agent(a) || team.is_agent(b))
+        pairs_.push_back({a, b, hard_distance(scenario, a, b).value_or(d_hard_otherwise),
+                          LimitRecord(distance_tolerance)});
     }
   }
   if (scenario.safety) {
     mode_ = scenario.safety->barrier;
+    start_outside_ = scenario.safety->start_outside;
     const Walls& judged = scenario.safety->judged;
-    const auto add_bound = [&](BodyId robot, Bound::Of of, double limit) {
-      if (std::isfinite(limit))
-        bounds_.push_back({robot, of, limit, -std::numeric_limits<double>::infinity(), 0.0});
+    const auto add_bound = [&](BodyId robot, Bound::Of of, double value) {
+      if (std::isfinite(value)) bounds_.push_back({robot, of, value, LimitRecord(wall_tolerance)});
     };
     for (int i = 0; i < team.bodies(); ++i) {
       const BodyId body{i};
@@ -92,78 +135,137 @@ SafetySummary::SafetySummary(const Scenario& scenario) : period_(scenario.horizo
   if (mode_ != BarrierMode::off) robots_.resize(team.agents().size());
 }
 
-void SafetySummary::add(double time, std::span<const Sight<double>> sights,
-                        std::span<const Presence> presence, std::span<const BarrierRecord> barriers,
-                        std::span<const FallbackLevel> levels) {
-  ++samples_;
-  add_bounds(time, sights, presence, levels);
-  const auto is_there = [&](BodyId body) { return presence[at(body)] != Presence::absent; };
+void SafetySummary::look_at_brakes(std::span<const Sight<double>> sights, std::span<const Presence> presence,
+                                   double braking) noexcept {
   for (Pair& pair : pairs_) {
-    if (!is_there(pair.a) || !is_there(pair.b)) continue;
-    pair.in_force.count(time, period_);
-    const Vec3<double> r = sights[at(pair.a)].p - sights[at(pair.b)].p;
-    const double distance2 = dot(r, r);
-    if (distance2 < pair.least2) pair.least2 = distance2, pair.time = time;
-  }
-  for (std::size_t i = 0; i < std::min(robots_.size(), barriers.size()); ++i) {
-    robots_[i].active += barriers[i].active ? 1 : 0;
-    robots_[i].conflicts += barriers[i].conflict ? 1 : 0;
+    if (pair.met || presence[at(pair.a)] == Presence::absent || presence[at(pair.b)] == Presence::absent)
+      continue;
+    pair.met = true;
+    const Sight<double>&a = sights[at(pair.a)], &b = sights[at(pair.b)];
+    const Vec3<double> r = a.p - b.p;
+    const double distance = norm(r);
+    const double closing = distance > 0 ? std::max(0.0, -dot(r, a.v - b.v) / distance) : 0.0;
+    pair.could_brake = pair.d_hard == 0 || distance >= pair.d_hard + closing * closing / (2 * braking);
   }
 }
 
-void SafetySummary::add_bounds(double time, std::span<const Sight<double>> sights,
-                               std::span<const Presence> presence, std::span<const FallbackLevel> levels) {
-  for (Bound& bound : bounds_) {
-    const auto i = at(bound.robot);
-    const bool lands =
-        presence[i] == Presence::land || (i < levels.size() && levels[i] >= FallbackLevel::land);
-    const bool counted = bound.counts;
-    bound.counts = presence[i] != Presence::absent && !(lands && bound.of == Bound::Of::floor);
-    if (!bound.counts) {
-      bound.within = false;
-      continue;
-    }
-    const double excess = excess_of(bound, sights[i].p);
-    if (!counted) bound.begun = excess;
-    bound.within = bound.within || excess <= touched;
-    if (bound.within ? excess > bound.excess : !counted) {
-      bound.time = time;
-      if (bound.within) bound.excess = excess;
-    }
+void SafetySummary::add(const Sample& sample, std::span<const Sight<double>> sights) noexcept {
+  motion_.follow(sample, sights);
+  too_close_now_ = false;
+  for (Pair& pair : pairs_) add_pair(pair, sample, sights);
+  for (Bound& bound : bounds_) add_bound(bound, sample, sights);
+  too_close_ = too_close_ || too_close_now_;
+  for (int i = 0; i < sample.event_count; ++i) {
+    const Event& event = sample.events[static_cast<std::size_t>(i)];
+    if (event.kind == EventKind::missed_period && !sample.truth_known) unseen_ += std::llround(event.value);
   }
+  if (sample.of != Sample::Of::update) return;
+  ++samples_;
+  for (std::size_t i = 0; i < std::min(robots_.size(), sample.barriers.size()); ++i) {
+    robots_[i].active += sample.barriers[i].active ? 1 : 0;
+    robots_[i].conflicts += sample.barriers[i].conflict ? 1 : 0;
+  }
+}
+
+void SafetySummary::add_pair(Pair& pair, const Sample& sample,
+                             std::span<const Sight<double>> sights) noexcept {
+  const bool was_there = std::exchange(pair.there, sample.presence[at(pair.a)] != Presence::absent &&
+                                                       sample.presence[at(pair.b)] != Presence::absent);
+  if (!pair.there) return pair.limit.cease();
+  if (sample.of == Sample::Of::update) pair.in_force.count(sample.time, period_);
+  const Vec3<double> r = sights[at(pair.a)].p - sights[at(pair.b)].p;
+  const double distance2 = dot(r, r);
+  // Most pairs could come neither near their least distance nor near the hard one.
+  const bool moved = motion_.moved(pair.a) && motion_.moved(pair.b);
+  const double of_note =
+      std::max(pair.least.value, pair.d_hard) + (moved ? motion_.reach(pair.a) + motion_.reach(pair.b) : 0.0);
+  const bool is_near = !(distance2 > of_note * of_note);
+  const double distance = is_near || !pair.limit.counts() ? std::sqrt(distance2) : of_note;
+  Extreme nearest{distance, sample.time};
+  if (is_near && moved) motion_.find_least_distance(pair.a, pair.b, nearest);
+  if (nearest.value < pair.least.value) pair.least = nearest;
+  if (pair.d_hard == 0) return;
+  bool broken = false;
+  if (was_there && pair.limit.counts()) {
+    broken =
+        pair.limit.move(sample.time, pair.d_hard - distance, {pair.d_hard - nearest.value, nearest.time});
+  } else {
+    pair.limit.begin(sample.time, pair.d_hard - distance, start_outside_);
+    broken = !pair.limit.kept() && !pair.limit.never_within() && distance < pair.d_hard - distance_tolerance;
+  }
+  too_close_now_ = too_close_now_ || (broken && pair.could_brake);
+}
+
+void SafetySummary::add_bound(Bound& bound, const Sample& sample,
+                              std::span<const Sight<double>> sights) noexcept {
+  const auto i = at(bound.robot);
+  const bool lands = sample.presence[i] == Presence::land ||
+                     (i < sample.levels.size() && sample.levels[i] >= FallbackLevel::land);
+  const bool there = sample.presence[i] != Presence::absent,
+             was_there = std::exchange(bound.was_there, there);
+  if (!there || (lands && bound.of == Bound::Of::floor)) return bound.limit.cease();
+  const double excess = excess_of(bound, sights[i].p);
+  // One that ceases to land is on its way up.
+  if (!bound.limit.counts()) return bound.limit.begin(sample.time, excess, start_outside_ || was_there);
+  Extreme most{excess, sample.time};
+  if (motion_.moved(bound.robot) &&
+      excess + motion_.reach(bound.robot) > std::max(0.0, bound.limit.worst().value)) {
+    const double limit = limit_along(bound);
+    Extreme along{most.value + limit, most.time};
+    const std::span<const Knot> knots = motion_.knots(bound.robot);
+    for (const Vec3<double>& n : sides(bound.of)) {
+      for (std::size_t k = 0; k + 1 < knots.size(); ++k) find_greatest(knots[k], knots[k + 1], n, along);
+    }
+    most = {along.value - limit, along.time};
+  }
+  (void)bound.limit.move(sample.time, excess, most);
+}
+
+double SafetySummary::least_distance() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Pair& pair : pairs_) least = std::min(least, pair.least.value);
+  return least;
+}
+
+bool SafetySummary::could_brake() const {
+  return std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& pair) { return pair.could_brake; });
 }
 
 /// The worst first, at most as many of each kind as are shown.
 std::vector<SafetySummary::Bound> SafetySummary::by_excess() const {
   std::vector<Bound> sorted = bounds_;
-  const auto beyond = [](const Bound& bound) {
-    return std::abs(bound.worst() - bound.limit) * (bound.kept() ? -1 : 1);
-  };
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [&](const Bound& a, const Bound& b) { return beyond(a) > beyond(b); });
-  std::array<std::size_t, wall_names.size()> shown{};
-  std::erase_if(sorted, [&](const Bound& bound) {
-    return !std::isfinite(bound.worst()) || shown[static_cast<std::size_t>(bound.of)]++ >= most_shown;
+  std::erase_if(sorted, [](const Bound& bound) { return bound.limit.empty(); });
+  std::stable_sort(sorted.begin(), sorted.end(), [](const Bound& a, const Bound& b) {
+    return std::pair(!a.limit.kept(), a.limit.worst().value) >
+           std::pair(!b.limit.kept(), b.limit.worst().value);
   });
+  std::array<std::size_t, wall_names.size()> shown{};
+  std::erase_if(
+      sorted, [&](const Bound& bound) { return shown[static_cast<std::size_t>(bound.of)]++ >= most_shown; });
   return sorted;
 }
 
 std::vector<SafetySummary::Pair> SafetySummary::by_margin() const {
   std::vector<Pair> sorted = pairs_;
-  const auto margin = [](const Pair& pair) { return std::sqrt(pair.least2) - pair.d_hard; };
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [&](const Pair& a, const Pair& b) { return margin(a) < margin(b); });
-  if (sorted.size() > most_shown) sorted.resize(most_shown);
+  std::erase_if(sorted, [](const Pair& pair) { return pair.d_hard == 0; });
+  std::stable_sort(sorted.begin(), sorted.end(), [](const Pair& a, const Pair& b) {
+    return std::pair(!a.limit.kept(), a.limit.worst().value) >
+           std::pair(!b.limit.kept(), b.limit.worst().value);
+  });
+  if (sorted.size() > most_shown) sorted.erase(sorted.begin() + most_shown, sorted.end());
   return sorted;
 }
 
 std::vector<std::string> SafetySummary::broken() const {
   std::vector<std::string> sentences;
   for (const Pair& pair : by_margin()) {
-    if (pair.kept()) continue;
-    sentences.push_back(fmt::format("{} came within {:.4g} m of {} at {:.2f} s, d_hard is {} m",
-                                    names_[at(pair.a)], std::sqrt(pair.least2), names_[at(pair.b)], pair.time,
-                                    pair.d_hard));
+    if (pair.limit.kept()) continue;
+    const Extreme& worst = pair.limit.worst();
+    sentences.push_back(
+        fmt::format("{} {} {:.4g} m of {} at {:.2f} s{}, d_hard is {} m{}", names_[at(pair.a)],
+                    pair.limit.never_within() ? "began within" : "came within", pair.d_hard - worst.value,
+                    names_[at(pair.b)], worst.time, pair.limit.never_within() ? " and they never parted" : "",
+                    pair.d_hard, for_how_long(pair.limit.broken_for())));
   }
   for (std::string& sentence : broken_walls()) sentences.push_back(std::move(sentence));
   return sentences;
@@ -172,15 +274,13 @@ std::vector<std::string> SafetySummary::broken() const {
 std::vector<std::string> SafetySummary::broken_walls() const {
   std::vector<std::string> sentences;
   for (const Bound& bound : by_excess()) {
-    if (bound.kept()) continue;
-    const std::string& who = names_[at(bound.robot)];
-    const std::string limit = fmt::format("the {} is {} m", name_of(bound.of), bound.limit);
-    const char* where = bound.of == Bound::Of::world ? "|p_x| or |p_y| of" : "a height of";
-    sentences.push_back(bound.within || !bound.counts
-                            ? fmt::format("{} came to {} {:.4g} m at {:.2f} s, {}", who, where, bound.worst(),
-                                          bound.time, limit)
-                            : fmt::format("{} began at {} {:.4g} m at {:.2f} s and never came within, {}",
-                                          who, where, bound.worst(), bound.time, limit));
+    if (bound.limit.kept()) continue;
+    const bool never = bound.limit.never_within();
+    sentences.push_back(fmt::format(
+        "{} {} {} {:.4g} m at {:.2f} s{}, the {} is {} m{}", names_[at(bound.robot)],
+        never ? "began at" : "came to", bound.of == Bound::Of::world ? "|p_x| or |p_y| of" : "a height of",
+        bound.worst(), bound.limit.worst().time, never ? " and never came within" : "", name_of(bound.of),
+        bound.value, for_how_long(bound.limit.broken_for())));
   }
   return sentences;
 }
@@ -193,28 +293,39 @@ double SafetySummary::conflict_share() const {
 }
 
 std::string SafetySummary::json() const {
-  if (pairs_.empty() && bounds_.empty() && mode_ == BarrierMode::off) return "";
+  const std::vector<Pair> pairs = by_margin();
+  const std::vector<Bound> bounds = by_excess();
+  if (pairs.empty() && bounds_.empty() && mode_ == BarrierMode::off) return "";
   Json json;
   json["barrier"] = modes[static_cast<std::size_t>(mode_)];
+  if (unseen_ > 0) json["unseen_periods"] = unseen_;
+  const auto add_times = [](Json& to, const LimitRecord& limit) {
+    to["broken_for"] = limit.kept() ? 0.0 : limit.broken_for();
+    if (limit.outside_at_start() > 0) to["outside_at_start"] = limit.outside_at_start();
+  };
   json["hard_distances"] = Json::array();
-  for (const Pair& pair : by_margin()) {
-    const double least = std::sqrt(pair.least2);
-    json["hard_distances"].push_back({{"a", names_[at(pair.a)]},
-                                      {"b", names_[at(pair.b)]},
-                                      {"d_hard", pair.d_hard},
-                                      {"least", std::isfinite(least) ? Json(least) : Json()},
-                                      {"time", pair.time}});
+  for (const Pair& pair : pairs) {
+    const LimitRecord& limit = pair.limit;
+    Json& one = json["hard_distances"].emplace_back(
+        Json{{"a", names_[at(pair.a)]},
+             {"b", names_[at(pair.b)]},
+             {"d_hard", pair.d_hard},
+             {"least", limit.empty() ? Json() : Json(pair.d_hard - limit.worst().value)},
+             {"time", limit.worst().time},
+             {"kept", limit.kept()}});
+    add_times(one, limit);
     if (!pair.in_force.is_whole(static_cast<double>(samples_) * period_))
-      json["hard_distances"].back()["in_force"] = Json::parse(pair.in_force.json());
+      one["in_force"] = Json::parse(pair.in_force.json());
   }
   json["walls"] = Json::array();
-  for (const Bound& bound : by_excess()) {
-    json["walls"].push_back({{"name", names_[at(bound.robot)]},
-                             {"wall", name_of(bound.of)},
-                             {"limit", bound.limit},
-                             {"worst", bound.worst()},
-                             {"time", bound.time},
-                             {"kept", bound.kept()}});
+  for (const Bound& bound : bounds) {
+    Json& one = json["walls"].emplace_back(Json{{"name", names_[at(bound.robot)]},
+                                                {"wall", name_of(bound.of)},
+                                                {"limit", bound.value},
+                                                {"worst", bound.worst()},
+                                                {"time", bound.limit.worst().time},
+                                                {"kept", bound.limit.kept()}});
+    add_times(one, bound.limit);
   }
   json["agents"] = Json::array();
   const auto share = [&](std::int64_t part) {
@@ -231,6 +342,13 @@ std::string SafetySummary::json() const {
 std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view text) {
   const Json json = Json::parse(text);
   std::vector<std::pair<std::string, std::string>> lines;
+  // What is kept after a start that was meant, and for how long what is not was broken.
+  const auto times = [](const Json& of) {
+    const double broken_for = of.value("broken_for", 0.0), outside = of.value("outside_at_start", 0.0);
+    if (of.value("kept", true) && outside > 0)
+      return fmt::format(", outside at the start for {:.2f} s, then kept", outside);
+    return for_how_long(broken_for);
+  };
   for (const Json& pair : json.at("hard_distances")) {
     const std::string who =
         fmt::format("{} and {}", pair.at("a").get<std::string>(), pair.at("b").get<std::string>());
@@ -238,23 +356,28 @@ std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view t
     const double least = pair.at("least").get<double>(), d_hard = pair.at("d_hard").get<double>();
     const std::string when =
         pair.contains("in_force") ? ", in " + time_words(pair.at("in_force").dump()) : "";
-    lines.emplace_back("hard distance", fmt::format("{}: {:.4g} m at least, {} {} m{}", who, least,
-                                                    least < d_hard ? "BROKEN, to be" : "kept", d_hard, when));
+    const bool kept = pair.value("kept", least >= d_hard);
+    lines.emplace_back("hard distance",
+                       fmt::format("{}: {:.4g} m at least, {} {} m{}{}", who, least,
+                                   kept ? "kept" : "BROKEN, to be", d_hard, times(pair), when));
   }
-  // Each that is broken, or else the one that was nearest to it.
-  const auto told_of = [&](const Json& wall) {
-    return std::any_of(lines.begin(), lines.end(),
-                       [&](const auto& line) { return line.first == wall.get<std::string>(); });
+  // Each that is broken or began outside, or else the one that was nearest to it.
+  const auto has_line = [&](const std::string& wall) {
+    return std::any_of(lines.begin(), lines.end(), [&](const auto& line) { return line.first == wall; });
   };
   for (const Json& bound : json.value("walls", Json::array())) {
-    const Json& wall = bound.at("wall");
-    if (bound.at("kept") == true && told_of(wall)) continue;
+    const std::string wall = bound.at("wall").get<std::string>();
+    const bool kept = bound.at("kept").get<bool>();
+    if (kept && !bound.contains("outside_at_start") && has_line(wall)) continue;
     lines.emplace_back(
-        wall.get<std::string>(),
-        fmt::format("{}: {:.4g} m at {}, {} {} m", bound.at("name").get<std::string>(),
-                    bound.at("worst").get<double>(), wall == "floor" ? "least" : "most",
-                    bound.at("kept") == true ? "kept" : "BROKEN, to be", bound.at("limit").get<double>()));
+        wall, fmt::format("{}: {:.4g} m at {}, {} {} m{}", bound.at("name").get<std::string>(),
+                          bound.at("worst").get<double>(), wall == "floor" ? "least" : "most",
+                          kept ? "kept" : "BROKEN, to be", bound.at("limit").get<double>(), times(bound)));
   }
+  if (json.contains("unseen_periods"))
+    lines.emplace_back("missed periods",
+                       fmt::format("{} were not seen, only the measurements around them are judged",
+                                   json.at("unseen_periods").get<std::int64_t>()));
   for (const Json& agent : json.at("agents")) {
     const double active = agent.at("barrier_active").get<double>(),
                  conflict = agent.at("barrier_conflict").get<double>();

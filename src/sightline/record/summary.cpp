@@ -59,8 +59,7 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
       period_(scenario.horizon.dt),
       leans_(leaning_bodies(scenario)),
       chatter_(static_cast<std::size_t>(scenario.team.nu())),
-      drift_(scenario.team, scenario.simulation.settle),
-      least_distance2_(infinity) {
+      drift_(scenario.team, scenario.simulation.settle) {
   const Team& team = scenario_.team;
   const std::vector<Coupling> couplings = all_couplings(scenario_);
   for (const Observation& pair : observations(couplings)) add_view(pair);
@@ -166,7 +165,7 @@ void Summary::find_limits_in_force(const std::vector<Coupling>& couplings,
 }
 
 void Summary::add(const Sample& sample) {
-  const Team& team = scenario_.team;
+  if (sample.of == Sample::Of::states) return add_states(sample);
   if (present_.follow(sample)) {
     find_what_is_in_force();
     drift_.restart(present_.couplings());
@@ -177,20 +176,28 @@ void Summary::add(const Sample& sample) {
   if (!all_finite(sample.x) || !all_finite(sample.u) || !all_finite(sample.raw_u)) ++not_finite_;
   stage_cost_ = present_.cost(sample);
   cost_ += period_ * stage_cost_;
-  for (int i = 0; i < team.bodies(); ++i) {
-    const BodyId body{i};
-    sights_[at(body)] = true_sight(team, body, sample);
-  }
+  look(sample);
   add_inputs(sample);
   add_robots(sample);
-  add_places();
   add_views(sample);
   add_limits(sample.time);
   add_solvers(sample);
   plans_.add(sample);
   localization_.add(sample);
   add_drift(sample);
-  safety_.add(sample.time, sights_, presence_, sample.barriers, sample.levels);
+}
+
+/// States that no update followed: a place is judged, and nothing that a robot was asked for.
+void Summary::add_states(const Sample& sample) {
+  if (!all_finite(sample.x)) ++not_finite_;
+  look(sample);
+  add_events(sample);
+}
+
+void Summary::look(const Sample& sample) {
+  for (int i = 0; i < scenario_.team.bodies(); ++i)
+    sights_[at(BodyId{i})] = true_sight(scenario_.team, BodyId{i}, sample);
+  safety_.add(sample, sights_);
 }
 
 void Summary::add_inputs(const Sample& sample) {
@@ -243,20 +250,6 @@ void Summary::add_robots(const Sample& sample) {
     robot.squared_error += dot(e, e);
     robot.error = robot.error + e;
     ++robot.errors;
-  }
-}
-
-void Summary::add_places() {
-  const Team& team = scenario_.team;
-  for (const Robot& robot : robots_) {
-    for (int i = 0; i < team.bodies(); ++i) {
-      const BodyId other{i};
-      // Two robots once; a robot and what is not controlled, whichever stands first.
-      if (other == robot.body || (team.is_agent(other) && i < robot.body.index)) continue;
-      if (!is_there(robot.body) || !is_there(other)) continue;
-      const Vec3<double> r = sight(robot.body).p - sight(other).p;
-      least_distance2_ = std::min(least_distance2_, dot(r, r));
-    }
   }
 }
 
@@ -315,6 +308,10 @@ void Summary::add_solvers(const Sample& sample) {
     pairs_ = std::max(pairs_, record.pairs);
   }
   allocations_ = std::max(allocations_, allocations);
+  add_events(sample);
+}
+
+void Summary::add_events(const Sample& sample) {
   for (int i = 0; i < sample.event_count; ++i) {
     const Event& event = sample.events[static_cast<std::size_t>(i)];
     if (event.kind == EventKind::pairs_left_out)
@@ -391,7 +388,7 @@ SummaryValues Summary::values() const {
   v.max_abs_input = max_abs_input_;
   v.pairs_active_max = pairs_;
   v.pairs_left_out_max = left_out_;
-  v.min_distance = counted(std::sqrt(least_distance2_));
+  v.min_distance = counted(safety_.least_distance());
   for (const View& view : views_) {
     v.pairs.push_back({name(view.pair.observer), name(view.pair.target), counted(view.nearest),
                        counted(view.farthest), counted(view.angle_max), view.in_since,

@@ -189,10 +189,12 @@ class Summary {
   bool is_there(BodyId body) const { return presence_[at(body)] != Presence::absent; }
   void add_inputs(const Sample& sample);
   void add_robots(const Sample& sample);
-  void add_places();
   void add_views(const Sample& sample);
   void add_limits(double time);
   void add_solvers(const Sample& sample);
+  void add_events(const Sample& sample);
+  void add_states(const Sample& sample);
+  void look(const Sample& sample);
   void add_drift(const Sample& sample);
   std::vector<SummaryValues::Chatter> chatter() const;
 
@@ -218,7 +220,7 @@ class Summary {
                allocations_ = 0;
   int pairs_ = 0, left_out_ = 0;
   double end_ = 0.0;  // of the last period [s]
-  double cost_ = 0.0, stage_cost_ = 0.0, max_abs_input_ = 0.0, least_distance2_;
+  double cost_ = 0.0, stage_cost_ = 0.0, max_abs_input_ = 0.0;
   std::array<std::int64_t, status_count> statuses_{};
   Quantiles solve_us_;
   std::vector<Event> events_;

@@ -170,21 +170,23 @@ LoopOutcome Loop::run() noexcept {
           : 0;
   clock_.start(options_.period);
   std::int64_t next_path = path_every > 0 ? 0 : periods, told = 0;
-  for (std::int64_t next = 0; next < periods; ++next) {
+  double t = 0.0;
+  for (std::int64_t next = 0;; ++next) {
     const std::int64_t k = std::min(clock_.wait(next), periods);
-    const double t = static_cast<double>(k) * options_.period;
+    t = static_cast<double>(k) * options_.period;
     if (k > next) {
       outcome_.missed += k - next;
       tell({t, EventKind::missed_period, 0, static_cast<double>(k - next)});
-      const double from = static_cast<double>(next) * options_.period;
-      outcome_.finite = apply(from, k - next) && outcome_.finite;
+      outcome_.finite = apply(static_cast<double>(next) * options_.period, k - next) && outcome_.finite;
       next = k;
     }
-    outcome_.stopped = options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
+    outcome_.stopped =
+        k < periods && options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
     if (k == periods || outcome_.stopped || !outcome_.finite) break;
 
     Sample* const slot = claim_slot();
     Sample& sample = slot != nullptr ? *slot : spare_;
+    sample.of = Sample::Of::update;
     sample.has_path = k >= next_path;
     if (sample.has_path) next_path = (k / path_every + 1) * path_every;
     const bool changes = options_.team_switcher != nullptr && options_.team_switcher->pending();
@@ -210,11 +212,7 @@ LoopOutcome Loop::run() noexcept {
         told = outcome_.dropped;
         tell({t, EventKind::samples_dropped, 0, static_cast<double>(told)});
       }
-      // What does not fit waits for the next sample.
-      const auto fit = static_cast<std::ptrdiff_t>(std::min(events_.size(), sample.events.size()));
-      std::copy_n(events_.begin(), fit, sample.events.begin());
-      sample.event_count = static_cast<int>(fit);
-      events_.erase(events_.begin(), events_.begin() + fit);
+      move_events(sample);
       sink_.publish();
     } else {
       ++outcome_.dropped;
@@ -222,6 +220,7 @@ LoopOutcome Loop::run() noexcept {
     }
     outcome_.finite = apply(t, 1);
   }
+  if (outcome_.updates > 0) show_end(t);
   sink_.close();
   return outcome_;
 }

@@ -101,6 +101,9 @@ class Loop {
   Sample* claim_slot() noexcept;
   Measured localize(double t, const Measured& told, Sample& sample) noexcept;
   bool apply(double t, std::int64_t periods) noexcept;
+  void fill(Sample& sample, double t, std::span<const double> x, bool is_truth) const noexcept;
+  void show_end(double t) noexcept;
+  void move_events(Sample& sample) noexcept;
   void update(double t, const Measured& seen, Sample& sample) noexcept;
   Solution ask(Controller& controller, double t, const ValidStates& x) noexcept;
   void guard(double t, const ValidStates& x, Sample& sample) noexcept;

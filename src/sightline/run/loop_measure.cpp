@@ -1,6 +1,7 @@
 // What the loop makes of a measurement, before anybody is asked for a plan.
 #include <algorithm>
 #include <chrono>
+#include <thread>
 
 #include "sightline/base/index.hpp"
 #include "sightline/run/loop.hpp"
@@ -28,10 +29,63 @@ Measured Loop::localize(double t, const Measured& told, Sample& sample) noexcept
   return seen;
 }
 
-/// The inputs are in force from t on.
+/// The inputs are in force from t on. Where several periods pass and the world knows the truth, the sink gets the states at the
+/// end of each but the last, as far as it has room.
 bool Loop::apply(double t, std::int64_t periods) noexcept {
   if (options_.localizer != nullptr) options_.localizer->apply(gate_.applied(), options_.period, periods);
-  return world_.apply(t, *estimate_, gate_.applied(), options_.period, periods);
+  const bool shows = periods > 1 && outcome_.updates > 0 && !world_.truth().empty();
+  const std::int64_t together = shows ? 1 : periods;
+  for (std::int64_t k = 0; k < periods; k += together) {
+    const double from = t + static_cast<double>(k) * options_.period;
+    if (!world_.apply(from, *estimate_, gate_.applied(), options_.period, together)) return false;
+    if (k + together == periods) break;
+    if (Sample* const slot = sink_.claim_between(); slot != nullptr) {
+      fill(*slot, from + options_.period, world_.truth(), true);
+      sink_.publish();
+    }
+  }
+  return true;
+}
+
+/// States without an update.
+void Loop::fill(Sample& sample, double t, std::span<const double> x, bool is_truth) const noexcept {
+  sample.of = Sample::Of::states;
+  sample.time = t;
+  sample.truth_known = is_truth;
+  sample.has_path = false;
+  sample.event_count = 0;
+  std::copy(x.begin(), x.end(), sample.x.begin());
+  const auto applied = gate_.applied();
+  std::copy(applied.begin(), applied.end(), sample.u.begin());
+  std::copy(presence_.begin(), presence_.end(), sample.presence.begin());
+  if (options_.guard == nullptr) return;
+  const auto levels = options_.guard->levels();
+  std::copy(levels.begin(), levels.end(), sample.levels.begin());
+}
+
+/// Hands over the states after the last command, true ones or else as measured, with the events that no sample has.
+void Loop::show_end(double t) noexcept {
+  std::span<const double> x = world_.truth();
+  const bool is_truth = !x.empty();
+  if (!sink_.takes_between() || (!is_truth && (!outcome_.finite || options_.localizer != nullptr))) return;
+  Sample* slot = sink_.claim_between();
+  while (slot == nullptr && clock_.waits_for_log()) {
+    std::this_thread::yield();
+    slot = sink_.claim_between();
+  }
+  if (slot == nullptr) return;
+  if (!is_truth) x = world_.measure(t).measured;
+  fill(*slot, t, x, is_truth);
+  move_events(*slot);
+  sink_.publish();
+}
+
+/// Hands events over with a sample; what does not fit waits for the next one.
+void Loop::move_events(Sample& sample) noexcept {
+  const auto fit = static_cast<std::ptrdiff_t>(std::min(events_.size(), sample.events.size()));
+  std::copy_n(events_.begin(), fit, sample.events.begin());
+  sample.event_count = static_cast<int>(fit);
+  events_.erase(events_.begin(), events_.begin() + fit);
 }
 
 /// The states that the commands of t meet, predicted from the estimate of t.

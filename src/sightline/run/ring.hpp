@@ -20,6 +20,10 @@ class Sink {
 
   /// The next item to write, or nullptr where there is no room for one now.
   virtual T* claim() noexcept = 0;
+  /// Whether it takes items between the regular ones.
+  virtual bool takes_between() const noexcept { return false; }
+  /// As claim(), for an item between the regular ones.
+  virtual T* claim_between() noexcept { return nullptr; }
   /// Takes over the claimed item.
   virtual void publish() noexcept = 0;
   /// An item that found no room: whoever acts on items or shows them acts on this one, too. It is not kept.
@@ -36,7 +40,9 @@ template <class T>
 class Ring final : public Sink<T> {
  public:
   /// @param capacity  items that can wait, >= 1
-  Ring(std::size_t capacity, const T& prototype) : items_(capacity, prototype) {
+  /// @param between   of them at most when one between the regular items is claimed; 0: takes none of these
+  Ring(std::size_t capacity, const T& prototype, std::size_t between = 0)
+      : items_(capacity, prototype), between_(between) {
     assert(capacity > 0 && "a ring holds something");
   }
 
@@ -45,6 +51,12 @@ class Ring final : public Sink<T> {
     const std::size_t written = written_.load(std::memory_order_relaxed);
     if (written - read_.load(std::memory_order_acquire) == items_.size()) return nullptr;
     return &items_[written % items_.size()];
+  }
+  bool takes_between() const noexcept override { return between_ > 0; }
+  T* claim_between() noexcept override {
+    const std::size_t waiting =
+        written_.load(std::memory_order_relaxed) - read_.load(std::memory_order_acquire);
+    return waiting < between_ ? claim() : nullptr;
   }
   /// Producer: hands over the claimed item.
   void publish() noexcept override {
@@ -80,6 +92,7 @@ class Ring final : public Sink<T> {
 
  private:
   std::vector<T> items_;
+  std::size_t between_;
   // Counts of all items ever, each on a cache line of its own.
   alignas(64) std::atomic<std::size_t> written_{0};
   alignas(64) std::atomic<std::size_t> read_{0};

@@ -81,6 +81,10 @@ struct BarrierRecord {
 
 /// One control period. All vectors are sized before the loop starts and never grow.
 struct Sample {
+  /// What stands in it. `states`: no update, only time, x, truth_known, u in force, presence, levels and events; of a period that
+  /// was missed, or after the last command.
+  enum class Of : std::uint8_t { update, states };
+  Of of = Of::update;
   double time = 0.0;      ///< [s], of the measurement
   std::vector<double> x;  ///< true states of all bodies (nx); as measured where nobody knows them
   bool truth_known = true;

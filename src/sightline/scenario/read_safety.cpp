@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "sightline/scenario/read_part.hpp"
 
@@ -120,7 +121,7 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
            {"wall_margin", &barrier.wall_margin, not_negative(">= 0 m")},
            {"position_sigma", &safety.position_sigma, not_negative(">= 0 m")},
            {"heading_sigma", &safety.heading_sigma, not_negative(">= 0 rad")}},
-          {"barrier", "supervisor", "search"});
+          {"barrier", "supervisor", "search", "start_outside"});
   if (barrier.ceiling <= barrier.floor) at.refuse("ceiling", fmt::format("> floor = {} m", barrier.floor));
   barrier.world = safety.world;
   constexpr std::array<std::string_view, 3> modes = {"off", "on", "report"};
@@ -132,6 +133,7 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
   if (all || at.has("floor")) safety.judged.floor = barrier.floor;
   if (all || at.has("ceiling")) safety.judged.ceiling = barrier.ceiling;
   if (all || at.has("world")) safety.judged.world = safety.world;
+  if (at.has("start_outside")) safety.start_outside = at.boolean("start_outside");
   if (at.has("supervisor")) {
     safety.supervisor = read_supervisor(at.table("supervisor"));
     TrackLimits& limits = safety.supervisor->limits;
@@ -141,6 +143,29 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
   }
   if (at.has("search")) safety.search = read_part<SearchOptions>(TableSource(at.table("search")));
   return safety;
+}
+
+void check_start_outside(const TomlTable& root, const Scenario& scenario) {
+  if (!scenario.safety || !scenario.safety->start_outside || root.has("campaign"))
+    return;  // which draws starts
+  const Team& team = scenario.team;
+  const Walls& walls = scenario.safety->judged;
+  const std::vector<double> u(static_cast<std::size_t>(team.nu()));
+  const auto place = [&](BodyId body) {
+    return team.model(body).sight(scenario.x0.data() + team.state_offset(body), u.data()).p;
+  };
+  for (int i = 0; i < team.bodies(); ++i) {
+    const Vec3<double> p = place(BodyId{i});
+    const bool beyond =
+        p.z < walls.floor || p.z > walls.ceiling || std::max(std::abs(p.x), std::abs(p.y)) > walls.world;
+    if (team.is_agent(BodyId{i}) && beyond) return;
+    for (int j = 0; j < i; ++j) {
+      const auto d_hard = hard_distance(scenario, BodyId{j}, BodyId{i});
+      if (d_hard && norm(p - place(BodyId{j})) < *d_hard) return;
+    }
+  }
+  root.table("safety").refuse(
+      "start_outside", "no such key where every start is within the walls that are judged and keeps d_hard");
 }
 
 void read_faults(const TomlTable& simulation, const Team& team, Simulation& to) {

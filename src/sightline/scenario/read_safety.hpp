@@ -12,6 +12,10 @@ namespace sightline {
 /// [safety], where there is one. What is left out of the noise that is to be reckoned with is the simulated one.
 std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& disturbances);
 
+/// Refuses `start_outside` where no start is beyond a limit that is judged, unless a campaign draws starts.
+/// @param scenario  whose bodies and starts are read
+void check_start_outside(const TomlTable& root, const Scenario& scenario);
+
 /// [[simulation.fault]], into the simulation.
 void read_faults(const TomlTable& simulation, const Team& team, Simulation& to);
 

@@ -69,6 +69,7 @@ class Reader {
     for (const TomlTable& at : root_.tables("keep_apart")) read_keep_apart(at, scenario_.team);
     read_constraints();
     scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);
+    check_start_outside(root_, scenario_);
     if (const auto options = guard_options(scenario_)) {
       root_.table("safety").checked([&] { return Guard(scenario_.team, *options); });
     }

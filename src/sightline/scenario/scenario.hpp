@@ -74,6 +74,8 @@ struct Safety {
   BarrierOptions barrier_options{};
   double world = 100.0;  ///< greatest |p_x| and |p_y| [m], > 0
   Walls judged{};
+  /// A start beyond a wall, or within d_hard, is meant: the limit is judged from when it is first kept.
+  bool start_outside = false;
   double position_sigma = 0.0;  ///< of a measurement, each axis [m], >= 0
   double heading_sigma = 0.0;   ///< [rad], >= 0
   std::optional<SupervisorOptions> supervisor{};

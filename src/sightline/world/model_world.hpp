@@ -24,6 +24,7 @@ class ModelWorld final : public World {
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> believed, const Command& u, double period,
              std::int64_t periods) noexcept override;
+  std::span<const double> truth() const noexcept override { return plant_.x(); }
   /// True states of all bodies (nx).
   std::span<const double> x() const noexcept { return plant_.x(); }
 

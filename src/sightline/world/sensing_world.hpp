@@ -26,6 +26,7 @@ class SensingWorld : public World {
   Measured measure(double t) noexcept override { return world_->measure(t); }
   bool apply(double t, std::span<const double> believed, const Command& u, double period,
              std::int64_t periods) noexcept override;
+  std::span<const double> truth() const noexcept override { return world_->truth(); }
   std::string ended() const override { return world_->ended(); }
 
   /// The inner world.

@@ -29,6 +29,7 @@ class VehicleWorld : public World {
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> believed, const Command& u, double period,
              std::int64_t periods) noexcept override;
+  std::span<const double> truth() const noexcept override { return world_->truth(); }
   std::string ended() const override;
 
   /// The vehicle that is that robot; none for any other body.

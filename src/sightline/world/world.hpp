@@ -69,6 +69,9 @@ class World {
   /// @return false where the world cannot go on, which ends the loop
   virtual bool apply(double t, std::span<const double> believed, const Command& u, double period,
                      std::int64_t periods) noexcept = 0;
+  /// True states after the last apply() (nx), without any sensor; empty where nobody knows them. Changes nothing that
+  /// measure() will give.
+  virtual std::span<const double> truth() const noexcept { return {}; }
   /// After apply() gave false: why, a sentence; empty where a state is no longer finite. Allocates: for after the flight.
   virtual std::string ended() const { return {}; }
 };
