@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
+#include <random>
+#include <vector>
+
 #include "sightline/model/ground_robots.hpp"
 #include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/model.hpp"
@@ -69,6 +74,14 @@ TEST(StateRoles, OfATextRobotDoNotDependOnWhatItsStatesAreCalled) {
   EXPECT_THAT(roles.velocities, ElementsAre(0));
 }
 
+TEST(StateRoles, AStateIsNoVelocityForItsNameAlone) {
+  const TextRobot boat = {.states = {"p_x", "p_y", "p_z", "v_battery", "speed"},
+                          .inputs = {"a"},
+                          .f = {"speed", "0", "0", "-a", "a"},
+                          .position = {"p_x", "p_y", "p_z"}};
+  EXPECT_THAT(roles_of(boat.model()).velocities, ElementsAre(4));
+}
+
 /// Its pose is that of a point ahead of the axle, and its states are polar.
 struct Polar {
   static constexpr int nx = 2, nu = 2;
@@ -91,6 +104,117 @@ TEST(StateRoles, OfAPoseThatIsNoStateThereAreNone) {
   EXPECT_FALSE(roles.has_position());
   EXPECT_FALSE(roles.has_heading());
   EXPECT_THAT(roles.velocities, IsEmpty());
+}
+
+std::vector<Model> all_robots() {
+  return {Model(Multirotor{}),
+          Model(AngleMultirotor{}),
+          Model(OmniRover{}),
+          Model(Unicycle{}),
+          Model(PointMass{}),
+          Model(VelocityMultirotor::px4()),
+          Model(HoverMultirotor{}),
+          Model(LaggingHoverMultirotor{}),
+          Model(VelocityMultirotor::ar_drone())};
+}
+
+/// A robot of the plane that also climbs by `climb`, with the rate of its heading `turn`.
+TextRobot flyer(const std::string& climb, const std::string& turn) {
+  return {.states = {"p_x", "p_y", "p_z", "psi", "v", "theta", "w"},
+          .inputs = {"thrust", "turn", "pitch"},
+          .f = {"v * cos(psi) * cos(theta)", "v * sin(psi) * cos(theta)", climb, turn, "2 * thrust - 0.5 * v",
+                "pitch - theta", "turn - w"},
+          .position = {"p_x", "p_y", "p_z"},
+          .heading = {"psi"}};
+}
+
+TEST(InputRoles, OfTheLibrarySRobotsTheYawInputIsTheOneThatItsNameSays) {
+  for (const Model& model : all_robots()) {
+    const auto names = model.inputs();
+    const auto named = std::find(names.begin(), names.end(), "u_psi");
+    EXPECT_EQ(yaw_input(model), named == names.end() ? -1 : static_cast<int>(named - names.begin()))
+        << model.name();
+  }
+}
+
+TEST(InputRoles, OfTheLibrarySRobotsThoseThatRollHaveNoHeight) {
+  for (const Model& model : all_robots()) EXPECT_EQ(has_height(model), !model.rolls()) << model.name();
+}
+
+TEST(InputRoles, AHeightThatTakesSpeedAndPitchIsOne) {
+  EXPECT_TRUE(has_height(flyer("v * sin(theta)", "turn").model()));
+  EXPECT_TRUE(has_height(flyer("v * theta * w * p_x", "turn").model()));
+  EXPECT_TRUE(has_height(flyer("0.1", "turn").model())) << "it sinks or rises by itself";
+}
+
+TEST(InputRoles, AHeightThatNothingChangesIsNone) {
+  for (const char* level : {"0", "0 * v", "v - v", "thrust * pitch - pitch * thrust"})
+    EXPECT_FALSE(has_height(flyer(level, "turn").model())) << level;
+}
+
+TEST(InputRoles, TheYawInputIsFoundThroughStatesAndOnlyWhereItIsOne) {
+  EXPECT_EQ(yaw_input(flyer("0", "turn").model()), 1);
+  EXPECT_EQ(yaw_input(flyer("0", "9.81 * tan(pitch) / (12 + v)").model()), 2);
+  EXPECT_EQ(yaw_input(flyer("0", "w").model()), 1) << "through a lag";
+  EXPECT_EQ(yaw_input(flyer("0", "turn + thrust - thrust").model()), 1);
+  EXPECT_EQ(yaw_input(flyer("0", "turn - thrust").model()), -1) << "two wheels";
+  EXPECT_EQ(yaw_input(flyer("0", "0.2").model()), -1);
+}
+
+TEST(InputRoles, NamesAndOrdersOfATextRobotPlayNoPart) {
+  std::mt19937 random(43);
+  const TextRobot plain = flyer("v * sin(theta)", "w + 0.5 * turn");
+  const Model known = plain.model();
+  const StateRoles roles = roles_of(known);
+  for (int n = 0; n < 50; ++n) {
+    // Other names, which come from what robots of the library call something else.
+    std::vector<std::string> names = {"v_x", "u_psi", "d_x", "p_n", "omega", "v_z", "psi_2", "a", "b", "c_1"};
+    std::shuffle(names.begin(), names.end(), random);
+    TextRobot renamed = plain;
+    const auto rename = [&](const std::string& from) {
+      const std::vector<std::string>& states = plain.states;
+      const auto state = std::find(states.begin(), states.end(), from);
+      if (state != states.end()) return names[static_cast<std::size_t>(state - states.begin())];
+      const auto input = std::find(plain.inputs.begin(), plain.inputs.end(), from);
+      return input == plain.inputs.end() ? from
+                                         : names[7 + static_cast<std::size_t>(input - plain.inputs.begin())];
+    };
+    const auto rename_words = [&](const std::string& text) {
+      std::string all, word;
+      for (const char c : text + " ") {
+        if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_') {
+          word += c;
+          continue;
+        }
+        all += rename(word) + c;
+        word.clear();
+      }
+      return all;
+    };
+    for (std::string& one : renamed.states) one = rename(one);
+    for (std::string& one : renamed.inputs) one = rename(one);
+    for (std::string& one : renamed.position) one = rename(one);
+    for (std::string& one : renamed.heading) one = rename(one);
+    for (std::string& one : renamed.f) one = rename_words(one);
+    const Model model = renamed.model();
+    EXPECT_EQ(yaw_input(model), yaw_input(known));
+    EXPECT_EQ(has_height(model), has_height(known));
+    const StateRoles found = roles_of(model);
+    EXPECT_EQ(found.position, roles.position);
+    EXPECT_EQ(found.angle, roles.angle);
+    EXPECT_EQ(found.velocities, roles.velocities);
+    std::vector<double> x = {0.1, 0.2, 1.0, 0.4, 0.5, 0.2, -0.3}, y = x;
+    const std::vector<double> u = {0.3, -0.7, 0.2};
+    known.step(x.data(), u.data(), 0.02);
+    model.step(y.data(), u.data(), 0.02);
+    EXPECT_EQ(x, y);
+  }
+}
+
+TEST(InputRoles, APushIsTakenByRobotsWithVelocitiesThatAirMoves) {
+  EXPECT_TRUE(takes_push(Model(Multirotor{})));
+  EXPECT_TRUE(takes_push(Model(PointMass{})));
+  EXPECT_FALSE(takes_push(flyer("0", "turn").model()));
 }
 
 }  // namespace

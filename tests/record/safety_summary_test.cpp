@@ -252,6 +252,35 @@ TEST(SafetySummary, WhatDrivesHasNeitherFloorNorCeiling) {
   EXPECT_TRUE(summary->bounds().empty());
 }
 
+TEST(SafetySummary, ARobotThatClimbsOnlyBySpeedAndPitchHasAFloorAndACeiling) {
+  SafetySummary summary(parse_scenario(R"(
+[agent.plane]
+start = { p = [0.0, 0.0, 3.0], heading = 0.0 }
+[agent.plane.robot.text]
+states = ["p_x", "p_y", "p_z", "psi", "v", "theta"]
+inputs = ["thrust", "turn", "pitch"]
+position = ["p_x", "p_y", "p_z"]
+heading = "psi"
+f.p_x = "v * cos(psi) * cos(theta)"
+f.p_y = "v * sin(psi) * cos(theta)"
+f.p_z = "v * sin(theta)"
+f.psi = "turn"
+f.v = "2 * thrust - 0.5 * v"
+f.theta = "pitch - theta"
+[safety]
+floor = 0.3
+ceiling = 10.0
+)",
+                                       "plane.toml"));
+  ASSERT_EQ(summary.bounds().size(), 2U);
+  std::vector<Sight<double>> below(1);
+  below[0].p.z = 1.0;
+  summary.add(0.0, below, std::vector{Presence::steered}, {});
+  below[0].p.z = -5.0;
+  summary.add(0.1, below, std::vector{Presence::steered}, {});
+  EXPECT_EQ(summary.broken().size(), 1U);
+}
+
 TEST(SafetySummary, TellsHowOftenTheBarrierActed) {
   for (const auto& [mode, word] : {std::pair{"on", "acted"}, {"report", "would have acted"}}) {
     Judged summary(scenario("[safety]\nbarrier = \"" + std::string(mode) + "\"\n"));

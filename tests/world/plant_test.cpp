@@ -10,6 +10,7 @@
 #include "sightline/base/index.hpp"
 #include "sightline/model/ground_robots.hpp"
 #include "sightline/model/hover_multirotor.hpp"
+#include "sightline/model/text_robot.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/two_robots.hpp"
@@ -220,6 +221,23 @@ TEST(Plant, ALaggingYawCommandApproachesExponentially) {
       ASSERT_NEAR(plant.x()[3], psi, 1e-4 * lag) << "lag " << lag << ", t = " << t;
     }
   }
+}
+
+TEST(Plant, AYawLagIsThatOfTheInputThatTurnsTheRobotWhateverItIsCalled) {
+  const auto turned = [](const std::string& input, double lag) {
+    const TextRobot car = {.states = {"p_x", "p_y", "p_z", "psi", "v"},
+                           .inputs = {"a", input},
+                           .f = {"v * cos(psi)", "v * sin(psi)", "0", input, "a"},
+                           .position = {"p_x", "p_y", "p_z"},
+                           .heading = {"psi"}};
+    Team team;
+    team.add(car.model());
+    Plant plant(team, {0, 0, 0, 0, 0}, {.disturbances = {.yaw_lag = lag}});
+    for (int k = 0; k < 50; ++k) plant.step(Numbers{0.2, 0.5}, control_period);
+    return Numbers(plant.x().begin(), plant.x().end());
+  };
+  EXPECT_EQ(turned("omega", 0.5), turned("u_psi", 0.5));
+  EXPECT_LT(turned("omega", 0.5)[3], 0.6 * turned("omega", 0.0)[3]);
 }
 
 TEST(Plant, TheInputGainScalesWhatTheInputsDo) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
 
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
@@ -35,6 +36,57 @@ Program slopes_of(const Model& model) {
   }
   return Program(graph, slopes, model.nx() + model.nu());
 }
+
+/// The formulas of a robot, over its states, then its inputs.
+class Formulas {
+ public:
+  explicit Formulas(const Model& model) : states_(model.nx()) {
+    const auto nx = static_cast<std::size_t>(model.nx());
+    const std::vector<Symbol> z = variables(graph_, 0, model.nx() + model.nu());
+    for (const Symbol& variable : z) variables_.push_back(variable.in(graph_));
+    const std::span<const Symbol> all = z;
+    std::vector<Symbol> rate(nx);
+    model.f(all.first(nx), all.subspan(nx), rate);
+    for (const Symbol& one : rate) rates_.push_back(one.in(graph_));
+    const Sight<Symbol> sight = model.sight(all.first(nx), all.subspan(nx));
+    climb_ = sight.v.z.in(graph_);
+    direction_ = {sight.d.x.in(graph_), sight.d.y.in(graph_)};
+  }
+
+  Term rate(int state) const { return rates_[static_cast<std::size_t>(state)]; }
+  Term climb() const { return climb_; }
+
+  /// d_x d_y' - d_y d_x'.
+  Term yaw_rate() {
+    const auto rate_of = [&](Term of) {
+      const std::vector<Term> slope = gradient(graph_, of, std::span(variables_).first(rates_.size()));
+      Term sum = graph_.constant(0.0);
+      for (std::size_t k = 0; k < rates_.size(); ++k)
+        sum = graph_.add(sum, graph_.multiply(slope[k], rates_[k]));
+      return sum;
+    };
+    const auto [d_x, d_y] = direction_;
+    return graph_.subtract(graph_.multiply(d_x, rate_of(d_y)), graph_.multiply(d_y, rate_of(d_x)));
+  }
+
+  /// The states, then the inputs, that a term depends on.
+  std::vector<int> dependences(Term of) {
+    std::vector<int> all;
+    const std::vector<Term> slope = gradient(graph_, of, variables_);
+    for (std::size_t k = 0; k < slope.size(); ++k) {
+      if (!graph_.is_zero(slope[k])) all.push_back(static_cast<int>(k));
+    }
+    return all;
+  }
+  bool is_state(int variable) const { return variable < states_; }
+
+ private:
+  Graph graph_;
+  int states_;
+  std::vector<Term> variables_, rates_;
+  Term climb_;
+  std::array<Term, 2> direction_;
+};
 
 }  // namespace
 
@@ -85,11 +137,46 @@ StateRoles roles_of(const Model& model) {
     const bool speeds = always([&](const Slopes& s, const Vec2<double>&) {
       return is(norm(Vec3<double>{s.at(velocity, k), s.at(velocity + 1, k), s.at(velocity + 2, k)}), 1.0);
     });
-    const bool called = k < model.states().size() && model.states()[k].starts_with("v_");
-    if (!placed && (speeds || called)) roles.velocities.push_back(state);
+    if (!placed && speeds) roles.velocities.push_back(state);
   }
   if (roles.direction[0] < 0 || roles.direction[1] < 0) roles.direction = {-1, -1};
   return roles;
+}
+
+bool has_height(const Model& model) {
+  Formulas formulas(model);
+  if (!formulas.dependences(formulas.climb()).empty()) return true;
+  std::vector<double> x(static_cast<std::size_t>(model.nx())), u(static_cast<std::size_t>(model.nu()));
+  model.at_rest({{0, 0, 1}, {1, 0}}, x.data());
+  return model.sight(x.data(), u.data()).v.z != 0;
+}
+
+int yaw_input(const Model& model) {
+  Formulas formulas(model);
+  std::vector<Term> level = {formulas.yaw_rate()};
+  std::set<int> states, inputs;
+  while (!level.empty()) {
+    std::vector<Term> next;
+    for (const Term term : level) {
+      for (const int variable : formulas.dependences(term)) {
+        if (!formulas.is_state(variable)) {
+          inputs.insert(variable - model.nx());
+        } else if (states.insert(variable).second) {
+          next.push_back(formulas.rate(variable));
+        }
+      }
+    }
+    if (!inputs.empty()) return inputs.size() == 1 ? *inputs.begin() : -1;
+    level = std::move(next);
+  }
+  return -1;
+}
+
+bool takes_push(const Model& model) {
+  std::vector<double> x(static_cast<std::size_t>(model.nx())), rate(x.size());
+  model.at_rest({{0, 0, 1}, {0.8, 0.6}}, x.data());
+  model.push(x.data(), {1.0, 2.0, 3.0}, rate.data());
+  return std::any_of(rate.begin(), rate.end(), [](double one) { return one != 0; });
 }
 
 }  // namespace sightline

@@ -1,4 +1,4 @@
-/// What the states of a robot are, found from the pose and the velocity that it shows.
+/// What the states and inputs of a robot are, found from its formulas.
 #pragma once
 
 #include <array>
@@ -19,8 +19,18 @@ struct StateRoles {
   bool has_heading() const { return direction[0] >= 0 || angle >= 0; }
 };
 
-/// From the gradients of the recorded pose and velocity at a few states; names are not asked, but for a state
-/// called v_..., which is a velocity. Set-up: allocates.
+/// From the gradients of the recorded pose and velocity at a few states; names play no part. Set-up: allocates.
 StateRoles roles_of(const Model& model);
+
+/// Whether anything can change its height: a state or an input that the vertical velocity depends on, or one that is
+/// not 0 at rest. A robot that drives on the ground has none. Set-up: allocates.
+bool has_height(const Model& model);
+
+/// The input that the yaw rate follows, at once or through the fewest states; -1 where none does, or where several do
+/// (the wheels of a differential drive). Names play no part. Set-up: allocates.
+int yaw_input(const Model& model);
+
+/// Whether an acceleration of G, as wind gives it, changes the rate of its state. Set-up: allocates.
+bool takes_push(const Model& model);
 
 }  // namespace sightline

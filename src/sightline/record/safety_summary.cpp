@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/base/no_value.hpp"
+#include "sightline/model/state_roles.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
@@ -27,20 +28,6 @@ constexpr double nothing = -std::numeric_limits<double>::infinity();
 using Bound = SafetySummary::Bound;
 
 const char* name_of(Bound::Of of) { return wall_names[static_cast<std::size_t>(of)]; }
-
-/// Whether a robot has a height to keep: what drives on the ground has none.
-bool flies(const Model& model) {
-  std::vector<double> x(static_cast<std::size_t>(model.nx())), u(static_cast<std::size_t>(model.nu()));
-  for (double& input : u) {
-    input = 1.0;
-    model.at_rest({{0, 0, 1}, {1, 0}}, x.data());
-    const double before = model.sight(x.data(), u.data()).p.z;
-    for (int k = 0; k < 10; ++k) model.step(x.data(), u.data(), 0.05);
-    if (model.sight(x.data(), u.data()).p.z != before) return true;
-    input = 0.0;
-  }
-  return false;
-}
 
 /// The sides on which a bound lies, outward.
 std::span<const Vec3<double>> sides(Bound::Of of) {
@@ -125,7 +112,7 @@ SafetySummary::SafetySummary(const Scenario& scenario, double d_hard_otherwise)
     for (int i = 0; i < team.bodies(); ++i) {
       const BodyId body{i};
       if (!team.is_agent(body)) continue;
-      if (flies(team.model(body))) {
+      if (has_height(team.model(body))) {
         add_bound(body, Bound::Of::floor, judged.floor);
         add_bound(body, Bound::Of::ceiling, judged.ceiling);
       }

@@ -104,11 +104,9 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
                                        team_.agent(body).u_ref);
       longest_ = std::min(longest_, part_of_fastest / rate);
     }
-    if (disturbances_.yaw_lag == 0) continue;
-    const auto names = part.model.inputs();
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      if (names[k] == "u_psi") lags_.push_back({part.u + k, nx_ + lags_.size()});
-    }
+    if (disturbances_.yaw_lag == 0 || !is_robot) continue;
+    const int yaw = yaw_input(part.model);
+    if (yaw >= 0) lags_.push_back({part.u + size(yaw), nx_ + lags_.size()});
   }
   const std::span<const double> resting = delay_.at(0.0);
   for (const YawLag& lag : lags_) z_.push_back(disturbances_.input_gain * resting[lag.input]);
