@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -272,6 +273,32 @@ TEST(Summary, PositionErrorCountsFromRmsFromOnAndOnlyWhereQAsksForAPlace) {
     EXPECT_TRUE(std::isnan(none));
   EXPECT_FALSE(agents.at(1).contains("position_offset"));
   EXPECT_FALSE(agents.at(0).contains("planned_tilt")) << "it does not lean";
+}
+
+TEST(Summary, HeadingErrorIsTheShortWayRoundFromRmsFromOnAndOnlyWhereQAsksForAHeading) {
+  Team team;
+  const auto back = [](double) { return Pose<double>{{0, 0, 1}, {std::cos(3.1), std::sin(3.1)}}; };
+  team.add(Multirotor{}, {.Q = {0, 0, 0, 1, 1, 0, 0}, .x_ref = back});
+  team.add(AngleMultirotor{}, {.Q = {0, 0, 0, 1, 0, 0}, .x_ref = back});
+  team.add(Multirotor{}, {.Q = {1, 1, 1, 0, 0, 0, 0}, .x_ref = back});
+  const Scenario scenario = scenario_of(std::move(team));
+  Summary summary(scenario, 1);
+  for (int k = 0; k < 400; ++k) {
+    Sample sample = sample_of(scenario, 0.01 * k);
+    const double psi = k < 200 ? 0.0 : k % 2 == 0 ? -3.1 : 3.1;
+    sample.x[3] = std::cos(psi);
+    sample.x[4] = std::sin(psi);
+    sample.x[10] = psi;
+    summary.add(sample);
+  }
+  const double across = 2 * (std::numbers::pi - 3.1), rms = across / std::sqrt(2.0);
+  const SummaryValues values = summary.values();
+  EXPECT_NEAR(values.robots[0].rms_heading_error, rms, 1e-9);
+  EXPECT_NEAR(values.robots[1].rms_heading_error, rms, 1e-9);
+  EXPECT_TRUE(std::isnan(values.robots[2].rms_heading_error));
+  const Json agents = Json::parse(summary.json()).at("agents");
+  EXPECT_NEAR(agents.at(0).at("rms_heading_error").get<double>(), rms, 1e-9);
+  EXPECT_FALSE(agents.at(2).contains("rms_heading_error"));
 }
 
 TEST(Summary, TimesAreExactOverAllSolvesAndAllocationsTheMostOfOneUpdate) {

@@ -242,11 +242,20 @@ void Summary::add_robots(const Sample& sample) {
     }
     robot.before.assign(u, u + agent.rate_max.size());
     robot.time_before = sample.time;
-    if (!tracks_position(agent, robot.roles) || sample.time < scenario_.simulation.rms_from - same_time)
-      continue;
+    const bool to_place = tracks_position(agent, robot.roles),
+               to_heading = tracks_heading(agent, robot.roles);
+    if (!(to_place || to_heading) || sample.time < scenario_.simulation.rms_from - same_time) continue;
     x_ref_.resize(agent.Q.size());
     agent.x_ref(sample.time, agent.model, x_ref_);
-    const Vec3<double> e = sight(robot.body).p - agent.model.sight(x_ref_.data(), agent.u_ref.data()).p;
+    const Sight<double> wanted = agent.model.sight(x_ref_.data(), agent.u_ref.data());
+    const Vec2<double> d = wanted.d, flown = sight(robot.body).d;
+    if (to_heading && !(d.x == 0 && d.y == 0)) {
+      robot.squared_heading_error +=
+          square(atan2(d.x * flown.y - d.y * flown.x, d.x * flown.x + d.y * flown.y));
+      ++robot.heading_errors;
+    }
+    if (!to_place) continue;
+    const Vec3<double> e = sight(robot.body).p - wanted.p;
     robot.squared_error += dot(e, e);
     robot.error = robot.error + e;
     ++robot.errors;
@@ -400,8 +409,9 @@ SummaryValues Summary::values() const {
     const auto errors = static_cast<double>(robot.errors);  // of none all are 0 / 0
     const double mean_square = robot.squared_error / errors, offset = norm(robot.error) / errors;
     v.robots.push_back({name(robot.body), std::sqrt(mean_square), offset,
-                        std::sqrt(mean_square - std::min(mean_square, offset * offset)), robot.energy,
-                        robot.leans ? std::atan(robot.steepest) : no_value, robot.planned.max(),
+                        std::sqrt(mean_square - std::min(mean_square, offset * offset)),
+                        std::sqrt(robot.squared_heading_error / static_cast<double>(robot.heading_errors)),
+                        robot.energy, robot.leans ? std::atan(robot.steepest) : no_value, robot.planned.max(),
                         robot.planned.rms(),
                         scenario_.team.agent(robot.body).rate_max.empty() ? no_value : robot.rate_ratio});
     if (robot.idle.total > 0) v.idle_observers.push_back({name(robot.body), robot.idle});

@@ -58,6 +58,7 @@ struct SummaryValues {
     double rms_position_error;  ///< from rms_from on [m]
     double position_offset;     ///< steady part of that error: the length of its mean in G [m]
     double tracking_error;      ///< root mean square of the rest [m]
+    double rms_heading_error;   ///< from rms_from on [rad]
     double energy;              ///< sum of dt u'Ru of the applied input [s]
     double tilt_max;  ///< after settle [rad], of a vehicle or one with a camera that is fixed to its body
     double planned_tilt_max, planned_tilt_rms;  ///< planned PlannedTilt::ahead before, where it leans [rad]
@@ -170,6 +171,8 @@ class Summary {
     double squared_error = 0.0, energy = 0.0;
     Vec3<double> error{};  // sum [m]
     std::int64_t errors = 0;
+    double squared_heading_error = 0.0;
+    std::int64_t heading_errors = 0;
     bool leans = false;     // its tilt is told
     double steepest = 0.0;  // tangent of the largest tilt
     PlannedTilt planned{};

@@ -73,6 +73,8 @@ std::string Summary::json() const {
       json["agents"].back()["position_offset"] = robot.position_offset;
       json["agents"].back()["tracking_error"] = robot.tracking_error;
     }
+    if (!std::isnan(robot.rms_heading_error))
+      json["agents"].back()["rms_heading_error"] = robot.rms_heading_error;
     if (!std::isnan(robot.tilt_max)) {
       json["agents"].back()["tilt_max"] = robot.tilt_max;
       json["agents"].back()["planned_tilt"] = {

@@ -147,6 +147,9 @@ std::vector<SummaryLine> lines_of(const Json& s) {
                                    : "";
     add(name(agent.at("name")),
         (error.is_null() ? "" : fmt::format("position error {} (RMS{}), ", words(error, "m"), steady)) +
+            (agent.contains("rms_heading_error")
+                 ? fmt::format("heading error {} (RMS), ", words(agent.at("rms_heading_error"), "rad"))
+                 : "") +
             fmt::format("input energy {}, u'Ru summed over time", words(agent.at("energy"), "s")) +
             (agent.contains("tilt_max") ? fmt::format(", tilt at most {}", words(agent.at("tilt_max"), "rad"))
                                         : "") +
