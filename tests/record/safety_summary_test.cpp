@@ -253,7 +253,7 @@ TEST(SafetySummary, WhatDrivesHasNeitherFloorNorCeiling) {
 }
 
 TEST(SafetySummary, ARobotThatClimbsOnlyBySpeedAndPitchHasAFloorAndACeiling) {
-  SafetySummary summary(parse_scenario(R"(
+  SafetySummary summary(parse_scenario(R"toml(
 [agent.plane]
 start = { p = [0.0, 0.0, 3.0], heading = 0.0 }
 [agent.plane.robot.text]
@@ -270,7 +270,7 @@ f.theta = "pitch - theta"
 [safety]
 floor = 0.3
 ceiling = 10.0
-)",
+)toml",
                                        "plane.toml"));
   ASSERT_EQ(summary.bounds().size(), 2U);
   std::vector<Sight<double>> below(1);

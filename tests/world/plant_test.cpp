@@ -231,7 +231,14 @@ TEST(Plant, AYawLagIsThatOfTheInputThatTurnsTheRobotWhateverItIsCalled) {
                            .position = {"p_x", "p_y", "p_z"},
                            .heading = {"psi"}};
     Team team;
-    team.add(car.model());
+    const Model model = car.model();
+    team.add(Agent{.name = "car",
+                   .model = model,
+                   .Q = Numbers(5, 0.0),
+                   .R = Numbers(2, 1.0),
+                   .Q_f = Numbers(5, 0.0),
+                   .u_ref = Numbers(2, 0.0),
+                   .limits = InputLimits(Numbers(2, -1.0), Numbers(2, 1.0))});
     Plant plant(team, {0, 0, 0, 0, 0}, {.disturbances = {.yaw_lag = lag}});
     for (int k = 0; k < 50; ++k) plant.step(Numbers{0.2, 0.5}, control_period);
     return Numbers(plant.x().begin(), plant.x().end());

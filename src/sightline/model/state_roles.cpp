@@ -38,9 +38,9 @@ Program slopes_of(const Model& model) {
 }
 
 /// The formulas of a robot, over its states, then its inputs.
-class Formulas {
+class RobotFormulas {
  public:
-  explicit Formulas(const Model& model) : states_(model.nx()) {
+  explicit RobotFormulas(const Model& model) : states_(model.nx()) {
     const auto nx = static_cast<std::size_t>(model.nx());
     const std::vector<Symbol> z = variables(graph_, 0, model.nx() + model.nu());
     for (const Symbol& variable : z) variables_.push_back(variable.in(graph_));
@@ -144,7 +144,7 @@ StateRoles roles_of(const Model& model) {
 }
 
 bool has_height(const Model& model) {
-  Formulas formulas(model);
+  RobotFormulas formulas(model);
   if (!formulas.dependences(formulas.climb()).empty()) return true;
   std::vector<double> x(static_cast<std::size_t>(model.nx())), u(static_cast<std::size_t>(model.nu()));
   model.at_rest({{0, 0, 1}, {1, 0}}, x.data());
@@ -152,7 +152,7 @@ bool has_height(const Model& model) {
 }
 
 int yaw_input(const Model& model) {
-  Formulas formulas(model);
+  RobotFormulas formulas(model);
   std::vector<Term> level = {formulas.yaw_rate()};
   std::set<int> states, inputs;
   while (!level.empty()) {
