@@ -19,6 +19,7 @@ MultipleShooting::MultipleShooting(Ocp ocp)
       pairs_(ocp_.formulas().pairs.size()),
       variables_(at(ocp_.team().bodies()), -1),
       rows_(variables_) {
+  for (const Agent& agent : ocp_.team().agents()) heading_limits_.emplace_back(agent.model);
   bind();
 }
 
@@ -96,9 +97,11 @@ void MultipleShooting::set(double t, std::span<const double> x, std::span<const 
   }
   for (int i = 0; i < ocp_.nx(); ++i) x_[i][0] = x[at(i)];
   for (int b = 0; b < ocp_.team().bodies(); ++b) roll_out(BodyId{b});
-  for (const BodyId body : ocp_.agent_bodies()) {
-    const Agent& agent = ocp_.team().agent(body);
-    agent.x_ref.along(t, h(), N() + 1, agent.model, reference_[x_at(body)], 1, reference_.stride());
+  for (std::size_t a = 0; a < agents_.size(); ++a) {
+    const Agent& agent = ocp_.team().agents()[a];
+    const int from = x_at(ocp_.agent_bodies()[a]);
+    agent.x_ref.along(t, h(), N() + 1, agent.model, reference_[from], 1, reference_.stride());
+    heading_limits_[a](x.data() + from, 1, reference_[from], N() + 1, 1, reference_.stride());
   }
 }
 

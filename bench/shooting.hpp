@@ -9,6 +9,7 @@
 
 #include "sightline/formula/interpret.hpp"
 #include "sightline/ocp/ocp.hpp"
+#include "sightline/potential/heading_error_limit.hpp"
 
 namespace sightline {
 
@@ -78,6 +79,7 @@ class MultipleShooting {
   double t_ = 0.0;
   Rows x_, u_, reference_, lambda_, time_, weights_;  // a row is one variable over the stages
   std::vector<Bound> agents_, pairs_;
+  std::vector<HeadingErrorLimit> heading_limits_;  // of each agent
 
   std::vector<int> free_;       // agents
   std::vector<int> variables_;  // of each body, its place in a stage's unknowns, or -1

@@ -40,7 +40,7 @@ double projected_gradient(const NewtonRiccati& solver, double time, const std::v
   std::vector<double> U(size(N, nu)), X(size(N + 1, nx)), Lambda(size(N + 1, nx)), F(size(N, nu));
   for (int k = 0; k < N; ++k) solver.plan(k, {&U[size(k, nu)], size(nu, 1)});
   Hamiltonian hamiltonian(ocp);
-  hamiltonian.set_time(time, ocp.horizon().h());
+  hamiltonian.set_time(time, ocp.horizon().h(), x.data());
   hamiltonian.roll_out(x.data(), U.data(), nu, nullptr, 0.0, X.data());
   hamiltonian.linearise(X.data(), U.data(), nu);
   hamiltonian.costates(X.data(), nullptr, 0.0, Lambda.data(), F.data(), nu);

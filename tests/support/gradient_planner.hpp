@@ -79,7 +79,7 @@ class GradientPlanner : public Solver, public TeamPlanner {
       if (!team.model(BodyId{i}).normalise(&x_now_[static_cast<std::size_t>(team.state_offset(BodyId{i}))]))
         return false;
     }
-    hamiltonian_.set_time(time, ocp_.horizon().h());
+    hamiltonian_.set_time(time, ocp_.horizon().h(), x_now_.data());
     return true;
   }
 

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
-#include "sightline/math/elementary.hpp"
 #include "sightline/math/symmetric.hpp"
 #include "sightline/model/state_roles.hpp"
+#include "sightline/potential/heading_error_limit.hpp"
 #include "sightline/run/settled.hpp"
 
 namespace sightline {
@@ -69,8 +69,7 @@ void FeedForward::operator()(const Reference& x_ref, double t, const Vec2<double
   const Pose<double> before = pose(t - difference), now = pose(t), after = pose(t + difference);
   Vec3<double> v = (0.5 / difference) * (after.p - before.p),
                a = (1 / (difference * difference)) * ((after.p - now.p) - (now.p - before.p));
-  const Vec2<double> turned = rotate<double>({before.d.x, -before.d.y}, after.d);
-  const double r = (0.5 / difference) * atan2(turned.y, turned.x);
+  const double r = (0.5 / difference) * heading_error(before.d, after.d);
   if (model_.turns()) {
     const Vec2<double> v_V = rotate<double>({d.x, -d.y}, {v.x, v.y}),
                        a_V = rotate<double>({d.x, -d.y}, {a.x, a.y});

@@ -118,7 +118,7 @@ bool Continuation::accept(std::span<const double> states) noexcept {
 /// limit.
 void Continuation::start(double time) noexcept {
   started_at_ = last_time_ = time;
-  here_.set_time(time, 0.0);
+  here_.set_time(time, 0.0, x_.data());
   std::fill_n(U_, gmres_.length(), 0.0);
   std::fill_n(U_dot_, gmres_.length(), 0.0);
   for (int i = 0; i <= N_; ++i) std::copy(x_.begin(), x_.end(), &X_[at(i, nx_)]);
@@ -281,8 +281,7 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
   last_time_ = time;
 
   const double eps = options_.difference_step, decay = 1.0 - options_.zeta * eps;
-  here_.set_time(time, stage_length(time));
-  there_.set_time(time + eps, stage_length(time + eps));
+  here_.set_time(time, stage_length(time), x_.data());
   residuals(here_, x_, F_, G_);
   std::copy(X_.begin(), X_.end(), x_out_.begin());
   const double residual = std::max({largest({F_, at(unknowns_, 1)}), largest(G_.x), largest(G_.lambda)});
@@ -290,6 +289,7 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
   // b, a difference step along x' = f(x, u_0).
   here_.flow(x_.data(), U_, rate_.data());
   for (int j = 0; j < nx_; ++j) x_soon_[at(j, 1)] = x_[at(j, 1)] + eps * rate_[at(j, 1)];
+  there_.set_time(time + eps, stage_length(time + eps), x_soon_.data());
   sweep(U_, G_, decay);
   for (int i = 0; i < unknowns_; ++i) b_[i] = (decay * F_[i] - F_there_[i]) / eps;
 
@@ -326,7 +326,7 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
 
 double Continuation::kkt(double time, std::span<const double> states) noexcept {
   if (!std::isfinite(time) || !accept(states)) return infinity;
-  there_.set_time(time, stage_length(time));
+  there_.set_time(time, stage_length(time), x_.data());
   there_.roll_out(x_.data(), U_, stride(), nullptr, 0.0, X_trial_.data());
   there_.linearise(X_trial_.data(), U_, stride());
   there_.costates(X_trial_.data(), nullptr, 0.0, Lambda_trial_.data(), F_there_, stride());

@@ -14,7 +14,7 @@ Hamiltonian::Hamiltonian(const Ocp& ocp)
       x_(nx_, N_),
       u_(nu_, N_),
       lambda_(nx_, N_),
-      x_ref_(nx_, N_),
+      x_ref_(nx_, N_ + 1),
       u_ref_(nu_, N_),
       Q_(nx_, N_),
       R_(nu_, N_),
@@ -23,7 +23,6 @@ Hamiltonian::Hamiltonian(const Ocp& ocp)
       u_min_(at(N_, nu_)),
       u_max_(at(N_, nu_)),
       added_(at(nu_, 1)),
-      x_end_ref_(at(1, nx_)),
       stage_x_(at(1, nx_)),
       stage_u_(at(1, nu_)),
       stage_rate_(at(1, nx_)),
@@ -39,6 +38,7 @@ Hamiltonian::Hamiltonian(const Ocp& ocp)
   const auto fill = [](double* row, int n, double value) { std::fill_n(row, n, value); };
   for (const BodyId body : ocp.agent_bodies()) {
     const Agent& agent = team.agent(body);
+    heading_limits_.emplace_back(agent.model);
     const int x0 = team.state_offset(body), u0 = team.input_offset(body);
     for (int i = 0; i < agent.model.nx(); ++i) fill(Q_[x0 + i], Q_.stride(), agent.Q[at(i, 1)]);
     for (int i = 0; i < agent.model.nu(); ++i) {
@@ -111,21 +111,29 @@ void Hamiltonian::bind() {
 void Hamiltonian::set_time(double t, double h) noexcept {
   h_ = h;
   const Team& team = ocp_.team();
-  for (int i = 0; i <= N_; ++i) {
+  for (const BodyId body : ocp_.agent_bodies()) {
+    const Agent& agent = team.agent(body);
+    agent.x_ref.along(t, h, N_ + 1, agent.model, x_ref_[team.state_offset(body)], 1, x_ref_.stride());
+  }
+  for (int i = 0; i < N_; ++i) {
     const double tau = t + i * h;
-    if (i < N_) t_[0][i] = tau;
+    t_[0][i] = tau;
     for (const BodyId body : ocp_.agent_bodies()) {
       const Agent& agent = team.agent(body);
-      const int x0 = team.state_offset(body), u0 = team.input_offset(body);
-      double* const x_ref = &x_end_ref_[at(x0, 1)];  // ends with the reference at t + T
-      agent.x_ref(tau, agent.model, {x_ref, at(agent.model.nx(), 1)});
-      if (i == N_) continue;
-      for (int j = 0; j < agent.model.nx(); ++j) x_ref_[x0 + j][i] = x_ref[j];
+      const int u0 = team.input_offset(body);
       const std::size_t n = at(agent.model.nu(), 1);
       agent.limits.at(tau, {&u_min_[at(i, nu_) + at(u0, 1)], n}, {&u_max_[at(i, nu_) + at(u0, 1)], n});
     }
-    for (int j = 0; i < N_ && j < nu_; ++j)
+    for (int j = 0; j < nu_; ++j)
       u_min_[at(i, nu_) + at(j, 1)] -= added_[at(j, 1)], u_max_[at(i, nu_) + at(j, 1)] -= added_[at(j, 1)];
+  }
+}
+
+void Hamiltonian::set_time(double t, double h, const double* x) noexcept {
+  set_time(t, h);
+  for (std::size_t a = 0; a < heading_limits_.size(); ++a) {
+    const int x0 = ocp_.team().state_offset(ocp_.agent_bodies()[a]);
+    heading_limits_[a](x + x0, 1, x_ref_[x0], N_ + 1, 1, x_ref_.stride());
   }
 }
 
@@ -194,7 +202,7 @@ void Hamiltonian::terminal_gradient(const double* x, double* phi_x) const noexce
     const auto& Q_f = ocp_.team().agents()[static_cast<std::size_t>(&agent - tangents_.data())].Q_f;
     for (int j = 0; j < agent.nx; ++j) {
       const int z = agent.x_at + j;
-      phi_x[z] = 2.0 * Q_f[at(j, 1)] * (x[z] - x_end_ref_[at(z, 1)]);
+      phi_x[z] = 2.0 * Q_f[at(j, 1)] * (x[z] - x_ref_[z][N_]);
     }
   }
 }

@@ -17,6 +17,7 @@
 
 #include "sightline/formula/interpret.hpp"
 #include "sightline/ocp/ocp.hpp"
+#include "sightline/potential/heading_error_limit.hpp"
 
 namespace sightline {
 
@@ -29,6 +30,8 @@ class Hamiltonian {
 
   /// The horizon from t [s] in steps of h [s]: references, limits, stage times.
   void set_time(double t, double h) noexcept;
+  /// The same with references as a plan from x (nx) sees them (potential/heading_error_limit.hpp).
+  void set_time(double t, double h, const double* x) noexcept;
   double h() const { return h_; }
   /// What is added to the inputs of all agents afterwards (nu): from the next set_time() on limits hold for the sum.
   void set_added(std::span<const double> added) noexcept {
@@ -101,12 +104,13 @@ class Hamiltonian {
   int N_, nx_, nu_;
   double h_ = 0.0;
   std::vector<int> x_at_, u_at_;  // of each body
-  // One value a stage:
+  // One value a stage; of x_ref_ also that at t + N h:
   Rows x_, u_, lambda_, x_ref_, u_ref_, Q_, R_, t_;
   Rows g_;  // l_z: nx + nu rows
   std::vector<Rows> agent_first_, agent_second_, pair_first_, pair_second_;
   std::vector<Evaluation> agent_first_run_, agent_second_run_, pair_first_run_, pair_second_run_;
-  std::vector<double> u_min_, u_max_, added_, x_end_ref_, stage_x_, stage_u_, stage_rate_, H_z_;
+  std::vector<double> u_min_, u_max_, added_, stage_x_, stage_u_, stage_rate_, H_z_;
+  std::vector<HeadingErrorLimit> heading_limits_;  // of each agent
   std::vector<AgentTangent> tangents_;
   Rows tangent_;  // [stage 0..N]: padded [dx | du | dlambda_next]
   Rows d_input_;  // one agent's rows of dF

@@ -107,6 +107,8 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
   before_.reserve(u_out_.size());
   added_.reserve(u_out_.size());
   for (const BodyId body : ocp_.agent_bodies()) x_at_.push_back(ocp_.team().state_offset(body));
+  for (const Agent& agent : ocp_.team().agents()) heading_limits_.emplace_back(agent.model);
+  turned_.resize(heading_limits_.size());
   for (const Agent& agent : ocp_.team().agents()) limits_move_ |= agent.limits.times().size() > 1;
   std::fill_n(per_scale_, groups_.layout().u_length, 1.0);
   std::fill_n(scale_2_, groups_.layout().u_length, 1.0);
@@ -202,17 +204,23 @@ void NewtonUpdate::set_time(double time) noexcept {
   }
 }
 
-/// What the robots of a group are to follow.
+/// What the robots of a group are to follow, from the headings that they have.
 void NewtonUpdate::refer(int g, double time) noexcept {
   const std::ptrdiff_t lanes = groups_.layout().width;
+  const int stages = ocp_.horizon().N + 1;
   bool constant = true;
   for (const int a : groups_.members(g)) {
     const Agent& agent = ocp_.team().agents()[at(a)];
     constant &= agent.x_ref.is_constant();
-    if (started_ && agent.x_ref.is_constant()) continue;
     Group& group = groups_.group_of(a);
-    agent.x_ref.along(time, ocp_.horizon().h(), ocp_.horizon().N + 1, agent.model,
-                      &group.x_ref(0, 0, groups_.layout().place(a).lane), group.sizes().nx * lanes, lanes);
+    const int lane = groups_.layout().place(a).lane;
+    const double* const x = &group.x(0, 0, lane);
+    double* const x_ref = &group.x_ref(0, 0, lane);
+    const bool stays = started_ && agent.x_ref.is_constant() && turned_[at(a)] == 0;
+    if (stays && !heading_limits_[at(a)].exceeded(x, x_ref, lanes)) continue;
+    const std::ptrdiff_t stage = group.sizes().nx * lanes;
+    agent.x_ref.along(time, ocp_.horizon().h(), stages, agent.model, x_ref, stage, lanes);
+    turned_[at(a)] = heading_limits_[at(a)](x, lanes, x_ref, stages, stage, lanes) ? 1 : 0;
   }
   groups_.hold_reference(g, constant);
 }

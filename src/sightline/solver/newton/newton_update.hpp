@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sightline/base/no_value.hpp"
+#include "sightline/potential/heading_error_limit.hpp"
 #include "sightline/solver/newton/descent.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/solver/newton/wave.hpp"
@@ -137,6 +138,8 @@ class NewtonUpdate final : public PredictedStates::Writer {
   int votes_ = 0;                                    // Proposal::votes of the last step that was taken
   std::vector<char> held_;                           // of each group: limits are active in what was foreseen
   std::vector<int> x_at_;                            // of each agent in the stacked state
+  std::vector<HeadingErrorLimit> heading_limits_;    // of each agent
+  std::vector<char> turned_;                         // of each agent: its reference is seen turned
   std::vector<Prediction> predictions_;  // of each body; room for N + 1 sights of those not controlled
   std::vector<double> x_now_, limits_, u_out_, raw_u_;
   Rows x_out_;  // stage by stage

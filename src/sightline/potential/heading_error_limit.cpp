@@ -1,0 +1,76 @@
+#include "sightline/potential/heading_error_limit.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "sightline/math/elementary.hpp"
+#include "sightline/model/frames.hpp"
+#include "sightline/model/model.hpp"
+#include "sightline/model/state_roles.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double cos_limit = -0.5, sin_limit = 0.86602540378443864676;  // of 120 degrees
+constexpr double cos_tie = -0.99619469809174553230;                     // of 175 degrees
+
+/// How two headings are to each other.
+struct Angle {
+  double cosine, sine, length2;  // in the product of their lengths, and its square
+
+  Angle(const Vec2<double>& from, const Vec2<double>& to)
+      : cosine(from.x * to.x + from.y * to.y),
+        sine(from.x * to.y - from.y * to.x),
+        length2((from.x * from.x + from.y * from.y) * (to.x * to.x + to.y * to.y)) {}
+
+  /// Whether it is beyond an angle of that cosine, < 0.
+  bool exceeds(double cos_of) const { return cosine < 0 && cosine * cosine > cos_of * cos_of * length2; }
+  bool turns_left() const { return sine >= 0 || exceeds(cos_tie); }
+  /// What turns `to` to 120 degrees from `from`.
+  Vec2<double> excess() const {
+    const double per_length = 1.0 / std::sqrt(length2);
+    return rotate<double>({per_length * cosine, -per_length * sine},
+                          {cos_limit, turns_left() ? sin_limit : -sin_limit});
+  }
+};
+
+}  // namespace
+
+double heading_error(const Vec2<double>& from, const Vec2<double>& to) noexcept {
+  const Angle angle(from, to);
+  const double e = atan2(angle.sine, angle.cosine);
+  return e < 0 && angle.turns_left() ? e + 2 * std::numbers::pi : e;
+}
+
+HeadingErrorLimit::HeadingErrorLimit(const Model& model) {
+  const StateRoles roles = roles_of(model);
+  at_ = {roles.direction[0], roles.direction[1]};
+}
+
+bool HeadingErrorLimit::exceeded(const double* x, const double* x_ref, std::ptrdiff_t entry) const noexcept {
+  return applies() && Angle(heading(x, entry), heading(x_ref, entry)).exceeds(cos_limit);
+}
+
+bool HeadingErrorLimit::operator()(const double* x, std::ptrdiff_t x_entry, double* x_ref, int n,
+                                   std::ptrdiff_t stage, std::ptrdiff_t entry) const noexcept {
+  if (!applies()) return false;
+  Vec2<double> seen = heading(x, x_entry), before = seen, turn{};
+  bool turns = false, turned = false;
+  for (int k = 0; k < n; ++k, x_ref += stage) {
+    const Vec2<double> now = heading(x_ref, entry);
+    if (now.x == 0 && now.y == 0) continue;  // no heading is asked for
+    if (Angle(before, now).exceeds(cos_limit)) {
+      const Angle from_seen(seen, now);
+      turns = from_seen.exceeds(cos_limit);
+      if (turns) turn = from_seen.excess();
+    }
+    before = seen = now;
+    if (!turns) continue;
+    seen = rotate(turn, now);
+    x_ref[at_[0] * entry] = seen.x, x_ref[at_[1] * entry] = seen.y;
+    turned = true;
+  }
+  return turned;
+}
+
+}  // namespace sightline
