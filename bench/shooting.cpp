@@ -19,7 +19,8 @@ MultipleShooting::MultipleShooting(Ocp ocp)
       pairs_(ocp_.formulas().pairs.size()),
       variables_(at(ocp_.team().bodies()), -1),
       rows_(variables_) {
-  for (const Agent& agent : ocp_.team().agents()) heading_limits_.emplace_back(agent.model);
+  for (const Agent& agent : ocp_.team().agents())
+    heading_limits_.emplace_back(agent.model, agent.Q, agent.Q_f);
   bind();
 }
 

@@ -29,11 +29,16 @@ double angle(const Vec2<double>& from, const Vec2<double>& to) {
   return std::atan2(from.x * to.y - from.y * to.x, from.x * to.x + from.y * to.y);
 }
 
+/// Of a robot whose states all have a weight.
+HeadingErrorLimit limit_of(const Model& model) {
+  return {model, std::vector<double>(static_cast<std::size_t>(model.nx()), 1.0), {}};
+}
+
 /// A reference of a Multirotor over some stages, as a robot of that heading sees it.
 std::vector<Vec2<double>> seen(double heading, const std::vector<Vec2<double>>& reference,
                                bool* turned = nullptr) {
   constexpr std::ptrdiff_t nx = Multirotor::nx, at = Multirotor::heading_at;
-  static const HeadingErrorLimit limit{Model(Multirotor{})};
+  static const HeadingErrorLimit limit = limit_of(Multirotor{});
   const Vec2<double> d = direction(heading);
   const std::vector<double> x = {1, 2, 3, d.x, d.y, 0.1, 0.2};
   std::vector<double> x_ref(reference.size() * nx, 7.0);
@@ -153,7 +158,7 @@ TEST(HeadingErrorLimit, NoHeadingAndNoNumberStayWhatTheyAre) {
 
 TEST(HeadingErrorLimit, ExceededMeansThatTheFirstStageIsTurned) {
   Random random(3);
-  const HeadingErrorLimit limit{Model(Multirotor{})};
+  const HeadingErrorLimit limit = limit_of(Multirotor{});
   for (int n = 0; n < 10000; ++n) {
     const double heading = uniform(random, -pi, pi), to = uniform(random, -pi, pi);
     const Vec2<double> d = direction(heading), d_ref = direction(to);
@@ -164,6 +169,14 @@ TEST(HeadingErrorLimit, ExceededMeansThatTheFirstStageIsTurned) {
   }
 }
 
+TEST(HeadingErrorLimit, AHeadingWithoutAWeightIsLeftAlone) {
+  const std::vector<double> none = {1, 1, 1, 0, 0, 1, 1}, one = {0, 0, 0, 0, 1, 0, 0};
+  EXPECT_FALSE(HeadingErrorLimit(Multirotor{}, none, {}).applies());
+  EXPECT_FALSE(HeadingErrorLimit(Multirotor{}, none, none).applies());
+  EXPECT_TRUE(HeadingErrorLimit(Multirotor{}, one, none).applies());
+  EXPECT_TRUE(HeadingErrorLimit(Multirotor{}, none, one).applies());
+}
+
 TEST(HeadingErrorLimit, RobotsWithoutAHeadingVectorAreLeftAlone) {
   const TextRobot boat{.states = {"b", "p_x", "p_y", "p_z", "a"},
                        .inputs = {"w"},
@@ -171,9 +184,9 @@ TEST(HeadingErrorLimit, RobotsWithoutAHeadingVectorAreLeftAlone) {
                        .position = {"p_x", "p_y", "p_z"},
                        .heading = {"a", "b"}};
   for (const Model& model : {Model(Multirotor{}), Model(Unicycle{}), boat.model()})
-    EXPECT_TRUE(HeadingErrorLimit(model).applies());
+    EXPECT_TRUE(limit_of(model).applies());
   for (const Model& model : {Model(AngleMultirotor{}), Model(PointMass{})}) {
-    const HeadingErrorLimit limit(model);
+    const HeadingErrorLimit limit = limit_of(model);
     EXPECT_FALSE(limit.applies());
     std::vector<double> x(static_cast<std::size_t>(model.nx()), 1.0), x_ref(x.size(), -1.0);
     EXPECT_FALSE(limit.exceeded(x.data(), x_ref.data(), 1));
@@ -183,7 +196,7 @@ TEST(HeadingErrorLimit, RobotsWithoutAHeadingVectorAreLeftAlone) {
   // Where the heading stands is a matter of the robot.
   const std::vector<double> x = {0, 9, 9, 9, 1};
   std::vector<double> x_ref = {0, 9, 9, 9, -1};
-  EXPECT_TRUE(HeadingErrorLimit(boat.model())(x.data(), 1, x_ref.data(), 1, 5, 1));
+  EXPECT_TRUE(limit_of(boat.model())(x.data(), 1, x_ref.data(), 1, 5, 1));
   EXPECT_NEAR(x_ref[4], -0.5, 1e-15);
   EXPECT_NEAR(x_ref[0], std::sqrt(0.75), 1e-15);
 }

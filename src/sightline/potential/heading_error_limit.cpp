@@ -42,9 +42,15 @@ double heading_error(const Vec2<double>& from, const Vec2<double>& to) noexcept 
   return e < 0 && angle.turns_left() ? e + 2 * std::numbers::pi : e;
 }
 
-HeadingErrorLimit::HeadingErrorLimit(const Model& model) {
+HeadingErrorLimit::HeadingErrorLimit(const Model& model, std::span<const double> Q,
+                                     std::span<const double> Q_f)
+    : at_{-1, -1} {
   const StateRoles roles = roles_of(model);
-  at_ = {roles.direction[0], roles.direction[1]};
+  for (const int state : roles.direction) {
+    if (state < 0) return;
+    const auto i = static_cast<std::size_t>(state);
+    if (Q[i] > 0 || (!Q_f.empty() && Q_f[i] > 0)) at_ = {roles.direction[0], roles.direction[1]};
+  }
 }
 
 bool HeadingErrorLimit::exceeded(const double* x, const double* x_ref, std::ptrdiff_t entry) const noexcept {
@@ -54,10 +60,11 @@ bool HeadingErrorLimit::exceeded(const double* x, const double* x_ref, std::ptrd
 bool HeadingErrorLimit::operator()(const double* x, std::ptrdiff_t x_entry, double* x_ref, int n,
                                    std::ptrdiff_t stage, std::ptrdiff_t entry) const noexcept {
   if (!applies()) return false;
+  const std::ptrdiff_t x_at = at_[0] * entry, y_at = at_[1] * entry;
   Vec2<double> seen = heading(x, x_entry), before = seen, turn{};
   bool turns = false, turned = false;
   for (int k = 0; k < n; ++k, x_ref += stage) {
-    const Vec2<double> now = heading(x_ref, entry);
+    const Vec2<double> now = {x_ref[x_at], x_ref[y_at]};
     if (now.x == 0 && now.y == 0) continue;  // no heading is asked for
     if (Angle(before, now).exceeds(cos_limit)) {
       const Angle from_seen(seen, now);
@@ -67,7 +74,7 @@ bool HeadingErrorLimit::operator()(const double* x, std::ptrdiff_t x_entry, doub
     before = seen = now;
     if (!turns) continue;
     seen = rotate(turn, now);
-    x_ref[at_[0] * entry] = seen.x, x_ref[at_[1] * entry] = seen.y;
+    x_ref[x_at] = seen.x, x_ref[y_at] = seen.y;
     turned = true;
   }
   return turned;

@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "sightline/math/fixed.hpp"
 
@@ -28,13 +29,14 @@ class Model;
 /// the side, it is to the left.
 double heading_error(const Vec2<double>& from, const Vec2<double>& to) noexcept;
 
-/// Of robots of one model. Without a heading vector among the states, it changes nothing.
+/// Of one robot. Without a heading vector among the states that has a weight, it changes nothing.
 class HeadingErrorLimit {
  public:
   /// Set-up: allocates.
-  explicit HeadingErrorLimit(const Model& model);
+  /// @param Q, Q_f  weights of the states (nx); Q_f may be empty: 0
+  HeadingErrorLimit(const Model& model, std::span<const double> Q, std::span<const double> Q_f);
 
-  /// Whether the states hold a heading vector.
+  /// Whether the states hold a heading vector that has a weight.
   bool applies() const noexcept { return at_[0] >= 0; }
 
   /// Whether the reference of one stage is too far off to be seen as it is; false where a number is not finite, or a heading is

@@ -38,7 +38,7 @@ Hamiltonian::Hamiltonian(const Ocp& ocp)
   const auto fill = [](double* row, int n, double value) { std::fill_n(row, n, value); };
   for (const BodyId body : ocp.agent_bodies()) {
     const Agent& agent = team.agent(body);
-    heading_limits_.emplace_back(agent.model);
+    heading_limits_.emplace_back(agent.model, agent.Q, agent.Q_f);
     const int x0 = team.state_offset(body), u0 = team.input_offset(body);
     for (int i = 0; i < agent.model.nx(); ++i) fill(Q_[x0 + i], Q_.stride(), agent.Q[at(i, 1)]);
     for (int i = 0; i < agent.model.nu(); ++i) {

@@ -107,7 +107,8 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
   before_.reserve(u_out_.size());
   added_.reserve(u_out_.size());
   for (const BodyId body : ocp_.agent_bodies()) x_at_.push_back(ocp_.team().state_offset(body));
-  for (const Agent& agent : ocp_.team().agents()) heading_limits_.emplace_back(agent.model);
+  for (const Agent& agent : ocp_.team().agents())
+    heading_limits_.emplace_back(agent.model, agent.Q, agent.Q_f);
   turned_.resize(heading_limits_.size());
   for (const Agent& agent : ocp_.team().agents()) limits_move_ |= agent.limits.times().size() > 1;
   std::fill_n(per_scale_, groups_.layout().u_length, 1.0);
@@ -212,15 +213,17 @@ void NewtonUpdate::refer(int g, double time) noexcept {
   for (const int a : groups_.members(g)) {
     const Agent& agent = ocp_.team().agents()[at(a)];
     constant &= agent.x_ref.is_constant();
+    const HeadingErrorLimit& limit = heading_limits_[at(a)];
+    const bool stays = started_ && agent.x_ref.is_constant() && turned_[at(a)] == 0;
+    if (stays && !limit.applies()) continue;
     Group& group = groups_.group_of(a);
     const int lane = groups_.layout().place(a).lane;
     const double* const x = &group.x(0, 0, lane);
     double* const x_ref = &group.x_ref(0, 0, lane);
-    const bool stays = started_ && agent.x_ref.is_constant() && turned_[at(a)] == 0;
-    if (stays && !heading_limits_[at(a)].exceeded(x, x_ref, lanes)) continue;
+    if (stays && !limit.exceeded(x, x_ref, lanes)) continue;
     const std::ptrdiff_t stage = group.sizes().nx * lanes;
     agent.x_ref.along(time, ocp_.horizon().h(), stages, agent.model, x_ref, stage, lanes);
-    turned_[at(a)] = heading_limits_[at(a)](x, lanes, x_ref, stages, stage, lanes) ? 1 : 0;
+    turned_[at(a)] = limit(x, lanes, x_ref, stages, stage, lanes) ? 1 : 0;
   }
   groups_.hold_reference(g, constant);
 }
