@@ -37,7 +37,8 @@ TEST(Sentence, ThoseOfLibrariesAreTranslated) {
             (folder / "a").native() +
                 ": cannot be used (Too many levels of symbolic links), expected a file or a folder");
   fs::remove_all(folder);
-  EXPECT_EQ(said([] { const auto read = nlohmann::json::parse("{\"a\": nothing}"); }), "no JSON from byte 8 on");
+  EXPECT_EQ(said([] { const auto read = nlohmann::json::parse("{\"a\": nothing}"); }),
+            "no JSON from byte 8 on");
   EXPECT_EQ(said([] { (void)nlohmann::json::parse("{}").at("a"); }),
             "a value of the JSON is missing or of another kind");
   EXPECT_EQ(said([] { (void)nlohmann::json::parse("3").get<std::string>(); }),

@@ -19,7 +19,6 @@ namespace fs = std::filesystem;
 
 const std::vector<std::string> code_folders = {"src",    "worlds",   "bridges", "cli",
                                                "python", "examples", "bench",   "tests"};
-constexpr long longest_file = 500;  // lines
 
 /// Height of each layer; those of one height do not know each other.
 const std::map<std::string, int> height = {
@@ -239,14 +238,6 @@ TEST(Layers, every_public_header_has_a_test_of_its_name) {
     const fs::path test =
         "tests" / *std::next(fs::relative(file, tree).begin(), 1) / (file.stem().string() + "_test.cpp");
     EXPECT_TRUE(fs::exists(tree / test)) << name(file) << " has no test, expected " << test;
-  }
-}
-
-TEST(Layers, no_file_is_longer_than_five_hundred_lines) {
-  for (const fs::path& file : all_files()) {
-    std::ifstream text(file);
-    const long lines = std::count(std::istreambuf_iterator<char>(text), {}, '\n');
-    EXPECT_LE(lines, longest_file) << name(file) << " has " << lines << " lines, split it by what it holds";
   }
 }
 
