@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/record/flown_motion.hpp"
+#include "sightline/record/sampled_motion.hpp"
 #include "sightline/record/time_in_force.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/scenario/scenario.hpp"
@@ -54,7 +54,7 @@ class LimitRecord {
   double broken_for_ = 0.0, outside_for_ = 0.0;
 };
 
-/// What keeps apart, over the motion between samples (FlownMotion): the one judge of distances and walls.
+/// What keeps apart, over the motion between samples (SampledMotion): the one judge of distances and walls.
 class SafetySummary {
  public:
   /// @param d_hard_otherwise  of pairs of which the scenario asks nothing [m]; 0: those are not judged
@@ -123,7 +123,7 @@ class SafetySummary {
   std::vector<std::string> names_;  // of all bodies
   BarrierMode mode_ = BarrierMode::off;
   bool start_outside_ = false;
-  FlownMotion motion_;
+  SampledMotion motion_;
   std::vector<Pair> pairs_;
   std::vector<Bound> bounds_;
   std::vector<Robot> robots_;

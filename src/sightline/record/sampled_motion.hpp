@@ -39,9 +39,9 @@ void find_greatest(const Knot& a, const Knot& b, const Vec3<double>& n, Extreme&
 ///
 /// No motion is: what joins or leaves, a step that is longer than 1 m/s and twice the body's speed so far allow, and states
 /// that are measured, not true. Such bodies are known at the samples alone. Bounded memory; allocates nothing after its construction.
-class FlownMotion {
+class SampledMotion {
  public:
-  explicit FlownMotion(const Team& team);
+  explicit SampledMotion(const Team& team);
 
   /// Takes the next sample, of sized_sample() for the team. Times rise.
   /// @param sights  of all bodies at the sample

@@ -1,4 +1,4 @@
-#include "sightline/record/flown_motion.hpp"
+#include "sightline/record/sampled_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +71,7 @@ void find_greatest(const Knot& a, const Knot& b, const Vec3<double>& n, Extreme&
   find_greatest(a, b, n, most, halvings);
 }
 
-FlownMotion::FlownMotion(const Team& team)
+SampledMotion::SampledMotion(const Team& team)
     : x_(size(team.nx())), u_(size(team.nu())), x_before_(x_), u_before_(u_) {
   std::size_t nx_most = 0;
   for (int i = 0; i < team.bodies(); ++i) {
@@ -84,7 +84,7 @@ FlownMotion::FlownMotion(const Team& team)
   x_model_.resize(nx_most);
 }
 
-void FlownMotion::follow(const Sample& sample, std::span<const Sight<double>> sights) noexcept {
+void SampledMotion::follow(const Sample& sample, std::span<const Sight<double>> sights) noexcept {
   period_ = sample.time - time_;
   time_ = sample.time;
   const bool known = begun_ && truth_ && sample.truth_known && period_ > 0;
@@ -117,7 +117,7 @@ void FlownMotion::follow(const Sample& sample, std::span<const Sight<double>> si
 }
 
 /// By its model, with what that misses at the last sample.
-void FlownMotion::fly(Body& body) noexcept {
+void SampledMotion::fly(Body& body) noexcept {
   const double steps = std::ceil(period_ / longest_step - 1e-6);
   const std::size_t n =
       steps < knots_most ? std::max<std::size_t>(1, static_cast<std::size_t>(steps)) : knots_most - 1;
@@ -151,13 +151,13 @@ void FlownMotion::fly(Body& body) noexcept {
   body.knots.front().p = body.p_before, body.knots[n].p = body.p;
 }
 
-std::span<const Knot> FlownMotion::knots(BodyId id) noexcept {
+std::span<const Knot> SampledMotion::knots(BodyId id) noexcept {
   Body& body = bodies_[at(id)];
   if (!std::exchange(body.has_knots, true)) fly(body);
   return body.knots;
 }
 
-void FlownMotion::find_least_distance(BodyId a, BodyId b, Extreme& least) noexcept {
+void SampledMotion::find_least_distance(BodyId a, BodyId b, Extreme& least) noexcept {
   const std::span<const Knot> one = knots(a), other = knots(b);
   const auto relative = [&](std::size_t k) {
     return Knot{one[k].time, one[k].p - other[k].p, one[k].v - other[k].v};

@@ -1,4 +1,4 @@
-#include "sightline/record/flown_motion.hpp"
+#include "sightline/record/sampled_motion.hpp"
 
 #include <gtest/gtest.h>
 
@@ -56,7 +56,7 @@ class Flown {
     for (std::size_t k = 0; k + 1 < knots.size(); ++k) find_greatest(knots[k], knots[k + 1], {0, 0, 1}, most);
     return most.value;
   }
-  FlownMotion& motion() { return motion_; }
+  SampledMotion& motion() { return motion_; }
 
   Sample sample;
 
@@ -68,7 +68,7 @@ class Flown {
         .p;
   }
   Team team_;
-  FlownMotion motion_;
+  SampledMotion motion_;
   std::vector<Sight<double>> sights_;
 };
 
@@ -80,7 +80,7 @@ Team two() {
   return team;
 }
 
-TEST(FlownMotion, TwoThatPassEachOtherBetweenSamplesMeet) {
+TEST(SampledMotion, TwoThatPassEachOtherBetweenSamplesMeet) {
   Knot from{0.0, {-1.5, 0.3, 0}, {6, 0, 0}}, to{0.5, {1.5, 0.3, 0}, {6, 0, 0}};
   Extreme least{1.5, 0.0};
   find_least_distance(from, to, least);
@@ -88,7 +88,7 @@ TEST(FlownMotion, TwoThatPassEachOtherBetweenSamplesMeet) {
   EXPECT_NEAR(least.time, 0.25, 1e-9);
 }
 
-TEST(FlownMotion, ATurnBetweenSamplesIsFollowedToItsSummit) {
+TEST(SampledMotion, ATurnBetweenSamplesIsFollowedToItsSummit) {
   const Knot from{0.0, {0, 0, 1}, {0, 0, 2}}, to{1.0, {0, 0, 1}, {0, 0, -2}};
   Extreme most{1.0, 0.0};
   find_greatest(from, to, {0, 0, 1}, most);
@@ -125,16 +125,16 @@ void agrees_with_small_steps(const Vec3<double>& wind = {}) {
   EXPECT_LT(worst, 1e-3);
 }
 
-TEST(FlownMotion, TheLeastDistanceAndTheGreatestHeightAreThoseOfSmallStepsToAMillimetre) {
+TEST(SampledMotion, TheLeastDistanceAndTheGreatestHeightAreThoseOfSmallStepsToAMillimetre) {
   agrees_with_small_steps<Multirotor, Multirotor>();
   agrees_with_small_steps<AngleMultirotor, Multirotor>();
 }
 
-TEST(FlownMotion, AVelocityThatTheModelLacksIsFollowed) {
+TEST(SampledMotion, AVelocityThatTheModelLacksIsFollowed) {
   agrees_with_small_steps<Multirotor, AngleMultirotor>({0.8, -0.5, 0.3});
 }
 
-TEST(FlownMotion, WhatJoinsOrIsPutElsewhereDoesNotMove) {
+TEST(SampledMotion, WhatJoinsOrIsPutElsewhereDoesNotMove) {
   Flown flown(two<Multirotor, Multirotor>());
   for (int i = 0; i < 2; ++i) Model(Multirotor{}).at_rest({{3.0 * i, 0, 1}, {1, 0}}, flown.state(i));
   flown.sample.presence[1] = Presence::absent;
