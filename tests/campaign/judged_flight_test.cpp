@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// Two that fly straight at each other with 3 m/s each.
-std::string head_on(double from, double period, double duration, double d_hard) {
+std::string head_on(double from, double every, double duration, double d_hard) {
   const auto robot = [&](const char* name, double sign) {
     return fmt::format(
         "[agent.{}]\nrobot = \"point_mass\"\nstart = {{ p = [{}, 0.0, 1.0], heading = 0.0, v = [{}, 0.0] }}\n"
@@ -29,7 +29,7 @@ std::string head_on(double from, double period, double duration, double d_hard) 
         "reference = {{ state = [0.0, 0.0, 1.0, {}, 0.0, 0.0] }}\n",
         name, -sign * from, 3.0 * sign, 3.0 * sign);
   };
-  return fmt::format("[horizon]\nduration = {}\nstages = 4\nperiod = {}\n", 4 * period, period) +
+  return fmt::format("[horizon]\nduration = {}\nstages = 4\nperiod = {}\n", 4 * every, every) +
          robot("a", 1) + robot("b", -1) +
          fmt::format("[safety]\nd_hard = {}\n[simulation]\nduration = {}\n", d_hard, duration);
 }

@@ -196,10 +196,10 @@ class RecordedFlight::Reader {
 
   void begin_period() {
     const Team& team = flight_.team_;
-    (void)drop_states();
-    if (!flight_.periods_.empty() && measurements_ == 0)
+    const bool dropped = drop_states();
+    if (!dropped && !flight_.periods_.empty() && measurements_ == 0)
       throw std::runtime_error("it holds no measurements, as those of sightline before it had replay");
-    if (!flight_.periods_.empty() && measurements_ != team.bodies())
+    if (!dropped && !flight_.periods_.empty() && measurements_ != team.bodies())
       throw std::runtime_error(fmt::format("{} measurements of the period at {} s, expected {}",
                                            measurements_, period().time, team.bodies()));
     measurements_ = inputs_ = 0;
