@@ -21,7 +21,7 @@ std::string text_of(const fs::path& file) {
 }
 
 /// Without comments.
-std::string code_of(const std::string& text) {
+std::string without_comments(const std::string& text) {
   static const std::regex comment("//[^\n]*|/\\*[\\s\\S]*?\\*/");
   return std::regex_replace(text, comment, "");
 }
@@ -64,22 +64,23 @@ TEST(Threads, AreMadeByServiceThreadAlone) {
   ASSERT_GT(files.size(), 300U);
   for (const fs::path& file : files) {
     if (file == tree / "src/sightline/base/service_thread.hpp") continue;
-    EXPECT_EQ(thread_in(code_of(text_of(file))), "") << file;
+    EXPECT_EQ(thread_in(without_comments(text_of(file))), "") << file;
   }
 }
 
 TEST(Threads, LibrariesOfCGetFunctionsThatThrowNothing) {
-  for (const fs::path& file : product_files()) EXPECT_EQ(callback_in(code_of(text_of(file))), "") << file;
+  for (const fs::path& file : product_files())
+    EXPECT_EQ(callback_in(without_comments(text_of(file))), "") << file;
 }
 
 TEST(Threads, TheRulesFindWhatTheyForbid) {
-  EXPECT_EQ(thread_in(code_of("std::thread other([] {}); // std::jthread")), "std::thread");
+  EXPECT_EQ(thread_in(without_comments("std::thread other([] {}); // std::jthread")), "std::thread");
   EXPECT_EQ(thread_in("std::vector<std::jthread> all;"), "std::jthread");
   EXPECT_EQ(thread_in("pthread_create(&t, nullptr, run, nullptr);"), "pthread_create");
   EXPECT_EQ(thread_in("auto f = std::async(work);"), "std::async");
-  EXPECT_EQ(
-      thread_in(code_of("std::thread::hardware_concurrency(); std::this_thread::yield(); // std::thread")),
-      "");
+  EXPECT_EQ(thread_in(without_comments(
+                "std::thread::hardware_concurrency(); std::this_thread::yield(); // std::thread")),
+            "");
   EXPECT_NE(callback_in("dds_lset_data_available(listener.get(), on_data);"), "");
   EXPECT_NE(callback_in("mju_user_error = on_error;"), "");
   EXPECT_NE(callback_in("action.sa_handler = on_interrupt;"), "");
