@@ -253,7 +253,7 @@ TEST(SafetySummary, WhatDrivesHasNeitherFloorNorCeiling) {
 }
 
 TEST(SafetySummary, ARobotThatClimbsOnlyBySpeedAndPitchHasAFloorAndACeiling) {
-  SafetySummary summary(parse_scenario(R"toml(
+  Judged summary(parse_scenario(R"toml(
 [agent.plane]
 start = { p = [0.0, 0.0, 3.0], heading = 0.0 }
 [agent.plane.robot.text]
@@ -271,14 +271,14 @@ f.theta = "pitch - theta"
 floor = 0.3
 ceiling = 10.0
 )toml",
-                                       "plane.toml"));
-  ASSERT_EQ(summary.bounds().size(), 2U);
+                                "plane.toml"));
+  ASSERT_EQ(summary->bounds().size(), 2U);
   std::vector<Sight<double>> below(1);
   below[0].p.z = 1.0;
-  summary.add(0.0, below, std::vector{Presence::steered}, {});
+  summary.add(0.0, below, {Presence::steered}, {});
   below[0].p.z = -5.0;
-  summary.add(0.1, below, std::vector{Presence::steered}, {});
-  EXPECT_EQ(summary.broken().size(), 1U);
+  summary.add(0.1, below, {Presence::steered}, {});
+  EXPECT_EQ(summary->broken_walls().size(), 1U);
 }
 
 TEST(SafetySummary, TellsHowOftenTheBarrierActed) {

@@ -13,7 +13,7 @@
 namespace sightline {
 namespace {
 
-Team one_robot() {
+Team robot_alone() {
   Team team;
   team.add(Multirotor{}, {.name = "a"});
   return team;
@@ -21,7 +21,7 @@ Team one_robot() {
 
 /// A robot whose samples nobody takes.
 struct UnreadFlight {
-  Team team = one_robot();
+  Team team = robot_alone();
   GradientPlanner planner{team, {.T = 0.5, .N = 5, .dt = 0.01}};
   ModelWorld world{team, std::vector<double>{-0.6, -0.3, 0.6, 1, 0, 0, 0}};
   SimulatedClock clock;
