@@ -38,7 +38,7 @@ TEST(LogPlayback, PlaysAllMessagesAsFastAsTheyWereLoggedAndBeginsAnew) {
   client.say(test::subscribe_frame(0, *channel));
   std::vector<std::uint64_t> times;
   std::chrono::steady_clock::time_point first, last;
-  while (times.size() < 101) {
+  while (times.size() < 102) {
     const auto heard = ears.next(client);
     ASSERT_TRUE(heard);
     if (!heard->is_message()) continue;
@@ -46,8 +46,9 @@ TEST(LogPlayback, PlaysAllMessagesAsFastAsTheyWereLoggedAndBeginsAnew) {
     if (times.size() == 1) first = std::chrono::steady_clock::now();
     if (times.size() == 100) last = std::chrono::steady_clock::now();
   }
-  for (std::size_t k = 0; k < 100; ++k) EXPECT_EQ(times[k], 10'000'000 * k);
-  EXPECT_EQ(times[100], 0U);
+  // 100 periods, and the states after the last command.
+  for (std::size_t k = 0; k <= 100; ++k) EXPECT_EQ(times[k], 10'000'000 * k);
+  EXPECT_EQ(times[101], 0U);
   const double seconds = std::chrono::duration<double>(last - first).count();
   EXPECT_GT(seconds, 0.9);
   EXPECT_LT(seconds, 5.0);
