@@ -15,15 +15,19 @@
 namespace sightline {
 namespace {
 
-constexpr double kept = 1e-9;       // [m] a row missed by less is kept
-constexpr double corrected = 1e-5;  // [m] what the linearised step may miss the true one by
+constexpr double kept = 1e-9;        // [m] a row missed by less is kept
+constexpr double least_ample = 0.3;  // [m]
+constexpr double corrected = 1e-5;   // [m] what the linearised step may miss the true one by
 
 void require(bool good, std::string_view name, double value, std::string_view expected) {
   if (!good) throw std::invalid_argument(fmt::format("barrier: {} = {}, expected {}", name, value, expected));
 }
 
 const BarrierOptions& checked(const BarrierOptions& o, double dt) {
-  require(dt > 0 && dt <= 0.5, "dt", dt, "in (0, 0.5] s");
+  static_assert(Barrier::longest_period <= EscapePlans::most_parts * EscapePlans::longest_part);
+  require(dt > 0 && dt <= Barrier::longest_period, "period", dt,
+          fmt::format("in (0, {}] s, the longest for which the hard distance is guaranteed",
+                      Barrier::longest_period));
   require(o.ceiling > o.floor, "ceiling", o.ceiling, "above the floor");
   require(o.world > 0, "world", o.world, "> 0 m");
   require(o.margin >= 0 && o.margin < infinity, "margin", o.margin, ">= 0 m");
@@ -51,13 +55,16 @@ Barrier::Barrier(const Model& model, std::span<const double> u_min, std::span<co
     : model_(model),
       options_(checked(options, dt)),
       dt_(dt),
+      parts_(EscapePlans::parts(dt)),
       can_(authority_of(model, u_min, u_max)),
       b_(options.authority * can_.acceleration),
       plans_(can_.drag, dt),
+      ample_(std::max(least_ample, 2 * can_.push * (plans_.F(dt) + plans_.E(dt) * plans_.E_longest()))),
       ways_out_(can_.drag, can_.climbs ? can_.climb : 0.0) {
   options_.floor += options_.wall_margin;
   options_.ceiling -= options_.wall_margin;
-  options_.world -= options_.wall_margin;
+  // A period may begin and end within the bounds, and go beyond them between.
+  options_.world -= options_.wall_margin + 0.15 * can_.push * square(dt_ / parts_);
   Arena arena{.disc = b_};
   for (std::size_t k = 0; can_.thrust_count == 2 && k < 2; ++k)
     arena.g[k] = {options.authority * can_.thrusts[k].x, options.authority * can_.thrusts[k].y};
@@ -67,7 +74,7 @@ Barrier::Barrier(const Model& model, std::span<const double> u_min, std::span<co
 Barrier::Next Barrier::next(std::span<const double> x, std::span<const double> u) const noexcept {
   std::array<double, most_states> state;
   std::copy(x.begin(), x.end(), state.begin());
-  model_.step(state.data(), u.data(), dt_);
+  for (int k = 0; k < parts_; ++k) model_.step(state.data(), u.data(), dt_ / parts_);
   const Sight<double> seen = model_.sight(state.data(), u.data()), there = settled(seen);
   return {there.p, seen.d, {seen.v.x, seen.v.y}, seen.p.z - there.p.z};
 }
@@ -125,7 +132,7 @@ void Barrier::add_neighbours(const Sight<double>& self, Heeded heeded, Rows& row
 }
 
 void Barrier::add_walls(const Sight<double>& self, Approach approach, Rows& rows) const noexcept {
-  const double kept_part = 1.0 - options_.rate * dt_, c = can_.drag, b = rows.part * b_;
+  const double kept_part = 1.0 - options_.rate * dt_, b = rows.part * b_;
   // A plan that climbs or sinks does so until it is there; the height follows the command at once.
   const auto kept_height = [&](double room) {
     return approach == Approach::at_once && room > 0 ? 0.0 : kept_part * room;
@@ -139,19 +146,22 @@ void Barrier::add_walls(const Sight<double>& self, Approach approach, Rows& rows
     rows.all.push_back(Rows::of_wall({0, 0, -1}, 0.0, least, Wall::ceiling));
   }
   if (options_.world == infinity) return;
-  constexpr std::array<Wall, 4> walls = {Wall::x_max, Wall::x_min, Wall::y_max, Wall::y_min};
-  for (std::size_t i = 0; i < walls.size(); ++i) {
+  for (std::size_t i = 0; i < inward.size(); ++i) {
     // Braking straight away from it, until the velocity towards it is zero.
-    const double side = i % 2 == 0 ? -1.0 : 1.0;
-    const Vec3<double> n = i < 2 ? Vec3<double>{side, 0, 0} : Vec3<double>{0, side, 0};
+    const Vec3<double> n = {inward[i].x, inward[i].y, 0.0};
     const double away = n.x * self.v.x + n.y * self.v.y, now = options_.world + dot(n, self.p);
-    const double stop = away >= 0 ? 0.0 : c > 1e-6 ? std::log1p(-away * c / b) / c : -away / b;
-    const double t = std::max(stop, dt_), left = t - dt_;
+    const double t = std::max(stopping_time(away, rows.part), dt_), left = t - dt_;
     const double later = now + plans_.E(t) * away + b * plans_.F(t);
     const double wanted = kept_part * std::min(now, later);
     const double least = wanted - options_.world - b * plans_.F(left);
-    rows.all.push_back(Rows::of_wall(n, plans_.E(left), least, walls[i]));
+    rows.all.push_back(Rows::of_wall(n, plans_.E(left), least, bounds_of_world[i]));
   }
+}
+
+/// Until a velocity towards a bound is zero [s].
+double Barrier::stopping_time(double away, double part) const noexcept {
+  const double c = can_.drag, b = part * b_;
+  return away >= 0 ? 0.0 : c > 1e-6 ? std::log1p(-away * c / b) / c : -away / b;
 }
 
 void Barrier::add_cuts(const Sight<double>& self, const Next& there, Rows& rows) const noexcept {
@@ -185,11 +195,20 @@ void Barrier::add_cuts(const Sight<double>& self, const Next& there, Rows& rows)
 /// The rows over the commands, at what would be commanded.
 struct Barrier::Linear {
   std::span<const double> u_min, u_max;
-  std::array<double, most_inputs> u{};  // the nominal command
+  double bent;                                    // [m] more than the step's curvature over the limits
+  std::array<double, most_inputs> u{};            // the nominal command
+  std::array<double, most_inputs> low{}, high{};  // the limits, and within them floor and ceiling
+  double lost = 0.0;                              // of these by the limits [m]
   Next nominal{};
   std::array<Next, most_inputs> slope{};
   Bounded<HalfSpace, most_half_spaces> half;
   Bounded<std::size_t, most_half_spaces> of;  // the rows they stand for
+
+  Linear(std::span<const double> least, std::span<const double> most, double curved, const Next& there)
+      : u_min(least), u_max(most), bent(curved), nominal(there) {
+    std::copy(least.begin(), least.end(), low.begin());
+    std::copy(most.begin(), most.end(), high.begin());
+  }
 
   /// Takes a row in, unless no command within the limits can miss it.
   void add(const Row& row, std::size_t index) {
@@ -201,9 +220,20 @@ struct Barrier::Linear {
       centre += h.a[k] * u[k];
     }
     const double missing = std::clamp(row.missed(nominal), -far_away, far_away);
-    constexpr double bent = 1e-3;  // [m] more than the step's curvature over the limits
     if (lowest - missing > bent) return;
     h.b = centre + missing;
+    if (row.wall == Wall::floor || row.wall == Wall::ceiling) {
+      // Where one input alone climbs, they are a limit of that input, which nothing else can be traded for.
+      const auto moves = [](double a) { return a != 0; };
+      const auto k = static_cast<std::size_t>(std::find_if(h.a.begin(), h.a.end(), moves) - h.a.begin());
+      if (std::count_if(h.a.begin(), h.a.end(), moves) == 1) {
+        double& limit = h.a[k] > 0 ? low[k] : high[k];
+        const double wanted = h.b / h.a[k];
+        limit = h.a[k] > 0 ? std::clamp(wanted, limit, high[k]) : std::clamp(wanted, low[k], limit);
+        lost = std::max(lost, h.b - h.a[k] * limit);
+        return;
+      }
+    }
     h.hard = row.wall != Wall::none;
     of.push_back(index);
     half.push_back(h);
@@ -226,10 +256,7 @@ struct Barrier::Linear {
 double Barrier::solve(std::span<const double> x, const Sight<double>& self, const Next& nominal, Rows& rows,
                       std::span<const double> u_min, std::span<const double> u_max,
                       std::span<double> u) const noexcept {
-  Linear linear;
-  linear.u_min = u_min;
-  linear.u_max = u_max;
-  linear.nominal = nominal;
+  Linear linear(u_min, u_max, 1e-3 * square(parts_), nominal);
   std::copy(u.begin(), u.end(), linear.u.begin());
   for (std::size_t k = 0; k < u.size(); ++k) {
     constexpr double difference = 1e-3;
@@ -249,8 +276,9 @@ double Barrier::solve(std::span<const double> x, const Sight<double>& self, cons
   for (int round = 0; round < rounds; ++round) {
     for (; taken < rows.all.size(); ++taken) linear.add(rows.all[taken], taken);
     at = linear.u;
-    const ProjectionResult result = project(linear.half, u_min, u_max, nearest);
-    violation = result.violation;
+    const ProjectionResult result = project(linear.half, std::span(linear.low).first(u.size()),
+                                            std::span(linear.high).first(u.size()), nearest);
+    violation = std::max(result.violation, linear.lost);
     const Next there = next(x, nearest);
     const double most = linear.correct(rows, there, at);
     if (!result.feasible) break;
@@ -320,6 +348,12 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
     }
   } else {
     way_out = {};
+  }
+  // Over a long period linear rows are not enough.
+  if (parts_ > 1) {
+    ensure_walls(x, self, rows, u_min, u_max, u, after);
+    if (!lost && joint > -infinity && ensure_distances(x, self, rows, u_min, u_max, u, after))
+      result.violation = rows.missed_of_heights(after);
   }
   // A row of the plan for all is missed only beyond what it keeps beside the hard distance.
   const auto is_missed = [&](const Row& row) {

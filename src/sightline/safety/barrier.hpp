@@ -96,9 +96,11 @@ class Barrier {
  public:
   /// Of more neighbours, those with the least reserve count.
   static constexpr int most_neighbours = 16;
+  /// Longest period of the commands for which the guarantee of docs/safety.md holds [s].
+  static constexpr double longest_period = 0.5;
 
   /// @param u_min, u_max  limits of the inputs, the tightest there will be
-  /// @param dt            period of the commands [s]
+  /// @param dt            period of the commands, in (0, longest_period] [s]
   /// @throws std::invalid_argument for an option out of range, and for a model whose commands do not accelerate
   ///         it in every horizontal direction at once, or whose height does not follow the command at once
   Barrier(const Model& model, std::span<const double> u_min, std::span<const double> u_max, double dt,
@@ -143,6 +145,7 @@ class Barrier {
   struct Joint;
   struct Linear;
   struct Within;
+  struct Flown;
   enum class Heeded { all, members };
   enum class Approach { slowing, at_once };  // of floor and ceiling
 
@@ -167,6 +170,28 @@ class Barrier {
   void follow(std::span<const double> x, const Sight<double>& self, WayOut& way_out,
               std::span<const double> u_min, std::span<const double> u_max,
               std::span<double> u) const noexcept;
+  void reach_for(std::span<const double> x, const std::array<double, 3>& wanted,
+                 std::span<const double> u_min, std::span<const double> u_max,
+                 std::span<double> u) const noexcept;
+  double required(const Threat& threat) const noexcept;
+  Flown flown(std::span<const double> x, std::span<const double> u) const noexcept;
+  double left_by(const Sight<double>& self, const Rows& rows, const Flown& flown) const noexcept;
+  double left_of_pair(const Sight<double>& self, const Threat& threat, const Flown& flown) const noexcept;
+  double left_of_chases(const Sight<double>& self, const Rows& rows, const Flown& flown) const noexcept;
+  double left_of_walls(const Sight<double>& self, double part, const Flown& flown) const noexcept;
+  double stopping_time(double away, double part) const noexcept;
+  double braked(const Vec2<double>& n, const Vec3<double>& p, const Vec2<double>& v,
+                double part) const noexcept;
+  template <class Left>
+  double towards_plan(std::span<const double> x, const Sight<double>& self, const Vec2<double>& a,
+                      double rise, std::span<const double> u_min, std::span<const double> u_max,
+                      std::span<double> u, const Left& left) const noexcept;
+  void ensure_walls(std::span<const double> x, const Sight<double>& self, const Rows& rows,
+                    std::span<const double> u_min, std::span<const double> u_max, std::span<double> u,
+                    Next& after) const noexcept;
+  bool ensure_distances(std::span<const double> x, const Sight<double>& self, const Rows& rows,
+                        std::span<const double> u_min, std::span<const double> u_max, std::span<double> u,
+                        Next& after) const noexcept;
   void add_neighbours(const Sight<double>& self, Heeded heeded, Rows& rows) const noexcept;
   void add_walls(const Sight<double>& self, Approach approach, Rows& rows) const noexcept;
   void add_cuts(const Sight<double>& self, const Next& there, Rows& rows) const noexcept;
@@ -177,9 +202,11 @@ class Barrier {
   Model model_;
   BarrierOptions options_;
   double dt_;
+  int parts_;  // of the period, in which motion is integrated and looked at
   Authority can_;
   double b_;
   EscapePlans plans_;
+  double ample_;  // [m] more than a period can take of what a plan leaves
   WaysOut ways_out_;
   std::array<Vec2<double>, WaysOut::headings> joint_;  // thrusts of plans for several, in V or G [m/s^2]
 };

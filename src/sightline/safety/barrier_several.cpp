@@ -87,7 +87,6 @@ struct Barrier::Joint {
 
 double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
   constexpr double near = 10.0;   // [m] who is farther is no part of a ring yet
-  constexpr double ample = 0.3;   // [m] more than a sample can take of it
   constexpr double spare = 0.02;  // [m] the rows, which are linear, lose some of it where plans climb
   Bounded<Threat*, most_neighbours> uncooperative;
   for (Threat& threat : rows.threats) {
@@ -100,7 +99,7 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
   const double least = uncooperative[0]->reserve;
 
   Joint joint(plans_, uncooperative);
-  const auto enough = [&] { return joint.found && (joint.best >= least || joint.best >= ample); };
+  const auto enough = [&] { return joint.found && (joint.best >= least || joint.best >= ample_); };
   joint.consider({uncooperative[0]->plan.a, 0.0, 0.0});
   const double up = can_.climbs ? std::max(0.0, options_.ceiling - self.p.z) : 0.0;
   const double down = can_.climbs ? std::max(0.0, self.p.z - options_.floor) : 0.0;
@@ -118,7 +117,7 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
   }
   if (!joint.found) return -infinity;
   // The rows of each keep this plan too where it is their own, and the others cannot lose it in a sample.
-  if (std::max(joint.best, joint.reserve_of_others) >= ample) return infinity;
+  if (std::max(joint.best, joint.reserve_of_others) >= ample_) return infinity;
   const EscapeFlight& taken = joint.taken;
   const double reserve = joint.best - spare;
   auto escape = joint.kept->begin();
@@ -226,8 +225,14 @@ void Barrier::follow(std::span<const double> x, const Sight<double>& self, WayOu
   way_out.wait = std::max(0.0, way_out.wait - dt_);
   const EscapeShape step = plans_.shape(dt_);
   const double climb = begun ? way_out.climb : 0.0;
-  const std::array<double, 3> wanted = {step.e * self.v.x + step.E * a.x, step.e * self.v.y + step.E * a.y,
-                                        self.p.z + dt_ * climb};
+  reach_for(x, {step.e * self.v.x + step.E * a.x, step.e * self.v.y + step.E * a.y, self.p.z + dt_ * climb},
+            u_min, u_max, u);
+}
+
+/// Changes u least so that the horizontal velocity and the height after the period are the wanted ones, within the limits.
+void Barrier::reach_for(std::span<const double> x, const std::array<double, 3>& wanted,
+                        std::span<const double> u_min, std::span<const double> u_max,
+                        std::span<double> u) const noexcept {
   const auto outcome = [&] {
     const Next n = next(x, u);
     return std::array<double, 3>{n.v.x, n.v.y, n.p.z};
@@ -236,6 +241,7 @@ void Barrier::follow(std::span<const double> x, const Sight<double>& self, WayOu
   const std::array<double, 3> now = outcome();
   std::array<std::array<double, 3>, most_inputs> J{};
   for (std::size_t k = 0; k < u.size(); ++k) {
+    if (can_.reach[k] == 0) continue;  // yaw would turn what the plan pushes with
     constexpr double difference = 1e-3;
     const double at = u[k];
     u[k] = at + difference;

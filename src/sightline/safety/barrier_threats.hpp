@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sightline/math/bounded.hpp"
@@ -12,11 +13,21 @@ namespace sightline {
 
 inline constexpr double far_away = 1e6;  // [m] what is farther cannot matter
 
+/// Away from the bounds of the world, in the order of Wall from x_max on and y_max on.
+inline constexpr std::array<Vec2<double>, 4> inward = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+inline constexpr std::array<Wall, 4> bounds_of_world = {Wall::x_max, Wall::x_min, Wall::y_max, Wall::y_min};
+
 /// What of the next sampled state counts.
 struct Barrier::Next {
   Vec3<double> p;  // as Barrier::settled()
   Vec2<double> d, v;
   double beside = 0.0;  // the height, over that at which the robot comes to rest
+};
+
+/// Where a command leads within the period.
+struct Barrier::Flown {
+  Bounded<Vec3<double>, EscapePlans::most_parts> between;  // at the ends of all parts but the last
+  Next after;
 };
 
 /// A neighbour and the plan to flee it.
@@ -52,6 +63,14 @@ struct Barrier::Row {
 };
 
 struct Barrier::Rows {
+  /// By how much floor or ceiling are missed most [m], >= 0.
+  double missed_of_heights(const Next& next) const {
+    double most = 0.0;
+    for (const Row& row : all) {
+      if (row.wall == Wall::floor || row.wall == Wall::ceiling) most = std::max(most, row.missed(next));
+    }
+    return most;
+  }
   static Row of_wall(const Vec3<double>& n, double E, double least, Wall wall) {
     return {n, E, {}, least, wall, -1, 0.0, 0.0, 0.0, 0.0, false};
   }

@@ -96,6 +96,17 @@ EscapePlans::EscapePlans(double drag, double dt)
     E_[i] = E(t_[i]);
     F_[i] = F(t_[i]);
   }
+  between_ = static_cast<std::size_t>(parts(dt)) - 1;
+  for (std::size_t i = 0; i < between_; ++i) {
+    t_between_[i] = dt * static_cast<double>(i + 1) / static_cast<double>(between_ + 1);
+    E_between_[i] = E(t_between_[i]);
+    F_between_[i] = F(t_between_[i]);
+  }
+}
+
+int EscapePlans::parts(double dt) noexcept {
+  constexpr double rounded = 1e-9;
+  return std::clamp(static_cast<int>(std::ceil(dt / longest_part - rounded)), 1, most_parts);
 }
 
 template <class S>
@@ -268,10 +279,23 @@ struct EscapePlans::Search {
     return any_negative(astray) ? at(a, where_negative(astray, time(i), t)) : p;
   }
 
+  /// The least f before the next sample.
+  S before_next(const Vec2<S>& a) const {
+    S least = norm(tube.r);
+    for (std::size_t k = 0; k < plans.between_; ++k) {
+      const S t(plans.t_between_[k]), E(plans.E_between_[k]), F(plans.F_between_[k]);
+      const Vec3<S> q = {tube.r.x + E * tube.w.x + F * a.x - t * tube.drift.x,
+                         tube.r.y + E * tube.w.y + F * a.y - t * tube.drift.y,
+                         tube.r.z + risen(tube, t) - t * tube.drift.z};
+      least = minimum(least, norm(q) - t * (tube.speed + S(0.5) * tube.growth * t) - tube.spread * E);
+    }
+    return least - tube.rho0;
+  }
+
   Plan refined(const Vec2<S>& a, const Curve& f) const {
     const Places i = lowest(f);
     Plan plan;
-    plan.now = norm(tube.r) - tube.rho0;
+    plan.now = before_next(a);
     plan.a = a;
     plan.first = nearest(a, f, i);
     // Another least, nearly as low: a step could make it the lower one.
@@ -317,7 +341,10 @@ struct EscapePlans::Search {
       }
     }
     Curve f = along(a_x, a_y);
-    if (!any_negative(turns)) return {refined({a_x[0], a_y[0]}, f), turns};
+    if (!any_negative(turns)) {
+      const Plan plan = refined({a_x[0], a_y[0]}, f);
+      return {plan, minimum(turns, dips(plan))};
+    }
 
     const Places i = lowest(f);
     Vec2<S> a = {value(a_x, i), value(a_y, i)};
@@ -333,7 +360,13 @@ struct EscapePlans::Search {
     constexpr double met = 1e-4;  // [m]
     const S better = tube.thrust_count == 0 ? plan.first.f + S(met) - at(there, nearest.t).f
                                             : -absolute(there.x - a.x) - absolute(there.y - a.y);
-    return {plan, where_negative(turns, better, S(1.0))};
+    return {plan, minimum(where_negative(turns, better, S(1.0)), dips(plan))};
+  }
+  /// < 0: the plan leaves least within the period, where the search has not looked.
+  S dips(const Plan& plan) const {
+    if (plans.between_ == 0) return S(1.0);
+    const S later = plan.now - plan.first.f, dip = plan.now - (norm(tube.r) - tube.rho0);
+    return where_negative(later, where_negative(dip, S(-1.0), S(1.0)), S(1.0));
   }
   Vec2<S> away() const { return direction<S>({tube.r.x, tube.r.y}, direction(tube.w, tube.tie)); }
   Vec2<S> best_at(S t, S E) const {
@@ -451,6 +484,12 @@ bool EscapePlans::with(Tubes tubes, const EscapeFlight& flight, double wanted,
 
 Escape EscapePlans::best_of_all(const Search<double>& search, const Escape& plan) const noexcept {
   const Tube& tube = search.tube;
+  // Within the period too; where plans differ there no more, by what comes later.
+  const bool dips = between_ > 0;
+  const auto better = [&](const Escape& one, const Escape& other) {
+    const double more = dips ? one.reserve() - other.reserve() : 0.0;
+    return more == 0 ? one.later() > other.later() : more > 0;
+  };
   if (tube.thrust_count > 0) {
     Escape best = plan;
     for (unsigned corner = 0; corner < 1U << tube.thrust_count; ++corner) {
@@ -462,10 +501,10 @@ Escape EscapePlans::best_of_all(const Search<double>& search, const Escape& plan
       }
       if (a.x == plan.a.x && a.y == plan.a.y) continue;
       const auto f = search.along(a);
-      if (search.value(f, search.lowest(f)) - tube.rho0 <= best.later())
+      if (search.value(f, search.lowest(f)) - tube.rho0 <= (dips ? best.reserve() : best.later()))
         continue;  // between the times of the grid it is lower still
       const Escape other = search.escape(search.refined(a, f));
-      if (other.later() > best.later()) best = other;
+      if (better(other, best)) best = other;
     }
     return best;
   }
@@ -475,19 +514,28 @@ Escape EscapePlans::best_of_all(const Search<double>& search, const Escape& plan
     const Vec2<double> a = farthest(tube, direction(m, away));
     return search.escape(search.refined(a, search.along(a)));
   };
-  Escape from_plan = plan, from_away = along(away);
-  for (Escape* start : {&from_plan, &from_away}) {
+  const auto best_direction = [&](double t) {
+    const double E_t = E(t);
+    return direction<double>({tube.r.x + E_t * tube.w.x, tube.r.y + E_t * tube.w.y}, away);
+  };
+  const std::size_t starts = dips ? 3 : 2;
+  std::array<Escape, 3> from = {plan, along(away)};
+  if (dips) from[2] = along(best_direction(0.5 * dt_));
+  for (Escape* start = from.data(); start != from.data() + starts; ++start) {
     for (int round = 0; round < 6; ++round) {
-      const double t = start->touches[0].time, E_t = E(t);
-      const Vec2<double> m = direction<double>({tube.r.x + E_t * tube.w.x, tube.r.y + E_t * tube.w.y}, away);
+      const Vec2<double> m = best_direction(start->touches[0].time);
       const Escape next = along(m),
                    half = along({tube.beta * m.x + start->a.x, tube.beta * m.y + start->a.y});
-      const Escape& taken = next.later() > half.later() ? next : half;
-      if (taken.later() <= start->later() + 1e-5) break;
+      const Escape& taken = better(next, half) ? next : half;
+      constexpr double gained = 1e-5;  // [m]
+      if (taken.later() <= start->later() + gained && !(dips && taken.reserve() > start->reserve() + gained))
+        break;
+      if (better(*start, taken)) break;
       *start = taken;
     }
   }
-  return from_away.later() > from_plan.later() ? from_away : from_plan;
+  const Escape& first = better(from[1], from[0]) ? from[1] : from[0];
+  return dips && better(from[2], first) ? from[2] : first;
 }
 
 }  // namespace sightline

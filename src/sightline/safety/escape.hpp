@@ -62,7 +62,7 @@ struct Touch {
 };
 
 struct Escape {
-  double now;      ///< f(0) [m]
+  double now;      ///< the least f_a(t) over 0 <= t < dt, at times at most longest_part apart [m]
   Vec2<double> a;  ///< acceleration of the plan [m/s^2]
   /// The least f_a(t) over t >= dt; another least within 0.1 m of it.
   std::array<Touch, 2> touches;
@@ -85,9 +85,15 @@ class EscapePlans {
  public:
   using Tubes = std::span<const Tube* const>;
 
+  /// Within a period, motion is looked at in parts that are no longer; what happens between is less than 1 mm [s].
+  static constexpr double longest_part = 0.01;
+  static constexpr int most_parts = 50;
+  /// Parts of a period of dt [s].
+  static int parts(double dt) noexcept;
+
   EscapePlans() = default;
   /// @param drag  c [1/s], >= 0
-  /// @param dt    [s], from where on plans are looked at
+  /// @param dt    period [s], at most most_parts longest_part
   EscapePlans(double drag, double dt);
 
   /// The best plan that keeps its height.
@@ -123,6 +129,9 @@ class EscapePlans {
 
   double c_ = 0.0, per_c_ = 0.0, dt_ = 0.0, e_back_ = 1.0;
   std::array<double, times> t_{}, E_{}, F_{};
+  // Of the times within the period.
+  std::size_t between_ = 0;
+  std::array<double, most_parts - 1> t_between_{}, E_between_{}, F_between_{};
 };
 
 }  // namespace sightline
