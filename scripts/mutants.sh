@@ -22,8 +22,8 @@ flags=(-std=c++20 -O1 -march=native -ffp-contract=off -fno-math-errno -fno-trapp
 # name | file | what stands there (a regular expression without |) | what the mutant has in its place
 barrier() {
   folder=safety
-  sources=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,way_out})
-  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,way_out})
+  sources=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,way_out})
+  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,way_out})
   filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:WaysOut.*'
   objects=(cli/allocations)
   libraries=("$build/lib/libsightline_core.a")
@@ -54,6 +54,13 @@ barrier() {
     'ring not noticed|barrier.cpp|  if (lost) {|  if (lost \&\& joint > 1.0) {'
     'chasers stand still|way_out.cpp|Pack(chaser.speed \* step.h)|Pack(0.0 * step.h)'
     'way out flown the other way|barrier_several.cpp|step.e \* self.v.x + step.E \* a.x|step.e * self.v.x - step.E * a.x'
+    'long periods not checked|barrier.cpp|if (parts_ > 1) {|if (parts_ > 1000) {'
+    'motion within a period not checked|barrier_check.cpp|least = std::min(least, norm(q) - rho - wanted);|;'
+    'rest of a plan not checked|barrier_check.cpp|least = std::min(least, plans\[k - first\].reserve() - required(\*of\[k\]));|;'
+    'dip of a plan within a period left out|escape.cpp|return least - tube.rho0;|return norm(tube.r) - tube.rho0;'
+    'share of a member checked doubled|barrier_check.cpp|options_.share \* (gap - wanted)|2 * options_.share * (gap - wanted)'
+    'yaw beside a plan|barrier_several.cpp|if (can_.reach\[k\] == 0) continue;|;'
+    'bounds of the world not checked|barrier_check.cpp|return least + touched;|return infinity;'
     'floor turned into a ceiling|barrier.cpp|of_wall({0, 0, 1}, 0.0, least, Wall::floor)|of_wall({0, 0, -1}, 0.0, least, Wall::floor)'
   )
 }

@@ -142,7 +142,7 @@ struct EscapePlans::Search {
     S f, slope, curvature;
   };
   struct Plan {
-    S now;  // f(0)
+    S now;  // the least f before the next sample
     Vec2<S> a;
     Point first, second;  // the least f; the other one
     S is_alone;           // < 0: there is another one

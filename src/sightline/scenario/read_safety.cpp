@@ -200,6 +200,9 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
                        .period = scenario.horizon.dt,
                        .search = safety.search,
                        .crew = scenario.crew};
+  // A period longer than the time in which the reserve may be used up uses up all of it, and no more.
+  double& rate = options.barrier_options.rate;
+  rate = std::min(rate, 1.0 / scenario.horizon.dt);
   if (options.supervisor) options.supervisor->period = scenario.horizon.dt;
   for (const LocalizedRobot& of : scenario.localization.robots) options.searchers.push_back(of.robot);
   options.bodies.resize(static_cast<std::size_t>(scenario.team.bodies()), {.d_hard = safety.d_hard});
