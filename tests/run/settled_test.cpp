@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/point_mass.hpp"
+#include "sightline/model/robots.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
 
 namespace sightline {
@@ -42,6 +44,29 @@ TEST(Settled, OfARobotWithoutInnerStatesIsTheStateItself) {
     }
     EXPECT_GT(std::abs(settled.acceleration.x), 0.1) << model.name();
   }
+}
+
+TEST(Settled, TheTopSpeedIsThatOfTheModelUnderItsLimits) {
+  const std::vector<double> low(4, -1.0), high(4, 1.0), half(4, 0.5), minus_half(4, -0.5);
+  const Model multirotor = Multirotor{};
+  // Its drag is linear: whatever it does, no component of a velocity under random inputs within the limits is beyond.
+  const double top = top_speed(multirotor, low, high);
+  EXPECT_NEAR(top_speed(multirotor, minus_half, half), 0.5 * top, 1e-2 * top);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> within(-1, 1);
+  double fastest = 0.0;
+  for (int flight = 0; flight < 200; ++flight) {
+    std::vector<double> x = state_at_rest(multirotor), u(4);
+    for (int k = 0; k < 1000; ++k) {
+      if (k % 50 == 0)
+        for (double& v : u) v = within(random) > 0 ? 1.0 : -1.0;
+      multirotor.step(x.data(), u.data(), 0.02);
+      fastest = std::max(fastest, norm(multirotor.sight(x.data(), u.data()).v));
+    }
+  }
+  EXPECT_LE(fastest, top * (1 + 1e-3));
+  EXPECT_GT(fastest, 0.5 * top);
+  EXPECT_TRUE(std::isinf(top_speed(PointMass{}, std::vector<double>(3, -1.0), std::vector<double>(3, 1.0))));
 }
 
 }  // namespace

@@ -169,6 +169,52 @@ delay = 0.07
   EXPECT_EQ(sensor_options(scenario).faults.size(), 5U);
 }
 
+TEST(ReadSafety, TheBarrierTakesEachPresetOfARobotThatFliesOrSaysWhyNot) {
+  const auto check = [](std::string_view robot) {
+    std::string text = "[safety]\nbarrier = \"on\"\n";
+    for (const char* name : {"a", "b"})
+      text += fmt::format("[agent.{}]\nstart = {{ p = [{}, 0.0, 1.0] }}\n{}\n", name,
+                          name[0] == 'a' ? 0.0 : 3.0, robot);
+    return test::scenario_refusal(text);
+  };
+  for (const char* taken :
+       {"robot = \"multirotor\"", "robot = \"angle_multirotor\"", "robot = \"omni_rover\"",
+        "robot = \"hover_multirotor\"\nparameters = { preset = \"x500\" }",
+        "robot = \"hover_multirotor\"\nparameters = { preset = \"crazyflie\" }",
+        "robot = \"hover_multirotor\"\nparameters = { preset = \"ar_drone\" }",
+        "robot = \"velocity_multirotor\"\nparameters = { preset = \"px4\" }",
+        "robot = \"velocity_multirotor\"\nparameters = { preset = \"ar_drone\", frame = \"level\" }",
+        "robot = \"velocity_multirotor\"\nparameters = { preset = \"ar_drone\", tau_psi = 0.0 }",
+        "robot = \"velocity_multirotor\"\nparameters = { preset = \"ar_drone\", yaw_max = 0.5 }"})
+    EXPECT_EQ(check(taken), "") << taken;
+  EXPECT_THAT(check("robot = \"velocity_multirotor\"\nparameters = { preset = \"ar_drone\" }"),
+              testing::HasSubstr(
+                  "turns with its heading, faster than its commands accelerate it against that, expected a "
+                  "lower yaw rate"));
+}
+
+TEST(ReadSafety, ARobotOfAnotherModelIsAssumedAsFastAsItsModelCanBe) {
+  const std::string both = R"([agent.a]
+robot = "multirotor"
+start = { p = [-5.0, 0.0, 2.0], v = [2.0, 0.0] }
+[agent.b]
+robot = "angle_multirotor"
+start = { p = [5.0, 0.0, 2.0] }
+)";
+  const auto assumed = [](const std::string& text) {
+    std::vector<double> speeds;
+    const auto options = guard_options(test::scenario_of(text));
+    for (const BodySafety& body : options->bodies) speeds.push_back(body.speed_max);
+    return speeds;
+  };
+  for (const double speed : assumed(both + "[safety]\nbarrier = \"on\"\n")) {
+    EXPECT_GT(speed, 2.86);
+    EXPECT_LT(speed, 6.0);
+  }
+  const std::vector<double> alike = assumed(std::string(bodies) + "[safety]\nbarrier = \"on\"\n");
+  EXPECT_EQ(alike[0], BodySafety{}.speed_max) << "they cooperate";
+}
+
 TEST(ReadSafety, WhatIsSwitchedOnIsPrinted) {
   const std::string text = summary(with_bodies(R"(
 [safety]

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "sightline/analysis/influence.hpp"
@@ -105,6 +106,18 @@ std::vector<std::string> warnings_of_speeds(const Scenario& scenario) {
   return sentences;
 }
 
+/// Robots of different models whose speed has no bound.
+std::vector<std::string> warnings_of_robot_speeds(const Scenario& scenario) {
+  std::vector<std::string> sentences;
+  for (const RobotSpeed& of : uncooperative_robots(scenario)) {
+    if (std::isfinite(of.speed)) continue;
+    sentences.push_back(fmt::format(
+        "the speed of {} has no bound in its model, the barrier of robots of other models assumes {} m/s",
+        scenario.team.name(of.robot), BodySafety{}.speed_max));
+  }
+  return sentences;
+}
+
 /// Vehicles that touch before they are too near.
 std::vector<std::string> warnings_of_touches(const Scenario& scenario) {
   std::vector<std::string> sentences;
@@ -148,6 +161,7 @@ Preflight preflight(const Scenario& scenario) {
   }
   append(p.warnings, cycles);
   append(p.warnings, warnings_of_speeds(scenario));
+  append(p.warnings, warnings_of_robot_speeds(scenario));
   append(p.warnings, warnings_of_touches(scenario));
   append(p.warnings, tags.warnings);
   append(p.warnings, unobservable_robots(scenario));

@@ -1,6 +1,8 @@
 #include "sightline/run/settled.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "sightline/base/index.hpp"
 #include "sightline/model/state_roles.hpp"
@@ -41,6 +43,37 @@ Settled settle(const Model& model, std::vector<double> x, std::span<const double
   const Sight<double> now = model.sight(x.data(), u.data()), then = model.sight(later.data(), u.data());
   const Vec3<double> a = (1 / difference) * (then.v - now.v);
   return {std::move(x), now.v, a, (now.d.x * then.d.y - now.d.y * then.d.x) / difference, now.lean};
+}
+
+double top_speed(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
+  constexpr double step = 0.02, time = 20.0;  // [s]
+  constexpr double still_grows = 1e-3;        // of a speed, within the last half of the time
+  constexpr std::size_t inputs_max = 8;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const std::size_t nu = u_min.size();
+  if (nu > inputs_max) return infinity;
+  const int yaw = yaw_input(model);
+  double fastest = 0.0;
+  std::vector<double> u(nu);
+  for (std::size_t corner = 0; corner < std::size_t{1} << nu; ++corner) {
+    for (std::size_t i = 0; i < nu; ++i) u[i] = (corner >> i & 1) != 0 ? u_max[i] : u_min[i];
+    if (yaw >= 0) {
+      if ((corner >> size(yaw) & 1) != 0) continue;
+      u[size(yaw)] = std::clamp(0.0, u_min[size(yaw)], u_max[size(yaw)]);
+    }
+    std::vector<double> x = state_at_rest(model);
+    double half = 0.0, whole = 0.0;
+    for (double t = 0; t < time; t += step) {
+      model.step(x.data(), u.data(), step);
+      const double speed = norm(model.sight(x.data(), u.data()).v);
+      if (!std::isfinite(speed)) return infinity;
+      if (t < time / 2) half = std::max(half, speed);
+      whole = std::max(whole, speed);
+    }
+    if (whole > half * (1 + still_grows)) return infinity;
+    fastest = std::max(fastest, whole);
+  }
+  return fastest;
 }
 
 }  // namespace sightline

@@ -236,10 +236,12 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
   }
   authority.drag = speed > rounding ? std::max(along / speed, 0.0) : 0.0;
   Strength all_have = {infinity, 1.0};
+  double at_rest = 0.0;  // of the disc, at the first place
   for (const Place& place : all) {
     const double c = authority.drag;
     const Vec2<double> other = {-c * place.v.x - place.drift.x, -c * place.v.y - place.drift.y};
     const Strength here = strength(place.columns, other, u_min, u_max);
+    if (&place == all.data()) at_rest = here.disc;
     all_have = {std::min(all_have.disc, here.disc), std::min(all_have.part, here.part)};
     authority.push = std::max(authority.push, norm(other.x, other.y) + norm(place.push.x, place.push.y));
     authority.rise = std::max(authority.rise, place.rise);
@@ -251,6 +253,15 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
     if (dot(resting.thrust[k], resting.thrust[k]) > 0 || resting.climb[k] != 0 || resting.climb_later[k] != 0)
       authority.reach[k] = std::min(u_max[k], -u_min[k]);
   }
+  // Where the heading goes on turning, no corner of the thrusts stays where it is; the disc does.
+  const auto turns_on = [](const Place& place) { return std::abs(place.turn) > rounding; };
+  const bool turns = std::any_of(all.begin(), all.end(), turns_on);
+  if (!(authority.acceleration > rounding) && turns && at_rest > rounding) {
+    throw std::invalid_argument(fmt::format(
+        "barrier: the velocity of \"{}\" turns with its heading, faster than its commands accelerate it "
+        "against that, expected a lower yaw rate, a velocity that stays in G, or a yaw rate without a lag",
+        model.name()));
+  }
   if (!(authority.acceleration > rounding)) {
     throw std::invalid_argument(
         fmt::format("barrier: the commands of \"{}\" do not accelerate it in every horizontal direction at "
@@ -258,9 +269,7 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
                     "that can flee any way",
                     model.name()));
   }
-  // Where the heading goes on turning, no corner of the thrusts stays where it is; the disc does.
-  const auto turns_on = [](const Place& place) { return std::abs(place.turn) > rounding; };
-  if (std::any_of(all.begin(), all.end(), turns_on)) return authority;
+  if (turns) return authority;
   add_thrusts(all, all_have.part, u_min, u_max, authority);
   if (authority.thrust_count == 0) {
     throw std::invalid_argument(fmt::format(

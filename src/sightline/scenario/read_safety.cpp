@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "sightline/run/settled.hpp"
 #include "sightline/scenario/read_part.hpp"
 
 namespace sightline {
@@ -189,6 +190,42 @@ void read_faults(const TomlTable& simulation, const Team& team, Simulation& to) 
   }
 }
 
+std::vector<RobotSpeed> uncooperative_robots(const Scenario& scenario) {
+  std::vector<RobotSpeed> robots;
+  if (!scenario.safety || scenario.safety->barrier == BarrierMode::off) return robots;
+  const Team& team = scenario.team;
+  const auto kind = [](const Agent& agent) { return agent.model.name(); };
+  const auto& agents = team.agents();
+  const bool alike = std::all_of(agents.begin(), agents.end(),
+                                 [&](const Agent& agent) { return kind(agent) == kind(agents.front()); });
+  for (int i = 0; !alike && i < team.bodies(); ++i) {
+    const BodyId body{i};
+    if (!team.is_agent(body)) continue;
+    // The widest limits there will be.
+    const Agent& agent = team.agent(body);
+    std::vector<double> low = agent.limits.u_min().front(), high = agent.limits.u_max().front();
+    const auto widen = [&](const InputLimits& limits) {
+      for (std::size_t k = 0; k < limits.times().size(); ++k) {
+        for (std::size_t j = 0; j < low.size(); ++j) {
+          low[j] = std::min(low[j], limits.u_min()[k][j]);
+          high[j] = std::max(high[j], limits.u_max()[k][j]);
+        }
+      }
+    };
+    widen(agent.limits);
+    for (const TeamEvent& event : scenario.script.events) {
+      for (const Action& action : event.actions) {
+        const auto* retune = std::get_if<RetuneAgent>(&action);
+        if (retune != nullptr && retune->limits && retune->agent == body) widen(*retune->limits);
+      }
+    }
+    std::vector<double> u(low.size());
+    const double at_start = norm(agent.model.sight(scenario.x0.data() + team.state_offset(body), u.data()).v);
+    robots.push_back({body, std::max(at_start, top_speed(agent.model, low, high))});
+  }
+  return robots;
+}
+
 std::optional<GuardOptions> guard_options(const Scenario& scenario) {
   const Safety safety = scenario.safety.value_or(Safety{});
   const bool searches = !scenario.localization.robots.empty();
@@ -217,6 +254,11 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
         options.limits_to_come.push_back({retune->agent, *retune->limits});
       }
     }
+  }
+  // A robot that does not cooperate, since another has another model, is as fast as its model can be.
+  for (const RobotSpeed& of : uncooperative_robots(scenario)) {
+    if (std::isfinite(of.speed))
+      options.bodies[static_cast<std::size_t>(of.robot.index)].speed_max = of.speed;
   }
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     options.bodies[static_cast<std::size_t>(uncooperative.body.index)] = {

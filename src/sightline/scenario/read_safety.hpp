@@ -19,6 +19,14 @@ void check_start_outside(const TomlTable& root, const Scenario& scenario);
 /// [[simulation.fault]], into the simulation.
 void read_faults(const TomlTable& simulation, const Team& team, Simulation& to);
 
+/// How fast a robot can be, by its model and limits [m/s]; infinity: without a bound.
+struct RobotSpeed {
+  BodyId robot;
+  double speed;
+};
+/// The robots of a team under a barrier that another robot does not count as cooperative, since their models differ.
+std::vector<RobotSpeed> uncooperative_robots(const Scenario& scenario);
+
 /// What guards the scenario's loop; none without a [safety] section that switches something on.
 std::optional<GuardOptions> guard_options(const Scenario& scenario);
 
