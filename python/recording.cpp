@@ -44,6 +44,11 @@ struct LoggedStates {
 struct OpenLog {
   std::filesystem::path folder;
   std::map<std::string, LoggedStates, std::less<>> states{};  // by topic
+
+ private:
+  LogText text_{};  // that add() reads by, while the recording is read
+
+ public:
   Recording recording;
 
   explicit OpenLog(const std::filesystem::path& of)
@@ -52,8 +57,6 @@ struct OpenLog {
   }
 
  private:
-  LogText text_{};
-
   void add(const McapMessage& message) {
     if (message.encoding != "json" || !message.topic.ends_with("/state")) return;
     text_.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});

@@ -230,7 +230,7 @@ TEST(Judge, AFailedRunSaysWhatWentWrongFirstAndOthersSayNothing) {
   low.fly(2.0);
   low.sample().x[2] = 0.4;
   low.fly_to_end(2.0);
-  EXPECT_EQ(low.result().reason, "seer came to a height of 0.4 m at 0.01 s, the floor is 0.5 m");
+  EXPECT_EQ(low.result().reason, "seer came to a height of 0.4 m at 0.01 s, the floor is 0.5 m, for 0.98 s");
   brief.fly(2.0);
   EXPECT_EQ(brief.result().reason, "the run broke off");
 }

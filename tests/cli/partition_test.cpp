@@ -106,8 +106,9 @@ TEST(RunInParts, WordsThatDoNotFitEndWithTwoAndASentence) {
   };
   EXPECT_EQ(refusal("--partition 'uav0,uav1'"),
             "the partition leaves out \"uav2\", expected every robot in one part\n");
-  EXPECT_EQ(refusal("--partition 'uav0,uaw1'"),
-            "partition = \"uav0,uaw1\": \"uaw1\" is no robot of the team, expected one such as \"uav1\"\n");
+  EXPECT_EQ(
+      refusal("--partition 'uav0,uaw1'"),
+      "partition = \"uav0,uaw1\": \"uaw1\" is no robot of the team, expected one, the nearest is \"uav1\"\n");
   EXPECT_EQ(refusal("--partition '" + halves + "' --order backwards"),
             "order = \"backwards\", expected jacobi or gauss_seidel\n");
   EXPECT_EQ(refusal("--partition '" + halves + "' --exchanges 0"), "exchanges = 0, expected 1 to 1000\n");

@@ -62,7 +62,7 @@ TEST(RefusedFiles, ALoopOfLinksIsRefusedByASentence) {
   for (const char* command :
        {"check ", "run ", "view ", "identify ", "explain ", "campaign ", "potential ", "replay ", "report "})
     refused(command + loop);
-  for (const char* command : {"run ", "campaign ", "identify ", "potential "})
+  for (const char* command : {"run ", "campaign ", "identify --agent uav0 ", "potential "})
     refused(command + scenario + " -o " + loop);
   refused("view " + scenario + " --tune --port 0 --seconds 1 -o " + loop);
 }

@@ -49,6 +49,7 @@ Sample sample_of(const Scenario& scenario, double time, std::size_t controllers 
   sample.u.resize(static_cast<std::size_t>(team.nu()));
   sample.raw_u = sample.u;
   sample.solvers.resize(controllers);
+  sample.presence.assign(static_cast<std::size_t>(team.bodies()), Presence::steered);
   return sample;
 }
 

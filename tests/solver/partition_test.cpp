@@ -47,12 +47,13 @@ TEST(Partition, WhatPutsARobotNowhereOrTwiceIsRefusedInWords) {
   EXPECT_EQ(refusal("uav0 | uav1"), "the partition leaves out \"uav2\", expected every robot in one part");
   EXPECT_EQ(refusal("uav0, uav2 | uav1, uav2"),
             "the partition names \"uav2\" twice, expected every robot in one part");
+  EXPECT_EQ(refusal("uav0 | uv1 | uav2"),
+            "partition = \"uav0 | uv1 | uav2\": \"uv1\" is no robot of the team, expected one, the "
+            "nearest is \"uav1\"");
   EXPECT_EQ(
-      refusal("uav0 | uv1 | uav2"),
-      "partition = \"uav0 | uv1 | uav2\": \"uv1\" is no robot of the team, expected one such as \"uav1\"");
-  EXPECT_EQ(refusal("uav0, tree | uav1, uav2"),
-            "partition = \"uav0, tree | uav1, uav2\": \"tree\" is no robot of the team, expected one such as "
-            "\"uav0\"");
+      refusal("uav0, tree | uav1, uav2"),
+      "partition = \"uav0, tree | uav1, uav2\": \"tree\" is no robot of the team, expected one: uav0, uav1, "
+      "uav2");
   EXPECT_EQ(refusal("uav0 | | uav1, uav2"),
             "partition = \"uav0 | | uav1, uav2\" has a part without robots, expected at least one in each");
   EXPECT_EQ(refusal(""), "partition = \"\" has a part without robots, expected at least one in each");

@@ -26,7 +26,10 @@ TEST(EvasionPage, TheRunsFlownOnceMoreAreTheCampaigns) {
   const int handed =
       fly_campaign(scenario, plan, {.runs = 4, .seed = 5}, [&](const RunDraw& run, const RunResult& result) {
         const EvasionRow& row = flown.runs[static_cast<std::size_t>(run.index)].row();
-        EXPECT_EQ(result.min_distance, std::min(row.min_obstacle, row.min_target));
+        // That of the campaign is of the motion between the samples too.
+        const double sampled = std::min(row.min_obstacle, row.min_target);
+        EXPECT_LE(result.min_distance, sampled);
+        EXPECT_GT(result.min_distance, sampled - 0.005);
         EXPECT_EQ(result.time_to_first_view, row.first_view);
       });
   EXPECT_EQ(handed, 4);

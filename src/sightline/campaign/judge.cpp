@@ -23,7 +23,7 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
       plan_(plan),
       period_(scenario.horizon.dt),
       hold_after_(hold_after(scenario)),
-      safety_(scenario, plan.d_hard),
+      safety_(scenario, plan.d_hard, plan.start_outside),
       localization_(scenario),
       sample_(std::move(sample)),
       chatter_(static_cast<std::size_t>(scenario.team.nu())),

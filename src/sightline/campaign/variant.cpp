@@ -154,6 +154,7 @@ Scenario Variants::flown(std::string text, const std::filesystem::path& file, st
   scenario.simulation.duration = plan_.duration;
   scenario.simulation.seed = run.seed;
   scenario.simulation.compare.clear();
+  if (scenario.safety && plan_.start_outside) scenario.safety->start_outside = true;
   return scenario;
 }
 

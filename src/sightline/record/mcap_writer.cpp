@@ -20,6 +20,7 @@
 namespace sightline {
 
 std::uint32_t mcap::crc32_of(std::uint32_t crc, Span bytes) {
+  if (bytes.empty()) return crc;  // zlib begins anew where it is given no address
   return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 

@@ -194,7 +194,8 @@ class RowReader {
     constexpr std::size_t events_max = 10'000;
     if (message.topic == "/events") return run_.events.size() < events_max;
     if (message.topic == "/tuned" || message.topic.ends_with("/camera_info")) return true;
-    run_.last = std::max(run_.last, 1e-9 * static_cast<double>(message.log_time));
+    if (message.topic.ends_with("/input"))
+      run_.last = std::max(run_.last, 1e-9 * static_cast<double>(message.log_time));
     const auto period = std::llround(1e-9 * static_cast<double>(message.log_time) / run_.period);
     return static_cast<std::size_t>(period) % run_.stride == 0;
   }

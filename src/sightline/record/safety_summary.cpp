@@ -90,7 +90,7 @@ double SafetySummary::Bound::worst() const {
   return of == Of::floor ? value - limit.worst().value : value + limit.worst().value;
 }
 
-SafetySummary::SafetySummary(const Scenario& scenario, double d_hard_otherwise)
+SafetySummary::SafetySummary(const Scenario& scenario, double d_hard_otherwise, bool start_outside)
     : motion_(scenario.team), period_(scenario.horizon.dt) {
   const Team& team = scenario.team;
   for (int i = 0; i < team.bodies(); ++i) names_.emplace_back(team.name(BodyId{i}));
@@ -104,7 +104,7 @@ SafetySummary::SafetySummary(const Scenario& scenario, double d_hard_otherwise)
   }
   if (scenario.safety) {
     mode_ = scenario.safety->barrier;
-    start_outside_ = scenario.safety->start_outside;
+    start_outside_ = start_outside || scenario.safety->start_outside;
     const Walls& judged = scenario.safety->judged;
     const auto add_bound = [&](BodyId robot, Bound::Of of, double value) {
       if (std::isfinite(value)) bounds_.push_back({robot, of, value, LimitRecord(wall_tolerance)});

@@ -58,7 +58,8 @@ class LimitRecord {
 class SafetySummary {
  public:
   /// @param d_hard_otherwise  of pairs of which the scenario asks nothing [m]; 0: those are not judged
-  explicit SafetySummary(const Scenario& scenario, double d_hard_otherwise = 0.0);
+  /// @param start_outside     as Safety::start_outside, also where the scenario does not say so
+  explicit SafetySummary(const Scenario& scenario, double d_hard_otherwise = 0.0, bool start_outside = false);
 
   /// Before the first sample, and before one with which bodies join: pairs that are new and cannot brake in time for d_hard
   /// do not count as too close.

@@ -23,7 +23,7 @@ std::vector<double> state_at_rest(const Model& model);
 /// From the state x (nx) under a constant input u (nu): states that are shown stay, the others settle for 5 s. Set-up.
 Settled settle(const Model& model, std::vector<double> x, std::span<const double> u);
 /// Greatest speed [m/s] that a robot comes to from rest under any constant inputs within these bounds (nu each), without
-/// turning; infinity where it still grows after 20 s, and for a robot of more than 8 inputs. Set-up.
+/// turning; infinity where it still grows after 30 s, and for a robot of more than 8 inputs. Set-up.
 double top_speed(const Model& model, std::span<const double> u_min, std::span<const double> u_max);
 
 }  // namespace sightline

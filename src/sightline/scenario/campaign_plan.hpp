@@ -69,6 +69,7 @@ struct CampaignPlan {
   double d_hard = 0.0;   ///< no robot may come nearer to another body, where [safety] asks for nothing [m];
                          ///< 0: that is not judged
   double braking = 0.6;  ///< a start from which this deceleration keeps d_hard must keep it [m/s^2]
+  bool start_outside = false;  ///< starts that are drawn beyond a wall are meant, as Safety::start_outside
   std::vector<StartDraw> starts{};
   std::vector<NumberDraw> draws{};
   std::optional<EvasionPlan> evasion{};  ///< shown of the first runs

@@ -231,7 +231,8 @@ CampaignPlan read_plan(const TomlDocument& document, ScenarioNumbers numbers, co
            {"view_within", &plan.view_within, time_range},
            {"d_hard", &plan.d_hard, not_negative(">= 0 m")},
            {"braking", &plan.braking, positive("> 0 m/s^2")}},
-          {"start", "draw", "evasion"});
+          {"start", "draw", "evasion", "start_outside"});
+  if (at.has("start_outside")) plan.start_outside = at.boolean("start_outside");
   if (at.has("evasion")) plan.evasion = read_evasion(at.table("evasion"), team);
   PlanReader reader(std::move(numbers), team);
   for (const TomlTable& start : at.tables("start")) plan.starts.push_back(reader.read_start(start));
