@@ -42,7 +42,7 @@ int entities(dds_entity_t of) {
   return all;
 }
 
-TEST(Channel, WhatIsMadeOfTheDomainGoesWithItsOwner) {
+TEST(ChannelOwner, WhatIsMadeOfTheDomainGoesWithItsOwner) {
   Domain domain(test::own_network());
   (void)WriterList(domain.participant()).look();
   const int before = entities(domain.participant());
@@ -57,7 +57,7 @@ TEST(Channel, WhatIsMadeOfTheDomainGoesWithItsOwner) {
             before + 2);  // a publisher and a subscriber that all have in common
 }
 
-TEST(Channel, WhatATakerThrowsEndsNothingAndTheNextMessageIsTaken) {
+TEST(ChannelOwner, WhatATakerThrowsEndsNothingAndTheNextMessageIsTaken) {
   static std::atomic<int> reports;
   reports = 0;
   report_failures_to([](std::string_view) noexcept { ++reports; });
@@ -84,7 +84,7 @@ TEST(Channel, WhatATakerThrowsEndsNothingAndTheNextMessageIsTaken) {
   EXPECT_EQ(reports, 1);  // of all that it threw
 }
 
-TEST(Channel, ATextThatIsNotThereIsEmpty) {
+TEST(ChannelOwner, ATextThatIsNotThereIsEmpty) {
   EXPECT_EQ(text_in(nullptr), "");
   EXPECT_EQ(text_in("map"), "map");
 }

@@ -162,7 +162,9 @@ def test_a_log_without_its_beginning_is_no_flight_to_repeat(scenarios, tmp_path)
     flown(scenarios, tmp_path, set=["simulation.duration=20.0"])
     log = (tmp_path / "run.mcap").read_bytes()
     _, begin, end = next(record for record in records_of(log) if record[0] == 0x06)
-    (tmp_path / "run.mcap").write_bytes(log[:begin] + log[end:])
+    _, data_end, _ = next(record for record in records_of(log) if record[0] == 0x0F)
+    no_crc = bytes(4)
+    (tmp_path / "run.mcap").write_bytes(log[:begin] + log[end:data_end + 9] + no_crc + log[data_end + 13:])
     with pytest.raises(RuntimeError, match="holds no samples of the first period"):
         sl.replay(tmp_path)
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -201,6 +202,29 @@ TEST(Mcap, EveryWrongByteIsFound) {
       ASSERT_NE(reader.error().find("wrong.mcap: "), std::string::npos);
     }
   }
+}
+
+TEST(Mcap, AFileWhoseWriterComputesNoCrcIsRead) {
+  const auto path = place("no_crc.mcap");
+  const RandomLog log = write_log(path, 3);
+  Bytes bytes = load(path);
+  constexpr std::size_t head = 9, magic = 8,
+                        chunk_crc = 24;  // of a record, of a file, and where it is in a chunk
+  const auto clear = [&](std::size_t at) {
+    std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), 4, std::byte{0});
+  };
+  clear(bytes.size() - magic - 4);
+  for (std::size_t at = magic; at < bytes.size() - magic;) {
+    std::uint64_t length = 0;
+    std::memcpy(&length, &bytes[at + 1], sizeof length);
+    if (bytes[at] == std::byte{0x06}) clear(at + head + chunk_crc);
+    if (bytes[at] == std::byte{0x0f}) clear(at + head);
+    at += head + length;
+  }
+  save(path, bytes);
+  McapReader reader(path);
+  EXPECT_EQ(read_log(reader).size(), log.messages.size()) << reader.error();
+  EXPECT_TRUE(reader.ok() && !reader.truncated());
 }
 
 TEST(Mcap, AWrongByteInAChunkHidesThatChunkAndNamesItsPlace) {

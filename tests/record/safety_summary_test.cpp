@@ -217,7 +217,7 @@ TEST(SafetySummary, AStartWithinTheHardDistanceIsJudgedLikeOneBeyondAWall) {
   EXPECT_EQ(flown(strict).first.at(0), "a came within 0.3 m of b at 0.00 s, d_hard is 0.5 m, for 0.22 s");
   EXPECT_TRUE(flown(meant_outside(strict)).first.empty());
   EXPECT_EQ(flown(meant_outside(strict)).second,
-            "a and b: 0.5 m at least, kept 0.5 m, outside at the start for 0.22 s, then kept");
+            "a and b: 0.57 m at least, kept 0.5 m, outside at the start for 0.22 s, then kept");
 }
 
 TEST(SafetySummary, OneThatCeasesToLandIsJudgedFromWhenItIsAboveTheFloor) {

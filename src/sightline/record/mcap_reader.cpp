@@ -71,6 +71,9 @@ class Cursor {
 };
 
 // The magic, or what is left of it in a file cut short.
+// Writers that compute none write 0.
+bool is_crc(std::uint32_t told, std::uint32_t crc) { return told == 0 || told == crc; }
+
 bool is_magic(Span bytes) {
   return bytes.size() <= magic.size() &&
          std::ranges::equal(bytes, std::as_bytes(std::span(magic)).first(bytes.size()));
@@ -162,7 +165,7 @@ bool McapReader::walk(const std::function<void(const McapMessage&)>& visitor) {
     if (!fetch(record.at, record_head + record.length, bytes)) return false;
     const Span content = bytes.subspan(record_head);
     if (record.kind == data_end && !in_summary_) {
-      if (record.length != 4 || Cursor(content).number<std::uint32_t>() != crc_) {
+      if (record.length != 4 || !is_crc(Cursor(content).number<std::uint32_t>(), crc_)) {
         fail(record.at, "the data end here does not match the CRC of the data before it");
         return false;
       }
@@ -172,8 +175,8 @@ bool McapReader::walk(const std::function<void(const McapMessage&)>& visitor) {
     }
     if (record.kind == footer) {
       const bool whole = in_summary_ && record.length == 20;
-      if (!whole ||
-          Cursor(content.last(4)).number<std::uint32_t>() != crc32_of(crc_, bytes.first(bytes.size() - 4))) {
+      if (!whole || !is_crc(Cursor(content.last(4)).number<std::uint32_t>(),
+                            crc32_of(crc_, bytes.first(bytes.size() - 4)))) {
         fail(record.at, "the footer here does not match the CRC of the summary before it");
         return false;
       }
@@ -308,7 +311,7 @@ bool McapReader::read_chunk(const Record& record, Span content,
   }
   chunk_.resize(length);
   const std::size_t got = ZSTD_decompress(chunk_.data(), chunk_.size(), compressed.data(), compressed.size());
-  if (ZSTD_isError(got) != 0 || got != length || crc32_of(0, chunk_) != crc) {
+  if (ZSTD_isError(got) != 0 || got != length || !is_crc(crc, crc32_of(0, chunk_))) {
     fail(record.at, "a chunk that does not match its CRC");
     return false;
   }

@@ -195,8 +195,7 @@ void SafetySummary::add_bound(Bound& bound, const Sample& sample,
   // One that ceases to land is on its way up.
   if (!bound.limit.counts()) return bound.limit.begin(sample.time, excess, start_outside_ || was_there);
   Extreme most{excess, sample.time};
-  if (motion_.moved(bound.robot) &&
-      excess + motion_.reach(bound.robot) > std::max(0.0, bound.limit.worst().value)) {
+  if (motion_.moved(bound.robot) && excess + motion_.reach(bound.robot) > bound.limit.worst().value) {
     const double limit = limit_along(bound);
     Extreme along{most.value + limit, most.time};
     const std::span<const Knot> knots = motion_.knots(bound.robot);

@@ -191,13 +191,13 @@ double Barrier::towards_plan(std::span<const double> x, const Sight<double>& sel
     return std::clamp(planned[k] + part * (u[k] - planned[k]), u_min[k], u_max[k]);
   };
   constexpr int halvings = 4;
-  double kept = 0.0, more = 0.5;
+  double share = 0.0, more = 0.5;
   for (int round = 0; round < halvings && leaves >= 0; ++round, more *= 0.5) {
-    for (std::size_t k = 0; k < u.size(); ++k) tried[k] = between(kept + more, k);
+    for (std::size_t k = 0; k < u.size(); ++k) tried[k] = between(share + more, k);
     const double then = left(std::span<const double>(tried).first(u.size()));
-    if (then >= 0) kept += more, leaves = then;
+    if (then >= 0) share += more, leaves = then;
   }
-  for (std::size_t k = 0; k < u.size(); ++k) u[k] = between(kept, k);
+  for (std::size_t k = 0; k < u.size(); ++k) u[k] = between(share, k);
   return leaves;
 }
 
