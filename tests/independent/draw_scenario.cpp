@@ -1,12 +1,28 @@
 // Draws scenarios of wide reach into a folder:  draw_scenario DIR FIRST COUNT
-// SEED.toml of each seed from FIRST on; a flight lasts 2 to 8 s.
+// SEED.toml of each seed from FIRST on; a flight lasts 2 to 8 s. Every second one that may says that it begins outside of its limits.
 #include <fmt/format.h>
 
 #include <cstdlib>
 #include <fstream>
 #include <string>
 
+#include "sightline/scenario/scenario.hpp"
 #include "tests/support/random_scenario.hpp"
+
+/// With safety.start_outside, or as it is where that is refused.
+static std::string begun_outside(const std::string& text) {
+  const std::string section = "[safety]\n";
+  const std::size_t at = text.find(section);
+  if (at == std::string::npos) return text;
+  std::string changed = text;
+  changed.insert(at + section.size(), "start_outside = true\n");
+  try {
+    (void)sightline::parse_scenario(changed, "drawn.toml");
+  } catch (const sightline::ScenarioError&) {
+    return text;
+  }
+  return changed;
+}
 
 int main(int argc, char** argv) {
   if (argc != 4) {
@@ -19,7 +35,9 @@ int main(int argc, char** argv) {
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
     const double duration = 2.0 + 0.5 * static_cast<double>(seed * 7 % 13);
     std::ofstream file(fmt::format("{}/{}.toml", folder, seed));
-    file << sightline::test::RandomScenario(seed, duration, sightline::test::Reach::wide).text();
+    const std::string text =
+        sightline::test::RandomScenario(seed, duration, sightline::test::Reach::wide).text();
+    file << (seed % 2 == 0 ? begun_outside(text) : text);
     if (!file.flush()) {
       fmt::print(stderr, "{}/{}.toml cannot be written\n", folder, seed);
       return 1;
