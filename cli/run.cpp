@@ -11,6 +11,7 @@
 #include "cli/output.hpp"
 #include "cli/partition.hpp"
 #include "cli/progress.hpp"
+#include "sightline/analysis/keys_without_effect.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/service_thread.hpp"
 #include "sightline/record/folder_lock.hpp"
@@ -172,6 +173,7 @@ int run(const RunOptions& options, const Parts& parts) {
     tell("{}\n", sentence_of(error));
     return 2;
   }
+  for (const std::string& sentence : keys_without_effect(scenario)) say("warning: " + sentence);
   outlive_the_terminal();
   SimulatedClock simulated;
   SteadyClock steady;

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "sightline/analysis/influence.hpp"
+#include "sightline/analysis/keys_without_effect.hpp"
 #include "sightline/analysis/observation.hpp"
 #include "sightline/analysis/potential_page.hpp"
 #include "sightline/analysis/starts.hpp"
@@ -153,6 +154,7 @@ Preflight preflight(const Scenario& scenario) {
       p.warnings.push_back(fmt::format("couple[{}] {}: {}", one.coupling, name, sentence));
   }
   append(p.warnings, warnings_of_starts(scenario));
+  append(p.warnings, keys_without_effect(scenario));
   append(p.warnings, limits_beyond_influence(scenario));
   append(p.warnings, robots_beyond_noise(scenario));
   std::vector<std::string> cycles;
