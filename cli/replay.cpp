@@ -89,7 +89,7 @@ int replay(const ReplayCommand& command, const Parts& parts) {
 
     Steering steering(scenario, flown, command.solver.has_value());
     const Controllers controllers = steering.controllers();
-    CommandComparison compared(flight, sized_sample(flight, controllers));
+    CommandComparison compared(flight, sized_sample(flight, controllers, steering.team_switcher()));
     ClosedLoop loop(scenario, flight, controllers, flight, compared, nullptr, steering.team_switcher());
     (void)loop.fly();
 

@@ -94,7 +94,7 @@ int view_flight(const ViewCommand& command, const Parts& parts, const ServeOptio
   PacedClock clock(command.speed.value_or(1.0), command.paused, stop);
   const Controls controls(scenario);
   const auto world = make_world(scenario);
-  const Sample prototype = sized_sample(*world, controls.controllers());
+  const Sample prototype = sized_sample(*world, controls.controllers(), controls.team_switcher());
   FlightPage page(scenario, prototype, options);
   UnloggedSink unlogged(prototype);
   ShownSink sink(unlogged, page);

@@ -66,7 +66,7 @@ std::string replay(const fs::path& folder, const std::optional<std::string>& sol
     RecordedFlight recorded(log, scenario.team, scenario.x0, scenario.horizon.dt, goals_of(scenario.fleet));
     const Controls controls(scenario);
     const Controllers controllers = controls.controllers();
-    CommandComparison compared(recorded, sized_sample(recorded, controllers));
+    CommandComparison compared(recorded, sized_sample(recorded, controllers, controls.team_switcher()));
     ClosedLoop loop(scenario, recorded, controllers, recorded, compared, nullptr, controls.team_switcher(),
                     &stop);
     (void)loop.fly();

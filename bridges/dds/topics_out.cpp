@@ -49,7 +49,7 @@ struct Moment {
   std::vector<FallbackLevel> levels;
   std::vector<PoseEstimate> estimates;  // of each body
   int event_count = 0;
-  std::array<Event, std::tuple_size_v<decltype(Sample::events)>> events{};
+  std::vector<Event> events{};
 };
 
 Moment sized_moment(const Scenario& scenario) {
@@ -57,6 +57,7 @@ Moment sized_moment(const Scenario& scenario) {
   m.x = scenario.x0;
   m.path.resize(size(scenario.horizon.N + 1) * m.x.size());
   m.levels.resize(size(scenario.team.bodies()), FallbackLevel::valid);
+  m.events.resize(64 + 4 * m.levels.size() + 4 * scenario.script.events.size());
   m.estimates.resize(size(scenario.team.bodies()));
   return m;
 }
@@ -488,8 +489,8 @@ void TopicsOut::show(const Sample& sample) noexcept {
   m->update_us = sample.update_us;
   copy_what_fits(sample.levels, m->levels);
   copy_what_fits(sample.estimates, m->estimates);
-  m->event_count = sample.event_count;
-  m->events = sample.events;
+  m->event_count = std::min(sample.event_count, static_cast<int>(m->events.size()));
+  std::copy_n(sample.events.begin(), m->event_count, m->events.begin());
   thread_->moments_.publish();
 }
 

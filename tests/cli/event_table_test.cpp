@@ -257,7 +257,7 @@ class Judge final : public Sink<Sample> {
       : scenario_(scenario),
         row_(row),
         team_switcher_(team_switcher),
-        sample_(sized_sample(scenario.team, controllers)),
+        sample_(sized_sample(scenario.team, controllers, team_switcher)),
         log_team_(scenario),
         summary_(scenario, controllers.size()) {}
 

@@ -43,12 +43,17 @@ class Judge:
         self.robots = {name: Robot(self.scenario["agent"][name]) for name in self.flight.robots}
         self.team = Team(self.scenario, self.flight, self.robots)
         self.vehicles = self.scenario.get("world", {}).get("kind", "model") != "model"
-        self.pieces = motions(self.flight, self.robots, self.vehicles)
+        self.pieces = motions(self.flight, self.robots, self.vehicles, self._jumps())
         self.simulation = self.scenario.get("simulation", {})
         self.begins_outside = self.scenario.get("safety", {}).get("start_outside", False)  # as the scenario means it
         self.verdict = Verdict()
         self.differences = []  # (claim, sentence)
         self.wrong_commands = 0
+
+    def _jumps(self):
+        """When a body is put elsewhere, as a hand that appears: {name: time}."""
+        bodies = {**self.scenario.get("target", {}), **self.scenario.get("obstacle", {})}
+        return {name: keys["motion"]["hand"].get("at", 0.0) for name, keys in bodies.items() if "hand" in keys.get("motion", {})}
 
     def differ(self, claim, sentence):
         if sum(1 for one, _ in self.differences if one == claim) < 5:

@@ -176,8 +176,9 @@ def _hermite(body, piece, after):
     return (2 * s**3 - 3 * s**2 + 1) * p0 + (s**3 - 2 * s**2 + s) * v0 + (3 * s**2 - 2 * s**3) * p1 + (s**3 - s**2) * v1
 
 
-def motions(flight, robots, vehicles):
-    """Pieces of the whole flight. `vehicles`: whether the world moves robots by other dynamics than their models'."""
+def motions(flight, robots, vehicles, jumps):
+    """Pieces of the whole flight. `vehicles`: whether the world moves robots by other dynamics than their models'; `jumps`: when a body is
+    put elsewhere."""
     steps = flight.steps
     last = np.append(np.diff(steps), 1)
     # Between commands, as in periods that were missed, the one before is in force. After the last one the motion goes on for a
@@ -194,6 +195,8 @@ def motions(flight, robots, vehicles):
         for name, body in flight.bodies.items():
             there = body.there[piece.first]
             stays = there & logged & body.there[after]
+            if name in jumps:
+                stays &= (jumps[name] < flight.times[piece.first] - 1e-9) | (jumps[name] > flight.times[after] + 1e-9)
             p0, p1 = body.p[piece.first], body.p[after]
             straight = p0[:, None, :] + piece.at[None, :, None] * np.where(stays[:, None], p1 - p0, piece.span * np.nan_to_num(body.v[piece.first]))[:, None, :]
             err = np.zeros(len(piece.first))

@@ -76,17 +76,40 @@ TEST(Bearing, StraightBehindTheTurnIsToTheLeftAndWithoutTiltThereIsNone) {
   }
 }
 
+TEST(Bearing, AHalfAngleBeyondAQuarterTurnLeavesOutACone) {
+  Random random(5);
+  for (int k = 0; k < 1000; ++k) {
+    const double alpha = uniform(random, pi / 2, pi), off = uniform(random, 0, pi),
+                 roll = uniform(random, -pi, pi);
+    const Bearing wide = {.alpha = alpha, .mount = {.pitch = 0.0, .offset = 0.0}};
+    const Vec3<double> p = {std::cos(off), std::sin(off) * std::cos(roll), std::sin(off) * std::sin(roll)};
+    const Sight<double> observer = {{{}, {1.0, 0.0}}, {}}, target = {{p, {1.0, 0.0}}, {}};
+    EXPECT_NEAR(wide.violation(observer, target), off - alpha, 1e-7);
+  }
+}
+
+TEST(Bearing, ASensorThatLooksStraightDownSeesWhatIsBelow) {
+  const Bearing down = {.alpha = 0.3, .mount = {.pitch = pi / 2, .offset = 0.0}};
+  const Sight<double> observer = {{{0, 0, 2}, {0.6, 0.8}}, {}};
+  const auto seen = [&](const Vec3<double>& p) { return down.violation(observer, {{p, {1.0, 0.0}}, {}}); };
+  EXPECT_NEAR(seen({0, 0, 0}), -0.3, 1e-7);
+  EXPECT_NEAR(seen({0.2, 0, 0}), std::atan2(0.2, 2.0) - 0.3, 1e-12);
+  EXPECT_NEAR(seen({0, 0, 3}), pi - 0.3, 1e-7);
+}
+
 TEST(Bearing, ParametersOutOfRangeAreRefusedByName) {
   const auto refusal = [](Bearing bearing) { return refusal_of([&] { bearing.check(); }); };
-  for (const double alpha : {0.0, -0.1, 1.6})
-    EXPECT_EQ(refusal({.alpha = alpha}), fmt::format("bearing.alpha = {}, expected in (0, pi/2) rad", alpha));
+  for (const double alpha : {0.0, -0.1, 3.15})
+    EXPECT_EQ(refusal({.alpha = alpha}), fmt::format("bearing.alpha = {}, expected in (0, pi] rad", alpha));
+  for (const double alpha : {1.6, 1.66, 3.14, pi}) EXPECT_EQ(refusal({.alpha = alpha}), "");
   for (const double width : {0.0, -0.1, infinite})
     EXPECT_EQ(refusal({.width = width}), fmt::format("bearing.width = {}, expected > 0 m", width));
   for (const double tilt : {-0.01, 0.21, not_a_number})
     EXPECT_EQ(refusal({.tilt = tilt}), fmt::format("bearing.tilt = {}, expected in [0, 0.2] rad", tilt));
-  EXPECT_EQ(refusal({.mount = {.pitch = 1.6}}), "bearing.mount.pitch = 1.6, expected in (-pi/2, pi/2) rad");
+  EXPECT_EQ(refusal({.mount = {.pitch = 1.6}}), "bearing.mount.pitch = 1.6, expected in [-pi/2, pi/2] rad");
   EXPECT_EQ(refusal({.mount = {.offset = not_a_number}}),
             "bearing.mount.offset = nan, expected a finite length, m");
+  for (const double straight : {-pi / 2, pi / 2}) EXPECT_EQ(refusal({.mount = {.pitch = straight}}), "");
   EXPECT_EQ(refusal({.tilt = 0}), "");
   EXPECT_EQ(refusal({}), "");
 }

@@ -48,6 +48,25 @@ TEST(SpeedLimit, AMaximumThatIsNotPositiveIsRefused) {
   for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
     EXPECT_THAT(refusal_of([&] { Limit(SpeedLimit{bad}); }), HasSubstr("speed.max = "));
   EXPECT_EQ(refusal_of([] { Limit(SpeedLimit{0.5}); }), "");
+  EXPECT_THAT(refusal_of([] { Limit(SpeedLimit{.max = 0.5, .min = 0.5}); }),
+              HasSubstr("speed.min = 0.5, expected below max"));
+  EXPECT_THAT(refusal_of([] { Limit(SpeedLimit{.max = 0.5, .min = -0.1}); }),
+              HasSubstr("speed.min = -0.1, expected >= 0"));
+}
+
+TEST(SpeedLimit, ALeastSpeedIsKeptAsAGreatestIs) {
+  Random random(3);
+  const Model model = PointMass{};
+  for (int k = 0; k < 10'000; ++k) {
+    const double max = uniform(random, 1, 20), min = uniform(random, 0.1, 0.9) * max;
+    const double psi = uniform(random, -3, 3), speed = uniform(random, 0, 1.5 * max);
+    const std::array<double, 6> x = {1, 2, 3, speed * std::cos(psi), speed * std::sin(psi), 5};
+    const auto u = uniform_array<3>(random, -1, 1);
+    const Limit limit = SpeedLimit{max, min};
+    const double c = limit(model.sight(x.data(), u.data()), x, u);
+    EXPECT_EQ(c <= 0, speed >= min && speed <= max) << speed << " of " << min << " to " << max;
+    EXPECT_GE(c, -1);
+  }
 }
 
 TEST(InputDisc, ParametersOutOfRangeAreRefused) {

@@ -93,7 +93,7 @@ TEST(SensorCone, ParametersOutOfRangeAreRefusedByName) {
   EXPECT_EQ(refusal({.kappa_G = infinite}), "sensor_cone.kappa_G = inf, expected >= 0 1/m^2");
   EXPECT_EQ(refusal({.kappa_A = 0}), "sensor_cone.kappa_A = 0, expected > 0 1/m^2");
   EXPECT_EQ(refusal({.mount = {.pitch = 1.6}}),
-            "sensor_cone.mount.pitch = 1.6, expected in (-pi/2, pi/2) rad");
+            "sensor_cone.mount.pitch = 1.6, expected in [-pi/2, pi/2] rad");
   EXPECT_EQ(refusal({.mount = {.offset = not_a_number}}),
             "sensor_cone.mount.offset = nan, expected a finite length, m");
   EXPECT_EQ(refusal({}), "");

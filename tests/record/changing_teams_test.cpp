@@ -42,7 +42,7 @@ class ChangingFlight final : public Sink<Sample> {
   explicit ChangingFlight(const std::string& text)
       : scenario(parse_scenario(text, "changing.toml")),
         controls_(scenario),
-        sample_(sized_sample(scenario.team, controls_.controllers())),
+        sample_(sized_sample(scenario.team, controls_.controllers(), controls_.team_switcher())),
         summary(scenario, 1) {
     SimulatedClock clock;
     const auto world = make_world(scenario);

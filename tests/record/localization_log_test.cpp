@@ -26,7 +26,7 @@ struct LocalizedLog {
     const Controls controls(scenario);
     const auto world = make_world(scenario);
     Ring<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
-                      sized_sample(*world, controls.controllers()));
+                      sized_sample(*world, controls.controllers(), controls.team_switcher()));
     SimulatedClock clock;
     ClosedLoop loop(scenario, *world, controls.controllers(), clock, ring, nullptr, controls.team_switcher());
     (void)loop.fly();
@@ -43,7 +43,7 @@ struct LocalizedLog {
 
 CommandComparison compared_with(const LocalizedLog& log, RecordedFlight& flight) {
   const Controls controls(log.scenario);
-  CommandComparison compared(flight, sized_sample(flight, controls.controllers()));
+  CommandComparison compared(flight, sized_sample(flight, controls.controllers(), controls.team_switcher()));
   ClosedLoop loop(log.scenario, flight, controls.controllers(), flight, compared, nullptr,
                   controls.team_switcher());
   (void)loop.fly();

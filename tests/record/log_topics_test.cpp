@@ -45,7 +45,7 @@ TEST(LogTopics, WhoeverIsToldTheSamplesOfALogGetsItsMessagesByteForByte) {
   const auto folder = test::fresh_folder();
   const Controls controls(scenario);
   const auto world = make_world(scenario);
-  Ring<Sample> ring(64, sized_sample(*world, controls.controllers()));
+  Ring<Sample> ring(64, sized_sample(*world, controls.controllers(), controls.team_switcher()));
   KeptSamples kept(ring);
   SimulatedClock clock;
   Log log(scenario, folder, controls.controllers(), ring);
@@ -90,7 +90,7 @@ TEST(LogTopics, TheFirstSampleOfEachTenthOfASecondIsTold) {
   const Scenario scenario = test::scenario_of(test::view_scenario);
   const Controls controls(scenario);
   const auto world = make_world(scenario);
-  Sample sample = sized_sample(*world, controls.controllers());
+  Sample sample = sized_sample(*world, controls.controllers(), controls.team_switcher());
   KeepingSink sink;
   LogTopics topics(scenario, controls.controllers().size(), sink);
   PresentTeam present(scenario);

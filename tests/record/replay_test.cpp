@@ -25,7 +25,7 @@ struct ReplayedFlight {
     scenario.simulation.duration = duration;
     const Controls controls(scenario);
     Ring<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
-                      sized_sample(scenario.team, controls.controllers()));
+                      sized_sample(scenario.team, controls.controllers(), controls.team_switcher()));
     const auto world = make_world(scenario);
     ClosedLoop loop(scenario, *world, controls.controllers(), clock, ring, nullptr, controls.team_switcher());
     (void)loop.fly();
@@ -43,7 +43,8 @@ struct ReplayedFlight {
 /// The flight again, under a scenario's solver.
 CommandComparison again(const Scenario& scenario, RecordedFlight& flight) {
   const Controls controls(scenario);
-  CommandComparison compared(flight, sized_sample(scenario.team, controls.controllers()));
+  CommandComparison compared(flight,
+                             sized_sample(scenario.team, controls.controllers(), controls.team_switcher()));
   ClosedLoop loop(scenario, flight, controls.controllers(), flight, compared, nullptr,
                   controls.team_switcher());
   (void)loop.fly();
@@ -119,7 +120,8 @@ TEST(Replay, TellsTheFirstCommandThatDiffersAndHowFar) {
   const ReplayedFlight flown("cooperative_localization", 5.0, clock);
   RecordedFlight flight = flown.flight();
   const Controls controls(flown.scenario);
-  CommandComparison compared(flight, sized_sample(flown.scenario.team, controls.controllers()));
+  CommandComparison compared(
+      flight, sized_sample(flown.scenario.team, controls.controllers(), controls.team_switcher()));
   for (const RecordedPeriod& period : flight.periods()) {
     Sample* sample = compared.claim();
     sample->time = period.time;

@@ -71,7 +71,7 @@ TEST(TunedLog, ATunedFlightIsFlownAgainFromItsLogWithTheSameCommands) {
   EXPECT_EQ(again.script.events.back().name, "heavier");
   RecordedFlight flight(log, again.team, again.x0, again.horizon.dt, {});
   const Controls controls(again);
-  CommandComparison compared(flight, sized_sample(flight, controls.controllers()));
+  CommandComparison compared(flight, sized_sample(flight, controls.controllers(), controls.team_switcher()));
   (void)ClosedLoop(again, flight, controls.controllers(), flight, compared, nullptr, controls.team_switcher())
       .fly();
   EXPECT_EQ(compared.updates(), 100);

@@ -82,6 +82,48 @@ TEST(ClosedLoop, ASinkWithoutARingSeesTheSamplesOfTheRing) {
   EXPECT_EQ(flown(flight, *another), bytes);
 }
 
+/// What changes the team, and how late the sample that says so is [s].
+class EventDelays final : public Sink<Sample> {
+ public:
+  explicit EventDelays(Sample sample) : sample_(std::move(sample)) {}
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override {
+    for (const Event& event :
+         std::span(sample_.events).first(static_cast<std::size_t>(sample_.event_count))) {
+      if (event.kind != EventKind::event_in_force) continue;
+      ++in_force;
+      latest = std::max(latest, sample_.time - event.time);
+    }
+  }
+  void close() noexcept override {}
+
+  int in_force = 0;
+  double latest = 0.0;
+
+ private:
+  Sample sample_;
+};
+
+TEST(ClosedLoop, TheFirstSampleOfANewTeamSaysSoHoweverManyEventsItsPeriodHas) {
+  constexpr int many = 120;
+  std::string text = "[horizon]\nperiod = 0.1\n[simulation]\nduration = 1.0\n";
+  for (int i = 0; i < 4; ++i)
+    text += fmt::format("[agent.r{0}]\nrobot = \"point_mass\"\nstart = {{ p = [{0}.0, 0.0, 1.0] }}\n", i);
+  for (int i = 0; i < many; ++i)
+    text += fmt::format("[[event]]\nat = 0.4\nretune = {{ agent = \"r{}\", R = [1.0, 1.0, {}.0] }}\n", i % 4,
+                        i + 1);
+  text += "[[simulation.fault]]\nkind = \"nan\"\nfrom = 0.3\n[safety]\n[safety.supervisor]\n";
+  const Scenario flight = parse_scenario(text, "many.toml");
+  const Controls controls(flight);
+  SimulatedClock clock;
+  EventDelays sink(sized_sample(flight.team, controls.controllers(), controls.team_switcher()));
+  ClosedLoop(flight, *make_world(flight), controls.controllers(), clock, sink, nullptr,
+             controls.team_switcher())
+      .fly();
+  EXPECT_GT(sink.in_force, 8);
+  EXPECT_EQ(sink.latest, 0.0);
+}
+
 // Whatever a solver flew before: restarted, it flies as a new one, bit for bit.
 TEST(ClosedLoop, ARestartedSolverFliesAsANewOne) {
   for (const std::string name : {"cooperative_localization", "paper_7_1", "paper_7_1_joint"}) {

@@ -183,6 +183,39 @@ TEST(Scenario, a_start_gives_each_robot_the_velocity_and_the_height_it_has_as_st
             (std::vector<double>{1, 2, 3, 1, 0, 0.5, -0.25, 0, 0}));
 }
 
+constexpr const char* plane = R"toml(
+[agent.plane.robot.text]
+states = ["x", "y", "z", "turned", "airspeed"]
+inputs = ["thrust", "bank", "climb"]
+position = ["x", "y", "z"]
+heading = "turned"
+f.x = "airspeed*cos(turned)"
+f.y = "airspeed*sin(turned)"
+f.z = "climb"
+f.turned = "9.81*tan(bank)/airspeed"
+f.airspeed = "2*thrust"
+[agent.plane]
+)toml";
+
+TEST(Scenario, a_robot_whose_rates_are_not_finite_at_rest_starts_with_its_speed) {
+  const auto start = [](const std::string& line) { return parse_scenario(plane + line + "\n", "a.toml").x0; };
+  const std::vector<double> flies = {0, -60, 40, 0.5, 12};
+  EXPECT_EQ(start("start = { p = [0.0, -60.0, 40.0], heading = 0.5, v = [12.0, 0.0] }"), flies);
+  EXPECT_EQ(start("start = { state = [0.0, -60.0, 40.0, 0.5, 12.0] }"), flies);
+  EXPECT_THAT(scenario_refusal(plane + std::string("start = { p = [0.0, -60.0, 40.0] }\n")),
+              HasSubstr("start.state gives every state of a robot"));
+}
+
+TEST(Scenario, a_start_of_every_state_is_that_state) {
+  const std::vector<double> x = {1, 2, 3, 0.6, 0.8, 0.25, -0.5, 0.125, 0.0625};
+  EXPECT_EQ(parse_scenario(
+                "[agent.a]\nrobot = \"velocity_multirotor\"\nstart = { state = [1, 2, 3, 0.6, 0.8, 0.25, "
+                "-0.5, 0.125, 0.0625] }\n",
+                "a.toml")
+                .x0,
+            x);
+}
+
 TEST(Scenario, who_feels_a_coupling_defaults_to_all_robots_between) {
   const Scenario s =
       parse_scenario(robots(2) +

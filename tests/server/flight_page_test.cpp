@@ -32,7 +32,7 @@ struct ShownFlight {
   PacedClock clock{1.0, false, stop};
   Controls controls{scenario};
   std::unique_ptr<World> world = make_world(scenario);
-  Sample sample = sized_sample(*world, controls.controllers());
+  Sample sample = sized_sample(*world, controls.controllers(), controls.team_switcher());
   FlightPage page{scenario, sample};
 
   std::uint16_t port() const {

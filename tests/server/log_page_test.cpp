@@ -28,7 +28,7 @@ fs::path logged_flight(const Scenario& scenario) {
   const fs::path folder = test::fresh_folder();
   const Controls controls(scenario);
   const auto world = make_world(scenario);
-  Sample prototype = sized_sample(*world, controls.controllers());
+  Sample prototype = sized_sample(*world, controls.controllers(), controls.team_switcher());
   make_room_for_plans(scenario, prototype);
   Ring<Sample> ring(64, prototype);
   SimulatedClock clock;

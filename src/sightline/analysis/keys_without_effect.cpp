@@ -14,30 +14,22 @@
 namespace sightline {
 namespace {
 
-/// What the bodies of a scenario can take up.
+/// What the robots of a scenario can take up.
 struct Takers {
-  int pushed = 0;  // robots that an acceleration moves
-  bool yaws = false, rolls = false, climbs = false;
-  bool turns = false, robot_turns = false;    // a measured heading, of any body and of a robot
-  bool speeds = false, robot_speeds = false;  // a measured velocity
+  int pushed = 0;  // whom an acceleration moves
+  bool yaws = false, rolls = false, climbs = false, turns = false;
 };
 
 Takers takers_of(const Scenario& scenario) {
   Takers all;
   const Team& team = scenario.team;
-  for (int i = 0; i < team.bodies(); ++i) {
-    const BodyId body{i};
-    const Model& model = team.model(body);
-    const StateRoles roles = roles_of(model);
-    all.turns = all.turns || roles.has_heading();
-    all.speeds = all.speeds || !roles.velocities.empty();
-    if (!team.is_agent(body)) continue;
-    all.pushed += vehicle_of(scenario, body) != nullptr || takes_push(model) ? 1 : 0;
+  for (const Agent& agent : team.agents()) {
+    const Model& model = agent.model;
+    all.pushed += vehicle_of(scenario, team.find(agent.name)) != nullptr || takes_push(model) ? 1 : 0;
     all.yaws = all.yaws || yaw_input(model) >= 0;
     all.rolls = all.rolls || model.rolls();
     all.climbs = all.climbs || has_height(model);
-    all.robot_turns = all.robot_turns || roles.has_heading();
-    all.robot_speeds = all.robot_speeds || !roles.velocities.empty();
+    all.turns = all.turns || model.turns();
   }
   return all;
 }
@@ -54,24 +46,17 @@ void look_at_disturbances(const Scenario& scenario, const Takers& takers, Senten
   const Disturbances& d = scenario.simulation.disturbances;
   const std::string at = "simulation.disturbance.";
   constexpr std::string_view no_push = "no robot has an acceleration of G in the rate of a state",
-                             no_heading = "no body has a heading among its states",
-                             no_robot_heading = "no robot has a heading among its states",
-                             no_velocity = "no body has a velocity among its states",
-                             no_robot_velocity = "no robot has a velocity among its states";
+                             no_heading = "no robot turns";
   const bool any = takers.pushed > 0;
   to.add(norm(d.wind) > 0, any, at + "wind", no_push);
   to.add(d.gust_sigma > 0, any, at + "gust", no_push);
-  to.add(d.airflow.amplitude > 0, takers.pushed > 0 && scenario.team.agents().size() > 1, at + "airflow",
-         takers.pushed > 0 ? "one robot alone is in nobody's wake" : no_push);
+  to.add(d.airflow.amplitude > 0, any && scenario.team.agents().size() > 1, at + "airflow",
+         any ? "one robot alone is in nobody's wake" : no_push);
   to.add(d.yaw_lag > 0, takers.yaws, at + "yaw_lag", "no robot has one input that turns it");
   to.add(d.slip > 0, takers.rolls, at + "slip", "no robot has wheels");
   to.add(d.noise.heading > 0, takers.turns, at + "noise.heading", no_heading);
-  to.add(d.noise.velocity > 0, takers.speeds, at + "noise.velocity", no_velocity);
-  const Odometry& o = d.odometry;
-  to.add(o.heading_bias > 0 || o.heading_walk > 0, takers.robot_turns,
-         at + "odometry.heading_bias, heading_walk", no_robot_heading);
-  to.add(o.velocity_bias > 0 || o.velocity_walk > 0 || o.velocity_scale > 0, takers.robot_speeds,
-         at + "odometry.velocity_bias, velocity_walk, velocity_scale", no_robot_velocity);
+  to.add(d.odometry.heading_bias > 0 || d.odometry.heading_walk > 0, takers.turns,
+         at + "odometry.heading_bias, heading_walk", no_heading);
   for (const TeamEvent& event : scenario.script.events) {
     const bool blows = std::any_of(event.actions.begin(), event.actions.end(), [](const Action& action) {
       return std::holds_alternative<SetWind>(action);

@@ -260,8 +260,10 @@ class Pictures {
     if (mount_ == nullptr) {
       drawing.panels.push_back(picture(potential_, 0.0, "plane z = 0"));
     } else {
-      constexpr double ahead = 1.5;
-      const double below = -ahead * std::tan(mount_->pitch);
+      // The axis meets the plane 1.5 m ahead, or as far above or below where it is steeper.
+      constexpr double far = 1.5;
+      const double slope = std::tan(mount_->pitch), ahead = far / std::max(1.0, std::abs(slope)),
+                   below = -std::clamp(far * slope, -far, far);
       drawing.panels.push_back(
           picture(potential_.seen_from({0.0, mount_->offset}), 0.0, "plane z = 0, sensor level (β = 0)"));
       drawing.panels.push_back(

@@ -86,7 +86,7 @@ RunResult Pilot::fly(const RunDraw& run) {
   const Controllers controllers = controls.controllers();
   SimulatedClock clock;
   const auto world = make_world(scenario);
-  Judge judge(scenario, plan_, sized_sample(*world, controllers));
+  Judge judge(scenario, plan_, sized_sample(*world, controllers, controls.team_switcher()));
   ClosedLoop loop(scenario, *world, controllers, clock, judge, nullptr, controls.team_switcher());
   const LoopOutcome outcome = loop.fly();
   return judge.result(outcome, outcome.finite ? std::string() : world->ended());

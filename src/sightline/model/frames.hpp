@@ -68,7 +68,7 @@ inline constexpr std::array<std::string_view, 2> mount_frames = {"level", "body"
 ///
 ///   x_B ~ (1, 0, -xi_f),   y_B ~ (-xi_f xi_s, 1 + xi_f^2, -xi_s),   z_B ~ (xi_f, xi_s, 1)
 struct SensorMount {
-  double pitch = 0.5;                    ///< beta [rad], in (-pi/2, pi/2)
+  double pitch = 0.5;                    ///< beta [rad], in [-pi/2, pi/2]
   double offset = 0.17;                  ///< d_s [m], lever arm along x of V or B
   MountFrame frame = MountFrame::level;  ///< whose pitch and offset these are
   double sigmas = 0.0;  ///< standard deviations of Sight::doubt by which what it looks at may be off, >= 0

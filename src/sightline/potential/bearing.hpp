@@ -32,10 +32,10 @@ struct Bearing {
   static constexpr bool watches = true, keeps_apart = false;
   static constexpr std::string_view limit_unit = "rad";
   static constexpr auto parameters() {
-    constexpr Bounds small = {0.0, 0.2, "in [0, 0.2]"};
+    constexpr Bounds small = {0.0, 0.2, "in [0, 0.2]"},
+                     half = {std::numeric_limits<double>::min(), 3.1416, "in (0, pi]"};
     return std::tuple{
-        parameter("alpha", &Bearing::alpha, "rad", acute_angle,
-                  "angle up to which the target counts as in view"),
+        parameter("alpha", &Bearing::alpha, "rad", half, "angle up to which the target counts as in view"),
         parameter("width", &Bearing::width, "m", above_zero, "nearer than this to the sensor l is smoothed"),
         parameter("tilt", &Bearing::tilt, "rad", small, "to the left, of the axis with the target behind")};
   }

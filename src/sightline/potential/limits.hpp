@@ -1,4 +1,4 @@
-/// Limits that many robots have, ready for a RelaxedBarrier. Each is scaled so that c is -1 at rest.
+/// Limits that many robots have, ready for a RelaxedBarrier. Each is scaled so that c is -1 farthest from its borders.
 #pragma once
 
 #include <algorithm>
@@ -7,24 +7,33 @@
 
 namespace sightline {
 
-/// Keeps the horizontal speed of a robot in G below a maximum, v_x^2 + v_y^2 <= max^2.
+/// Keeps the horizontal speed v of a robot in G between two bounds, min^2 <= v^2 = v_x^2 + v_y^2 <= max^2.
 ///
-///   c = (v_x^2 + v_y^2) / max^2 - 1
+///   c = v^2 / max^2 - 1                                              min = 0
+///   c = ((2 v^2 - max^2 - min^2) / (max^2 - min^2))^2 - 1            min > 0, as what flies by its wings needs it
 ///
-/// Of a multirotor that is v_f^2 + v_s^2 <= max^2.
+/// Of a multirotor v^2 is v_f^2 + v_s^2.
 struct SpeedLimit {
   double max = 1.0;
+  double min = 0.0;
 
   static constexpr std::string_view name = "speed";
   static constexpr auto parameters() {
-    return std::tuple{parameter("max", &SpeedLimit::max, "m/s", above_zero, "greatest horizontal speed")};
+    return std::tuple{parameter("max", &SpeedLimit::max, "m/s", above_zero, "greatest horizontal speed"),
+                      parameter("min", &SpeedLimit::min, "m/s", from_zero, "least, below max")};
   }
   /// @throws std::invalid_argument naming the field, its value and its range
-  void check() const { check_parameters(*this); }
+  void check() const {
+    check_parameters(*this);
+    require(min < max, name, "min", min, "below max");
+  }
 
   template <class S>
   S operator()(const Sight<S>& robot) const {
-    return (square(robot.v.x) + square(robot.v.y)) * (1.0 / square(max)) - 1.0;
+    const S v2 = square(robot.v.x) + square(robot.v.y);
+    if (min == 0) return v2 * (1.0 / square(max)) - 1.0;
+    const double low = square(min), high = square(max);
+    return square((2.0 * v2 - (high + low)) * (1.0 / (high - low))) - 1.0;
   }
 };
 

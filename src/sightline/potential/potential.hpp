@@ -47,7 +47,11 @@ void require(bool holds, std::string_view potential, std::string_view field, dou
 /// The angles of a field of view.
 inline constexpr Bounds acute_angle = {std::numeric_limits<double>::min(), half_pi*(1 - 1e-16),
                                        "in (0, pi/2)"};
-/// @throws std::invalid_argument unless the pitch is in (-pi/2, pi/2) rad, the offset finite and `sigmas` >= 0
+/// Greatest pitch of a sensor [rad]: straight down, pi/2 rounded up to four digits.
+inline constexpr double steepest_mount = 1.5708;
+inline constexpr std::string_view mount_pitches = "in [-pi/2, pi/2] rad";
+
+/// @throws std::invalid_argument unless |pitch| <= steepest_mount, the offset is finite and `sigmas` >= 0
 void check_mount(std::string_view potential, const SensorMount& mount);
 
 /// Corners of a potential that are rounded off, over a width in the unit of what has them.

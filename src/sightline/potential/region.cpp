@@ -194,8 +194,7 @@ Region Region::named(std::string name) const {
 void Region::check() const {
   require(kappa_A_ > 0, name_, "kappa_A", kappa_A_, "> 0");
   require(width_ > 0, name_, "smooth", width_, "> 0");
-  require(std::fabs(mount_.pitch) < half_pi, name_, "mount.pitch", mount_.pitch, "in (-pi/2, pi/2) rad");
-  require(std::isfinite(mount_.offset), name_, "mount.offset", mount_.offset, "a finite length, m");
+  check_mount(name_, mount_);
   if (const auto* quadratic = std::get_if<Quadratic>(&slope_)) {
     require(quadratic->kappa_G >= 0, name_, "slope.kappa_G", quadratic->kappa_G, ">= 0");
     require(quadratic->kappa_H > 0, name_, "slope.kappa_H", quadratic->kappa_H, "> 0");

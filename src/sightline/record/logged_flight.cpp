@@ -60,7 +60,7 @@ LoggedFlight fly_logged(const Scenario& scenario, const std::filesystem::path& f
                         const Controllers& controllers, const FlightOptions& options) {
   const auto simulated = options.world == nullptr ? make_world(scenario) : nullptr;
   World& world = options.world == nullptr ? *simulated : *options.world;
-  Sample prototype = sized_sample(world, controllers);
+  Sample prototype = sized_sample(world, controllers, options.team_switcher);
   make_room_for_plans(scenario, prototype);
   const std::size_t capacity = ring_capacity(prototype);
   Ring<Sample> ring(capacity, prototype, capacity / 2);

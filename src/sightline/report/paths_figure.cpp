@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <set>
 #include <utility>
 
@@ -45,14 +46,15 @@ std::size_t last_of(const Recording::Body& body) {
 }
 
 /// Where a cone of half angle alpha, pitched by beta, sees: its shadow on the ground is a sector of half angle
-/// asin(sin alpha / cos beta). The robot stands upright.
+/// asin(sin alpha / cos beta), or all around where it holds what is straight below or above. The robot stands upright.
 Curve footprint(const Recording& r, const Recording::Pair& pair) {
   const Recording::Body& body = r.bodies[pair.observer];
   Curve edge{"", pair.observer % Drawing::colours, Mark::dashed, {}, {}};
   const std::size_t end = std::min(last_of(body), body.heading.size());
   if (end == 0 || !std::isfinite(pair.alpha)) return edge;
   const double psi = body.heading[end - 1], reach = std::isfinite(pair.d_max) ? pair.d_max : footprint_max;
-  const double half = std::asin(std::min(1.0, std::sin(pair.alpha) / std::cos(pair.mount.pitch)));
+  const double beta = std::abs(pair.mount.pitch), pi = std::numbers::pi;
+  const double half = pair.alpha + beta < pi / 2 ? std::asin(std::sin(pair.alpha) / std::cos(beta)) : pi;
   const double x = body.p[end - 1].x + pair.mount.offset * std::cos(psi),
                y = body.p[end - 1].y + pair.mount.offset * std::sin(psi);
   const auto corner = [&](double angle, double length) {

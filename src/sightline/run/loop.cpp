@@ -45,8 +45,8 @@ std::vector<Presence> everybody(const Team& team) {
 
 }  // namespace
 
-Sample sized_sample(const World& world, const Controllers& controllers) {
-  Sample sample = sized_sample(world.team(), controllers);
+Sample sized_sample(const World& world, const Controllers& controllers, const TeamSwitcher* team_switcher) {
+  Sample sample = sized_sample(world.team(), controllers, team_switcher);
   const MeasuredMost most = world.measured_max();
   sample.detections.resize(most.detections);
   sample.motions.resize(most.motions);
@@ -56,7 +56,7 @@ Sample sized_sample(const World& world, const Controllers& controllers) {
   return sample;
 }
 
-Sample sized_sample(const Team& team, const Controllers& controllers) {
+Sample sized_sample(const Team& team, const Controllers& controllers, const TeamSwitcher* team_switcher) {
   const std::size_t nx = size(team.nx()), nu = size(team.nu());
   const Horizon horizon = controllers.empty() ? Horizon{} : longest_horizon(controllers);
   Sample sample;
@@ -72,6 +72,8 @@ Sample sized_sample(const Team& team, const Controllers& controllers) {
   sample.levels.resize(sample.presence.size());
   sample.path.resize(size(horizon.N + 1) * nx);
   sample.path_step = horizon.h();
+  sample.events.resize(16 + 4 * sample.presence.size() +
+                       (team_switcher != nullptr ? team_switcher->events_max() : 0));
   return sample;
 }
 
@@ -96,7 +98,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
       plan_ages_(planned_at_.size()),
       ages_(planned_at_.size()),
       plan_(u_.size()),
-      spare_(sized_sample(world, controllers)) {
+      spare_(sized_sample(world, controllers, options.team_switcher)) {
   told_ = options_.compensation != nullptr;
   for (const Agent& agent : world.team().agents()) told_ |= !agent.rate_max.empty() || !agent.R_rate.empty();
   for (const LatePlan& late : options_.late_plans) late.check();
@@ -130,12 +132,12 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
       item->solvers.size() != spare_.solvers.size() || item->barriers.size() != spare_.barriers.size() ||
       item->levels.size() != spare_.levels.size() || item->detections.size() != spare_.detections.size() ||
       item->motions.size() != spare_.motions.size() || item->broadcasts.size() != spare_.broadcasts.size() ||
-      item->fits.size() != spare_.fits.size() || item->estimates.size() != spare_.estimates.size()) {
+      item->fits.size() != spare_.fits.size() || item->estimates.size() != spare_.estimates.size() ||
+      item->events.size() < spare_.events.size()) {
     refuse(
         "the sink's samples are not of this loop's size, expected room in it for copies of sized_sample()");
   }
-  events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size() + 4 * planned_at_.size() +
-                  (options_.team_switcher != nullptr ? options_.team_switcher->events_max() : 0));
+  events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size() + spare_.events.size());
 
   // Before any good command the robots hold their u*, within their limits.
   for (int i = 0; i < world.team().bodies(); ++i) gate_.rest(BodyId{i}, 0.0, u_);

@@ -65,9 +65,12 @@ struct LoopOutcome {
 };
 
 /// A sample with all its vectors sized for a loop: the prototype of its sink's items.
-Sample sized_sample(const World& world, const Controllers& controllers);
+/// @param team_switcher  of the loop, which changes the team
+Sample sized_sample(const World& world, const Controllers& controllers,
+                    const TeamSwitcher* team_switcher = nullptr);
 /// In a world of that team that measures states alone.
-Sample sized_sample(const Team& team, const Controllers& controllers);
+Sample sized_sample(const Team& team, const Controllers& controllers,
+                    const TeamSwitcher* team_switcher = nullptr);
 
 /// Runs controllers in a world.
 ///

@@ -80,8 +80,12 @@ void Loop::show_end(double t) noexcept {
   sink_.publish();
 }
 
-/// Hands events over with a sample; what does not fit waits for the next one.
+/// Hands events over with a sample; what does not fit waits for the next one. What changes the team never waits: its sample is the
+/// first of the new team.
 void Loop::move_events(Sample& sample) noexcept {
+  for (std::size_t first = 0, k = 0; events_.size() > sample.events.size() && k < events_.size(); ++k) {
+    if (events_[k].kind == EventKind::event_in_force) std::swap(events_[first++], events_[k]);
+  }
   const auto fit = static_cast<std::ptrdiff_t>(std::min(events_.size(), sample.events.size()));
   std::copy_n(events_.begin(), fit, sample.events.begin());
   sample.event_count = static_cast<int>(fit);

@@ -50,7 +50,7 @@ enum class EventKind : std::uint8_t {
   unheard,         ///< a part of the team is not told any more where the robot will be; value: the body
   heard,           ///< all are told again; value: the body
 };
-inline constexpr int event_kinds = 28;
+inline constexpr int event_kinds = static_cast<int>(EventKind::heard) + 1;
 std::string_view to_string(EventKind kind);
 
 struct Event {
@@ -114,7 +114,7 @@ struct Sample {
   std::vector<double> path_u{};  ///< planned inputs, as `path` (N+1 x nu); empty: nobody asks
   double update_us = 0.0;        ///< measured: state in to command out, all controllers
   int event_count = 0;
-  std::array<Event, 8> events{};
+  std::vector<Event> events = std::vector<Event>(8);  ///< room for all of a period that change the team
 };
 
 /// The lean of a body's true attitude at the sample; that of its model where nobody knows it.

@@ -90,7 +90,7 @@ LoopTiming time_loop(Scenario scenario, double seconds, const std::atomic<bool>*
   const auto world = make_world(scenario);
   const Controls controls(scenario);
   TimedClock clock(static_cast<std::size_t>(std::ceil(seconds / scenario.horizon.dt)) + 1);
-  NoLog log(sized_sample(*world, controls.controllers()));
+  NoLog log(sized_sample(*world, controls.controllers(), controls.team_switcher()));
   ClosedLoop loop(scenario, *world, controls.controllers(), clock, log, nullptr, controls.team_switcher(),
                   stop);
   LoopTiming timing;

@@ -71,7 +71,7 @@ std::vector<std::string> read_tag_frames(const TomlTable& at, const Tags& tags, 
 
 std::optional<SensorMount> read_mount(const TomlTable& agent) {
   if (!agent.has("sensor")) return std::nullopt;
-  constexpr Range pitch = {-1.57, 1.57, "in (-pi/2, pi/2) rad"}, sigmas = {0.0, 6.0, "0 to 6"};
+  constexpr Range pitch = {-steepest_mount, steepest_mount, mount_pitches}, sigmas = {0.0, 6.0, "0 to 6"};
   SensorMount mount;
   const TomlTable sensor = agent.table("sensor");
   sensor.read({{"pitch", &mount.pitch, pitch}, {"offset", &mount.offset}, {"sigmas", &mount.sigmas, sigmas}},

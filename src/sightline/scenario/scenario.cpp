@@ -11,6 +11,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include "sightline/base/index.hpp"
+#include "sightline/model/state_roles.hpp"
+#include "sightline/run/settled.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/layers.hpp"
 #include "sightline/scenario/read_camera.hpp"
@@ -173,7 +176,8 @@ class Reader {
                   .limits = read_limits(at, bound("u_min", model.u_min()), bound("u_max", model.u_max()))};
       if (at.has("rate_max")) agent.rate_max = at.numbers("rate_max", nu, positive("> 0 1/s"));
       if (at.has("R_rate")) agent.R_rate = at.numbers("R_rate", nu, not_negative(">= 0 s^2"));
-      const std::vector<double> start = read_start(at.table("start", "a table with p and heading"), model);
+      const std::vector<double> start =
+          read_start(at.table("start", "a table with p and heading, or with state"), model);
       check_motion(at, model, start, agent.u_ref);
       if (is_present(at)) check_place(name, at, model.sight(start.data(), agent.u_ref.data()).p);
       scenario_.x0.insert(scenario_.x0.end(), start.begin(), start.end());
@@ -181,7 +185,7 @@ class Reader {
       observers_.push_back({name, read_mount(at)});
       std::optional<RobotVehicle> vehicle = read_vehicle(at, model, scenario_.world);
       if (vehicle && model.sight(start.data(), agent.u_ref.data()).p.z < 0)
-        at.table("start").refuse("p", 2, "at least 0 m, the height of the ground");
+        at.table("start").refuse(place_key(at), "a place at or above the ground, whose height is 0 m");
       GoalsFrom goals = read_goals(at, agent);
       enter(name, at, [&] { return scenario_.team.add(std::move(agent)); });
       if (vehicle) {
@@ -213,7 +217,14 @@ class Reader {
                            const std::vector<double>& u_ref) {
     std::vector<double> rate(start.size());
     model.f(start.data(), u_ref.data(), rate.data());
-    if (!all_finite(rate)) at.refuse("start", "a state in which the rates of the robot are finite");
+    if (all_finite(rate)) return;
+    at.refuse("start",
+              "a state in which the rates of the robot are finite: start.state gives every state of a robot");
+  }
+
+  /// The key that says where a robot starts.
+  static std::string_view place_key(const TomlTable& at) {
+    return at.table("start").has("state") ? "state" : "p";
   }
 
   /// Refuses a robot that starts in the place of another, unless a campaign draws the starts.
@@ -221,7 +232,7 @@ class Reader {
     constexpr double one_place = 1e-3;  // m
     for (const auto& [other, place] : places_) {
       if (root_.has("campaign") || norm(p - place) >= one_place) continue;
-      at.table("start").refuse("p", fmt::format("a place of its own, {} starts there", other));
+      at.table("start").refuse(place_key(at), fmt::format("a place of its own, {} starts there", other));
     }
     places_.emplace_back(name, p);
   }
@@ -254,25 +265,43 @@ class Reader {
     return {times, lower, upper};
   }
 
+  /// Each state of the robot, in its order.
+  static std::vector<double> read_whole_start(const TomlTable& at, const Model& model) {
+    for (const std::string_view key : {"p", "heading", "v"}) {
+      if (at.has(key)) at.refuse(key, "no such key beside state, which has every state of the robot");
+    }
+    std::vector<double> x = at.numbers("state", static_cast<std::size_t>(model.nx()));
+    if (!model.normalise(x.data())) at.refuse("state", "a heading other than (0, 0)");
+    return x;
+  }
+
+  /// The state by whose 1 m/s a robot with heading (1, 0) moves along `way`; -1: none does.
+  static int velocity_along(const Model& model, const Vec3<double>& way) {
+    const std::vector<double> u(static_cast<std::size_t>(model.nu()));
+    for (const int state : roles_of(model).velocities) {
+      std::vector<double> x = state_at_rest(model);
+      const Vec3<double> resting = model.sight(x.data(), u.data()).v;
+      x[size(state)] += 1.0;
+      if (norm(model.sight(x.data(), u.data()).v - resting - way) < 1e-9) return state;
+    }
+    return -1;
+  }
+
   std::vector<double> read_start(const TomlTable& at, const Model& model) {
-    at.expect_only({"p", "heading", "v"});
+    at.expect_only({"p", "heading", "v", "state"});
+    if (at.has("state")) return read_whole_start(at, model);
     const double heading = at.has("heading") ? at.number("heading") : 0.0;
     std::vector<double> x(static_cast<std::size_t>(model.nx()));
     model.at_rest({at.vec3("p"), {cos(heading), sin(heading)}}, x.data());
-    const auto place = [states = model.states()](std::string_view name) {
-      return static_cast<std::size_t>(std::find(states.begin(), states.end(), name) - states.begin());
-    };
-    const auto has = [&](std::string_view name) { return place(name) < model.states().size(); };
-    const bool turns = model.turns();
-    if (!turns && heading != 0) at.refuse("heading", fmt::format("0, {} has no heading", model.name()));
+    if (!model.turns() && heading != 0)
+      at.refuse("heading", fmt::format("0, {} has no heading", model.name()));
     if (!at.has("v")) return x;
-    // Forward and sideward velocity, where the robot has them as states; of G for one that has no heading.
-    const std::string_view forward = turns ? "v_f" : "v_x", sideward = turns ? "v_s" : "v_y";
-    if (!has(forward)) at.refuse("v", fmt::format("no velocity, {} has none", model.name()));
+    const int forward = velocity_along(model, {1, 0, 0}), sideward = velocity_along(model, {0, 1, 0});
+    if (forward < 0) at.refuse("v", fmt::format("no velocity, {} has none", model.name()));
     const std::vector<double> v = at.numbers("v", 2);
-    x[place(forward)] = v[0];
-    if (has(sideward)) {
-      x[place(sideward)] = v[1];
+    x[size(forward)] = v[0];
+    if (sideward >= 0) {
+      x[size(sideward)] = v[1];
     } else if (v[1] != 0) {
       at.refuse("v", 1, fmt::format("0, {} does not drive sideward", model.name()));
     }
