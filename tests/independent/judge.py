@@ -310,11 +310,10 @@ class Judge:
             self._span("view", f"share of the time in which {a} sees {b}", one["in_view_fraction"], 1.0 - out, force & settled, np.mean, 1e-9)
 
     def _span(self, claim, what, told, values, use, measure, tolerance):
-        """With and without the sample after the last command."""
-        found = [measure(values[chosen]) for chosen in (use, use & self.flight.commanded) if chosen.any()]
-        if not found:
-            found = [np.nan]
-        self.expect(claim, what, told, min(found) - tolerance, max(found) + tolerance)
+        """Over the samples that have a command: places alone are judged after the last one."""
+        use = use & self.flight.commanded
+        found = measure(values[use]) if use.any() else np.nan
+        self.expect(claim, what, told, found - tolerance, found + tolerance)
 
     def _lost(self, a, b, out, force):
         """Out of view during all of the last 2 s."""

@@ -204,6 +204,15 @@ TEST(SafetySummary, AStartThatIsMeantIsJudgedFromWhenItIsWithin) {
                                                       "within, the floor is 0.3 m, for 0.10 s"});
 }
 
+TEST(SafetySummary, AStartThatIsMeantAndEndsBeforeItIsWithinIsBroken) {
+  Judged summary(meant_outside(scenario("[safety]\nfloor = 0.3\n")));
+  summary.add(0.0, heights(0.1, 1.0), there);
+  summary.add(0.1, heights(0.2, 1.0), there);
+  summary.add(0.2, heights(0.25, 1.0), {Presence::absent, Presence::steered, Presence::steered});
+  EXPECT_EQ(summary->broken(), std::vector<std::string>{
+                                   "a came to a height of 0.1 m at 0.00 s, the floor is 0.3 m, for 0.10 s"});
+}
+
 TEST(SafetySummary, AStartWithinTheHardDistanceIsJudgedLikeOneBeyondAWall) {
   const auto flown = [](const Scenario& of) {
     Judged summary(of);

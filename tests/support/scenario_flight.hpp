@@ -16,7 +16,7 @@ inline TeamFlight fly_scenario(const Scenario& scenario, bool with_kkt = false) 
   SimulatedClock clock;
   const Controllers controllers = controls.controllers();
   const std::unique_ptr<World> world = make_world(scenario);
-  KeepSamples sink(sized_sample(*world, controllers));
+  KeepSamples sink(sized_sample(*world, controllers, controls.team_switcher()));
   std::vector<double> u_before(static_cast<std::size_t>(scenario.team.nu()));
   if (with_kkt) {
     sink.after = [&](FlownPeriod& period) {

@@ -62,7 +62,7 @@ inline TeamFlight fly_script(const Team& all, const std::vector<double>& x0, con
   ModelWorld world(all, x0, {.period = horizon.dt}, {.period = horizon.dt});
   SimulatedClock clock;
   const Controllers controllers = {*team_switcher.present().solver};
-  KeepSamples sink(sized_sample(all, controllers));
+  KeepSamples sink(sized_sample(all, controllers, &team_switcher));
   std::vector<double> u_before(static_cast<std::size_t>(all.nu()));
   if (with_kkt) {
     sink.after = [&](FlownPeriod& period) {

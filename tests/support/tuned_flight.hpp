@@ -72,7 +72,8 @@ inline FlownCommands fly_tuned(Scenario scenario, std::vector<TimedChange> chang
   const auto tuner = tuned ? std::make_unique<Tuner>(scenario) : nullptr;
   const Controls controls(scenario);
   const auto world = make_world(scenario);
-  TuningSink sink(sized_sample(*world, controls.controllers()), tuner.get(), std::move(changes), flown);
+  TuningSink sink(sized_sample(*world, controls.controllers(), controls.team_switcher()), tuner.get(),
+                  std::move(changes), flown);
   SimulatedClock clock;
   (void)ClosedLoop(scenario, *world, controls.controllers(), clock, sink, nullptr, controls.team_switcher())
       .fly();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "sightline/base/no_value.hpp"
 #include "sightline/model/state_roles.hpp"
@@ -65,6 +66,14 @@ void LimitRecord::begin(double time, double excess, bool excused) noexcept {
     start_ = {excess, time};
   else
     (void)raise({excess, time});
+}
+
+void LimitRecord::cease() noexcept {
+  if (excused_) {
+    (void)raise(start_);
+    broken_for_ += std::exchange(outside_for_, 0.0);
+  }
+  counts_ = excused_ = false;
 }
 
 bool LimitRecord::move(double time, double excess, const Extreme& most) noexcept {

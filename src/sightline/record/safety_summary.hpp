@@ -30,7 +30,8 @@ class LimitRecord {
   /// @param most  the greatest excess since the sample before, and when; at least `excess`
   /// @return whether the limit was broken meanwhile
   bool move(double time, double excess, const Extreme& most) noexcept;
-  void cease() noexcept { counts_ = excused_ = false; }
+  /// Until it begins again. One that began beyond and was never kept is broken.
+  void cease() noexcept;
 
   bool counts() const noexcept { return counts_; }
   /// One that began beyond and never kept it has broken it too.
