@@ -124,6 +124,11 @@ TEST(Judge, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrake) {
   EXPECT_FALSE(near.result().could_brake);
   EXPECT_EQ(near.result().outcome, Outcome::recovered);
   EXPECT_EQ(near.result().violations, 0);
+  Flown parting(judged_plan());
+  parting.fly(0.7, 0.0, -1.2);
+  parting.fly(0.5);
+  parting.fly_to_end(2.0);
+  EXPECT_EQ(parting.result().outcome, Outcome::too_close);
   EXPECT_FALSE(fast.result().could_brake);
   EXPECT_EQ(fast.result().outcome, Outcome::recovered);
   EXPECT_TRUE(slower.result().could_brake);
@@ -166,6 +171,16 @@ TEST(Judge, InputsBeyondTheirLimitsAndWhatIsNotFiniteFail) {
   state.sample().x[2] = std::nan("");
   state.fly_to_end(2.0);
   EXPECT_EQ(state.result().outcome, Outcome::failed);
+  Flown raw(judged_plan()), last(judged_plan());
+  raw.sample().raw_u[2] = std::nan("");
+  raw.fly_to_end(2.0);
+  EXPECT_EQ(raw.result().reason, "a state or an input was not finite at 0.00 s") << "as of a run";
+  last.fly_to_end(2.0);
+  EXPECT_EQ(last.result().outcome, Outcome::recovered);
+  last.sample().of = Sample::Of::states;
+  last.sample().x[4] = std::nan("");
+  last.fly(2.0);
+  EXPECT_EQ(last.result().reason, "a state or an input was not finite at 1.00 s");
   plant.fly_to_end(2.0);
   EXPECT_EQ(plant.result(false).outcome, Outcome::failed);
   short_run.fly(2.0);

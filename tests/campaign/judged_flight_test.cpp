@@ -1,4 +1,5 @@
-// What a flight's exit code and summary claim of distances and walls: between samples, at the end, at the start.
+// What a flight's exit code and summary claim of distances and walls: between samples, at the end, at the start. A campaign and
+// a summary claim the same.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include "sightline/record/mcap.hpp"
 #include "sightline/record/recording.hpp"
 #include "sightline/record/replay.hpp"
+#include "sightline/record/summary.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {
@@ -101,6 +103,115 @@ TEST(JudgedFlight, ALogWithTheStatesAfterTheLastCommandIsReplayedBitForBit) {
   (void)ClosedLoop(scenario, recorded, controls.controllers(), recorded, compared).fly();
   EXPECT_EQ(compared.updates(), 6);
   EXPECT_EQ(compared.differing(), 0);
+}
+
+/// A robot that follows another which leaves, one that is tuned anew and narrowed while it flies, and one that is held.
+std::string with_events(double duration) {
+  return fmt::format("[simulation]\nduration = {:.1f}\n", duration) + R"toml(
+rms_from = 1.0
+settle = 0.5
+[agent.eye]
+robot = "multirotor"
+start = { p = [-1.6, 0.0, 1.0], heading = 0.4 }
+sensor = { pitch = 0.0, offset = 0.17 }
+[agent.seen]
+robot = "multirotor"
+start = { p = [0.0, 0.0, 1.0], heading = 0.5 }
+Q = [1.5, 1.5, 1.6, 1.0, 1.0, 0.0, 0.0]
+reference = { circle = { centre = [0.0, 0.0, 1.0], radius = 0.5, rate = 0.4 } }
+[agent.tuned]
+robot = "multirotor"
+start = { p = [3.0, 0.0, 1.0], heading = 0.0 }
+Q = [1.5, 1.5, 1.6, 1.0, 1.0, 0.0, 0.0]
+R = [1.0, 1.0, 1.0, 1.0]
+reference = { constant = { p = [3.0, 6.0, 1.0], heading = 1.0 } }
+[agent.held]
+robot = "multirotor"
+start = { p = [0.0, -3.0, 1.0], heading = 0.0 }
+Q = [1.5, 1.5, 1.6, 1.0, 1.0, 0.0, 0.0]
+reference = { constant = { p = [4.0, -3.0, 1.0], heading = 0.0 } }
+[[couple]]
+potential = { bearing = { alpha = 0.5 } }
+between = ["eye", "seen"]
+felt_by = ["eye"]
+[[event]]
+at = 1.0
+retune = { agent = "tuned", R = [4.0, 4.0, 4.0, 4.0], u_min = [-0.2, -0.2, -0.2, -0.2], u_max = [0.2, 0.2, 0.2, 0.2] }
+[[event]]
+at = 1.2
+remove = { agent = "held", then = "hold" }
+[[event]]
+at = 1.5
+remove = "seen"
+)toml";
+}
+
+class KeptSamples final : public Sink<Sample> {
+ public:
+  explicit KeptSamples(Sample sample) : sample_(std::move(sample)) {}
+  Sample* claim() noexcept override { return &sample_; }
+  bool takes_between() const noexcept override { return true; }
+  Sample* claim_between() noexcept override { return &sample_; }
+  void publish() noexcept override { samples.push_back(sample_); }
+  void close() noexcept override {}
+
+  std::vector<Sample> samples;
+
+ private:
+  Sample sample_;
+};
+
+TEST(JudgedFlight, ACampaignAndASummaryClaimTheSameOfTheSameFlightWhateverChangesInIt) {
+  // Drift is judged from the last event on, which 6 s leave too short a time for.
+  for (const std::string& text : {with_events(6.0), with_events(8.0), head_on(2.0, 0.1, 2.0, 0.5)}) {
+    const Scenario scenario = flyable(text);
+    const Controls controls(scenario);
+    const auto world = make_world(scenario);
+    SimulatedClock clock;
+    const Sample sized = sized_sample(*world, controls.controllers());
+    KeptSamples kept(sized);
+    const LoopOutcome outcome =
+        ClosedLoop(scenario, *world, controls.controllers(), clock, kept, nullptr, controls.team_switcher())
+            .fly();
+    const CampaignPlan plan{.duration = scenario.simulation.duration, .d_hard = 0.1, .braking = 100.0};
+    // As it flew; with an input beyond a limit that an event narrowed, and one that is no number.
+    const bool narrowed = scenario.team.agents().size() > 2;
+    const auto input =
+        static_cast<std::size_t>(scenario.team.input_offset(scenario.team.find(narrowed ? "tuned" : "a")));
+    for (const double tampered : {0.0, narrowed ? 0.6 : 1e3, std::nan("")}) {
+      Judge judge(scenario, plan, sized);
+      Summary summary(scenario, controls.controllers().size());
+      for (std::size_t k = 0; k < kept.samples.size(); ++k) {
+        Sample& sample = *judge.claim();
+        sample = kept.samples[k];
+        if (k == kept.samples.size() / 2 && tampered != 0.0) sample.u[input] = tampered;
+        judge.publish();
+        summary.add(sample);
+      }
+      const RunResult run = judge.result(outcome);
+      const SummaryValues values = summary.values();
+      EXPECT_EQ(run.min_distance, values.min_distance);
+      EXPECT_EQ(run.outcome == Outcome::failed, values.applied_violations + values.not_finite > 0);
+      EXPECT_EQ(run.outcome == Outcome::failed, tampered != 0.0);
+      double energy = 0.0, chatter = 0.0;
+      ASSERT_EQ(run.robots.size(), values.robots.size());
+      const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+      for (std::size_t i = 0; i < run.robots.size(); ++i) {
+        const RobotResult& one = run.robots[i];
+        EXPECT_TRUE(same(one.energy, values.robots[i].energy)) << i;
+        EXPECT_TRUE(same(one.rms_position_error, values.robots[i].rms_position_error)) << i;
+        EXPECT_TRUE(same(one.rms_heading_error, values.robots[i].rms_heading_error)) << i;
+        energy += one.energy;
+      }
+      EXPECT_TRUE(same(run.energy, energy));
+      for (const auto& one : values.chatter) chatter = std::max(chatter, one.share);
+      EXPECT_EQ(run.chatter, chatter);
+      ASSERT_EQ(std::isnan(run.drift), !values.drift.has_value());
+      if (values.drift) {
+        EXPECT_EQ(run.drift, values.drift->empty() ? 0.0 : norm(values.drift->front().v));
+      }
+    }
+  }
 }
 
 /// A clock that sleeps through periods.

@@ -90,6 +90,28 @@ TEST(CampaignPage, LinesCountOutcomesWithTheirBounds) {
   EXPECT_THAT(value(lines, "least distance"), HasSubstr("of all 1 m"));
 }
 
+TEST(CampaignPage, ErrorsOfPositionAndHeadingStandBesideEachOtherWhereThereIsAReference) {
+  Scenario scenario;
+  for (const char* name : {"uav0", "uav1", "uav2"}) scenario.team.add(Multirotor{}, {.name = name});
+  const CampaignTable table{"some", test::fresh_folder() / "some.sqlite"};
+  {
+    RunTable runs(table.file, scenario, shown_plan(), 1);
+    for (int i = 0; i < 9; ++i) {
+      const RobotResult both{.energy = 1.0, .rms_position_error = 0.1 + 0.01 * i, .rms_heading_error = 0.25},
+          heading{.energy = 1.0, .rms_heading_error = 0.5};
+      runs.add(draw_run(shown_plan(), 1, i), {.robots = {both, heading, {}}});
+    }
+    runs.finish();
+  }
+  const auto lines = campaign_lines(table);
+  EXPECT_THAT(value(lines, "uav0 tracks its reference"),
+              testing::AllOf(testing::StartsWith("position error (RMS) median 0.14 m (95 %"),
+                             HasSubstr("; heading error (RMS) median 0.25 rad (95 %")));
+  EXPECT_THAT(value(lines, "uav1 tracks its reference"),
+              testing::StartsWith("heading error (RMS) median 0.5 rad"));
+  EXPECT_EQ(value(lines, "uav2 tracks its reference"), "");
+}
+
 TEST(CampaignPage, OutcomesThatDidNotComeAreNotListed) {
   const auto lines = campaign_lines(some_table(test::fresh_folder(), "good", true));
   EXPECT_EQ(value(lines, "recovered"), "40 of 40, 100.00 % (95 %: 91.24 % to 100.00 %)");

@@ -30,7 +30,7 @@ CampaignTable table_of(const std::filesystem::path& folder, const std::string& n
     const bool lost = std::isnan(e);
     rows.add(draw_run(plan, 1, i), {.outcome = lost ? Outcome::lost : Outcome::recovered,
                                     .energy = lost ? 9.0 : e,
-                                    .energies = {lost ? 9.0 : 0.5 * e}});
+                                    .robots = {{.energy = lost ? 9.0 : 0.5 * e}}});
   }
   rows.finish();
   return table;

@@ -26,7 +26,7 @@ CampaignTable cited_table(const fs::path& folder, const std::string& name, doubl
     RunResult result;
     result.outcome = i % 4 == 0 ? Outcome::lost : Outcome::recovered;
     result.energy = energy * (1.0 + i);
-    result.energies = {result.energy};
+    result.robots = {{.energy = result.energy, .rms_heading_error = 0.25}};
     table.add({.index = i, .seed = 7, .values = {}}, result);
   }
   table.finish();
@@ -48,6 +48,8 @@ TEST(ResultFile, SaysWhatAPaperCites) {
   EXPECT_EQ(json["outcomes"]["failed"]["runs"], 0);
   EXPECT_EQ(json["medians"]["energy"]["median"], 20.5);
   EXPECT_EQ(json["medians"]["uav0.energy"]["runs"], 40);
+  EXPECT_EQ(json["medians"]["uav0.rms_heading_error"]["median"], 0.25);
+  EXPECT_TRUE(json["medians"]["uav0.rms_position_error"].is_null()) << "no run has one";
   const auto& paired = json["beside"][0]["paired"];
   EXPECT_EQ(paired["with"], "mine");
   EXPECT_EQ(paired["mcnemar_p"], 1.0);

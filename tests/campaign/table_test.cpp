@@ -90,7 +90,7 @@ TEST(RunTable, ARowThatWasThereHoldsItsRunAndNoOther) {
   const RunDraw run = draw_run(*scenario.campaign, 9, 19);
   RunResult result = pilot.fly(run);
   EXPECT_TRUE(table.holds(run, result));
-  result.energies[0] = std::nextafter(result.energies[0], 1e9);
+  result.robots[0].energy = std::nextafter(result.robots[0].energy, 1e9);
   EXPECT_FALSE(table.holds(run, result));
   EXPECT_FALSE(table.holds(draw_run(*scenario.campaign, 9, 20), result));
 }
@@ -208,15 +208,16 @@ TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
   std::vector<std::string> names;
   Database::Statement columns(database, "SELECT name FROM pragma_table_info('runs')");
   while (columns.step()) names.push_back(columns.text(0));
-  EXPECT_THAT(names,
-              testing::ElementsAre(
-                  "index", "seed", "outcome", "reason", "min_distance", "time_to_first_view",
-                  "fraction_in_view", "could_brake", "violations", "energy", "chatter", "drift",
-                  "longest_without_plan", "barrier_conflict", "longest_out_of_view", "status_converged",
-                  "status_stepped", "status_iteration_limit", "status_deadline", "status_not_finite",
-                  "status_invalid_state", "uav0.range", "uav0.bearing", "uav0.height", "uav0.heading",
-                  "uav0.v_f", "uav0.v_s", "agent.uav1.start.p[0]", "agent.uav1.start.p[2]",
-                  "agent.uav1.reference.circle.rate", "uav0.energy", "uav1.energy", "digest"));
+  EXPECT_THAT(names, testing::ElementsAre(
+                         "index", "seed", "outcome", "reason", "min_distance", "time_to_first_view",
+                         "fraction_in_view", "could_brake", "violations", "energy", "chatter", "drift",
+                         "longest_without_plan", "barrier_conflict", "longest_out_of_view",
+                         "status_converged", "status_stepped", "status_iteration_limit", "status_deadline",
+                         "status_not_finite", "status_invalid_state", "uav0.range", "uav0.bearing",
+                         "uav0.height", "uav0.heading", "uav0.v_f", "uav0.v_s", "agent.uav1.start.p[0]",
+                         "agent.uav1.start.p[2]", "agent.uav1.reference.circle.rate", "uav0.energy",
+                         "uav0.rms_position_error", "uav0.rms_heading_error", "uav1.energy",
+                         "uav1.rms_position_error", "uav1.rms_heading_error", "digest"));
   Database::Statement about(database,
                             "SELECT group_concat(value, '|') FROM campaign WHERE key IN "
                             "('scenario', 'seed', 'version', 'duration')");
@@ -255,10 +256,16 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
     for (std::size_t v = 0; v < run.values.size(); ++v)
       EXPECT_EQ(rows.number(15 + status_count + static_cast<int>(v)), run.values[v]);
     const int last = 15 + status_count + static_cast<int>(run.values.size());
-    ASSERT_EQ(r.energies.size(), 2U);
-    EXPECT_EQ(rows.number(last), r.energies[0]);
-    EXPECT_EQ(rows.number(last + 1), r.energies[1]);
-    EXPECT_NEAR(r.energies[0] + r.energies[1], r.energy, 1e-12);
+    ASSERT_EQ(r.robots.size(), 2U);
+    for (int robot = 0; robot < 2; ++robot) {
+      const RobotResult& one = r.robots[static_cast<std::size_t>(robot)];
+      EXPECT_EQ(rows.number(last + 3 * robot), one.energy);
+      const auto error = [&](int column) { return rows.number(last + 3 * robot + column).value_or(-1); };
+      EXPECT_EQ(error(1), std::isnan(one.rms_position_error) ? -1 : one.rms_position_error);
+      EXPECT_EQ(error(2), std::isnan(one.rms_heading_error) ? -1 : one.rms_heading_error);
+    }
+    EXPECT_FALSE(std::isnan(r.robots[1].rms_position_error)) << "it has a reference";
+    EXPECT_NEAR(r.robots[0].energy + r.robots[1].energy, r.energy, 1e-12);
   }
   EXPECT_FALSE(rows.step());
 }

@@ -163,6 +163,28 @@ TEST(Drift, OnlyRobotsThatAreSteeredAreJudged) {
     EXPECT_TRUE(PairAndPost().flown(climbs, climbs, rests, 30.0, presence)->empty());
 }
 
+TEST(Drift, OneThatLandsIsNotJudgedFromThenOn) {
+  for (const bool lands : {false, true}) {
+    Scenario scenario;
+    scenario.team = PairAndPost().team;
+    const PresentTeam present(scenario);
+    Drift drift(scenario.team, 0.0);
+    Sample sample;
+    sample.presence = {Presence::steered, Presence::steered, Presence::hold};
+    std::vector<Sight<double>> sights(3);
+    for (int k = 0; k < 1000; ++k) {
+      sample.time = 0.01 * k;
+      sample.of = k == 1 ? Sample::Of::states : Sample::Of::update;
+      sample.event_count = lands && k == 1 ? 1 : 0;
+      sample.events[0] = {sample.time, EventKind::land, 0, 0.0};
+      sights[0].p = climbs(sample.time);
+      drift.add(sample, sights, present);
+    }
+    ASSERT_TRUE(drift.found());
+    EXPECT_EQ(drift.found()->size(), lands ? 0U : 1U);
+  }
+}
+
 TEST(Drift, FiveSecondsAfterSettleAreNeeded) {
   EXPECT_FALSE(PairAndPost().flown(climbs, rests, rests, settle + 5.0));
   EXPECT_TRUE(PairAndPost().flown(climbs, rests, rests, settle + 5.01));

@@ -98,6 +98,32 @@ TEST(LoggedFlight, TellsWhatWentWrong) {
   EXPECT_THAT(flight.faults.front(), HasSubstr("uav1"));
 }
 
+/// Puts an input into the log that no gate would let pass.
+class TamperingSink final : public Sink<Sample> {
+ public:
+  explicit TamperingSink(Sink<Sample>& log) : log_(log) {}
+  Sample* claim() noexcept override { return sample_ = log_.claim(); }
+  void publish() noexcept override {
+    if (published_++ == 3) sample_->u[0] = 1e3;
+    log_.publish();
+  }
+  void close() noexcept override { log_.close(); }
+
+ private:
+  Sink<Sample>& log_;
+  Sample* sample_ = nullptr;
+  int published_ = 0;
+};
+
+TEST(LoggedFlight, WithAnAppliedInputBeyondItsLimitsFails) {
+  const test::Folder folder("logged_beyond");
+  std::optional<TamperingSink> tampering;
+  FlightOptions options;
+  options.watched = [&](Sink<Sample>& log, const Sample&) -> Sink<Sample>& { return tampering.emplace(log); };
+  EXPECT_THAT(flown(paper_for(0.1), folder.path(), options).faults,
+              testing::Contains("1 applied inputs were beyond the limits in force"));
+}
+
 TEST(LoggedFlight, SaysEachCauseOfAFailureAndNothingElse) {
   const std::string pair = R"(
 [agent.a]

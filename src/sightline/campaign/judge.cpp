@@ -11,7 +11,6 @@
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
-namespace {}  // namespace
 
 std::string_view to_string(Outcome outcome) {
   constexpr std::array<std::string_view, outcome_count> names = {"recovered", "lost", "too_close", "failed"};
@@ -25,33 +24,32 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
       hold_after_(hold_after(scenario)),
       safety_(scenario, plan.d_hard, plan.start_outside),
       localization_(scenario),
+      changes_(changes_in_flight(scenario)),
+      present_(scenario),
       sample_(std::move(sample)),
-      chatter_(static_cast<std::size_t>(scenario.team.nu())),
+      inputs_(scenario),
       drift_(scenario.team, scenario.simulation.settle),
-      agents_(static_cast<std::size_t>(scenario.team.bodies())),
       gaps_(sample_.solvers.size()) {
-  const bool changes = changes_in_flight(scenario);
-  if (changes) present_.emplace(scenario);
-  const std::vector<Coupling> couplings = changes ? all_couplings(scenario) : team_.couplings();
-  for (const Observation& pair : observations(couplings)) views_.push_back({.pair = pair, .asked = !changes});
+  const std::vector<Coupling> couplings = changes_ ? all_couplings(scenario) : team_.couplings();
+  for (const Observation& pair : observations(couplings))
+    views_.push_back({.pair = pair, .asked = !changes_});
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
     if (!team_.is_agent(body)) continue;
-    robots_.push_back(body);
     const Agent& agent = team_.agent(body);
-    agents_[at(body)] = &agent;
+    robots_.push_back({body, TrackingError(agent.model, scenario.simulation.rms_from)});
     u_rest_.insert(u_rest_.end(), agent.u_ref.begin(), agent.u_ref.end());
   }
-  result_.energies.resize(robots_.size(), 0.0);
   sights_.resize(static_cast<std::size_t>(team_.bodies()));
-  u_min_.resize(u_rest_.size());
-  u_max_.resize(u_rest_.size());
 }
 
 /// What is asked of whom from this sample on. @return whether it is something else than before
 bool Judge::follow() {
-  if (!present_ || (!present_->follow(sample_) && updates_ > 0)) return false;
-  const std::vector<Observation> asked = observations(present_->couplings());
+  const bool changed = present_.follow(sample_);
+  if (!changes_ || (!changed && updates_ > 0)) return false;
+  const std::vector<Coupling> couplings = present_.couplings();
+  if (changed) drift_.restart(couplings);
+  const std::vector<Observation> asked = observations(couplings);
   for (View& view : views_) {
     const bool now = std::any_of(asked.begin(), asked.end(), [&](const Observation& one) {
       return one.observer == view.pair.observer && one.target == view.pair.target;
@@ -62,39 +60,11 @@ bool Judge::follow() {
     if (now && !view.asked) view.since = sample_.time, view.first = view.last = never;
     view.asked = now;
   }
-  for (const BodyId robot : robots_) agents_[at(robot)] = present_->agent(robot);
   return true;
 }
 
-void Judge::look(std::span<const double> u) noexcept {
-  for (int i = 0; i < team_.bodies(); ++i) {
-    const BodyId body{i};
-    Sight<double>& seen = sights_[at(body)];
-    seen = team_.model(body).sight(sample_.x.data() + team_.state_offset(body),
-                                   u.data() + team_.input_offset(body));
-    seen.lean = true_lean(seen.lean, body, sample_);
-  }
-}
-
-bool Judge::inputs_hold() noexcept {
-  for (std::size_t r = 0; r < robots_.size(); ++r) {
-    const BodyId robot = robots_[r];
-    if (!is_there(robot)) continue;
-    const Agent& agent = team_.agent(robot);
-    const std::size_t nu = agent.R.size();
-    const double* u = sample_.u.data() + team_.input_offset(robot);
-    const auto low = std::span(u_min_).first(nu), high = std::span(u_max_).first(nu);
-    (present_ ? present_->limits(robot) : agent.limits).at(sample_.time, low, high);
-    for (std::size_t i = 0; i < nu; ++i) {
-      if (!(u[i] >= low[i] && u[i] <= high[i])) return false;  // nor what is not a number
-      const double energy = period_ * agent.R[i] * u[i] * u[i];
-      result_.energy += energy;
-      result_.energies[r] += energy;
-      chatter_.add(static_cast<std::size_t>(team_.input_offset(robot)) + i, sample_.time, u[i],
-                   high[i] - low[i]);
-    }
-  }
-  return true;
+void Judge::look() noexcept {
+  for (int i = 0; i < team_.bodies(); ++i) sights_[at(BodyId{i})] = true_sight(team_, BodyId{i}, sample_);
 }
 
 void Judge::publish() noexcept {
@@ -109,23 +79,30 @@ void Judge::publish() noexcept {
 void Judge::judge() {
   const bool is_update = sample_.of == Sample::Of::update, changed = is_update && follow();
   if (updates_ == 0) {
-    look(u_rest_);
+    sample_.u.swap(u_rest_);  // before any input
+    look();
+    sample_.u.swap(u_rest_);
     safety_.look_at_brakes(sights_, sample_.presence, plan_.braking);
   }
-  look(sample_.u);
+  look();
   if (changed) safety_.look_at_brakes(sights_, sample_.presence, plan_.braking);
   safety_.add(sample_, sights_);
   const bool apart = !safety_.too_close_now();
+  const bool finite = all_finite(sample_);
+  drift_.add(sample_, sights_, present_);
   if (!is_update) {
-    if (!all_finite(sample_.x)) blame(Fault::not_finite);
+    if (!finite) blame(Fault::not_finite);
     if (!apart) ++result_.violations;
     return;
   }
   ++updates_;
-  const bool in_limits = inputs_hold(), finite = all_finite(sample_.x) && all_finite(sample_.u);
-  const bool good = in_limits && finite;
+  inputs_.add(sample_, present_);
+  const bool good = finite && inputs_.within();
   if (!good) blame(finite ? Fault::input : Fault::not_finite);
   localization_.add(sample_);
+  for (Robot& robot : robots_)
+    if (const Agent* const steered = present_.agent(robot.body))
+      robot.error.add(*steered, sample_.time, sights_[at(robot.body)]);
   if (!good || !apart) ++result_.violations;
 
   bool any_asked = false, all_seen = true;
@@ -135,13 +112,12 @@ void Judge::judge() {
     const auto sight = [&](BodyId body) { return sights_[at(body)]; };
     const Sight<double> observer = first_sight(sight, view.pair.observer, view.pair.third);
     const Sight<double>& target = sights_[at(view.pair.target)];
-    view.seen = view.pair.potential.violation(observer, target, sample_.time) <= 0;
+    view.seen = is_in_view(view.pair, observer, target, sample_.time);
     if (view.seen) view.first = std::min(view.first, sample_.time), view.last = sample_.time;
     result_.longest_out_of_view = std::max(result_.longest_out_of_view, sample_.time - view.last);
     all_seen = all_seen && view.seen;
   }
   if (any_asked && all_seen) ++seen_;
-  if (drift_.due(sample_.time)) drift_.mark(sample_.time, sights_, sample_.presence, agents_);
   for (std::size_t c = 0; c < gaps_.size(); ++c) {
     const SolverRecord& record = sample_.solvers[c];
     gaps_[c].add(sample_.time, period_, record);
@@ -190,7 +166,11 @@ RunResult Judge::result(const LoopOutcome& outcome, std::string ended) const {
   result.time_to_first_view = std::isfinite(first) ? first : no_value;
   result.fraction_in_view =
       views_.empty() || updates_ == 0 ? no_value : static_cast<double>(seen_) / static_cast<double>(updates_);
-  result.chatter = chatter_.worst_share();
+  result.energy = inputs_.energy();
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    result.robots.push_back(
+        {inputs_.robots()[i].energy, robots_[i].error.rms_position(), robots_[i].error.rms_heading()});
+  result.chatter = inputs_.chatter().worst_share();
   const auto drift = drift_.found();
   result.drift = !drift ? no_value : drift->empty() ? 0.0 : norm(drift->front().v);
   for (const PlanGaps& gaps : gaps_)

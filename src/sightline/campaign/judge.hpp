@@ -5,17 +5,18 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "sightline/record/chatter.hpp"
+#include "sightline/base/no_value.hpp"
 #include "sightline/record/drift.hpp"
+#include "sightline/record/input_record.hpp"
 #include "sightline/record/localization_summary.hpp"
+#include "sightline/record/plan_summary.hpp"
 #include "sightline/record/present_team.hpp"
 #include "sightline/record/safety_summary.hpp"
-#include "sightline/record/summary.hpp"
+#include "sightline/record/tracking_error.hpp"
 #include "sightline/run/loop.hpp"
 #include "sightline/scenario/scenario.hpp"
 
@@ -26,12 +27,19 @@ enum class Outcome : std::uint8_t {
   recovered,  ///< every observer saw its target in time and sees it at the end
   lost,       ///< one did not
   too_close,  ///< a robot came nearer to another body than d_hard, although it could have braked at the start
-  failed,  ///< a state or an applied input was not finite or beyond its limit, a solver gave no plan for longer
-           ///< than hold_after, a floor, ceiling or bound of the world was broken, or the run broke off
+  failed,  ///< a state or an input was not finite, an applied input was beyond its limit, a solver gave no plan for
+  ///< longer than hold_after, a floor, ceiling or bound of the world was broken, or the run broke off
 };
 inline constexpr int outcome_count = 4;
 
 std::string_view to_string(Outcome outcome);
+
+/// Of one robot in a run, as in summary.json.
+struct RobotResult {
+  double energy = 0.0;                   ///< sum of dt u'Ru of the applied inputs [s]
+  double rms_position_error = no_value;  ///< from rms_from on [m]
+  double rms_heading_error = no_value;   ///< from rms_from on [rad]
+};
 
 /// A run's row in the table; not a number: there was nothing to compute it from, or it never came.
 struct RunResult {
@@ -44,9 +52,9 @@ struct RunResult {
   std::int64_t violations = 0;  ///< periods with an input beyond its limit, or nearer than d_hard where that
                                 ///< could be kept
   std::array<std::int64_t, status_count> statuses{};
-  double energy = 0.0;             ///< sum of dt u'Ru of the applied inputs, all robots [s]
-  std::vector<double> energies{};  ///< the same of each robot, in the order of the team
-  double chatter = 0.0;            ///< largest share of the time in which an input alternated at the period
+  double energy = 0.0;                ///< sum of dt u'Ru of the applied inputs, all robots [s]
+  std::vector<RobotResult> robots{};  ///< in the order of the team
+  double chatter = 0.0;  ///< largest share of the time in which an input alternated at the period
   /// Greatest steady speed at which a robot moved away from its task at the end [m/s]; 0: none did; not a number:
   /// the run was too short to judge.
   double drift = 0.0;
@@ -66,7 +74,7 @@ class Judge final : public Sink<Sample> {
  public:
   /// @param sample  of sized_sample()
   Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample);
-  Judge(const Judge&) = delete;  // its agents are those of its present team
+  Judge(const Judge&) = delete;  // a loop writes into its sample
   Judge& operator=(const Judge&) = delete;
 
   Sample* claim() noexcept override { return &sample_; }
@@ -92,6 +100,11 @@ class Judge final : public Sink<Sample> {
     double wait() const { return asked ? std::max(waited, first - since) : waited; }
   };
 
+  struct Robot {
+    BodyId body;
+    TrackingError error;
+  };
+
   enum class Fault : std::uint8_t { none, not_finite, input, no_plan };
 
   void judge();
@@ -99,26 +112,22 @@ class Judge final : public Sink<Sample> {
   /// Empty where nothing failed. @param whole  the loop flew to the end of the run
   std::string reason(std::string ended, bool whole) const;
   bool follow();
-  bool is_there(BodyId body) const noexcept {
-    return sample_.presence[static_cast<std::size_t>(body.index)] != Presence::absent;
-  }
-  void look(std::span<const double> u) noexcept;
-  bool inputs_hold() noexcept;
+  void look() noexcept;
 
   const Team& team_;
   CampaignPlan plan_;
   double period_, hold_after_;  // [s]
   SafetySummary safety_;
   LocalizationSummary localization_;
-  std::optional<PresentTeam> present_;  // of one that changes in flight
+  bool changes_;  // in flight
+  PresentTeam present_;
   Sample sample_;
   std::vector<View> views_;
-  std::vector<BodyId> robots_;
+  std::vector<Robot> robots_;
   std::vector<Sight<double>> sights_;
-  std::vector<double> u_rest_, u_min_, u_max_;
-  Chatter chatter_;
+  std::vector<double> u_rest_;
+  InputRecord inputs_;
   Drift drift_;
-  std::vector<const Agent*> agents_;  // of all bodies
 
   std::int64_t updates_ = 0, seen_ = 0;
   std::vector<PlanGaps> gaps_;  // of each solver

@@ -1,11 +1,13 @@
 #include "sightline/campaign/page.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 #include "sightline/campaign/confidence.hpp"
 #include "sightline/campaign/database.hpp"
@@ -21,7 +23,7 @@ namespace {
 
 constexpr int worst_runs = 12;
 constexpr int reasons_max = 3;         // told in the lines; the table has all
-constexpr std::size_t robots_max = 8;  // whose energies are told one by one
+constexpr std::size_t robots_max = 8;  // whose energies and errors are told one by one
 
 std::string percent(double share) { return fmt::format("{:.2f} %", 100 * share); }
 
@@ -77,6 +79,23 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
         {column, fmt::format("u'Ru summed over time: median {}, 90 % within {} to {}", median(quoted, "s"),
                              quantile(quoted, 0.05, "s"), quantile(quoted, 0.95, "s"))});
   }
+  // Of robots that have a reference.
+  std::vector<CampaignLine> tracking;
+  for (const std::string& column : runs.ending_in(robot_endings[1])) {
+    const std::string robot = column.substr(0, column.size() - robot_endings[1].size()),
+                      heading = robot + std::string(robot_endings[2]);
+    std::vector<std::string> errors;
+    for (const auto& [what, of, unit] :
+         {std::tuple("position", column, "m"), std::tuple("heading", heading, "rad")}) {
+      const std::string quoted = sql_name(of);
+      if (runs.count(fmt::format("{} IS NOT NULL", quoted)) > 0)
+        errors.push_back(fmt::format("{} error (RMS) median {}, 95 % within {}", what, median(quoted, unit),
+                                     quantile(quoted, 0.95, unit)));
+    }
+    if (!errors.empty())
+      tracking.push_back({robot + " tracks its reference", fmt::format("{}", fmt::join(errors, "; "))});
+  }
+  if (tracking.size() <= robots_max) lines.insert(lines.end(), tracking.begin(), tracking.end());
   for (const std::string& column : runs.ending_in(localization_endings[0])) {
     const std::string robot = column.substr(0, column.size() - localization_endings[0].size());
     const std::string rmse = sql_name(column), anees = sql_name(robot + std::string(localization_endings[1])),

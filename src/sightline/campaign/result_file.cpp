@@ -66,7 +66,8 @@ Json table_json(const CampaignTable& table) {
     one["high"] = bounds.high;
   }
   std::vector<std::string> columns = {"time_to_first_view", "fraction_in_view", "min_distance", "energy"};
-  for (const std::string& column : runs.energies()) columns.push_back(column);
+  for (const std::string_view ending : robot_endings)
+    for (const std::string& column : runs.ending_in(ending)) columns.push_back(column);
   for (const std::string& column : columns) {
     std::vector<double> values = runs.values(sql_name(column));
     const std::size_t known = values.size();

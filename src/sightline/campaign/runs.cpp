@@ -68,7 +68,7 @@ std::vector<std::pair<std::int64_t, std::string>> Runs::reasons(int at_most) {
   return told;
 }
 
-std::vector<std::string> Runs::energies() { return ending_in(energy_ending); }
+std::vector<std::string> Runs::energies() { return ending_in(robot_endings[0]); }
 
 std::vector<std::string> Runs::ending_in(std::string_view ending) {
   std::vector<std::string> names;

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 #include "sightline/base/refuse.hpp"
@@ -68,12 +69,13 @@ std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
   }
   for (const std::string& name : drawn_names(plan))
     columns.push_back(fmt::format("{} REAL NOT NULL", sql_name(name)));
-  for (const Agent& agent : scenario.team.agents())
-    columns.push_back(fmt::format("{} REAL NOT NULL", sql_name(agent.name + std::string(energy_ending))));
+  const auto add_endings = [&](std::string_view robot, std::span<const std::string_view> endings) {
+    for (const std::string_view ending : endings)
+      columns.push_back(fmt::format("{} REAL", sql_name(fmt::format("{}{}", robot, ending))));
+  };
+  for (const Agent& agent : scenario.team.agents()) add_endings(agent.name, robot_endings);
   for (const LocalizedRobot& one : scenario.localization.robots)
-    for (const std::string_view ending : localization_endings)
-      columns.push_back(
-          fmt::format("{} REAL", sql_name(std::string(scenario.team.name(one.robot)) + std::string(ending))));
+    add_endings(scenario.team.name(one.robot), localization_endings);
   columns.push_back(fmt::format("{} TEXT NOT NULL", sql_name(row_digest_column)));
   return fmt::format("CREATE TABLE runs({})", fmt::join(columns, ", "));
 }
@@ -126,7 +128,8 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
     real(value);
   for (const std::int64_t count : result.statuses) whole(count);
   for (const double value : run.values) real(value);
-  for (const double value : result.energies) real(value);
+  for (const RobotResult& robot : result.robots)
+    for (const double value : {robot.energy, robot.rms_position_error, robot.rms_heading_error}) real(value);
   for (const RobotLocalization& one : result.localizations)
     for (const double value : {one.rmse, one.anees, one.longest_without_sight}) real(value);
   Digest digest;

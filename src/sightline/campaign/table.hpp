@@ -26,7 +26,7 @@ using AboutCampaign = std::map<std::string, Database::Value>;
 ///
 ///   runs      "index", seed, outcome, reason, min_distance, time_to_first_view, fraction_in_view, could_brake, violations,
 ///             energy, chatter, drift, longest_without_plan, barrier_conflict, a column status_NAME for each Status, a column for each number drawn, by its name, and
-///             ROBOT.energy for each robot; at last digest, of all that stands before it in the row
+///             the robot_endings of each robot; at last digest, of all that stands before it in the row
 ///   campaign  key, value: scenario, text, plan (the text of the scenario that draws, where that is another), seed,
 ///             duration, version, compiler; "file NAME" with the text of each file that the scenario names; of a shard
 ///             "I/N of RUNS" as shard; at its end a digest of all rows
@@ -109,10 +109,11 @@ void check_rows(Database& database);
 /// Of the text of a file that the scenario names, before its name.
 inline constexpr std::string_view file_key = "file ";
 
-/// What the column of a robot's energy is called, after its name.
-inline constexpr std::string_view energy_ending = ".energy";
+/// What the columns of a robot's energy and errors are called, after its name.
+inline constexpr std::array<std::string_view, 3> robot_endings = {".energy", ".rms_position_error",
+                                                                  ".rms_heading_error"};
 
-/// And of its error, its consistency and its longest time without sight, where it is localized by view.
+/// And of the error of its estimate, its consistency and its longest time without sight, where it is localized by view.
 inline constexpr std::array<std::string_view, 3> localization_endings = {".rmse", ".anees",
                                                                          ".longest_without_sight"};
 

@@ -24,7 +24,8 @@ double length(const Vec3<double>& r, bool horizontally) {
 
 }  // namespace
 
-Drift::Drift(const Team& team, double settle) : settle_(settle) {
+Drift::Drift(const Team& team, double settle)
+    : settle_(settle), lands_(static_cast<std::size_t>(team.bodies())) {
   for (Mark& mark : marks_) mark.places.resize(static_cast<std::size_t>(team.bodies()));
   restart(team.couplings());
 }
@@ -75,10 +76,28 @@ Drift::Place Drift::place_of(double time, const Sight<double>& sight, Presence p
   return place;
 }
 
-void Drift::mark(double time, std::span<const Sight<double>> sights, std::span<const Presence> presence,
-                 std::span<const Agent* const> agents) {
+void Drift::add(const Sample& sample, std::span<const Sight<double>> sights, const PresentTeam& present) {
+  for (int i = 0; i < sample.event_count; ++i) {
+    const Event& event = sample.events[static_cast<std::size_t>(i)];
+    if (event.kind == EventKind::land) lands_[static_cast<std::size_t>(event.value)] = true;
+  }
+  if (sample.of != Sample::Of::update || !due(sample.time)) return;
+  Mark& mark = next_mark(sample.time);
+  for (std::size_t i = 0; i < mark.places.size(); ++i) {
+    const Agent* const agent = lands_[i] ? nullptr : present.agent(BodyId{static_cast<int>(i)});
+    mark.places[i] = place_of(sample.time, sights[i], sample.presence[i], agent);
+  }
+}
+
+Drift::Mark& Drift::next_mark(double time) {
   Mark& mark = marks_[count_++ % marks_max];
   mark.time = time;
+  return mark;
+}
+
+void Drift::mark(double time, std::span<const Sight<double>> sights, std::span<const Presence> presence,
+                 std::span<const Agent* const> agents) {
+  Mark& mark = next_mark(time);
   for (std::size_t i = 0; i < mark.places.size(); ++i)
     mark.places[i] = place_of(time, sights[i], presence[i], agents[i]);
 }

@@ -8,6 +8,7 @@
 
 #include "sightline/ocp/roster.hpp"
 #include "sightline/ocp/team.hpp"
+#include "sightline/record/present_team.hpp"
 
 namespace sightline {
 
@@ -28,6 +29,11 @@ class Drift {
  public:
   /// @param settle  nothing counts before [s]
   Drift(const Team& team, double settle);
+
+  /// Takes the next sample: the one judge of drift. A robot that lands is not steered from then on.
+  /// @param sights   of all bodies at the sample
+  /// @param present  the team as it is at the sample
+  void add(const Sample& sample, std::span<const Sight<double>> sights, const PresentTeam& present);
 
   /// Whether the next second has come.
   bool due(double time) const noexcept;
@@ -61,13 +67,15 @@ class Drift {
     std::vector<Place> places;  // of all bodies
   };
   const Mark& mark_of(std::size_t i) const { return marks_[i % marks_max]; }
+  Mark& next_mark(double time);
   Place place_of(double time, const Sight<double>& sight, Presence presence, const Agent* agent);
   bool leaves(std::size_t robot, Group group, std::size_t begin) const;
 
   double settle_;
   std::vector<std::vector<std::size_t>> felt_;  // bodies, by who feels a coupling with them
   std::array<Mark, marks_max> marks_;
-  std::size_t count_ = 0;  // of all marks there were; the last ones are kept
+  std::size_t count_ = 0;    // of all marks there were; the last ones are kept
+  std::vector<bool> lands_;  // of all bodies
   std::vector<double> x_ref_, x_;
 };
 

@@ -10,6 +10,12 @@
 #include "sightline/potential/protection.hpp"
 
 namespace sightline {
+
+bool is_in_view(const Observation& pair, const Sight<double>& observer, const Sight<double>& target,
+                double time) noexcept {
+  return pair.potential.violation(observer, target, time) <= 0;
+}
+
 std::vector<Observation> observations(std::span<const Coupling> couplings) {
   std::vector<Observation> found;
   const auto same = [](const Observation& o, BodyId a, BodyId b) { return o.observer == a && o.target == b; };

@@ -22,6 +22,11 @@ struct Observation {
   BodyId third{};       ///< that the potential looks past; index -1: none
 };
 
+/// Whether the target is in view at `time` [s]: the one judge of a view.
+/// @param observer  its first_sight(), with the body that it looks past
+bool is_in_view(const Observation& pair, const Sight<double>& observer, const Sight<double>& target,
+                double time) noexcept;
+
 /// All observations among couplings, in their order.
 std::vector<Observation> observations(std::span<const Coupling> couplings);
 

@@ -16,14 +16,8 @@
 namespace sightline {
 namespace {
 
-constexpr double raw_tolerance = 1e-9;    // of a raw input beyond its limit
 constexpr double lost_after = 2.0;        // out of view at the end for so long is a failure [s]
 constexpr std::size_t events_max = 1000;  // in the summary; the log has all
-
-bool weighs(const Agent& agent, std::span<const int> states) {
-  return std::any_of(states.begin(), states.end(),
-                     [&](int k) { return k >= 0 && agent.Q[static_cast<std::size_t>(k)] > 0; });
-}
 
 /// Whether two potentials of one kind state the same limit, asked at a few places near and far.
 bool same_limit(const Potential& a, const Potential& b) {
@@ -45,11 +39,6 @@ double counted(double value) { return std::isfinite(value) ? value : no_value; }
 
 }  // namespace
 
-bool tracks_position(const Agent& agent, const StateRoles& roles) { return weighs(agent, roles.position); }
-bool tracks_heading(const Agent& agent, const StateRoles& roles) {
-  return weighs(agent, roles.direction) || weighs(agent, std::array{roles.angle});
-}
-
 Summary::Summary(const Scenario& scenario, std::size_t controllers)
     : scenario_(scenario),
       present_(scenario),
@@ -58,7 +47,7 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
       localization_(scenario),
       period_(scenario.horizon.dt),
       leans_(leaning_bodies(scenario)),
-      chatter_(static_cast<std::size_t>(scenario.team.nu())),
+      inputs_(scenario),
       drift_(scenario.team, scenario.simulation.settle) {
   const Team& team = scenario_.team;
   const std::vector<Coupling> couplings = all_couplings(scenario_);
@@ -69,13 +58,11 @@ Summary::Summary(const Scenario& scenario, std::size_t controllers)
   for (const Constraint& c : team.constraints()) add_limit(c.term.potential, c.agent, c.agent, {});
   for (int i = 0; i < team.bodies(); ++i) {
     if (!team.is_agent(BodyId{i})) continue;
-    robots_.push_back({BodyId{i}, roles_of(team.model(BodyId{i}))});
+    robots_.push_back({BodyId{i}, TrackingError(team.model(BodyId{i}), scenario.simulation.rms_from)});
     robots_.back().leans = leans_[at(BodyId{i})];
   }
   sights_.resize(static_cast<std::size_t>(team.bodies()));
   presence_.assign(sights_.size(), Presence::steered);
-  steered_.resize(sights_.size());
-  landing_.resize(sights_.size());
   find_what_is_in_force();
   const double solves = scenario_.simulation.duration / period_ * static_cast<double>(controllers);
   solve_us_.reserve(static_cast<std::size_t>(std::clamp(solves, 0.0, 1e6)) + 1);
@@ -173,52 +160,32 @@ void Summary::add(const Sample& sample) {
   std::copy(sample.presence.begin(), sample.presence.end(), presence_.begin());
   ++updates_;
   end_ = sample.time + period_;
-  if (!all_finite(sample.x) || !all_finite(sample.u) || !all_finite(sample.raw_u)) ++not_finite_;
+  if (!all_finite(sample)) ++not_finite_;
   stage_cost_ = present_.cost(sample);
   cost_ += period_ * stage_cost_;
   look(sample);
-  add_inputs(sample);
+  inputs_.add(sample, present_);
   add_robots(sample);
   add_views(sample);
   add_limits(sample.time);
   add_solvers(sample);
   plans_.add(sample);
   localization_.add(sample);
-  add_drift(sample);
+  drift_.add(sample, sights_, present_);
 }
 
 /// States that no update followed: a place is judged, and nothing that a robot was asked for.
 void Summary::add_states(const Sample& sample) {
-  if (!all_finite(sample.x)) ++not_finite_;
+  if (!all_finite(sample)) ++not_finite_;
   look(sample);
   add_events(sample);
+  drift_.add(sample, sights_, present_);
 }
 
 void Summary::look(const Sample& sample) {
   for (int i = 0; i < scenario_.team.bodies(); ++i)
     sights_[at(BodyId{i})] = true_sight(scenario_.team, BodyId{i}, sample);
   safety_.add(sample, sights_);
-}
-
-void Summary::add_inputs(const Sample& sample) {
-  const auto beyond = [&](double u, std::size_t i) {
-    return !(u >= u_min_[i] - raw_tolerance && u <= u_max_[i] + raw_tolerance);
-  };
-  for (const Robot& robot : robots_) {
-    if (!is_there(robot.body)) continue;
-    const Agent& agent = scenario_.team.agent(robot.body);
-    const auto offset = static_cast<std::size_t>(scenario_.team.input_offset(robot.body));
-    u_min_.resize(agent.R.size());
-    u_max_.resize(agent.R.size());
-    present_.limits(robot.body).at(sample.time, u_min_, u_max_);
-    for (std::size_t i = 0; i < u_min_.size(); ++i) {
-      const double raw = sample.raw_u[offset + i];
-      max_abs_input_ = std::max(max_abs_input_, std::abs(raw));
-      input_violations_ += beyond(raw, i) ? 1 : 0;
-      applied_violations_ += beyond(sample.u[offset + i], i) ? 1 : 0;
-      chatter_.add(offset + i, sample.time, sample.u[offset + i], u_max_[i] - u_min_[i]);
-    }
-  }
 }
 
 void Summary::add_robots(const Sample& sample) {
@@ -231,34 +198,8 @@ void Summary::add_robots(const Sample& sample) {
       if (settled) robot.steepest = std::max(robot.steepest, steep);
       robot.planned.add(scenario_.team, robot.body, sample, std::atan(steep), settled);
     }
-    const Agent* const steered = present_.agent(robot.body);
-    if (steered == nullptr) continue;
-    const Agent& agent = *steered;
-    const double* u = sample.u.data() + scenario_.team.input_offset(robot.body);
-    for (std::size_t i = 0; i < agent.R.size(); ++i) robot.energy += period_ * agent.R[i] * u[i] * u[i];
-    for (std::size_t i = 0; i < agent.rate_max.size() && !robot.before.empty(); ++i) {
-      const double rate = std::abs(u[i] - robot.before[i]) / (sample.time - robot.time_before);
-      robot.rate_ratio = std::max(robot.rate_ratio, rate / agent.rate_max[i]);
-    }
-    robot.before.assign(u, u + agent.rate_max.size());
-    robot.time_before = sample.time;
-    const bool to_place = tracks_position(agent, robot.roles),
-               to_heading = tracks_heading(agent, robot.roles);
-    if (!(to_place || to_heading) || sample.time < scenario_.simulation.rms_from - same_time) continue;
-    x_ref_.resize(agent.Q.size());
-    agent.x_ref(sample.time, agent.model, x_ref_);
-    const Sight<double> wanted = agent.model.sight(x_ref_.data(), agent.u_ref.data());
-    const Vec2<double> d = wanted.d, flown = sight(robot.body).d;
-    if (to_heading && !(d.x == 0 && d.y == 0)) {
-      robot.squared_heading_error +=
-          square(atan2(d.x * flown.y - d.y * flown.x, d.x * flown.x + d.y * flown.y));
-      ++robot.heading_errors;
-    }
-    if (!to_place) continue;
-    const Vec3<double> e = sight(robot.body).p - wanted.p;
-    robot.squared_error += dot(e, e);
-    robot.error = robot.error + e;
-    ++robot.errors;
+    if (const Agent* const steered = present_.agent(robot.body))
+      robot.error.add(*steered, sample.time, sight(robot.body));
   }
 }
 
@@ -271,7 +212,7 @@ void Summary::add_views(const Sample& sample) {
     const Sight<double> observer = first_sight(seen_of, view.pair.observer, view.pair.third);
     const Sight<double>& target = sight(view.pair.target);
     const double angle = view_angle(view.pair.mount, observer, target.p);
-    const bool seen = view.pair.potential.violation(observer, target, time) <= 0;
+    const bool seen = is_in_view(view.pair, observer, target, time);
     double &begun = seen ? view.in_since : view.out_since, &over = seen ? view.out_since : view.in_since;
     if (std::isnan(begun)) begun = time;
     over = no_value;
@@ -329,21 +270,6 @@ void Summary::add_events(const Sample& sample) {
   }
 }
 
-void Summary::add_drift(const Sample& sample) {
-  for (int i = 0; i < sample.event_count; ++i) {
-    const Event& event = sample.events[static_cast<std::size_t>(i)];
-    if (event.kind == EventKind::land) landing_[static_cast<std::size_t>(event.value)] = true;
-  }
-  if (!drift_.due(sample.time)) return;
-  for (const Robot& robot : robots_) {
-    const auto i = at(robot.body);
-    steered_[i] = landing_[i] ? nullptr : present_.agent(robot.body);
-  }
-  drift_.mark(sample.time, sights_, presence_, steered_);
-  std::fill(steered_.begin(), steered_.end(),
-            nullptr);  // they are of the present team, which a copy has anew
-}
-
 std::vector<std::string> Summary::out_of_view() const {
   const Team& team = scenario_.team;
   std::vector<std::string> sentences;
@@ -369,7 +295,7 @@ std::vector<SummaryValues::Chatter> Summary::chatter() const {
            std::any_of(team.constraints().begin(), team.constraints().end(), own);
   };
   std::vector<SummaryValues::Chatter> all;
-  for (const Chatter::Found& found : chatter_.found()) {
+  for (const Chatter::Found& found : inputs_.chatter().found()) {
     const auto robot = std::find_if(robots_.rbegin(), robots_.rend(), [&](const Robot& r) {
       return static_cast<std::size_t>(team.input_offset(r.body)) <= found.input;
     });
@@ -392,9 +318,9 @@ SummaryValues Summary::values() const {
   v.allocations_per_update = allocations_;
   v.statuses = statuses_;
   v.not_finite = not_finite_;
-  v.input_violations = input_violations_;
-  v.applied_violations = applied_violations_;
-  v.max_abs_input = max_abs_input_;
+  v.input_violations = inputs_.raw_beyond();
+  v.applied_violations = inputs_.beyond();
+  v.max_abs_input = inputs_.largest_raw();
   v.pairs_active_max = pairs_;
   v.pairs_left_out_max = left_out_;
   v.min_distance = counted(safety_.least_distance());
@@ -405,15 +331,14 @@ SummaryValues Summary::values() const {
                        view.settled > 0 ? view.angles / static_cast<double>(view.settled) : no_value,
                        view.planned.rms(), view.planned.mean()});
   }
-  for (const Robot& robot : robots_) {
-    const auto errors = static_cast<double>(robot.errors);  // of none all are 0 / 0
-    const double mean_square = robot.squared_error / errors, offset = norm(robot.error) / errors;
-    v.robots.push_back({name(robot.body), std::sqrt(mean_square), offset,
-                        std::sqrt(mean_square - std::min(mean_square, offset * offset)),
-                        std::sqrt(robot.squared_heading_error / static_cast<double>(robot.heading_errors)),
-                        robot.energy, robot.leans ? std::atan(robot.steepest) : no_value, robot.planned.max(),
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const Robot& robot = robots_[i];
+    const InputRecord::Robot& inputs = inputs_.robots()[i];
+    v.robots.push_back({name(robot.body), robot.error.rms_position(), robot.error.offset(),
+                        robot.error.rms_rest(), robot.error.rms_heading(), inputs.energy,
+                        robot.leans ? std::atan(robot.steepest) : no_value, robot.planned.max(),
                         robot.planned.rms(),
-                        scenario_.team.agent(robot.body).rate_max.empty() ? no_value : robot.rate_ratio});
+                        team.agent(robot.body).rate_max.empty() ? no_value : inputs.rate_ratio});
     if (robot.idle.total > 0) v.idle_observers.push_back({name(robot.body), robot.idle});
   }
   for (const Limit& limit : limits_) {

@@ -11,24 +11,20 @@
 #include <vector>
 
 #include "sightline/base/quantile.hpp"
-#include "sightline/model/state_roles.hpp"
 #include "sightline/potential/potential.hpp"
-#include "sightline/record/chatter.hpp"
 #include "sightline/record/drift.hpp"
+#include "sightline/record/input_record.hpp"
 #include "sightline/record/localization_summary.hpp"
 #include "sightline/record/plan_summary.hpp"
 #include "sightline/record/planned_view.hpp"
 #include "sightline/record/present_team.hpp"
 #include "sightline/record/safety_summary.hpp"
 #include "sightline/record/time_in_force.hpp"
+#include "sightline/record/tracking_error.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline {
-
-/// Whether the agent's Q asks for a place, or for a heading: only then a reference is one to be judged by.
-bool tracks_position(const Agent& agent, const StateRoles& roles);
-bool tracks_heading(const Agent& agent, const StateRoles& roles);
 
 /// The numbers of a run. Not a number: there was nothing to compute it from.
 struct SummaryValues {
@@ -127,7 +123,7 @@ class Summary {
   std::int64_t not_finite() const { return not_finite_; }
   bool finite() const { return not_finite_ == 0; }
   /// Components of applied inputs beyond the limits that were in force.
-  std::int64_t applied_violations() const { return applied_violations_; }
+  std::int64_t applied_violations() const { return inputs_.beyond(); }
   /// Of the last sample: its stage cost, and the team as it was.
   double stage_cost() const { return stage_cost_; }
   const PresentTeam& present() const { return present_; }
@@ -167,19 +163,11 @@ class Summary {
   };
   struct Robot {
     BodyId body;
-    StateRoles roles;
-    double squared_error = 0.0, energy = 0.0;
-    Vec3<double> error{};  // sum [m]
-    std::int64_t errors = 0;
-    double squared_heading_error = 0.0;
-    std::int64_t heading_errors = 0;
+    TrackingError error;
     bool leans = false;     // its tilt is told
     double steepest = 0.0;  // tangent of the largest tilt
     PlannedTilt planned{};
-    double rate_ratio = 0.0;       // of an input to its rate_max
-    std::vector<double> before{};  // applied inputs of the sample before
-    double time_before = 0.0;      // [s]
-    bool is_idle = false;          // asked to observe, and nobody is there
+    bool is_idle = false;  // asked to observe, and nobody is there
     TimeInForce idle{};
   };
 
@@ -190,7 +178,6 @@ class Summary {
   void find_limits_in_force(const std::vector<Coupling>& couplings,
                             const std::vector<Constraint>& constraints);
   bool is_there(BodyId body) const { return presence_[at(body)] != Presence::absent; }
-  void add_inputs(const Sample& sample);
   void add_robots(const Sample& sample);
   void add_views(const Sample& sample);
   void add_limits(double time);
@@ -198,7 +185,6 @@ class Summary {
   void add_events(const Sample& sample);
   void add_states(const Sample& sample);
   void look(const Sample& sample);
-  void add_drift(const Sample& sample);
   std::vector<SummaryValues::Chatter> chatter() const;
 
   Scenario scenario_;
@@ -213,17 +199,13 @@ class Summary {
   std::vector<Limit> limits_;
   std::vector<Robot> robots_;
   std::vector<Sight<double>> sights_;  // of all bodies at the present sample
-  std::vector<double> x_ref_, u_min_, u_max_;
-  Chatter chatter_;
+  InputRecord inputs_;
   Drift drift_;
-  std::vector<const Agent*> steered_;  // of all bodies; none: not steered, or landing
-  std::vector<bool> landing_;
 
-  std::int64_t updates_ = 0, not_finite_ = 0, input_violations_ = 0, applied_violations_ = 0,
-               allocations_ = 0;
+  std::int64_t updates_ = 0, not_finite_ = 0, allocations_ = 0;
   int pairs_ = 0, left_out_ = 0;
   double end_ = 0.0;  // of the last period [s]
-  double cost_ = 0.0, stage_cost_ = 0.0, max_abs_input_ = 0.0;
+  double cost_ = 0.0, stage_cost_ = 0.0;
   std::array<std::int64_t, status_count> statuses_{};
   Quantiles solve_us_;
   std::vector<Event> events_;

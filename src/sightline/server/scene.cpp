@@ -105,7 +105,7 @@ void Scene::draw_pair(std::vector<Drawn>& all, int id, const Pair& pair, const S
   const double distance = norm(a.p - b.p);
   std::string_view hex = palette_grey;
   if (pair.view) {
-    hex = pair.view->potential.violation(a, b, t) <= 0 ? palette_green : palette_red;
+    hex = is_in_view(*pair.view, a, b, t) ? palette_green : palette_red;
     if (std::isfinite(pair.view->alpha))
       all.push_back({.group = "views",
                      .id = id,

@@ -292,7 +292,7 @@ std::string SceneJson::moment(const ShownState& state, const std::vector<Happeni
     if (!asked || !there(pair.observer) || !there(pair.target)) return text.raw("null");
     const auto sight = [&](BodyId body) { return state.seen[size(body.index)].value_or(Sight<double>{}); };
     const Sight<double> a = first_sight(sight, pair.observer, pair.third), b = sight(pair.target);
-    text.raw(pair.potential.violation(a, b, state.time) <= 0 ? "[1," : "[0,");
+    text.raw(is_in_view(pair, a, b, state.time) ? "[1," : "[0,");
     text.number(norm(a.p - b.p), millimetres);
     text.next();
     text.number(view_angle(pair.mount, a, b.p), turns);
