@@ -168,7 +168,7 @@ TEST(JudgedFlight, ACampaignAndASummaryClaimTheSameOfTheSameFlightWhateverChange
     const Controls controls(scenario);
     const auto world = make_world(scenario);
     SimulatedClock clock;
-    const Sample sized = sized_sample(*world, controls.controllers());
+    const Sample sized = sized_sample(*world, controls.controllers(), controls.team_switcher());
     KeptSamples kept(sized);
     const LoopOutcome outcome =
         ClosedLoop(scenario, *world, controls.controllers(), clock, kept, nullptr, controls.team_switcher())

@@ -150,7 +150,7 @@ TEST(TeamSwitcher, OnASteadyClockTheLoopNeverWaits) {
   ModelWorld world(all, event_start(all));
   SteadyClock clock;
   const Controllers controllers = {*team_switcher.present().solver};
-  KeepSamples sink(sized_sample(all, controllers));
+  KeepSamples sink(sized_sample(all, controllers, &team_switcher));
   Loop loop(world, controllers, clock, sink, {.duration = 1.0, .team_switcher = &team_switcher});
   const LoopOutcome outcome = loop.run();
   EXPECT_TRUE(outcome.finite);
@@ -187,7 +187,7 @@ TEST(TeamSwitcher, NothingInTheLoopAllocatesWhenATeamChanges) {
   ModelWorld world(team, event_start(team, 2));
   Guard guard(team, {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
   const Controllers controllers = {*team_switcher.present().solver};
-  Ring<Sample> ring(1000, sized_sample(team, controllers));
+  Ring<Sample> ring(1000, sized_sample(team, controllers, &team_switcher));
   SimulatedClock clock;
   Loop loop(world, controllers, clock, ring,
             {.duration = 3.0,
@@ -222,7 +222,7 @@ TEST(TeamSwitcher, TriggersOfTextAllocateNothing) {
                              newton_riccati_of(Horizon{}));
   ModelWorld world(team, event_start(team));
   const Controllers controllers = {*team_switcher.present().solver};
-  Ring<Sample> ring(1000, sized_sample(team, controllers));
+  Ring<Sample> ring(1000, sized_sample(team, controllers, &team_switcher));
   SimulatedClock clock;
   Loop loop(world, controllers, clock, ring,
             {.duration = 0.5, .allocations = allocations_here, .team_switcher = &team_switcher});
@@ -249,7 +249,7 @@ Told fly_failing(const Team& all, const Script& script, MakeSolver make) {
   ModelWorld world(all, event_start(all));
   SimulatedClock clock;
   const Controllers controllers = {*team_switcher.present().solver};
-  KeepSamples sink(sized_sample(all, controllers));
+  KeepSamples sink(sized_sample(all, controllers, &team_switcher));
   Loop loop(world, controllers, clock, sink, {.duration = 0.5, .team_switcher = &team_switcher});
   EXPECT_TRUE(loop.run().finite);
   Told told;
@@ -311,7 +311,7 @@ TEST(TeamSwitcher, OfSeveralEventsAtOnceOnlyThoseThatCannotBeAreIgnored) {
   EXPECT_EQ(couplings_called(told.team, "off2"), 0);
 }
 
-TEST(TeamSwitcher, MoreEventsAtOnceThanASampleHoldsAreAllTold) {
+TEST(TeamSwitcher, AHundredEventsAtOnceAreAllTold) {
   const Team all = event_team(3);
   Script script;
   for (int i = 0; i < 100; ++i) {
