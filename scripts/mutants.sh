@@ -2,14 +2,15 @@
 # Shows that the fast tests notice when what they guard is broken:  scripts/mutants.sh [BUILD_DIR] [GROUP...]
 # Each mutant is one substitution in a copy of its sources; a line tells which test killed it. Nothing in the tree
 # changes. Ends with 1 if a mutant survives. BUILD_DIR holds a built library (build/release by default). The groups are
-# barrier (the safety filter) and verdicts (summary.json, exit code, outcome of a run of a campaign); all if none is named.
+# barrier (the safety filter), verdicts (summary.json, exit code, outcome of a run of a campaign) and gate (what is measured and
+# what is applied); all if none is named.
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 build=build/release
 if [[ ${1:-} == */* ]]; then build=$1 && shift; fi
 [[ -f $build/lib/libsightline_core.a ]] || { echo "mutants.sh: $build = not built, expected lib/libsightline_core.a in it" >&2; exit 2; }
 groups=("$@")
-((${#groups[@]} > 0)) || groups=(barrier verdicts)
+((${#groups[@]} > 0)) || groups=(barrier verdicts gate)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -18,7 +19,7 @@ flags=(-std=c++20 -O1 -march=native -ffp-contract=off -fno-math-errno -fno-trapp
   -DSIGHTLINE_SOURCE_DIR="\"$PWD\"" -DSIGHTLINE_BINARY="\"$PWD/$build/bin/sightline\"")
 
 # A group: its sources in src/sightline/, the folder of files that are named without one, its tests in tests/ and their
-# filter, objects and libraries beside them, and its mutants:
+# filter, the fast ones first, objects and libraries beside them, and its mutants:
 # name | file | what stands there (a regular expression without |) | what the mutant has in its place
 barrier() {
   folder=safety
@@ -67,31 +68,44 @@ barrier() {
 
 verdicts() {
   folder=record
-  sources=(record/{safety_summary,summary,plan_summary,logged_flight} campaign/judge)
-  tests=(record/{safety_summary,summary,plan_summary,logged_flight} campaign/judge run/plan_gap)
-  filter='SafetySummary.*:Summary.*:PlanSummary.*:PlanGap*:LoggedFlight.*:Judge.*'
+  sources=(record/{safety_summary,sampled_motion,input_record,tracking_error,present_team,drift,summary,plan_summary,logged_flight} campaign/judge)
+  tests=(record/{safety_summary,input_record,tracking_error,summary,plan_summary} run/plan_gap campaign/judge
+    record/{sampled_motion,drift,logged_flight} campaign/judged_flight)
+  filter='SafetySummary.*:SampledMotion.*:InputRecord.*:TrackingError.*:Drift.*:Summary.*:PlanSummary.*:PlanGap*:LoggedFlight.*:Judge*'
   objects=()
   libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -lzstd -ltomlplusplus -lz)
   mutants=(
-    'states that are no numbers not counted|summary.cpp|!all_finite(sample.x) .. !all|!all'
-    'applied inputs that are no numbers not counted|summary.cpp|!all_finite(sample.u) .. !all|!all'
-    'raw inputs that are no numbers not counted|summary.cpp| .. !all_finite(sample.raw_u)||'
-    'applied inputs not judged|summary.cpp|applied_violations_ += beyond(sample.u\[offset + i\], i) ? 1 : 0;|;'
-    'raw inputs not judged|summary.cpp|input_violations_ += beyond(raw, i) ? 1 : 0;|;'
-    'upper input limit not judged|summary.cpp| \&\& u <= u_max_\[i\] + raw_tolerance||'
-    'lower input limit not judged|summary.cpp|u >= u_min_\[i\] - raw_tolerance \&\& ||'
-    'limits of the start judged for ever|summary.cpp|present_.limits(robot.body).at(sample.time, u_min_, u_max_);|present_.limits(robot.body).at(0.0, u_min_, u_max_);'
+    'states that are no numbers not counted|input_record.cpp|return all_finite(sample.x) \&\&|return'
+    'applied inputs that are no numbers not counted|input_record.cpp|all_finite(sample.u) \&\& ||'
+    'raw inputs that are no numbers not counted|input_record.cpp| \&\& all_finite(sample.raw_u)||'
+    'what is no number not counted|summary.cpp|if (!all_finite(sample)) ++not_finite_;|;'
+    'applied inputs not judged|input_record.cpp|  beyond_ += beyond(u) ? 1 : 0;|;'
+    'raw inputs not judged|input_record.cpp|raw_beyond_ += beyond(raw) ? 1 : 0;|;'
+    'upper input limit not judged|input_record.cpp| \&\& u <= high\[i\] + input_tolerance||'
+    'lower input limit not judged|input_record.cpp|u >= low\[i\] - input_tolerance \&\& ||'
+    'input limits of the start judged for ever|input_record.cpp|limits.at(sample.time, low, high);|limits.at(0.0, low, high);'
+    'once beyond, all inputs are|input_record.cpp|^  within_ = true;|;'
+    'the last input alone decides|input_record.cpp|within_ = within_ \&\& !beyond(u);|within_ = !beyond(u);'
+    'inputs of what is absent judged|input_record.cpp|== Presence::absent) continue;|== Presence::absent) {}'
+    'largest raw input without its sign|input_record.cpp|std::max(largest_raw_, std::abs(raw))|std::max(largest_raw_, raw)'
+    'energy without its weights|input_record.cpp|period_ \* agent.R\[i\] \* u|period_ * u'
+    'last rate told as the largest|input_record.cpp|std::max(robot.rate_ratio, rate / agent.rate_max\[i\])|rate / agent.rate_max[i]'
+    'rates over one period, however long it was|input_record.cpp|(sample.time - robot.time_before)|period_'
+    'chatter against a range of its own|input_record.cpp|sample.time, u, high\[i\] - low\[i\]|sample.time, u, 2.0'
+    'errors count from the start|tracking_error.cpp|time < from_ - same_time|false'
+    'errors not squared|tracking_error.cpp|  squares_ += dot(e, e);|  squares_ += norm(e);'
+    'heading errors the wrong way round|tracking_error.cpp|d.x \* seen.d.y - d.y|d.x * seen.d.y + d.y'
+    'heading errors where none is asked for|tracking_error.cpp|if (to_heading \&\& !(d.x|if (!(d.x'
+    'position errors where none is asked for|tracking_error.cpp|if (!to_place) return;|;'
+    'steady part left in the rest|tracking_error.cpp|mean_square - std::min(mean_square, offset2)|mean_square'
+    'in view is out of view|present_team.cpp|violation(observer, target, time) <= 0;|violation(observer, target, time) > 0;'
+    'what lands drifts|drift.cpp|lands_\[i\] ? nullptr : present|present'
+    'drift judged at each sample|drift.cpp| .. !due(sample.time)) return;|) return;'
     'out of view may last twice as long|summary.cpp|lost_after = 2.0;|lost_after = 4.0;'
-    'in view is out of view|summary.cpp|violation(observer, target, time) <= 0;|violation(observer, target, time) > 0;'
     'views count before settle|summary.cpp|    if (!settled) continue;||'
-    'last distance told as the least|summary.cpp|std::min(least_distance2_, dot(r, r))|dot(r, r)'
-    'distance to obstacles not judged|summary.cpp|if (other == robot.body .. (|if (other == robot.body or !team.is_agent(other) or (|'
     'last excess told as the worst|summary.cpp|limit.worst = std::max(limit.worst, excess);|limit.worst = excess;'
     'broken samples not counted|summary.cpp|    ++limit.broken;||'
     'last stretch told as the longest|summary.cpp|limit.longest = std::max(limit.longest, end_ - limit.broken_since);|limit.longest = end_ - limit.broken_since;'
-    'errors count from the start|summary.cpp|sample.time < scenario_.simulation.rms_from - same_time|false'
-    'errors not squared|summary.cpp|robot.squared_error += dot(e, e);|robot.squared_error += norm(e);'
-    'energy without its weights|summary.cpp|robot.energy += period_ \* agent.R\[i\] \* u|robot.energy += period_ * u'
     'a plan that is late ends no gap|run/plan_gap.hpp|if (ends) open = {};|;'
     'last period of a gap left out|run/plan_gap.hpp|open.longest = time + period - open.from;|open.longest = time - open.from;'
     'updates that were not asked for are failures|run/plan_gap.hpp|open_failed_, record.answered \&\& !planned|open_failed_, !planned'
@@ -100,22 +114,116 @@ verdicts() {
     'lack of plans makes no flight fail|logged_flight.cpp|for (std::string& sentence : log.summary().plans().failures()) faults.push_back(std::move(sentence));|;'
     'broken distances make no flight fail|logged_flight.cpp|for (std::string& sentence : log.summary().safety().broken()) faults.push_back(std::move(sentence));|;'
     'what is no number makes no flight fail|logged_flight.cpp|faults.emplace_back("a state or an input was not finite");|;'
-    'a pair of bodies nearer by a half is kept|safety_summary.cpp|return least2 >= d_hard \* d_hard;|return 4 * least2 >= d_hard * d_hard;'
-    'walls that are passed are kept|safety_summary.cpp|!(excess > touched)|!(excess > 1e9)'
-    'floor and ceiling exchanged|safety_summary.cpp|return bound.limit - p.z;|return p.z - bound.limit;'
-    'ceiling not judged|safety_summary.cpp|return p.z - bound.limit;|return -1.0;'
-    'world judged along x alone|safety_summary.cpp|std::max(std::abs(p.x), std::abs(p.y))|std::abs(p.x)'
-    'what lands has a floor|safety_summary.cpp|!(lands \&\& bound.of == Bound::Of::floor)|true'
-    'what lands has no ceiling|safety_summary.cpp|!(lands \&\& bound.of == Bound::Of::floor)|!lands'
-    'absent bodies are near|safety_summary.cpp|if (!is_there(pair.a) .. !is_there(pair.b)) continue;|;'
-    'input limits of a campaign not judged|campaign/judge.cpp|if (!(u\[i\] >= low\[i\] \&\& u\[i\] <= high\[i\])) return false;|;'
-    'nearer by a half is far enough|campaign/judge.cpp|distance < pair.d_hard - same_distance|distance < 0.5 * pair.d_hard'
-    'who could not brake is blamed|campaign/judge.cpp|hold \&\& !(pair.could_brake \&\& distance|hold \&\& !(distance'
+    'inputs beyond limits make no flight fail|logged_flight.cpp|beyond = log.summary().applied_violations(); beyond > 0|beyond = 0; beyond > 0'
+    'last excess beyond told as the worst|safety_summary.cpp|if (most.value > worst_.value) worst_ = most;|worst_ = most;'
+    'a start outside forgiven without the key|safety_summary.cpp|excused_ = excused \&\& excess > tolerance_;|excused_ = excess > tolerance_;'
+    'a start outside that is meant breaks|safety_summary.cpp|excused_ = excused \&\& excess > tolerance_;|excused_ = false;'
+    'a start outside is meant for ever|safety_summary.cpp|^  excused_ = false;|  ;'
+    'where it comes within not judged|safety_summary.cpp|^  return raise({excess, time});|  return false;'
+    'where it begins told of one that never came within|safety_summary.cpp|if (most.value > start_.value) start_ = most;|;'
+    'broken for whole periods|safety_summary.cpp|across = was != is ? .*;|across = 1.0;'
+    'broken only where it is at the end|safety_summary.cpp|beyond = was .. is ?|beyond = is ?'
+    'last stretch told as all that was broken|safety_summary.cpp|    broken_for_ += beyond;|    broken_for_ = beyond;'
+    'last stretch told as all that was outside|safety_summary.cpp|outside_for_ += beyond;|outside_for_ = beyond;'
+    'a millimetre nearer than d_hard is kept|safety_summary.cpp|distance_tolerance = 1e-9;|distance_tolerance = 1e-3;'
+    'a millimetre beyond a wall is kept|safety_summary.cpp|wall_tolerance = 1e-6;|wall_tolerance = 1e-3;'
+    'distance to obstacles not judged|safety_summary.cpp|if (team.is_agent(a) .. team.is_agent(b))|if (team.is_agent(a) \&\& team.is_agent(b))'
+    'brakes in half of the way|safety_summary.cpp|closing \* closing / (2 \* braking)|closing * closing / (4 * braking)'
+    'those that part have to brake|safety_summary.cpp|std::max(0.0, -dot(r, a.v - b.v) / distance)|std::abs(dot(r, a.v - b.v) / distance)'
+    'brakes of those that were there again|safety_summary.cpp|    pair.met = true;|;'
+    'who could not brake is blamed|safety_summary.cpp|(broken \&\& pair.could_brake)|broken'
+    'too close only at the end|safety_summary.cpp|too_close_ = too_close_ .. too_close_now_;|too_close_ = too_close_now_;'
+    'missed periods not counted|safety_summary.cpp|unseen_ += std::llround(event.value);|;'
+    'missed periods that were seen are unseen|safety_summary.cpp|event.kind == EventKind::missed_period \&\& !sample.truth_known|event.kind == EventKind::missed_period'
+    'shares of the barrier over states too|safety_summary.cpp|^  if (sample.of != Sample::Of::update) return;|;'
+    'absent bodies are near|safety_summary.cpp|if (!pair.there) return pair.limit.cease();|;'
+    'distances between samples left out|safety_summary.cpp|if (is_near \&\& moved) motion_|if (false) motion_'
+    'pairs that come far apart not followed back|safety_summary.cpp|(moved ? motion_.reach(pair.a) + motion_.reach(pair.b) : 0.0)|0.0'
+    'reach of one of a pair left out|safety_summary.cpp|motion_.reach(pair.a) + motion_.reach(pair.b)|motion_.reach(pair.a)'
+    'last distance told as the least|safety_summary.cpp|if (nearest.value < pair.least.value) pair.least = nearest;|pair.least = nearest;'
+    'who joins too near is forgiven|safety_summary.cpp|    broken = !pair.limit.kept().*|    broken = false;'
+    'what lands has a floor|safety_summary.cpp|(lands \&\& bound.of == Bound::Of::floor)|false'
+    'what lands has no ceiling|safety_summary.cpp|(lands \&\& bound.of == Bound::Of::floor)|lands'
+    'what ceases to land is judged at once|safety_summary.cpp|start_outside_ .. was_there|start_outside_'
+    'walls between samples left out|safety_summary.cpp|if (motion_.moved(bound.robot) \&\& excess|if (false \&\& excess'
+    'what comes back within is not followed|safety_summary.cpp|excess + motion_.reach(bound.robot) >|excess >'
+    'the first step of a motion alone|safety_summary.cpp|k + 1 < knots.size(); ++k) find_greatest|k < 1; ++k) find_greatest'
+    'world judged along x alone|safety_summary.cpp|{0, 1, 0}, {0, -1, 0}}};|{1, 0, 0}, {-1, 0, 0}}};'
+    'floor and ceiling exchanged|safety_summary.cpp|of == Bound::Of::floor ? 0 : 1|of == Bound::Of::floor ? 1 : 0'
+    'what drives has a floor|safety_summary.cpp|if (has_height(team.model(body))) {|if (true) {'
+    'least distance on the chord|sampled_motion.cpp|= off_chord \* h \* (norm(a.v - w) + norm(b.v - w));|= 0.0;'
+    'greatest height on the chord|sampled_motion.cpp|= off_chord \* h \* (std::abs(dot(n, a.v) - w) + std::abs(dot(n, b.v) - w));|= 0.0;'
+    'second half of a motion left out|sampled_motion.cpp|  find_least_distance(middle, b, least, depth - 1);|;'
+    'extremes to a centimetre|sampled_motion.cpp|close_enough = 1e-5;|close_enough = 1e-2;'
+    'time of the least distance is that of the sample|sampled_motion.cpp|least = {reached, a.time + s \* h};|least = {reached, a.time};'
+    'models in steps of half a second|sampled_motion.cpp|longest_step = 0.02;|longest_step = 0.5;'
+    'reach halved|sampled_motion.cpp|body.reach += 0.5 \* period_|body.reach += 0.05 * period_'
+    'reach of a straight line|sampled_motion.cpp|    body.reach += 0.5.*|;'
+    'reach without its chord|sampled_motion.cpp|body.reach = norm(d);|;'
+    'measured states move|sampled_motion.cpp|begun_ \&\& truth_ \&\& sample.truth_known \&\& period_ > 0|begun_ \&\& period_ > 0'
+    'what joins moves|sampled_motion.cpp|if (!known .. !was_there .. |if (!known .. '
+    'what is put elsewhere moves|sampled_motion.cpp|body.moved = norm(d) <= .*|body.moved = true;'
+    'velocity that a model lacks left out|sampled_motion.cpp|missing = (1 / T) \* e_p - 0.5 \* e_v;|missing = (1 / T) * e_p;'
+    'acceleration that a model lacks left out|sampled_motion.cpp|(0.5 \* s \* s / T) \* e_v|(0.0 * s) * e_v'
+    'inputs that come fly what was|sampled_motion.cpp|u_before_.data() + body.u|u_.data() + body.u'
+    'input limits of a campaign not judged|campaign/judge.cpp|good = finite \&\& inputs_.within();|good = finite;'
+    'numbers of a campaign not judged|campaign/judge.cpp|good = finite \&\& inputs_.within();|good = inputs_.within();'
+    'states after the last command may be no numbers|campaign/judge.cpp|if (!finite) blame(Fault::not_finite);|;'
+    'events of a campaign not followed|campaign/judge.cpp|changed = present_.follow(sample_);|changed = false;'
+    'drift of a team that is another one goes on|campaign/judge.cpp|if (changed) drift_.restart(couplings);|;'
     'no plan in a campaign not judged|campaign/judge.cpp|if (gaps_\[c\].failed().longest > hold_after_ + same_time)|if (false)'
-    'states of a campaign may be no numbers|campaign/judge.cpp|finite = all_finite(sample_.x) \&\& |finite = |'
     'walls of a campaign not judged|campaign/judge.cpp|if (!walls.empty()) return walls.front();|;'
+    'too close is recovered|campaign/judge.cpp|safety_.too_close()  ? Outcome::too_close|false ? Outcome::too_close'
     'a target out of view at the end is recovered|campaign/judge.cpp|at_end = at_end \&\& (view.seen .. !view.asked);|;'
     'a view that came late is in time|campaign/judge.cpp|first <= plan_.view_within|first <= 10 * plan_.view_within'
+  )
+}
+
+gate() {
+  folder=world
+  sources=(world/command run/{valid_states,loop,loop_team})
+  tests=(world/command run/valid_states scenario/applied_limits)
+  filter='CommandGate.*:ValidStates.*:AppliedLimits.*'
+  objects=()
+  libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -lzstd -ltomlplusplus -lz)
+  mutants=(
+    'what is not finite is applied|command.cpp|is_finite = is_finite \&\& std::isfinite(sum(k));|;'
+    'what is not finite becomes zero|command.cpp|is_finite ? sum(k) : applied_\[k\]|is_finite ? sum(k) : 0.0'
+    'one input of a robot is replaced alone|command.cpp|is_finite ? sum(k) : applied_\[k\]|std::isfinite(sum(k)) ? sum(k) : applied_[k]'
+    'limits not kept by the gate|command.cpp|std::clamp(is_finite ? sum(k) : applied_\[k\], u_min_\[k\], u_max_\[k\])|is_finite ? sum(k) : applied_[k]'
+    'what is held ignores limits that narrow|command.cpp|std::clamp(is_finite ? sum(k) : applied_\[k\], u_min_\[k\], u_max_\[k\])|is_finite ? std::clamp(sum(k), u_min_[k], u_max_[k]) : applied_[k]'
+    'what is beyond a limit not reported|command.cpp|if (!is_finite .. !is_within) rep|if (!is_finite) rep'
+    'what is not finite not reported|command.cpp|if (!is_finite .. !is_within) rep|if (!is_within) rep'
+    'rounding reported|command.cpp|rounding = 1e-9|rounding = 0.0'
+    'a percent beyond a limit not reported|command.cpp|rounding = 1e-9|rounding = 1e-2'
+    'beyond an upper limit not reported|command.cpp|u > high + rounding \* (1 + std::abs(high))|false'
+    'beyond a lower limit not reported|command.cpp|u < low - rounding \* (1 + std::abs(low))|false'
+    'reports of the pass before stay|command.cpp|  replaced_.clear();|;'
+    'what is added not counted at the gate|command.cpp|added.empty() ? u\[k\] : u\[k\] + added\[k\]|u[k]'
+    'limits of the start in force for ever|command.cpp|robot.limits->at(t, std|robot.limits->at(0.0, std'
+    'limits of an event not taken|command.cpp|robots_\[i\].limits = \&limits\[i\];|(void)limits;'
+    'limits of the first robot for all|command.cpp|\&limits\[i\]|\&limits[0]'
+    'rates a hundred times as fast|command.cpp|rate_max\[i\] \* period_|rate_max[i]'
+    'rates not kept|command.cpp|if (!rate_max.empty()) {|if (false) {'
+    'rates before lower limits|command.cpp|std::clamp(applied_\[k\] - most, low, high)|(applied_[k] - most)'
+    'rates before upper limits|command.cpp|std::clamp(applied_\[k\] + most, low, high)|std::max(low, applied_[k] + most)'
+    'rates from rest|command.cpp|std::clamp(applied_\[k\] + most, low, high)|std::clamp(most, low, high)'
+    'limits of u alone without what is added|command.cpp|std::clamp(u\[k\], low - by, high - by)|std::clamp(u[k], low, high)'
+    'a start beyond its limits|command.cpp|std::clamp(agent(\*of).u_ref\[i\], low\[i\], high\[i\])|agent(*of).u_ref[i]'
+    'rest within the limits of the start|command.cpp|of->limits->at(t, low, high)|of->limits->at(0.0, low, high)'
+    'what is huge is a state|run/valid_states.hpp|largest = 1e9;|largest = 1e10;'
+    'a heading without a length is a state|run/valid_states.cpp|return body.model.normalise(scratch_.data());|return true;'
+    'what is measured at no time is valid|run/valid_states.cpp|can_be_valid \&\& stamp < std::numeric_limits<double>::infinity() \&\&|can_be_valid \&\&'
+    'what follows from nothing valid is valid|run/valid_states.cpp|of.valid_\[i\] != 0|true'
+    'what is not valid is taken|run/valid_states.cpp|if (valid_\[i\] == 0) return;|;'
+    'what is not valid is new|run/valid_states.cpp|stamps_\[i\] = stamp;|;'
+    'what follows has no time|run/valid_states.cpp|take_body(i, x, of.stamps_\[i\],|take_body(i, x, 0.0,'
+    'a start that is no state is taken|run/valid_states.cpp|if (admits(body, x))|if (true)'
+    'a start is a measurement at time zero|run/valid_states.cpp|-std::numeric_limits<double>::infinity()|0.0'
+    'the first body measured for all|run/valid_states.cpp|x.subspan(body.x, body.nx);$|x.subspan(0, body.nx);'
+    'limits of the last period stay open|run/loop.cpp|  gate_.open(t);|;'
+    'limits and rates kept by solvers alone|run/loop.cpp|gate_.keep_limits_and_rates(u_, added());|(void)0;'
+    'limits that an event narrows not in force|run/loop_team.cpp|  gate_.set_limits(now.limits);|;'
   )
 }
 
@@ -124,11 +232,14 @@ compile() { c++ "${flags[@]}" "$@" -Isrc -I"$build/generated"; }
 prepare() {
   local source
   rm -rf "$work/tests" && mkdir -p "$work/tests"
+  test_objects=()
   for source in "${tests[@]/%/_test}"; do
-    compile -I. -c "tests/$source.cpp" -o "$work/tests/${source//\//_}.o" || fail "tests/$source.cpp does not compile"
+    test_objects+=("$work/tests/${source//\//_}.o")
+    compile -I. -c "tests/$source.cpp" -o "${test_objects[-1]}" || fail "tests/$source.cpp does not compile"
   done
   for source in "${objects[@]}"; do
-    compile -I. -c "$source.cpp" -o "$work/tests/${source//\//_}.o" || fail "$source.cpp does not compile"
+    test_objects+=("$work/tests/${source//\//_}.o")
+    compile -I. -c "$source.cpp" -o "${test_objects[-1]}" || fail "$source.cpp does not compile"
   done
 }
 
@@ -139,7 +250,7 @@ program() {
   for source in "${sources[@]}"; do
     [[ -f $1/sightline/$source.o ]] || compile -I"$1" -c "$1/sightline/$source.cpp" -o "$1/sightline/$source.o" || return 1
   done
-  c++ -Wl,--allow-multiple-definition "$1"/sightline/*/*.o "$work"/tests/*.o "${libraries[@]}" \
+  c++ -Wl,--allow-multiple-definition "$1"/sightline/*/*.o "${test_objects[@]}" "${libraries[@]}" \
     -lgtest_main -lgmock -lgtest -lfmt -lpthread -o "$1/tests" || return 1
 }
 
@@ -188,7 +299,7 @@ begin=$SECONDS
 count=0
 survivors=0
 for group in "${groups[@]}"; do
-  declare -F "$group" >/dev/null || fail "group $group = not known, expected barrier or verdicts"
+  declare -F "$group" >/dev/null || fail "group $group = not known, expected barrier, verdicts or gate"
   "$group"
   run_group "$group"
 done

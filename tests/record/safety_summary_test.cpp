@@ -93,6 +93,77 @@ TEST(SafetySummary, ADistanceThatIsJustReachedIsKept) {
   EXPECT_EQ(summary->broken().size(), 1U);
 }
 
+// At rest before and after, and fast between.
+std::vector<Sight<double>> passing(double a, double b, double speed) {
+  std::vector<Sight<double>> sights = places(a, b, 99);
+  sights[0].v.x = sights[1].v.x = speed;
+  return sights;
+}
+
+TEST(SafetySummary, WhoeverOfTwoPassesTheOtherAndIsFarAgainWasNear) {
+  for (const bool first : {true, false}) {
+    Judged summary(scenario("[safety]\nd_hard = 0.5\n"));
+    summary.add(0.0, first ? passing(0, 0.9, 40) : passing(0.9, 0, 40), there);
+    summary.add(0.1, first ? passing(4, 0.9, 40) : passing(0.9, 4, 40), there);
+    ASSERT_EQ(summary->broken().size(), 1U);
+    EXPECT_NEAR(summary->least_distance(), 0.0, 1e-4);
+    EXPECT_NEAR(summary->pairs()[0].least.time, 0.1 * 0.9 / 4, 1e-6);
+  }
+}
+
+TEST(SafetySummary, ASummitBetweenSamplesIsJudgedAlsoWhereBothAreWithin) {
+  const Scenario scenario = parse_scenario(
+      "[agent.m]\nrobot = \"point_mass\"\nstart = { p = [0.0, 0.0, 1.0] }\n[safety]\nceiling = 1.1\n",
+      "m.toml");
+  SafetySummary summary(scenario);
+  Sample sample;
+  sample.presence = {Presence::steered};
+  const auto add = [&](double time, double v, double u) {
+    sample.time = time;
+    sample.x = {0, 0, 1, 0, 0, v};
+    sample.u = {0, 0, u};
+    const std::vector sights = {true_sight(scenario.team, BodyId{0}, sample)};
+    summary.add(sample, sights);
+  };
+  add(0.0, 0.0, 0.0);
+  add(0.1, 0.0, 0.0);
+  EXPECT_TRUE(summary.broken().empty());
+  add(0.2, 2.0, -10.0);
+  add(0.6, -2.0, 0.0);
+  ASSERT_EQ(summary.broken().size(), 1U);
+  EXPECT_NEAR(summary.bounds()[0].worst(), 1.2, 1e-3);
+  EXPECT_NEAR(summary.bounds()[0].limit.worst().time, 0.4, 0.02);
+}
+
+TEST(SafetySummary, WhoComesBackWithinTheHardDistanceIsTooClose) {
+  const std::vector<Presence> alone = {Presence::steered, Presence::absent, Presence::hold};
+  Judged summary(scenario("[safety]\nd_hard = 0.5\n"));
+  summary->look_at_brakes(places(0, 3, 9), there, 1.0);
+  summary.add(0.0, places(0, 3, 9), there);
+  summary.add(0.1, places(0, 3, 9), alone);
+  EXPECT_FALSE(summary->too_close());
+  summary.add(0.2, places(0, 0.4, 9), there);
+  EXPECT_TRUE(summary->too_close_now());
+  summary.add(0.3, places(0, 3, 9), there);
+  EXPECT_FALSE(summary->too_close_now());
+  EXPECT_TRUE(summary->too_close());
+}
+
+TEST(SafetySummary, WhoCouldBrakeIsJudgedOnceWhateverJoinsLater) {
+  const std::vector<Presence> alone = {Presence::steered, Presence::steered, Presence::absent};
+  Judged summary(scenario("[safety]\nd_hard = 0.5\n"));
+  summary->look_at_brakes(places(0, 3, 9), alone, 1.0);
+  auto sights = places(0, 0.6, 9);
+  sights[1].v.x = -5.0;
+  summary->look_at_brakes(sights, there, 1.0);
+  EXPECT_TRUE(summary->could_brake());
+  auto parting = places(0, 3, 4.3);
+  parting[2].v.x = 5.0;
+  Judged other(scenario("[safety]\nd_hard = 0.5\n"));
+  other->look_at_brakes(parting, there, 1.0);
+  EXPECT_TRUE(other->could_brake()) << "they part";
+}
+
 TEST(SafetySummary, ABodyThatIsNotThereComesNearNobody) {
   Judged summary(scenario("[safety]\nd_hard = 0.5\n"));
   const std::vector<Presence> alone = {Presence::steered, Presence::absent, Presence::absent};
@@ -149,6 +220,12 @@ TEST(SafetySummary, TellsTheWorstOfEachWall) {
   EXPECT_EQ(lines.back(), (std::pair<std::string, std::string>("ceiling", "b: 1.6 m at most, kept 2 m")));
 }
 
+TEST(SafetySummary, AWallThatIsPassedByLessThanAMillimetreIsBroken) {
+  Judged summary(scenario("[safety]\nfloor = 0.3\n"));
+  summary.add(0.0, heights(0.2995, 1.5), there, {});
+  EXPECT_EQ(summary->broken().size(), 1U);
+}
+
 TEST(SafetySummary, ARobotThatLandsIsGroundedOrAbsentHasNoFloor) {
   const std::vector<FallbackLevel> lands = {FallbackLevel::land, FallbackLevel::valid, FallbackLevel::valid},
                                    grounded = {FallbackLevel::grounded, FallbackLevel::valid,
@@ -178,6 +255,14 @@ std::vector<std::string> begun_below(Judged& summary, double last = 0.28) {
   return summary->broken();
 }
 
+TEST(SafetySummary, ARobotThatLandsHasACeiling) {
+  const std::vector<FallbackLevel> lands = {FallbackLevel::land, FallbackLevel::valid, FallbackLevel::valid};
+  Judged summary(scenario("[safety]\nceiling = 2.0\n"));
+  summary.add(0.0, heights(2.5, 1.0), there, {}, lands);
+  summary.add(0.1, heights(2.4, 1.0), there, {}, lands);
+  EXPECT_EQ(summary->broken().size(), 1U);
+}
+
 TEST(SafetySummary, AStartBelowTheFloorBreaksItWithTheWorstValueAndTheTime) {
   Judged summary(scenario("[safety]\nfloor = 0.3\n"));
   EXPECT_EQ(
@@ -202,6 +287,10 @@ TEST(SafetySummary, AStartThatIsMeantIsJudgedFromWhenItIsWithin) {
   never.add(0.1, heights(0.2, 1.0), there);
   EXPECT_EQ(never->broken(), std::vector<std::string>{"a began at a height of 0.1 m at 0.00 s and never came "
                                                       "within, the floor is 0.3 m, for 0.10 s"});
+  never.add(0.2, heights(0.05, 1.0), there);
+  EXPECT_EQ(never->broken(),
+            std::vector<std::string>{"a began at a height of 0.05 m at 0.20 s and never came "
+                                     "within, the floor is 0.3 m, for 0.20 s"});
 }
 
 TEST(SafetySummary, AStartThatIsMeantAndEndsBeforeItIsWithinIsBroken) {
@@ -253,6 +342,11 @@ TEST(SafetySummary, CountsThePeriodsThatNobodySaw) {
   EXPECT_EQ(nlohmann::json::parse(summary->json()).at("unseen_periods"), 12);
   EXPECT_EQ(safety_lines(summary->json()).back().second,
             "12 were not seen, only the measurements around them are judged");
+  Judged seen(scenario("[safety]\nd_hard = 0.5\n"));
+  seen.sample() = summary.sample();
+  seen.sample().truth_known = true;
+  seen.add(0.0, places(0, 3, 9), there);
+  EXPECT_FALSE(nlohmann::json::parse(seen->json()).contains("unseen_periods"));
 }
 
 TEST(SafetySummary, WhatDrivesHasNeitherFloorNorCeiling) {
@@ -301,6 +395,8 @@ TEST(SafetySummary, TellsHowOftenTheBarrierActed) {
       records[1] = {.active = k < 2, .conflict = k < 1};
       summary.add(0.1 * k, places(0, 3, 9), there, records);
     }
+    summary.sample().of = Sample::Of::states;
+    summary.add(0.8, places(0, 3, 9), there, records);  // no update
     const auto lines = safety_lines(summary->json());
     ASSERT_EQ(lines.size(), 8U);
     EXPECT_EQ(lines[6].first, "barrier of a");

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 
+#include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
 
 namespace sightline {
@@ -27,21 +30,38 @@ class Flown {
   double* state(int body) { return sample.x.data() + team_.state_offset(BodyId{body}); }
   double* input(int body) { return sample.u.data() + team_.input_offset(BodyId{body}); }
 
-  /// Moves all bodies by their models for T in small steps. @return the least distance of the first two, and greatest height of the first
-  std::pair<double, double> fly(double T, const Vec3<double>& wind = {}) {
+  /// What small steps find: least distance of the first two, greatest height of the first, and its places.
+  struct Truth {
+    double least, highest;
+    std::vector<Vec3<double>> places{};
+    double farthest_from(const Vec3<double>& p) const {
+      double most = 0.0;
+      for (const Vec3<double>& one : places) most = std::max(most, norm(one - p));
+      return most;
+    }
+  };
+
+  /// Moves all bodies by their models for T, the first one also with a wind [m/s], or with one that pushes it [m/s^2] where its
+  /// states 3 to 5 are its velocity.
+  Truth fly(double T, const Vec3<double>& wind = {}, const Vec3<double>& push = {}) {
     const int steps = 2000;
-    double least = distance(), highest = place(0).z;
+    Truth truth{distance(), place(0).z, {place(0)}};
     for (int k = 0; k < steps; ++k) {
       for (int i = 0; i < team_.bodies(); ++i) {
         team_.model(BodyId{i}).step(state(i), input(i), T / steps);
-        for (int axis = 0; axis < 3; ++axis)
-          if (i == 0) state(i)[axis] += T / steps * (axis == 0 ? wind.x : axis == 1 ? wind.y : wind.z);
       }
-      least = std::min(least, distance());
-      highest = std::max(highest, place(0).z);
+      const std::array w = {wind.x, wind.y, wind.z}, a = {push.x, push.y, push.z};
+      for (int axis = 0; axis < 3; ++axis) {
+        const double h = T / steps, by = a[static_cast<std::size_t>(axis)];
+        state(0)[axis] += h * w[static_cast<std::size_t>(axis)] + 0.5 * h * h * by;
+        if (by != 0) state(0)[3 + axis] += h * by;
+      }
+      truth.least = std::min(truth.least, distance());
+      truth.highest = std::max(truth.highest, place(0).z);
+      truth.places.push_back(place(0));
     }
     sample.time += T;
-    return {least, highest};
+    return truth;
   }
   double distance() const { return norm(place(0) - place(1)); }
   double found() {
@@ -56,17 +76,17 @@ class Flown {
     for (std::size_t k = 0; k + 1 < knots.size(); ++k) find_greatest(knots[k], knots[k + 1], {0, 0, 1}, most);
     return most.value;
   }
-  SampledMotion& motion() { return motion_; }
-
-  Sample sample;
-
- private:
   Vec3<double> place(int i) const {
     return team_.model(BodyId{i})
         .sight(sample.x.data() + team_.state_offset(BodyId{i}),
                sample.u.data() + team_.input_offset(BodyId{i}))
         .p;
   }
+  SampledMotion& motion() { return motion_; }
+
+  Sample sample;
+
+ private:
   Team team_;
   SampledMotion motion_;
   std::vector<Sight<double>> sights_;
@@ -88,6 +108,36 @@ TEST(SampledMotion, TwoThatPassEachOtherBetweenSamplesMeet) {
   EXPECT_NEAR(least.time, 0.25, 1e-9);
 }
 
+TEST(SampledMotion, OnACurveTheLeastDistanceIsThatOfTheCurve) {
+  // (x, y) = (-3 + 4 s, (1 - 2 s)^2), and the same backwards.
+  const auto at_time = [](double s) { return Vec3<double>{-3 + 4 * s, square(1 - 2 * s), 0}; };
+  const auto speed = [](double s) { return Vec3<double>{4, -4 * (1 - 2 * s), 0}; };
+  double least_found = std::numeric_limits<double>::infinity();
+  for (int k = 0; k <= 100'000; ++k) least_found = std::min(least_found, norm(at_time(k / 100'000.0)));
+  const Knot from{0.0, at_time(0), speed(0)}, to{1.0, at_time(1), speed(1)};
+  const Knot back_from{0.0, at_time(1), -1.0 * speed(1)}, back_to{1.0, at_time(0), -1.0 * speed(0)};
+  for (const auto& [a, b] : {std::pair{from, to}, {back_from, back_to}}) {
+    Extreme least{std::min(norm(a.p), norm(b.p)), 0.0};
+    find_least_distance(a, b, least);
+    EXPECT_NEAR(least.value, least_found, 1e-4);
+  }
+}
+
+TEST(SampledMotion, AQuickTurnIsFollowedByTheModelInShortSteps) {
+  Team team;
+  team.add(Multirotor{.b_psi = 6.0}, {.name = "turns"});
+  team.add(Multirotor{}, {.name = "rests"});
+  Flown flown(std::move(team));
+  Model(Multirotor{}).at_rest({{0, 0, 1}, {1, 0}}, flown.state(0));
+  Model(Multirotor{}).at_rest({{0, 0.33, 1}, {1, 0}}, flown.state(1));
+  flown.state(0)[5] = 2.0;
+  flown.input(0)[3] = 1.0;
+  flown.look();
+  const Flown::Truth truth = flown.fly(0.5);
+  flown.look();
+  EXPECT_NEAR(flown.found(), truth.least, 1e-3);
+}
+
 TEST(SampledMotion, ATurnBetweenSamplesIsFollowedToItsSummit) {
   const Knot from{0.0, {0, 0, 1}, {0, 0, 2}}, to{1.0, {0, 0, 1}, {0, 0, -2}};
   Extreme most{1.0, 0.0};
@@ -98,7 +148,7 @@ TEST(SampledMotion, ATurnBetweenSamplesIsFollowedToItsSummit) {
 
 // Random straight and curved motions, of states that hold the velocity and of states that do not.
 template <class A, class B>
-void agrees_with_small_steps(const Vec3<double>& wind = {}) {
+void agrees_with_small_steps(const Vec3<double>& wind = {}, const Vec3<double>& push = {}) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   double worst = 0.0;
@@ -117,10 +167,13 @@ void agrees_with_small_steps(const Vec3<double>& wind = {}) {
     flown.look();
     for (double& u : flown.sample.u) u = any(random);
     flown.look();  // the same time with the inputs that come: no motion
-    const auto [least, highest] = flown.fly(T, wind);
+    const Flown::Truth truth = flown.fly(T, wind, push);
+    for (double& u : flown.sample.u) u = any(random);  // of the next update
     flown.look();
     ASSERT_TRUE(flown.motion().moved(BodyId{0}) && flown.motion().moved(BodyId{1}));
-    worst = std::max({worst, std::abs(flown.found() - least), std::abs(flown.highest() - highest)});
+    worst =
+        std::max({worst, std::abs(flown.found() - truth.least), std::abs(flown.highest() - truth.highest)});
+    ASSERT_GE(flown.motion().reach(BodyId{0}), truth.farthest_from(flown.place(0)) - 1e-3);
   }
   EXPECT_LT(worst, 1e-3);
 }
@@ -132,6 +185,24 @@ TEST(SampledMotion, TheLeastDistanceAndTheGreatestHeightAreThoseOfSmallStepsToAM
 
 TEST(SampledMotion, AVelocityThatTheModelLacksIsFollowed) {
   agrees_with_small_steps<Multirotor, AngleMultirotor>({0.8, -0.5, 0.3});
+}
+
+TEST(SampledMotion, AnAccelerationThatTheModelLacksIsFollowed) {
+  agrees_with_small_steps<PointMass, Multirotor>({}, {4.0, -3.0, -9.81});
+}
+
+TEST(SampledMotion, WhatComesBackReachedItsSummit) {
+  Flown flown(two<PointMass, Multirotor>());
+  Model(Multirotor{}).at_rest({{9, 0, 0}, {1, 0}}, flown.state(1));
+  flown.state(0)[5] = 3.0;
+  flown.input(0)[2] = -12.0;
+  flown.look();
+  const Flown::Truth truth = flown.fly(0.5);
+  flown.look();
+  EXPECT_NEAR(flown.place(0).z, 0.0, 1e-9);
+  EXPECT_NEAR(truth.highest, 0.375, 1e-3);
+  EXPECT_GE(flown.motion().reach(BodyId{0}), truth.highest);
+  EXPECT_NEAR(flown.highest(), truth.highest, 1e-3);
 }
 
 TEST(SampledMotion, WhatJoinsOrIsPutElsewhereDoesNotMove) {

@@ -157,8 +157,8 @@ TEST(Summary, ALimitTellsHowOftenHowLongAndHowFarItWasBroken) {
   const Scenario scenario = watch();
   Summary summary(scenario, 1);
   for (int k = 0; k < 100; ++k) {
-    const bool near = (k >= 10 && k < 15) || (k >= 40 && k < 60);
-    add_watch(summary, scenario, 0.01 * k, true, near ? 0.75 : 1.0);
+    const bool near = (k >= 10 && k < 30) || (k >= 40 && k < 45);
+    add_watch(summary, scenario, 0.01 * k, true, !near ? 1.0 : k == 12 ? 0.5 : 0.75);
   }
   const SummaryValues values = summary.values();
   ASSERT_EQ(values.limits.size(), 2U);
@@ -167,7 +167,7 @@ TEST(Summary, ALimitTellsHowOftenHowLongAndHowFarItWasBroken) {
   EXPECT_EQ(values.limits[1].name, "keep_out observer-target");
   EXPECT_DOUBLE_EQ(values.limits[1].fraction, 0.25);
   EXPECT_NEAR(values.limits[1].longest, 0.2, 1e-12);
-  EXPECT_DOUBLE_EQ(values.limits[1].worst, 0.25);
+  EXPECT_DOUBLE_EQ(values.limits[1].worst, 0.5);
 }
 
 TEST(Summary, TwoLimitsOfOneKindOnTheSameBodiesAreJudgedEachByItself) {

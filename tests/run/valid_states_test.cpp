@@ -85,6 +85,7 @@ TEST(ValidStates, WhatFollowsFromABodyThatIsNotValidIsNotValidEither) {
   EXPECT_FALSE(predicted.is_valid(BodyId{0}));
   EXPECT_TRUE(predicted.is_valid(BodyId{1}));
   EXPECT_FALSE(predicted.is_valid(BodyId{2})) << "measured at no time";
+  EXPECT_EQ(predicted.stamps()[1], 1.0);
   x = start;
   x[7] = infinity;
   (void)measured.take(start, Numbers(3, 2.0));

@@ -93,6 +93,9 @@ TEST(CommandGate, ANumberBeyondItsLimitIsReplacedByTheLimitButNotReportedForARou
   EXPECT_EQ(gate.pass(Numbers{1.001, 0, 0, 0, 0.1, 0, 0, 0}, {})[0], 1.0);
   ASSERT_EQ(gate.replaced().size(), 1U);
   EXPECT_EQ(gate.replaced()[0], BodyId{0});
+  EXPECT_EQ(gate.pass(Numbers{0, 0, 0, 0, 0.1, 0, -1.001, 0}, {})[6], -1.0);
+  ASSERT_EQ(gate.replaced().size(), 1U) << "those of this pass alone";
+  EXPECT_EQ(gate.replaced()[0], BodyId{2});
 }
 
 TEST(CommandGate, LimitsComeBeforeRatesAndRatesHoldAsFarAsLimitsLeaveRoom) {
@@ -121,6 +124,48 @@ TEST(CommandGate, LimitsComeBeforeRatesAndRatesHoldAsFarAsLimitsLeaveRoom) {
   EXPECT_EQ(fly(2.0, 0.0), 0.2) << "followed at once";
   limits = both(1.0);
   EXPECT_NEAR(fly(2.0, 0.1), 0.205, 1e-12) << "from there the rate holds again";
+}
+
+TEST(CommandGate, LimitsThatRiseOrFallPastAnInputCarryItAlongWhateverIsAsked) {
+  for (const double side : {1.0, -1.0}) {
+    CommandGate gate(slow_and_quick(), period);
+    const std::vector<InputLimits> limits(2, side > 0 ? InputLimits(Numbers(4, 0.5), Numbers(4, 1.0))
+                                                      : InputLimits(Numbers(4, -1.0), Numbers(4, -0.5)));
+    gate.set_limits(limits);
+    gate.open(0.0);
+    Numbers u(8, -2.0 * side);
+    gate.keep_limits_and_rates(u, {});
+    EXPECT_EQ(u, Numbers(8, 0.5 * side));
+  }
+}
+
+TEST(CommandGate, EachRobotHasItsOwnLimitsAtTheTimeOfThePeriod) {
+  CommandGate gate(slow_and_quick(), period);
+  const std::vector<InputLimits> limits = {
+      InputLimits({0.0, 1.0}, {Numbers(4, -0.5), Numbers(4, -0.25)}, {Numbers(4, 0.5), Numbers(4, 0.25)}),
+      InputLimits(Numbers(4, -0.75), Numbers(4, 0.125))};
+  gate.set_limits(limits);
+  gate.open(0.5);
+  EXPECT_EQ(gate.pass(Numbers(8, 1.0), {})[0], 0.5);
+  EXPECT_EQ(gate.applied()[4], 0.125);
+  gate.open(1.0);
+  EXPECT_EQ(gate.pass(Numbers(8, -1.0), {})[0], -0.25);
+  EXPECT_EQ(gate.applied()[4], -0.75);
+}
+
+TEST(CommandGate, ARobotRestsWithinItsLimitsOfThatTime) {
+  CommandGate gate(slow_and_quick(), period);
+  const InputLimits narrows({0.0, 1.0}, {Numbers(4, -1.0), Numbers(4, -1.0)},
+                            {Numbers(4, 1.0), Numbers(4, 0.25)});
+  const std::vector<InputLimits> limits = {narrows, narrows};
+  gate.set_limits(limits);
+  Numbers u(8, 0.7);
+  gate.rest(BodyId{2}, 0.5, u);
+  EXPECT_EQ(u, (Numbers{0.7, 0.7, 0.7, 0.7, 0.3, 0, 0, 0}));
+  gate.rest(BodyId{2}, 1.0, u);
+  EXPECT_EQ(u[4], 0.25);
+  gate.rest(BodyId{1}, 1.0, u);
+  EXPECT_EQ(u, (Numbers{0.7, 0.7, 0.7, 0.7, 0.25, 0, 0, 0})) << "a wall has no inputs";
 }
 
 TEST(CommandGate, BeforeAnyCommandRobotsHaveTheirOwnInputsWithinTheirLimits) {
