@@ -492,7 +492,7 @@ def angle_multirotor(*, b_z: npt.ArrayLike = ..., b_psi: npt.ArrayLike = ..., a_
 def bearing(*, alpha: npt.ArrayLike = ..., width: npt.ArrayLike = ..., tilt: npt.ArrayLike = ...) -> Potential:
     """The potential "bearing" of scenarios.
 
-    alpha: angle up to which the target counts as in view [rad], in (0, pi/2); 0.5 if not given
+    alpha: angle up to which the target counts as in view [rad], in (0, pi]; 0.5 if not given
     width: nearer than this to the sensor l is smoothed [m], > 0; 0.1 if not given
     tilt: to the left, of the axis with the target behind [rad], in [0, 0.2]; 0.2 if not given
     """
@@ -656,10 +656,11 @@ def sensor_cone(*, alpha: npt.ArrayLike = ..., kappa_G: npt.ArrayLike = ..., kap
 
 sight_size: int
 
-def speed(*, max: npt.ArrayLike = ...) -> Limit:
+def speed(*, max: npt.ArrayLike = ..., min: npt.ArrayLike = ...) -> Limit:
     """The limit "speed" of scenarios.
 
     max: greatest horizontal speed [m/s], > 0; 1 if not given
+    min: least, below max [m/s], >= 0; 0 if not given
     """
 
 def steps(*, times: npt.ArrayLike, p: npt.ArrayLike) -> Reference:
