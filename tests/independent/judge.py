@@ -257,10 +257,9 @@ class Judge:
             most, err, sure = beyond(piece.places[name]).max(axis=1), piece.err[name], piece.ends[name] == 2
             low[piece.first] = np.where(sure & ~last[piece.first], np.maximum(low[piece.first], most - err), low[piece.first])
             high[piece.first] = np.fmax(high[piece.first], most + err)
-        if self.begins_outside:
-            within = counts & (beyond(body.p) <= 1e-6)
-            if within.any():
-                counts &= np.arange(len(counts)) >= np.argmax(within)
+        counts = self._judged_from_within(counts, lands, body.there, beyond(body.p) > 1e-6)
+        if not counts.any():
+            return
         lowest, highest = float(low[counts].max()), float(high[counts].max())
         sentence = f"{name} is {highest:.6g} m beyond the {wall} of {limit} m"
         if highest > 1e-6:
@@ -277,6 +276,25 @@ class Judge:
             self.differ("wall_kept", f"the summary says that {name} keeps the {wall}; {sentence}")
         if not one["kept"] and highest <= 1e-6:
             self.differ("wall_kept", f"the summary says that {name} breaks the {wall}; {sentence}")
+
+    def _judged_from_within(self, counts, lands, there, is_beyond):
+        """Of the samples that count, those that are judged: where a start beyond is meant, and after a landing, from when the limit is first
+        kept. Who never keeps it, until it leaves or the flight ends, has broken it; who lands is forgiven."""
+        judged, held, excused = counts.copy(), [], False
+        for k in range(len(counts)):
+            if not counts[k]:
+                if held and there[k]:
+                    judged[held] = False
+                held, excused = [], False
+                continue
+            if k == 0 or not counts[k - 1]:
+                excused = bool(is_beyond[k]) and (self.begins_outside or (k > 0 and bool(there[k - 1] and lands[k - 1])))
+            if excused and is_beyond[k]:
+                held.append(k)
+            elif excused:
+                judged[held] = False
+                held, excused = [], False
+        return judged
 
     # --- views and soft limits ---
 

@@ -328,6 +328,15 @@ TEST(SafetySummary, OneThatCeasesToLandIsJudgedFromWhenItIsAboveTheFloor) {
   EXPECT_TRUE(summary->broken().empty());
 }
 
+TEST(SafetySummary, OneThatCeasesToLandAndLandsAgainHasNoFloorMeanwhile) {
+  const std::vector<FallbackLevel> lands = {FallbackLevel::land, FallbackLevel::valid, FallbackLevel::valid};
+  Judged summary(scenario("[safety]\nfloor = 0.3\n"));
+  summary.add(0.0, heights(0.05, 1.0), there, {}, lands);
+  summary.add(0.1, heights(0.05, 1.0), there);
+  summary.add(0.2, heights(0.04, 1.0), there, {}, lands);
+  EXPECT_TRUE(summary->broken().empty());
+}
+
 TEST(SafetySummary, RefusesAStartOutsideThatNoStartIs) {
   EXPECT_THROW((void)scenario("[safety]\nfloor = 0.3\nceiling = 2.0\nd_hard = 0.5\nstart_outside = true\n"),
                ScenarioError);

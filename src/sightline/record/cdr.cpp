@@ -40,10 +40,12 @@ std::string join(std::initializer_list<std::string_view> definitions) {
   return text;
 }
 
-constexpr std::uint64_t second = 1'000'000'000;  // [ns]
+constexpr std::uint64_t ns_per_second = 1'000'000'000;  // [ns]
 
 void put_header(CdrEncoder& to, std::uint64_t time, std::string_view frame) {
-  to.put(static_cast<std::int32_t>(time / second)).put(static_cast<std::uint32_t>(time % second)).put(frame);
+  to.put(static_cast<std::int32_t>(time / ns_per_second))
+      .put(static_cast<std::uint32_t>(time % ns_per_second))
+      .put(frame);
 }
 
 // Upright the turn about z that takes the x axis to d: (cos ψ/2, sin ψ/2) without an angle, w >= 0.
@@ -68,7 +70,7 @@ std::uint64_t read_header(CdrDecoder& from) {
   const auto seconds = static_cast<std::uint32_t>(from.number<std::int32_t>());
   const auto nanoseconds = from.number<std::uint32_t>();
   from.string();
-  return seconds * second + nanoseconds;
+  return seconds * ns_per_second + nanoseconds;
 }
 
 StampedPose read_pose(CdrDecoder& from) {

@@ -73,7 +73,7 @@ void LimitRecord::cease() noexcept {
     (void)raise(start_);
     broken_for_ += std::exchange(outside_for_, 0.0);
   }
-  counts_ = excused_ = false;
+  pause();
 }
 
 bool LimitRecord::move(double time, double excess, const Extreme& most) noexcept {
@@ -199,7 +199,8 @@ void SafetySummary::add_bound(Bound& bound, const Sample& sample,
                      (i < sample.levels.size() && sample.levels[i] >= FallbackLevel::land);
   const bool there = sample.presence[i] != Presence::absent,
              was_there = std::exchange(bound.was_there, there);
-  if (!there || (lands && bound.of == Bound::Of::floor)) return bound.limit.cease();
+  if (!there) return bound.limit.cease();
+  if (lands && bound.of == Bound::Of::floor) return bound.limit.pause();
   const double excess = excess_of(bound, sights[i].p);
   // One that ceases to land is on its way up.
   if (!bound.limit.counts()) return bound.limit.begin(sample.time, excess, start_outside_ || was_there);

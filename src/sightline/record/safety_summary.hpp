@@ -32,6 +32,8 @@ class LimitRecord {
   bool move(double time, double excess, const Extreme& most) noexcept;
   /// Until it begins again. One that began beyond and was never kept is broken.
   void cease() noexcept;
+  /// The same, and whatever it was it is forgiven: what lands is meant to come down.
+  void pause() noexcept { counts_ = excused_ = false; }
 
   bool counts() const noexcept { return counts_; }
   /// One that began beyond and never kept it has broken it too.
