@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "sightline/model/model.hpp"
+#include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"

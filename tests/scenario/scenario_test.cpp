@@ -21,6 +21,7 @@ namespace {
 using test::read_file;
 using test::scenario_refusal;
 using test::tree;
+using testing::HasSubstr;
 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
