@@ -134,7 +134,8 @@ TEST(TeamSwitcherCampaign, TeamsThatFollowOneAnotherDoNotHoardMemory) {
     ModelWorld world(all, event_start(all, 2));
     SimulatedClock clock;
     const Controllers controllers = {*team_switcher.present().solver};
-    Ring<Sample> sink(static_cast<std::size_t>(duration / horizon.dt) + 8, sized_sample(all, controllers));
+    Ring<Sample> sink(static_cast<std::size_t>(duration / horizon.dt) + 8,
+                      sized_sample(all, controllers, &team_switcher));
     most = mallinfo2().uordblks - before;
     Loop loop(world, controllers, clock, sink,
               {.duration = duration, .path_interval = 0.0, .team_switcher = &team_switcher});
