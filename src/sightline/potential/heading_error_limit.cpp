@@ -34,6 +34,18 @@ struct Angle {
   }
 };
 
+/// Whether each heading (x, y) of a reference is less than a right angle from the one before it, the first from `own`:
+/// most are, and a sign for each stage says so.
+bool turns_slowly(const Vec2<double>& own, const double* x, const double* y, int n, std::ptrdiff_t stage) {
+  bool slowly = true;
+  double before_x = own.x, before_y = own.y;
+  for (int k = 0; k < n; ++k, x += stage, y += stage) {
+    slowly &= before_x * *x + before_y * *y > 0;
+    before_x = *x, before_y = *y;
+  }
+  return slowly;
+}
+
 }  // namespace
 
 double heading_error(const Vec2<double>& from, const Vec2<double>& to) noexcept {
@@ -61,6 +73,7 @@ bool HeadingErrorLimit::operator()(const double* x, std::ptrdiff_t x_entry, doub
                                    std::ptrdiff_t stage, std::ptrdiff_t entry) const noexcept {
   if (!applies()) return false;
   const std::ptrdiff_t x_at = at_[0] * entry, y_at = at_[1] * entry;
+  if (turns_slowly(heading(x, x_entry), x_ref + x_at, x_ref + y_at, n, stage)) return false;
   Vec2<double> seen = heading(x, x_entry), before = seen, turn{};
   bool turns = false, turned = false;
   for (int k = 0; k < n; ++k, x_ref += stage) {
