@@ -9,6 +9,7 @@
 
 #include "sightline/model/point_mass.hpp"
 #include "sightline/model/robots.hpp"
+#include "sightline/world/disturbance.hpp"
 
 namespace sightline {
 namespace {
@@ -16,8 +17,10 @@ namespace {
 /// Two robots and an obstacle that move by their models, and a motion that sees them at the samples alone.
 class Flown {
  public:
-  explicit Flown(Team team)
-      : team_(std::move(team)), motion_(team_), sights_(static_cast<std::size_t>(team_.bodies())) {
+  explicit Flown(Team team, double input_delay = 0.0)
+      : team_(std::move(team)),
+        motion_(team_, input_delay, 0.001),
+        sights_(static_cast<std::size_t>(team_.bodies())) {
     sample.x.resize(static_cast<std::size_t>(team_.nx()));
     sample.u.resize(static_cast<std::size_t>(team_.nu()));
     sample.presence.assign(sights_.size(), Presence::steered);
@@ -181,6 +184,50 @@ void agrees_with_small_steps(const Vec3<double>& wind = {}, const Vec3<double>& 
 TEST(SampledMotion, TheLeastDistanceAndTheGreatestHeightAreThoseOfSmallStepsToAMillimetre) {
   agrees_with_small_steps<Multirotor, Multirotor>();
   agrees_with_small_steps<AngleMultirotor, Multirotor>();
+}
+
+/// Commands that act late, of models whose velocity jumps with its command and whose does not: extremes lie at the switch.
+template <class Robot>
+void follows_late_commands() {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  for (int run = 0; run < 20; ++run) {
+    const double T = 0.1 + 0.08 * any(random), delay = (2.5 + 2.4 * any(random)) * T;
+    Flown flown(two<Robot, Robot>(), delay);
+    for (int i = 0; i < 2; ++i)
+      Model(Robot{}).at_rest({{0.4 * any(random), 0.4 * any(random), 1 + 0.2 * any(random)}, {1, 0}},
+                             flown.state(i));
+    InputDelay late(delay, T, flown.sample.u);
+    for (int k = 0; k < 12; ++k) {
+      std::vector<double> command(flown.sample.u.size());
+      for (double& u : command) u = any(random);
+      flown.sample.u = command;
+      flown.look();
+      late.give(flown.sample.time, command);
+      // The robots fly by what is in force.
+      Flown::Truth truth{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+      for (double done = 0.0; done < T - 1e-9;) {
+        const std::span<const double> held = late.at(flown.sample.time);
+        std::copy(held.begin(), held.end(), flown.sample.u.begin());
+        const double part = std::min(T - done, std::max(1e-9, late.next_arrival() - flown.sample.time));
+        const Flown::Truth of = flown.fly(part);
+        truth.least = std::min(truth.least, of.least), truth.highest = std::max(truth.highest, of.highest);
+        truth.places.insert(truth.places.end(), of.places.begin(), of.places.end());
+        done += part;
+      }
+      Flown seen = flown;
+      seen.look();
+      ASSERT_NEAR(seen.found(), truth.least, 1e-3) << run << ", " << k;
+      ASSERT_NEAR(seen.highest(), truth.highest, 1e-3) << run << ", " << k;
+      ASSERT_GE(seen.motion().reach(BodyId{0}), truth.farthest_from(seen.place(0)) - 1e-3);
+    }
+  }
+}
+
+TEST(SampledMotion, CommandsThatActLateDivideThePeriod) {
+  follows_late_commands<Multirotor>();
+  follows_late_commands<PointMass>();
+  follows_late_commands<AngleMultirotor>();
 }
 
 TEST(SampledMotion, AVelocityThatTheModelLacksIsFollowed) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/no_value.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/scenario/read_safety.hpp"
@@ -100,7 +101,8 @@ double SafetySummary::Bound::worst() const {
 }
 
 SafetySummary::SafetySummary(const Scenario& scenario, double d_hard_otherwise, bool start_outside)
-    : motion_(scenario.team), period_(scenario.horizon.dt) {
+    : motion_(scenario.team, scenario.simulation.disturbances.input_delay, scenario.horizon.dt),
+      period_(scenario.horizon.dt) {
   const Team& team = scenario.team;
   for (int i = 0; i < team.bodies(); ++i) names_.emplace_back(team.name(BodyId{i}));
   for (int i = 0; i < team.bodies(); ++i) {
@@ -332,7 +334,7 @@ std::string SafetySummary::json() const {
                               {"barrier_active", share(robots_[i].active)},
                               {"barrier_conflict", share(robots_[i].conflicts)}});
   }
-  return json.dump();
+  return json_text(json);
 }
 
 std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view text) {
@@ -351,7 +353,7 @@ std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view t
     if (pair.at("least").is_null()) continue;
     const double least = pair.at("least").get<double>(), d_hard = pair.at("d_hard").get<double>();
     const std::string when =
-        pair.contains("in_force") ? ", in " + time_words(pair.at("in_force").dump()) : "";
+        pair.contains("in_force") ? ", in " + time_words(json_text(pair.at("in_force"))) : "";
     const bool kept = pair.value("kept", least >= d_hard);
     lines.emplace_back("hard distance",
                        fmt::format("{}: {:.4g} m at least, {} {} m{}{}", who, least,

@@ -8,6 +8,7 @@
 #include "sightline/model/model.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/run/sample.hpp"
+#include "sightline/world/disturbance.hpp"
 
 namespace sightline {
 
@@ -30,18 +31,21 @@ void find_greatest(const Knot& a, const Knot& b, const Vec3<double>& n, Extreme&
 
 /// The motion of each body of a team between the last two samples.
 ///
-/// A robot's is that of its model from the first of them, under the inputs that were applied then:
+/// A robot's is that of its model from the first of them, under the inputs that were in force meanwhile:
 ///
 ///   p(s) = p_model(s) + (e_p - e_v T / 2) s / T + e_v s^2 / (2 T),   0 <= s <= T
 ///
 /// with what it misses at the second, e_p [m] and e_v [m/s]: an acceleration that the model lacks is exact, and so is a
-/// velocity that it lacks. The model's motion is cubic over steps of at most 0.02 s. Another body moves on a straight line.
+/// velocity that it lacks. Inputs that come into force between the samples divide it. The model's motion is cubic over steps
+/// of at most 0.02 s. Another body moves on a straight line.
 ///
 /// No motion is: what joins or leaves, a step that is longer than 1 m/s and twice the body's speed so far allow, and states
 /// that are measured, not true. Such bodies are known at the samples alone. Bounded memory; allocates nothing after its construction.
 class SampledMotion {
  public:
-  explicit SampledMotion(const Team& team);
+  /// @param input_delay  from a command to its effect [s], in [0, 1]
+  /// @param period       the shortest time between two samples [s]
+  explicit SampledMotion(const Team& team, double input_delay = 0.0, double period = 0.01);
 
   /// Takes the next sample, of sized_sample() for the team. Times rise.
   /// @param sights  of all bodies at the sample
@@ -67,10 +71,16 @@ class SampledMotion {
     double fastest = 0.0, reach = 0.0;  // [m/s], [m]
     std::vector<Knot> knots{};
   };
+  void divide() noexcept;
   void fly(Body& body) noexcept;
 
   std::vector<Body> bodies_;
-  std::vector<double> x_, u_, x_before_, u_before_, x_model_;
+  InputDelay delay_;
+  bool delays_;
+  std::vector<double> x_, u_, x_before_, x_model_;
+  std::vector<double> times_;        // of the knots since the sample before [s]
+  std::vector<std::size_t> forces_;  // in force before each knot but the first: a row of held_
+  std::vector<double> held_;
   double time_ = 0.0, period_ = 0.0;  // of the last sample, and since the one before [s]
   bool begun_ = false, truth_ = false;
 };
