@@ -50,6 +50,13 @@ remove = { agent = "b", then = "hold" }
     (void)present_.follow(sample_);
     record_.add(sample_, present_);
   }
+  /// States that no update follows.
+  void miss(double time) {
+    sample_.time = time;
+    sample_.of = Sample::Of::states;
+    record_.add_states(sample_, present_);
+    sample_.of = Sample::Of::update;
+  }
   Sample& sample() { return sample_; }
   const InputRecord* operator->() const { return &record_; }
 
@@ -73,6 +80,23 @@ TEST(InputRecord, EnergyIsThatOfRobotsThatAreSteeredByTheWeightsInForce) {
   flown.fly(0.03, 0.2);
   EXPECT_NEAR(flown->robots()[0].energy, period * (0.25 + 4.0), 1e-15) << "absent";
   EXPECT_EQ(flown->energy(), flown->robots()[0].energy + flown->robots()[1].energy);
+}
+
+TEST(InputRecord, InputsAreHeldThroughMissedPeriodsAndJudgedByTheLimitsThere) {
+  Flown flown;
+  flown.fly(0.98, 0.8);
+  flown.miss(0.99);
+  EXPECT_EQ(flown->beyond(), 0);
+  flown.miss(1.0);
+  flown.miss(1.01);
+  EXPECT_EQ(flown->beyond(), 1)
+      << "what was held from 1 s on is known to have been, not yet what from 1.01 s on";
+  flown.fly(1.02, 0.3);
+  EXPECT_EQ(flown->beyond(), 2);
+  flown.fly(1.03, 0.3);
+  flown.sample().u[0] = 0.8;
+  flown.miss(1.04);
+  EXPECT_EQ(flown->beyond(), 2) << "after the last command nothing is applied";
 }
 
 TEST(InputRecord, InputsAreWithinTheLimitsInForceAtTheirTimeToRounding) {

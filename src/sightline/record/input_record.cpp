@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "sightline/base/index.hpp"
 
@@ -9,6 +10,11 @@ namespace sightline {
 namespace {
 
 constexpr double input_tolerance = 1e-9;  // beyond a limit
+
+// Nor is what is not a number within.
+bool is_within(double u, double low, double high) {
+  return u >= low - input_tolerance && u <= high + input_tolerance;
+}
 
 }  // namespace
 
@@ -33,8 +39,20 @@ InputRecord::InputRecord(const Scenario& scenario)
   u_max_.resize(nu_most);
 }
 
+void InputRecord::add_states(const Sample& sample, const PresentTeam& present) noexcept {
+  beyond_ += std::exchange(held_beyond_, 0);
+  for (const Robot& robot : robots_) {
+    if (sample.presence[at(robot.body)] == Presence::absent) continue;
+    const std::span<double> low = std::span(u_min_).first(robot.nu), high = std::span(u_max_).first(robot.nu);
+    present.limits(robot.body).at(sample.time, low, high);
+    for (std::size_t i = 0; i < robot.nu; ++i)
+      held_beyond_ += is_within(sample.u[robot.u + i], low[i], high[i]) ? 0 : 1;
+  }
+}
+
 void InputRecord::add(const Sample& sample, const PresentTeam& present) noexcept {
   within_ = true;
+  beyond_ += std::exchange(held_beyond_, 0);
   for (Robot& robot : robots_) {
     if (sample.presence[at(robot.body)] == Presence::absent) continue;
     add_limits(robot, sample, present.limits(robot.body));
@@ -46,10 +64,7 @@ void InputRecord::add_limits(const Robot& robot, const Sample& sample, const Inp
   const std::span<double> low = std::span(u_min_).first(robot.nu), high = std::span(u_max_).first(robot.nu);
   limits.at(sample.time, low, high);
   for (std::size_t i = 0; i < robot.nu; ++i) {
-    // Nor is what is not a number within.
-    const auto beyond = [&](double u) {
-      return !(u >= low[i] - input_tolerance && u <= high[i] + input_tolerance);
-    };
+    const auto beyond = [&](double u) { return !is_within(u, low[i], high[i]); };
     const std::size_t k = robot.u + i;
     const double u = sample.u[k], raw = sample.raw_u[k];
     largest_raw_ = std::max(largest_raw_, std::abs(raw));

@@ -26,9 +26,13 @@ class InputRecord {
   /// @param present  the team as it is at the sample
   void add(const Sample& sample, const PresentTeam& present) noexcept;
 
+  /// Takes states that no update followed. Where a later sample comes, the loop missed a period there, and the inputs of the last
+  /// update were held through it.
+  void add_states(const Sample& sample, const PresentTeam& present) noexcept;
+
   /// Whether all applied inputs of the last update were within their limits in force, to 1e-9.
   bool within() const noexcept { return within_; }
-  /// Components of all updates beyond their limits: of the applied inputs, and of the solvers' raw ones.
+  /// Components beyond their limits: of the inputs applied in all periods, and of the solvers' raw ones of all updates.
   std::int64_t beyond() const noexcept { return beyond_; }
   std::int64_t raw_beyond() const noexcept { return raw_beyond_; }
   /// Largest component of the raw inputs by absolute value.
@@ -60,6 +64,7 @@ class InputRecord {
   Chatter chatter_;
   bool within_ = true;
   std::int64_t beyond_ = 0, raw_beyond_ = 0;
+  std::int64_t held_beyond_ = 0;  // if the states that were taken last are of a missed period
   double largest_raw_ = 0.0;
 };
 

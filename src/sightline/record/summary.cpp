@@ -178,6 +178,7 @@ void Summary::add(const Sample& sample) {
 void Summary::add_states(const Sample& sample) {
   if (!all_finite(sample)) ++not_finite_;
   look(sample);
+  inputs_.add_states(sample, present_);
   add_events(sample);
   drift_.add(sample, sights_, present_);
 }
