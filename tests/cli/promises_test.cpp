@@ -214,5 +214,37 @@ TEST(Promises, ARunIsNotStoppedByACampaignThatItDoesNotFly) {
   EXPECT_NE(of.run.code, 2) << of.run.err;
 }
 
+TEST(Promises, CommandsThatActLateAreJudgedByTheMotionThatTheyMake) {
+  const Flown low = flown(promise("delay_multi"));
+  EXPECT_EQ(low.run.code, 1);
+  EXPECT_THAT(low.run.err, HasSubstr("floor"));
+  EXPECT_NEAR(wall(low.summary, "floor").at("worst").get<double>(), 1.40, 1e-3);
+  const Flown near = flown(promise("delay_pair"));
+  EXPECT_EQ(near.run.code, 1);
+  EXPECT_NEAR(least_hard_distance(near.summary), 1.00, 1e-3);
+  const Flown high = flown(promise("delay_false"));
+  EXPECT_EQ(high.run.code, 0) << high.run.err;
+}
+
+TEST(Promises, RobotsOfUnequalStrengthKeepTheirDistance) {
+  for (const char* name : {"hetero_text", "text_limits"}) {
+    const Flown of = flown(promise(name));
+    EXPECT_EQ(of.run.code, 0) << name << ": " << of.run.err;
+    EXPECT_GE(least_hard_distance(of.summary), 0.6) << name;
+  }
+}
+
+TEST(Promises, WhereRobotsClimbLateTheLackOfAGuaranteeIsSaid) {
+  const test::CommandResult checked = sightline("check " + promise("px4_pair"), fresh_folder());
+  EXPECT_EQ(checked.code, 0) << checked.err;
+  EXPECT_THAT(checked.out + checked.err, HasSubstr("a climbs late, so that no other robot counts on it"));
+}
+
+TEST(Promises, CheckRefusesLimitsToComeThatABarrierCannotKeep) {
+  const test::CommandResult checked = sightline("check " + promise("limits_to_come"), fresh_folder());
+  EXPECT_EQ(checked.code, 2);
+  EXPECT_THAT(checked.err, ContainsRegex("limits_to_come\\.toml:[0-9]+: safety: "));
+}
+
 }  // namespace
 }  // namespace sightline

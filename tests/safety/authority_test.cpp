@@ -147,6 +147,19 @@ TEST(Authority, OfAMultirotorWhoseVelocityStaysInGWhileItYawsIsThatOfEquation24)
       << "the paper's has to hold its velocity up against the yaw";
 }
 
+TEST(Authority, RobotsMoveAlikeWhateverTheirStrengthAndLimitsButNotUnderOtherDrag) {
+  const Authority usual = authority_of(Multirotor{}, lowest, highest);
+  const std::array<double, 4> low = {-0.2, -0.2, -1, -1}, high = {0.2, 0.2, 1, 1};
+  EXPECT_TRUE(moves_alike(usual, authority_of(Multirotor{}, low, high)));
+  Authority other = usual;
+  other.acceleration *= 2, other.push *= 3, other.rise *= 2;
+  EXPECT_TRUE(moves_alike(usual, other));
+  other.drag *= 1.001;
+  EXPECT_FALSE(moves_alike(usual, other));
+  EXPECT_FALSE(moves_alike(
+      usual, authority_of(CommandedCart{}, std::span(lowest).first(3), std::span(highest).first(3))));
+}
+
 TEST(Authority, IsRefusedWhereARobotCannotFleeAnyWay) {
   EXPECT_EQ(refusal_of([] {
               authority_of(test::Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2));

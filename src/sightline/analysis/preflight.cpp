@@ -111,10 +111,16 @@ std::vector<std::string> warnings_of_speeds(const Scenario& scenario) {
 std::vector<std::string> warnings_of_robot_speeds(const Scenario& scenario) {
   std::vector<std::string> sentences;
   for (const RobotSpeed& of : uncooperative_robots(scenario)) {
-    if (std::isfinite(of.speed)) continue;
+    const double assumed = BodySafety{}.speed_max;
+    if (!of.counts && of.speed > assumed)
+      sentences.push_back(fmt::format(
+          "{} climbs late, so that no other robot counts on it, and is up to {:.3g} m/s fast: the barrier "
+          "reckons with {} m/s, and does not guarantee d_hard",
+          scenario.team.name(of.robot), of.speed, assumed));
+    if (!of.counts || std::isfinite(of.speed)) continue;
     sentences.push_back(fmt::format(
         "the speed of {} has no bound in its model, the barrier of robots of other models assumes {} m/s",
-        scenario.team.name(of.robot), BodySafety{}.speed_max));
+        scenario.team.name(of.robot), assumed));
   }
   return sentences;
 }

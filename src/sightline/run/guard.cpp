@@ -54,6 +54,41 @@ std::pair<std::vector<double>, std::vector<double>> tightest(const Team& team, B
   return {u_min, u_max};
 }
 
+/// What a robot can do within the tightest limits there will be, and whose motion is like its own.
+struct Ability {
+  std::vector<double> u_min, u_max;
+  Authority can;
+  int kind;  // robots of one kind count on each other
+};
+
+/// Of each robot. Those of one kind count on what the weakest can do and the strongest may do: then each counts on as much as the
+/// others do of it.
+std::vector<Ability> abilities_of(const Team& team, const std::vector<LimitsToCome>& to_come) {
+  std::vector<Ability> all;
+  std::vector<std::string_view> models;
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    if (!team.is_agent(body)) continue;
+    const Model& model = team.model(body);
+    auto [u_min, u_max] = tightest(team, body, to_come);
+    const Authority can = authority_of(model, u_min, u_max);
+    int kind = static_cast<int>(all.size());
+    for (std::size_t r = all.size(); r-- > 0;)
+      if (models[r] == model.name() && moves_alike(all[r].can, can)) kind = all[r].kind;
+    models.push_back(model.name());
+    all.push_back({std::move(u_min), std::move(u_max), can, kind});
+  }
+  for (Ability& one : all) {
+    for (const Ability& other : all) {
+      if (one.kind != other.kind) continue;
+      one.can.acceleration = std::min(one.can.acceleration, other.can.acceleration);
+      one.can.push = std::max(one.can.push, other.can.push);
+      one.can.rise = std::max(one.can.rise, other.can.rise);
+    }
+  }
+  return all;
+}
+
 EventKind kind_of(FallbackLevel level) {
   switch (level) {
     case FallbackLevel::valid:
@@ -116,13 +151,14 @@ Guard::Guard(const Team& team, const GuardOptions& options)
       oldest_(options.supervisor.value_or(SupervisorOptions{}).times.hold_after) {
   events_.reserve(4 * options_.bodies.size());
   if (options_.barrier == BarrierMode::off) return;
+  const std::vector<Ability> abilities = abilities_of(team_, options_.limits_to_come);
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
     if (!team_.is_agent(body)) continue;
     const Agent& agent = team_.agent(body);
-    const auto [u_min, u_max] = tightest(team_, body, options_.limits_to_come);
-    const auto barrier = [&, &low = u_min, &high = u_max](const BarrierOptions& o) {
-      return Barrier(agent.model, low, high, options_.period, o);
+    const auto& [u_min, u_max, can, kind] = abilities[robots_.size()];
+    const auto barrier = [&, &ability = can](const BarrierOptions& o) {
+      return Barrier(agent.model, ability, options_.period, o);
     };
     robots_.push_back({.body = body,
                        .x = static_cast<std::size_t>(team_.state_offset(body)),
@@ -136,15 +172,16 @@ Guard::Guard(const Team& team, const GuardOptions& options)
                        .reported = u_min,
                        .limits = &agent.limits});
   }
-  kinds_.resize(options_.bodies.size());
-  std::vector<std::string> kinds;
+  // Of a robot of another part its model is known by name.
+  kinds_.assign(options_.bodies.size(), -1);
+  for (std::size_t r = 0; r < robots_.size(); ++r) kinds_[at(robots_[r].body)] = abilities[r].kind;
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
-    const std::string name(team_.is_agent(body) ? std::string_view(team_.model(body).name())
-                                                : std::string_view(options_.bodies[at(body)].robot));
-    const auto known = std::find(kinds.begin(), kinds.end(), name);
-    kinds_[at(body)] = static_cast<int>(known - kinds.begin());
-    if (known == kinds.end()) kinds.push_back(name);
+    if (team_.is_agent(body)) continue;
+    for (std::size_t r = robots_.size(); r-- > 0;) {
+      if (team_.model(robots_[r].body).name() == options_.bodies[at(body)].robot)
+        kinds_[at(body)] = abilities[r].kind;
+    }
   }
   sights_.resize(options_.bodies.size());
   crowd_ = Crowd(team_.bodies());

@@ -167,8 +167,8 @@ class Guard {
   bool awaits_position_ = false;  // a robot that is there never knew where it is
   std::vector<Presence> presence_;
   std::vector<FallbackLevel> levels_;
-  double oldest_;           // age that the barrier reckons with [s]
-  std::vector<int> kinds_;  // of each body, of its model or that of the robot that it is; equal: the same
+  double oldest_;                      // age that the barrier reckons with [s]
+  std::vector<int> kinds_;             // of each body; equal: robots that move alike; -1: no such robot
   std::vector<Sight<double>> sights_;  // of each body, of this period
   Crowd crowd_{0};                     // the bodies that are there
   std::shared_ptr<Crew> crew_;

@@ -212,6 +212,13 @@ double Authority::part(std::span<const double> u_min, std::span<const double> u_
   return std::max(least, (left - (1.0 - free)) / free);
 }
 
+bool moves_alike(const Authority& a, const Authority& b) noexcept {
+  constexpr double fitted_to = 1e-6;  // relative, of drag and lag
+  const auto same = [](double x, double y) { return std::abs(x - y) <= fitted_to * (1 + std::abs(x)); };
+  return a.turns == b.turns && a.climbs == b.climbs && a.thrust_count == b.thrust_count &&
+         same(a.drag, b.drag) && same(a.climb_lag, b.climb_lag);
+}
+
 Authority authority_of(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
   if (model.nu() > most_inputs || model.nx() > most_states) {
     throw std::invalid_argument(

@@ -36,6 +36,10 @@ struct Authority {
   double part(std::span<const double> u_min, std::span<const double> u_max) const noexcept;
 };
 
+/// Whether robots of two abilities move alike, and differ at most in how much they can do: only then can each count on
+/// what the other does by the same law.
+bool moves_alike(const Authority& a, const Authority& b) noexcept;
+
 /// @param u_min, u_max  limits of the inputs, finite
 /// @throws std::invalid_argument for a model of more than 4 inputs or 32 states, and for one whose commands do
 ///         not accelerate it in every horizontal direction at once and in axes of its heading or of G, or whose

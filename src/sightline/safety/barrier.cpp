@@ -52,11 +52,14 @@ std::string_view to_string(Wall wall) noexcept {
 
 Barrier::Barrier(const Model& model, std::span<const double> u_min, std::span<const double> u_max, double dt,
                  const BarrierOptions& options)
+    : Barrier(model, authority_of(model, u_min, u_max), dt, options) {}
+
+Barrier::Barrier(const Model& model, const Authority& can, double dt, const BarrierOptions& options)
     : model_(model),
       options_(checked(options, dt)),
       dt_(dt),
       parts_(EscapePlans::parts(dt)),
-      can_(authority_of(model, u_min, u_max)),
+      can_(can),
       b_(options.authority * can_.acceleration),
       plans_(can_.drag, dt),
       ample_(std::max(least_ample, 2 * can_.push * (plans_.F(dt) + plans_.E(dt) * plans_.E_longest()))),

@@ -105,6 +105,8 @@ class Barrier {
   ///         it in every horizontal direction at once, or whose height does not follow the command at once
   Barrier(const Model& model, std::span<const double> u_min, std::span<const double> u_max, double dt,
           const BarrierOptions& options = {});
+  /// @param can  what plans count on: what authority_of() finds within the tightest limits, or less; pushes and rises may be more
+  Barrier(const Model& model, const Authority& can, double dt, const BarrierOptions& options = {});
 
   /// Puts in place of u the nearest command that keeps all distances and walls. Allocates nothing.
   /// A neighbour whose numbers are not finite is left out, and the result tells a conflict.

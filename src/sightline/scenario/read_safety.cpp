@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
+#include <utility>
 
 #include "sightline/run/settled.hpp"
+#include "sightline/safety/authority.hpp"
 #include "sightline/scenario/read_part.hpp"
 
 namespace sightline {
@@ -190,21 +193,34 @@ void read_faults(const TomlTable& simulation, const Team& team, Simulation& to) 
   }
 }
 
+namespace {
+
+/// What a robot can do; none where a barrier refuses it.
+std::optional<Authority> ability(const Agent& agent) {
+  try {
+    return authority_of(agent.model, agent.limits.u_min().front(), agent.limits.u_max().front());
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
 std::vector<RobotSpeed> uncooperative_robots(const Scenario& scenario) {
   std::vector<RobotSpeed> robots;
   if (!scenario.safety || scenario.safety->barrier == BarrierMode::off) return robots;
   const Team& team = scenario.team;
-  const auto kind = [](const Agent& agent) { return agent.model.name(); };
-  const auto& agents = team.agents();
-  const bool alike = std::all_of(agents.begin(), agents.end(),
-                                 [&](const Agent& agent) { return kind(agent) == kind(agents.front()); });
+  if (team.agents().size() < 2) return robots;
   struct Flown {
-    std::string_view kind;
+    std::string_view model;
     std::vector<double> probe;
-    double top;
+    const Agent* agent;
+    std::vector<double> low, high;
+    std::optional<double> top{};
   };
   std::vector<Flown> flown;
-  for (int i = 0; !alike && i < team.bodies(); ++i) {
+  std::vector<std::size_t> of;  // of each robot its place there
+  for (int i = 0; i < team.bodies(); ++i) {
     const BodyId body{i};
     if (!team.is_agent(body)) continue;
     // The widest limits there will be.
@@ -231,13 +247,28 @@ std::vector<RobotSpeed> uncooperative_robots(const Scenario& scenario) {
     for (const std::vector<double>* bound : {&low, &high})
       probe.insert(probe.end(), bound->begin(), bound->end());
     const auto known = std::find_if(flown.begin(), flown.end(), [&](const Flown& one) {
-      return one.kind == kind(agent) && one.probe == probe;
+      return one.model == agent.model.name() && one.probe == probe;
     });
-    const double top = known != flown.end() ? known->top : top_speed(agent.model, low, high);
-    if (known == flown.end()) flown.push_back({kind(agent), probe, top});
-    std::vector<double> u(low.size());
-    const double at_start = norm(agent.model.sight(scenario.x0.data() + team.state_offset(body), u.data()).v);
-    robots.push_back({body, std::max(at_start, top)});
+    of.push_back(static_cast<std::size_t>(known - flown.begin()));
+    if (known == flown.end())
+      flown.push_back({agent.model.name(), std::move(probe), &agent, std::move(low), std::move(high)});
+  }
+  const std::optional<Authority> first = ability(*flown.front().agent);
+  const auto moves_as_first = [&](const Flown& one) {
+    const std::optional<Authority> can = ability(*one.agent);
+    return one.model == flown.front().model && first && can && moves_alike(*first, *can);
+  };
+  const bool alike = std::all_of(flown.begin() + 1, flown.end(), moves_as_first);
+  if (alike && (!first || first->climb_lag == 0)) return robots;
+  for (std::size_t r = 0, i = 0; i < static_cast<std::size_t>(team.bodies()); ++i) {
+    const BodyId body{static_cast<int>(i)};
+    if (!team.is_agent(body)) continue;
+    Flown& one = flown[of[r++]];
+    if (!one.top) one.top = top_speed(one.agent->model, one.low, one.high);
+    std::vector<double> u(one.low.size());
+    const double at_start =
+        norm(team.model(body).sight(scenario.x0.data() + team.state_offset(body), u.data()).v);
+    robots.push_back({body, std::max(at_start, *one.top), !alike});
   }
   return robots;
 }
@@ -271,9 +302,9 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
       }
     }
   }
-  // A robot that does not cooperate, since another has another model, is as fast as its model can be.
+  // A robot that does not cooperate, since another moves otherwise, is as fast as its model can be.
   for (const RobotSpeed& of : uncooperative_robots(scenario)) {
-    if (std::isfinite(of.speed))
+    if (of.counts && std::isfinite(of.speed))
       options.bodies[static_cast<std::size_t>(of.robot.index)].speed_max = of.speed;
   }
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {

@@ -23,8 +23,10 @@ void read_faults(const TomlTable& simulation, const Team& team, Simulation& to);
 struct RobotSpeed {
   BodyId robot;
   double speed;
+  bool counts;  ///< false: the barrier reckons with BodySafety::speed_max in its place
 };
-/// The robots of a team under a barrier that another robot does not count as cooperative, since their models differ.
+/// The robots of a team under a barrier that another robot does not count as cooperative, since they move otherwise or climb late.
+/// Where all climb late and move alike, their speeds do not count.
 std::vector<RobotSpeed> uncooperative_robots(const Scenario& scenario);
 
 /// What guards the scenario's loop; none without a [safety] section that switches something on.

@@ -73,12 +73,13 @@ class Reader {
     read_constraints();
     scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);
     check_start_outside(root_, scenario_);
-    if (const auto options = guard_options(scenario_)) {
-      root_.table("safety").checked([&] { return Guard(scenario_.team, *options); });
-    }
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
     if (scenario_.fleet) read_link_faults(root_.table("fleet"), scenario_.team, *scenario_.fleet);
     scenario_.script = read_events(root_, scenario_, observers_);
+    // With the limits that events bring.
+    if (const auto options = guard_options(scenario_)) {
+      root_.table("safety").checked([&] { return Guard(scenario_.team, *options); });
+    }
     read_estimates(root_, scenario_);
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
     read_partition(root_, scenario_);
@@ -404,7 +405,7 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file, con
     if (campaign_refusal) scenario.campaign_refusal = std::move(campaign_refusal);
     return scenario;
   }
-  scenario.name = file.stem().string();
+  scenario.name = one_line(file.stem().string());
   scenario.file = file;
   scenario.text = std::move(text);
   scenario.files = std::move(document.files);
