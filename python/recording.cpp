@@ -160,8 +160,8 @@ void bind_recording(py::module_& module) {
       .def_property_readonly(
           "period", [](const OpenLog& l) { return l.recording.period; }, "[s]")
       .def_property_readonly(
-          "complete", [](const OpenLog& l) { return l.recording.complete; },
-          "False: the run was killed, the log ends in the middle.")
+          "complete", [](const OpenLog& l) { return l.recording.complete && !l.recording.lost_after; },
+          "False: the run was killed, the log ends in the middle, or it lacks periods.")
       .def_property_readonly(
           "time", [](const SharedLog& l) { return shown(l, l->recording.time); }, "[s], n")
       .def_property_readonly(

@@ -90,7 +90,7 @@ class Log:
         """By their names, in the order of the team."""
     @property
     def complete(self) -> bool:
-        """False: the run was killed, the log ends in the middle."""
+        """False: the run was killed, the log ends in the middle, or it lacks periods."""
     @property
     def cost(self) -> npt.NDArray[np.float64]:
         """Stage cost l, n."""

@@ -162,6 +162,7 @@ TEST(RecordedFlight, DetectionsComeBackAsTheyWere) {
   McapWriter mcap(place("detections.mcap"), "ros2", "test");
   MeasurementLog log(team, mcap);
   const auto state = mcap.channel(mcap.schema("s", "jsonschema", "{}"), "/a/state", "json", {});
+  const auto state_b = mcap.channel(mcap.schema("t", "jsonschema", "{}"), "/b/state", "json", {});
   Sample sample;
   sample.measured.assign(14, 1.5);
   sample.stamps = {0.0, -std::numeric_limits<double>::infinity()};
@@ -177,6 +178,7 @@ TEST(RecordedFlight, DetectionsComeBackAsTheyWere) {
   sample.detection_count = 2;
   const std::string x = "{\"time\":0,\"x\":[0,0,0,0,0,0,0]}";
   mcap.message(state, 0, 0, std::as_bytes(std::span(x)));
+  mcap.message(state_b, 0, 0, std::as_bytes(std::span(x)));
   log.add(sample);
   const auto input = mcap.channel(mcap.schema("i", "jsonschema", "{}"), "/a/input", "json", {});
   const auto input_b = mcap.channel(mcap.schema("j", "jsonschema", "{}"), "/b/input", "json", {});
@@ -214,11 +216,22 @@ TEST(RecordedFlight, LogsWithoutWhatAReplayNeedsAreRefusedBySentencesWithTheirNa
                        if (topic.ends_with("/measurement")) text.clear();
                      }),
               testing::HasSubstr("cannot be replayed: it holds no measurements"));
-  EXPECT_THAT(spoilt("half",
+  EXPECT_THAT(
+      spoilt("half",
+             [](std::string_view topic, std::string& text) {
+               if (topic == "/b/measurement") text.clear();
+             }),
+      testing::HasSubstr("2 states, 1 measurements and 2 inputs of the period at 0 s, expected 2, 2 and 2"));
+  EXPECT_THAT(spoilt("no_input",
                      [](std::string_view topic, std::string& text) {
-                       if (topic == "/b/measurement") text.clear();
+                       if (topic == "/b/input" && text.starts_with("{\"time\":0.5,")) text.clear();
                      }),
-              testing::HasSubstr("1 measurements of the period at 0 s, expected 2"));
+              testing::HasSubstr("2 states, 2 measurements and 1 inputs of the period at 0.5 s"));
+  EXPECT_THAT(spoilt("no_first",
+                     [](std::string_view topic, std::string& text) {
+                       if (topic == "/a/measurement" && text.starts_with("{\"time\":0.5,")) text.clear();
+                     }),
+              testing::HasSubstr("the measurement 1 of the period at 0.5 s where 0 is expected"));
   EXPECT_THAT(spoilt("short",
                      [](std::string_view topic, std::string& text) {
                        if (topic == "/b/input") text = "{\"time\":0,\"u\":[1,2]}";

@@ -1,10 +1,12 @@
 #include "sightline/record/recording.hpp"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <numbers>
 
 #include "sightline/base/version.hpp"
@@ -12,6 +14,7 @@
 #include "sightline/record/log.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/copy_log.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/refusal.hpp"
@@ -66,7 +69,7 @@ const LoggedFlight& flight() {
       sample.update_us = 40.0 + time;
       sample.barriers[1] = {time > 1.0, false, time > 1.0 ? 0.25 : std::numeric_limits<double>::infinity()};
       sample.event_count = time == 0.5 ? 1 : 0;
-      sample.events[0] = {0.5, EventKind::missed_period, 0, 3.0};
+      sample.events[0] = {0.5, EventKind::samples_dropped, 0, 3.0};
       result.samples.push_back(sample);
       ring.publish();
     });
@@ -137,7 +140,7 @@ TEST(Recording, TeamPairsAndWordsAreThoseOfTheScenario) {
   EXPECT_EQ(run.pairs[0].d_min, 1.0);
   EXPECT_EQ(run.pairs[0].d_max, 2.0);
   ASSERT_EQ(run.events.size(), 1U);
-  EXPECT_EQ(run.events[0].kind, "missed_period");
+  EXPECT_EQ(run.events[0].kind, "samples_dropped");
   EXPECT_EQ(run.events[0].time, 0.5);
   EXPECT_EQ(run.events[0].value, 3.0);
 }
@@ -221,6 +224,82 @@ TEST(Recording, ARowOfTimesThatWasCutOffIsLeftOut) {
 // The sentence of what cannot be read.
 std::string read_refusal(const fs::path& folder) {
   return refusal_of<std::runtime_error>([&] { read_recording(folder); });
+}
+
+/// The folder of the flight with another log.
+fs::path edited(std::string_view name,
+                const std::function<void(std::string_view topic, std::string& text)>& edit) {
+  const fs::path folder = made_folder(name);
+  fs::copy_file(flight().folder / "timing.csv", folder / "timing.csv", fs::copy_options::overwrite_existing);
+  test::copy_log(flight().folder / "run.mcap", folder / "run.mcap", edit);
+  return folder;
+}
+/// Without the messages of a topic at one time.
+std::string refusal_without(std::string_view name, std::string_view without, std::string_view time) {
+  return read_refusal(edited(name, [&](std::string_view topic, std::string& text) {
+    if (topic == without && text.starts_with(fmt::format("{{\"time\":{},", time))) text.clear();
+  }));
+}
+
+// Rows of bodies would be those of other times.
+TEST(Recording, APeriodThatLacksWhatEachHasIsRefused) {
+  EXPECT_THAT(refusal_without("no_state", "/uav1/state", "0.17"),
+              testing::EndsWith(
+                  "run.mcap is no sound log of a run: no message of /uav1/state at 0.17 s, expected one"));
+  EXPECT_THAT(refusal_without("no_first_state", "/uav1/state", "0"),
+              testing::HasSubstr("/uav1/state at 0 s"));
+  EXPECT_THAT(refusal_without("no_last_state", "/wall/state", "1.99"),
+              testing::HasSubstr("/wall/state at 1.99 s"));
+  EXPECT_THAT(refusal_without("no_input", "/uav0/input", "1.2"), testing::HasSubstr("/uav0/input at 1.2 s"));
+  EXPECT_THAT(refusal_without("no_barrier", "/uav1/barrier", "0.5"),
+              testing::HasSubstr("/uav1/barrier at 0.5 s"));
+  EXPECT_NE(refusal_without("no_solver", "/solver", "0.3"), "");
+}
+
+TEST(Recording, APeriodThatLacksABodyForEverIsRefused) {
+  EXPECT_THAT(read_refusal(edited("gone",
+                                  [](std::string_view topic, std::string& text) {
+                                    if (topic == "/uav1/state") text.clear();
+                                  })),
+              testing::HasSubstr("no message of /uav1/state at 0 s"));
+}
+
+TEST(Recording, TwoMessagesOfOnePeriodAreRefused) {
+  // What is left of the second one's period has the time of the first.
+  const auto twice = [](std::string_view name, std::string_view of) {
+    return read_refusal(edited(name, [&](std::string_view topic, std::string& text) {
+      if (topic == of && text.starts_with("{\"time\":0.01,")) text.replace(0, 13, "{\"time\":0.0,");
+    }));
+  };
+  EXPECT_THAT(twice("first_twice", "/uav0/state"), testing::HasSubstr("/uav0/state at 0 s after one at 0 s"));
+  EXPECT_THAT(read_refusal(edited("state_twice",
+                                  [n = 0](std::string_view topic, std::string& text) mutable {
+                                    if (topic == "/uav0/state" && ++n == 2) text.clear();
+                                  })),
+              testing::HasSubstr("two messages of /uav1/state at 0.01 s, expected one"));
+}
+
+TEST(Recording, ALogThatLacksPeriodsSaysFromWhereOn) {
+  const fs::path folder = edited("lost", [](std::string_view, std::string& text) {
+    if (text.starts_with("{\"time\":1.23,") || text.starts_with("{\"time\":1.24,")) text.clear();
+  });
+  for (const std::size_t stride : {1U, 10U}) {
+    const Recording run = read_recording(folder, {}, stride);
+    EXPECT_TRUE(run.complete);
+    ASSERT_TRUE(run.lost_after);
+    EXPECT_NEAR(*run.lost_after, 1.22, 1e-12);
+    EXPECT_EQ(run.time.size(), stride == 1 ? 198U : 20U);
+  }
+  EXPECT_FALSE(read_recording(flight().folder).lost_after);
+}
+
+TEST(Recording, PeriodsThatTheLoopMissedAndSaidSoAreNoGap) {
+  const fs::path folder = edited("missed", [](std::string_view topic, std::string& text) {
+    if (text.starts_with("{\"time\":1.23,") || text.starts_with("{\"time\":1.24,")) text.clear();
+    if (topic == "/events") text = "{\"time\":1.25,\"kind\":\"missed_period\",\"controller\":0,\"value\":2}";
+  });
+  EXPECT_FALSE(read_recording(folder).lost_after);
+  EXPECT_EQ(read_recording(folder).time.size(), 198U);
 }
 
 TEST(Recording, WhatCannotBeReadIsNamed) {

@@ -114,13 +114,14 @@ class RecordedFlight::Reader {
       const BodyId body{i};
       takes_[topic_of(team, body, "state")] = [this, body](const McapMessage&) {
         if (at(body) == 0) begin_period();
+        take_turn(states_, body.index, "state");
         copy_state(body, period().truth);
       };
       takes_[topic_of(team, body, "measurement")] = [this, body](const McapMessage&) {
+        take_turn(measurements_, body.index, "measurement");
         copy_state(body, period().measured);
         const double stamp = text_.number("stamp");
         period().stamps[at(body)] = std::isnan(stamp) ? -std::numeric_limits<double>::infinity() : stamp;
-        ++measurements_;
       };
       takes_[topic_of(team, body, "detection")] = [this, body](const McapMessage&) { detect(body); };
       takes_[topic_of(team, body, "broadcast")] = [this, body](const McapMessage&) {
@@ -128,10 +129,10 @@ class RecordedFlight::Reader {
         raise(flight_.most_.broadcasts, period().broadcasts.size());
       };
       if (!team.is_agent(body)) continue;
-      takes_[topic_of(team, body, "input")] = [this, body](const McapMessage&) {
+      takes_[topic_of(team, body, "input")] = [this, body, number = agents_++](const McapMessage&) {
+        take_turn(inputs_, number, "input");
         const std::span<const double> u = text_.numbers("u");
         copy(u, flight_.team_.model(body).nu(), flight_.team_.input_offset(body), period().u);
-        ++inputs_;
       };
       takes_[topic_of(team, body, "motion")] = [this, body](const McapMessage&) {
         period().motions.push_back({body, motion_of(text_)});
@@ -165,9 +166,7 @@ class RecordedFlight::Reader {
   /// Without a last period that is not whole, and those behind a gap.
   void end() {
     auto& periods = flight_.periods_;
-    const std::int64_t agents = static_cast<std::int64_t>(flight_.team_.agents().size());
-    if (!drop_states() && !periods.empty() && (measurements_ != flight_.team_.bodies() || inputs_ != agents))
-      periods.pop_back();
+    if (!drop_states() && !periods.empty() && !is_whole()) periods.pop_back();
     std::int64_t next = 0;
     for (std::size_t i = 0; i < periods.size(); ++i) {
       const std::int64_t k = flight_.number(periods[i].time);
@@ -199,16 +198,29 @@ class RecordedFlight::Reader {
     const bool dropped = drop_states();
     if (!dropped && !flight_.periods_.empty() && measurements_ == 0)
       throw std::runtime_error("it holds no measurements, as those of sightline before it had replay");
-    if (!dropped && !flight_.periods_.empty() && measurements_ != team.bodies())
-      throw std::runtime_error(fmt::format("{} measurements of the period at {} s, expected {}",
-                                           measurements_, period().time, team.bodies()));
-    measurements_ = inputs_ = 0;
+    if (!dropped && !flight_.periods_.empty() && !is_whole())
+      throw std::runtime_error(fmt::format(
+          "{} states, {} measurements and {} inputs of the period at {} s, expected {}, {} and {}", states_,
+          measurements_, inputs_, period().time, team.bodies(), team.bodies(), agents_));
+    states_ = measurements_ = inputs_ = 0;
     RecordedPeriod& next = flight_.periods_.emplace_back();
     next.time = text_.number("time");
     next.measured.resize(size(team.nx()));
     next.truth.resize(size(team.nx()));
     next.stamps.resize(size(team.bodies()));
     next.u.resize(size(team.nu()));
+  }
+
+  bool is_whole() const {
+    const int bodies = flight_.team_.bodies();
+    return states_ == bodies && measurements_ == bodies && inputs_ == agents_;
+  }
+  /// A period has one message of each, in the order of the team.
+  void take_turn(int& count, int number, std::string_view what) {
+    if (number != count)
+      throw std::runtime_error(fmt::format("the {} {} of the period at {} s where {} is expected", what,
+                                           number, period().time, count));
+    ++count;
   }
 
   static void raise(std::size_t& most, std::size_t count) { most = std::max(most, count); }
@@ -266,7 +278,8 @@ class RecordedFlight::Reader {
   LogText text_;
   std::map<std::string, std::function<void(const McapMessage&)>, std::less<>> takes_;
   std::map<std::int64_t, std::int64_t> missed_;
-  std::int64_t measurements_ = 0, inputs_ = 0;  // of the last period
+  int agents_ = 0;
+  int states_ = 0, measurements_ = 0, inputs_ = 0;  // of the last period
 };
 
 RecordedFlight::RecordedFlight(const std::filesystem::path& log, Team team, std::vector<double> start,

@@ -28,6 +28,7 @@
 #include "sightline/record/localization_summary.hpp"
 #include "sightline/record/mcap.hpp"
 #include "sightline/record/planned_view.hpp"
+#include "sightline/run/sample.hpp"
 #include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
@@ -116,10 +117,12 @@ void unwrap(std::vector<double>& psi) {
 }
 
 // Puts each message where it belongs. State and solver messages begin a row; what may be missing behind
-// them, where a number was not finite, stays not a number.
+// them, where a number was not finite, stays not a number. Of what each period has one, each row has one: a log that lacks one, or
+// has two, is refused.
 class RowReader {
  public:
   RowReader(Recording& run, std::size_t controllers) : run_(run) {
+    if (!run.bodies.empty()) first_state_ = "/" + run.bodies.front().name + "/state";
     for (Recording::Body& body : run.bodies) {
       const std::string topic = "/" + body.name + "/";
       places_[topic + "state"] = [this, &body](const McapMessage& m) { state(body, m); };
@@ -127,8 +130,8 @@ class RowReader {
       places_[topic + "twist"] = [&body](const McapMessage& m) { twist(body, m); };
       places_[topic + "attitude"] = [&body](const McapMessage& m) { attitude(body, m); };
       places_[topic + "path"] = [&body](const McapMessage& m) { path(body, m); };
-      places_[topic + "input"] = [&body](const McapMessage& m) { input(body, m); };
-      places_[topic + "barrier"] = [&body](const McapMessage& m) { barrier(body, m); };
+      places_[topic + "input"] = [this, &body](const McapMessage& m) { input(body, m); };
+      places_[topic + "barrier"] = [this, &body](const McapMessage& m) { barrier(body, m); };
       places_[topic + "camera_info"] = [&body](const McapMessage& m) { camera(body, m); };
       places_[topic + "detection"] = [this, &body](const McapMessage& m) { detection(body, m); };
       places_[topic + "localization"] = [&body](const McapMessage& m) { localization(body, m); };
@@ -138,17 +141,29 @@ class RowReader {
     run.controllers.resize(controllers);
     for (std::size_t c = 0; c < controllers; ++c) {
       run.controllers[c].name = controllers > 1 ? fmt::format("controller{}", c) : "solver";
-      places_[controllers > 1 ? "/" + run.controllers[c].name + "/solver" : "/solver"] =
-          [this, c](const McapMessage& m) { solver(c, m); };
+      const std::string topic = controllers > 1 ? "/" + run.controllers[c].name + "/solver" : "/solver";
+      places_[topic] = [this, c](const McapMessage& m) { solver(c, m); };
+      if (c == 0) first_solver_ = topic;
     }
     places_["/events"] = [this](const McapMessage& m) { event(m); };
     places_["/tuned"] = [this](const McapMessage& m) { tuned(m); };
   }
 
-  void take(const McapMessage& message) const {
+  void take(const McapMessage& message) {
+    if (message.topic == first_state_) {
+      end_period();
+      period_ = std::llround(1e-9 * static_cast<double>(message.log_time) / run_.period);
+    }
+    solved_ |= message.topic == first_solver_;
+    if (message.topic == "/events") note_missed(parsed(message));
     if (run_.stride > 1 && !is_kept(message)) return;
     const auto place = places_.find(message.topic);
-    if (place != places_.end()) place->second(message);
+    if (place == places_.end()) return;
+    try {
+      place->second(message);
+    } catch (const json::exception&) {
+      refuse("a message of {} is no JSON, or a value of it is missing or of another kind", message.topic);
+    }
   }
 
   // A chunk that closed by itself may end within a period.
@@ -163,7 +178,13 @@ class RowReader {
     return rows;
   }
 
-  void trim() {
+  /// Once all of a log is read; one that has its end ends with a whole period.
+  void trim(bool has_end) {
+    end_period();
+    if (has_end) {
+      drop_states();
+      check_whole();
+    }
     const std::size_t rows = this->rows();
     run_.time.resize(rows);
     run_.cost.resize(rows);
@@ -205,11 +226,28 @@ class RowReader {
     return json::parse(text, text + message.bytes.size());
   }
 
+  /// The period whose messages have all come follows the one before it, but for those that the loop missed and said so.
+  void end_period() {
+    if (!std::exchange(solved_, false)) return;
+    const auto missed = missed_.find(period_);
+    if (!run_.lost_after && period_ - next_ != (missed != missed_.end() ? missed->second : 0))
+      run_.lost_after = run_.period * static_cast<double>(std::max<std::int64_t>(next_ - 1, 0));
+    next_ = period_ + 1;
+  }
+
+  void note_missed(const json& event) {
+    if (event.at("kind") == to_string(EventKind::missed_period))
+      missed_[std::llround(or_no_value(event.at("time")) / run_.period)] +=
+          event.at("value").get<std::int64_t>();
+  }
+
   /// States that no record of a solver followed are of no update: of a missed period, or after the last command.
   void drop_states() {
     if (run_.cost.size() >= run_.time.size()) return;
     run_.time.pop_back();
+    const std::size_t rows = run_.time.size();
     for (Recording::Body& body : run_.bodies) {
+      if (body.p.size() <= rows) continue;
       body.p.pop_back();
       body.heading.pop_back();
       body.v.pop_back();
@@ -217,11 +255,38 @@ class RowReader {
     }
   }
 
+  /// That a message is the first of its kind in its period, of a column with `rows` rows.
+  void check_first(std::size_t rows, const McapMessage& message) const {
+    if (rows >= run_.time.size())
+      refuse("two messages of {} at {:.6g} s, expected one", message.topic,
+             1e-9 * static_cast<double>(message.log_time));
+  }
+  /// That each column has a row of each period.
+  void check_whole() const {
+    const auto check = [this](std::size_t rows, std::string_view of, std::string_view what) {
+      if (rows < run_.time.size())
+        refuse("no message of /{}{} at {:.6g} s, expected one", of, what, run_.time[rows]);
+    };
+    for (const Recording::Body& body : run_.bodies) {
+      check(body.p.size(), body.name, "/state");
+      if (!body.u.empty()) check(body.u.front().size(), body.name, "/input");
+      if (!body.barrier.empty()) check(body.barrier.size(), body.name, "/barrier");
+    }
+    for (const Recording::Controller& c : run_.controllers)
+      check(c.status.size(), c.name, run_.controllers.size() > 1 ? "/solver" : "");
+  }
+
   void state(Recording::Body& body, const McapMessage& message) {
     if (&body == &run_.bodies.front()) {
       drop_states();
-      run_.time.push_back(parsed(message).at("time"));
+      check_whole();
+      const double time = parsed(message).at("time");
+      if (!(time > last_time_))
+        refuse("a message of {} at {:.6g} s after one at {:.6g} s, expected a later one", message.topic, time,
+               last_time_);
+      run_.time.push_back(last_time_ = time);
     }
+    check_first(body.p.size(), message);
     body.p.push_back({no_value, no_value, no_value});
     body.heading.push_back(no_value);
     body.v.push_back({no_value, no_value, no_value});
@@ -265,15 +330,17 @@ class RowReader {
     body.planned_time.push_back(then);
     body.planned.push_back(planned);
   }
-  static void input(Recording::Body& body, const McapMessage& message) {
+  void input(Recording::Body& body, const McapMessage& message) const {
     const json values = parsed(message).at("u");
     if (values.size() != body.u.size()) {
       refuse("{} holds {} inputs, expected {}", message.topic, values.size(), body.u.size());
     }
+    if (!body.u.empty()) check_first(body.u.front().size(), message);
     for (std::size_t i = 0; i < body.u.size(); ++i) body.u[i].push_back(or_no_value(values[i]));
   }
-  static void barrier(Recording::Body& body, const McapMessage& message) {
+  void barrier(Recording::Body& body, const McapMessage& message) const {
     const json values = parsed(message);
+    check_first(body.barrier.size(), message);
     body.barrier.push_back(values.at("active").get<bool>() ? 1.0 : 0.0);
     body.reserve.push_back(or_no_value(values.at("reserve")));
   }
@@ -325,6 +392,7 @@ class RowReader {
   void solver(std::size_t index, const McapMessage& message) {
     const json values = parsed(message);
     Recording::Controller& controller = run_.controllers[index];
+    check_first(controller.status.size(), message);
     controller.status.push_back(values.at("status"));
     controller.residual.push_back(or_no_value(values.at("residual")));
     controller.iterations.push_back(values.at("iterations"));
@@ -339,6 +407,12 @@ class RowReader {
   }
 
   Recording& run_;
+  std::string first_state_, first_solver_;                       // topics
+  double last_time_ = -std::numeric_limits<double>::infinity();  // of the first body's states
+  std::int64_t period_ = 0,
+               next_ = 0;  // that is read, and the one after the last that has all of its messages
+  std::map<std::int64_t, std::int64_t> missed_;  // before each period
+  bool solved_ = false;
   std::map<std::string, std::function<void(const McapMessage&)>, std::less<>> places_;
 };
 
@@ -463,20 +537,34 @@ class RecordingReader::Files {
   }
 
   void read_on(const std::function<void(const McapMessage&)>& visitor) {
-    try {
+    soundly([&] {
       log.read_on([&](const McapMessage& message) {
         reader->take(message);
         if (visitor) visitor(message);
       });
-    } catch (const std::exception& e) {
-      refuse("{} is no sound log of a run: {}", path, sentence_of(e));
-    }
+    });
     if (!log.ok()) refuse("{}", log.error());
     run.complete = !log.truncated();
     if (!timing) timing.emplace(folder / "timing.csv", run.controllers.size(), run.stride);
     timing->read_on(run.solve_us);
   }
 
+  /// Once all is read.
+  void trim() {
+    soundly([&] { reader->trim(!log.truncated()); });
+  }
+
+ private:
+  template <class Read>
+  void soundly(Read&& read) const {
+    try {
+      read();
+    } catch (const std::exception& e) {
+      refuse("{} is no sound log of a run: {}", path, sentence_of(e));
+    }
+  }
+
+ public:
   std::filesystem::path folder;
   std::string path;
   McapReader log;
@@ -499,7 +587,7 @@ Recording read_recording(const std::filesystem::path& folder,
                          const std::function<void(const McapMessage&)>& visitor, std::size_t stride) {
   RecordingReader reader(folder, stride);
   reader.read_on(visitor);
-  reader.files_->reader->trim();
+  reader.files_->trim();
   Recording run = std::move(reader.files_->run);
   run.comparisons = read_comparisons(folder, run);
   return run;

@@ -114,13 +114,16 @@ struct Recording {
   std::vector<double> solve_us;         ///< measured, all controllers together, one a row of timing.csv
   std::vector<Comparison> comparisons;  ///< in the order of the solvers' names
   bool complete = true;                 ///< false: the log ends in the middle, the run was killed
+  std::optional<double>
+      lost_after{};  ///< of the last row before periods that are missing, and that the loop did not miss [s]
 
   double row_time() const { return static_cast<double>(stride) * period; }  ///< from one row to the next [s]
   /// Of the run [s]; 0 where it has no row.
   double end() const { return time.empty() ? 0.0 : (stride > 1 ? last : time.back()) + period; }
 };
 
-/// Reads a run's folder; the log of a killed run as far as it is sound.
+/// Reads a run's folder; the log of a killed run as far as it is sound. A log whose period lacks what each has, or has it
+/// twice, is refused.
 /// @param visitor  receives each message of run.mcap once it is read, so that what it keeps is of the same moment of a log that grows
 /// @param stride   periods from one row to the next, >= 1
 /// @throws std::runtime_error with a sentence that names the file where it cannot be read

@@ -470,6 +470,8 @@ std::string report_html(const Recording& recording, std::string_view summary, st
         fmt::format("<p class=\"warning\">The run did not end by itself: its log stops at {:.6g} s{}.</p>\n",
                     end, summary.empty() ? ", and there is no summary.json" : "");
   }
+  if (r.lost_after)
+    page += fmt::format("<p class=\"warning\">Samples are missing after {:.6g} s.</p>\n", *r.lost_after);
   if (!summary.empty()) page += summary_table(summary) + flown_table(summary);
   page += comparison_table(r, summary);
   page += partition_table(summary, partition);
