@@ -14,6 +14,7 @@
 
 #include "bench/ipopt.hpp"
 #include "sightline/base/index.hpp"
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/quantile.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/solver/newton/influence.hpp"
@@ -191,7 +192,7 @@ std::string bench_json(const std::vector<BenchRow>& rows) {
                                                    {"allocations", row.allocations},
                                                    {"krylov_mean", row.krylov_mean}});
   }
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 std::string bench_table(const std::vector<BenchRow>& rows) {

@@ -12,6 +12,7 @@
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
 #include "sightline/analysis/tag_size.hpp"
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/service_thread.hpp"
 #include "sightline/scenario/bridge.hpp"
@@ -56,7 +57,7 @@ std::string json_of(const Scenario& scenario, const std::vector<Finding>& findin
                    {"update_p99", timing.update_p99}, {"update_most", timing.update_most},
                    {"wake_p99", timing.wake_p99},     {"fifo", timing.realtime.first_come},
                    {"locked", timing.realtime.locked}};
-  return all.dump(2) + "\n";
+  return json_text(all, 2) + "\n";
 }
 
 std::string in_sum(const std::vector<Finding>& findings) {
@@ -99,7 +100,7 @@ int watch_poses(FleetDoctor& fleet, const DoctorCommand& command) {
       if (command.json) {
         Json line = json_of(pose);
         line["moved"] = pose.known ? json_of(moved) : Json(nullptr);
-        print("{}\n", line.dump());
+        print("{}\n", json_text(line));
       } else if (pose.known) {
         const auto of = [](const Vec3<double>& p) {
           const auto rounded = [](double x) { return std::round(100 * x) / 100 + 0.0; };  // no -0.00

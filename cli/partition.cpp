@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/quantile.hpp"
 #include "sightline/record/text_file.hpp"
 #include "sightline/scenario/closed_loop.hpp"
@@ -179,7 +180,7 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
     text += fmt::format("{:5}   {:15.2e}  {:8.2e}    {:18.2e}  {:8.2e}    {:21.2e}  {:8.2e}\n", exchange + 1,
                         input.median, input.greatest, price.median, price.greatest, kkt.median, kkt.greatest);
   }
-  write_text(folder / "partition.json", json.dump(2) + "\n");
+  write_text(folder / "partition.json", json_text(json, 2) + "\n");
   return text;
 }
 

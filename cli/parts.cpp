@@ -4,6 +4,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
+#include "sightline/base/json_text.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -34,7 +35,7 @@ int list_parts(bool json, const Parts& parts) {
     add(all, parts.potentials);
     add(all, parts.references);
     add(all, parts.limits);
-    print("{}\n", all.dump(2));
+    print("{}\n", json_text(all, 2));
   } else {
     print("{}\n{}\n{}\n{}", parameters_table(parts.robots), parameters_table(parts.potentials),
           parameters_table(parts.references), parameters_table(parts.limits));

@@ -12,6 +12,7 @@
 #include "cli/partition.hpp"
 #include "cli/progress.hpp"
 #include "sightline/analysis/keys_without_effect.hpp"
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/service_thread.hpp"
 #include "sightline/record/folder_lock.hpp"
@@ -75,7 +76,7 @@ std::string with_timing(const std::string& summary, const LinkTiming& timing) {
                        {"wake_us", us(timing.wake)},
                        {"arrival_us", us(timing.arrival)},
                        {"cpu", timing.cpu}};
-  return json.dump(2, ' ', false, Ordered::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 /// Flies the scenario under its controllers, as fly_logged() of the library; shows it where that is asked for.

@@ -2,29 +2,19 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
 #include <string>
 #include <vector>
 
-#include "tests/support/tree.hpp"
+#include "tests/support/product_files.hpp"
 
 namespace {
 
+using sightline::test::product_files;
+using sightline::test::text_of;
 using sightline::test::tree;
+using sightline::test::without_comments;
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream text(file);
-  return {std::istreambuf_iterator<char>(text), {}};
-}
-
-/// Without comments.
-std::string without_comments(const std::string& text) {
-  static const std::regex comment("//[^\n]*|/\\*[\\s\\S]*?\\*/");
-  return std::regex_replace(text, comment, "");
-}
 
 /// What makes a thread in this code, beside the functions of base/service_thread.hpp; empty where nothing does.
 std::string thread_in(const std::string& code) {
@@ -46,17 +36,6 @@ std::string callback_in(const std::string& code) {
     if (!std::regex_search(to, harmless)) return at->str();
   }
   return "";
-}
-
-std::vector<fs::path> product_files() {
-  std::vector<fs::path> files;
-  for (const char* folder : {"src", "worlds", "bridges", "cli", "python", "bench", "examples"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(tree / folder)) {
-      const fs::path extension = entry.path().extension();
-      if (extension == ".hpp" || extension == ".cpp") files.push_back(entry.path());
-    }
-  }
-  return files;
 }
 
 TEST(Threads, AreMadeByServiceThreadAlone) {

@@ -8,6 +8,7 @@
 
 #include "sightline/analysis/potential_figures.hpp"
 #include "sightline/analysis/verdict_words.hpp"
+#include "sightline/base/json_text.hpp"
 #include "sightline/plot/page.hpp"
 
 namespace sightline {
@@ -102,7 +103,7 @@ std::string verdict_json(const Scenario& scenario, const std::vector<JudgedCoupl
     }
     couplings.push_back(std::move(entry));
   }
-  return ordered_json{{"scenario", scenario.name}, {"couplings", couplings}}.dump(2) + "\n";
+  return json_text(ordered_json{{"scenario", scenario.name}, {"couplings", couplings}}, 2) + "\n";
 }
 
 }  // namespace sightline

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "sightline/base/json_text.hpp"
+
 namespace sightline {
 namespace {
 
@@ -180,44 +182,45 @@ std::string to_json(const Verdict& v) {
   using nlohmann::ordered_json;
   ordered_json traps = ordered_json::array();
   for (const Trap& t : v.traps) traps.push_back({{"p_S", {t.p_S.x, t.p_S.y, t.p_S.z}}, {"l", t.l}});
-  return ordered_json{
-      {"potential", v.name},
-      {"radius", v.options.reach},
-      {"threshold", v.options.flat},
-      {"samples", v.options.samples},
-      {"sees_heading", v.sees_heading},
-      {"around", v.around ? ordered_json{v.around->x, v.around->y, v.around->z} : ordered_json()},
-      {"outside", v.outside},
-      {"region",
-       {{"step_disagrees", v.step_disagrees},
-        {"sigmoid_disagrees", v.sigmoid_disagrees},
-        {"half_angle", or_null(v.of_step)},
-        {"half_angle_of_limit", or_null(v.of_limit)}}},
-      {"limit",
-       {{"level", v.level},
-        {"bias", v.bias},
-        {"bias_worst", v.bias_worst},
-        {"bias_angle", v.has_view ? ordered_json(v.bias_angle) : ordered_json()},
-        {"condition", v.condition},
-        {"condition_worst", v.condition_worst}}},
-      {"gradient_vanishes",
-       {{"in_position", v.flat_in_position},
-        {"in_yaw", v.sees_heading ? ordered_json(v.flat_in_yaw) : ordered_json()},
-        {"in_both", v.sees_heading ? ordered_json(v.flat_in_both) : ordered_json()},
-        {"in_yaw_behind", v.sees_heading ? ordered_json(v.flat_in_yaw_behind) : ordered_json()},
-        {"in_yaw_from_angle", or_null(v.flat_in_yaw_from)},
-        {"turns_away", v.sees_heading ? ordered_json(v.turns_away) : ordered_json()},
-        {"beyond", or_null(v.flat_beyond)},
-        {"within", or_null(v.flat_within)}}},
-      {"minima_outside", traps},
-      {"minima_in_yaw", v.sees_heading ? ordered_json(v.traps_in_yaw) : ordered_json()},
-      {"worst_second_derivative",
-       {{"position", v.curvature_worst},
-        {"yaw", v.sees_heading ? ordered_json(v.curvature_in_yaw) : ordered_json()},
-        {"smooth", v.cure ? ordered_json(v.cure->smooth) : ordered_json()}}},
-      {"words", v.words},
-      {"warnings", v.warnings}}
-      .dump(2);
+  return json_text(
+      ordered_json{
+          {"potential", v.name},
+          {"radius", v.options.reach},
+          {"threshold", v.options.flat},
+          {"samples", v.options.samples},
+          {"sees_heading", v.sees_heading},
+          {"around", v.around ? ordered_json{v.around->x, v.around->y, v.around->z} : ordered_json()},
+          {"outside", v.outside},
+          {"region",
+           {{"step_disagrees", v.step_disagrees},
+            {"sigmoid_disagrees", v.sigmoid_disagrees},
+            {"half_angle", or_null(v.of_step)},
+            {"half_angle_of_limit", or_null(v.of_limit)}}},
+          {"limit",
+           {{"level", v.level},
+            {"bias", v.bias},
+            {"bias_worst", v.bias_worst},
+            {"bias_angle", v.has_view ? ordered_json(v.bias_angle) : ordered_json()},
+            {"condition", v.condition},
+            {"condition_worst", v.condition_worst}}},
+          {"gradient_vanishes",
+           {{"in_position", v.flat_in_position},
+            {"in_yaw", v.sees_heading ? ordered_json(v.flat_in_yaw) : ordered_json()},
+            {"in_both", v.sees_heading ? ordered_json(v.flat_in_both) : ordered_json()},
+            {"in_yaw_behind", v.sees_heading ? ordered_json(v.flat_in_yaw_behind) : ordered_json()},
+            {"in_yaw_from_angle", or_null(v.flat_in_yaw_from)},
+            {"turns_away", v.sees_heading ? ordered_json(v.turns_away) : ordered_json()},
+            {"beyond", or_null(v.flat_beyond)},
+            {"within", or_null(v.flat_within)}}},
+          {"minima_outside", traps},
+          {"minima_in_yaw", v.sees_heading ? ordered_json(v.traps_in_yaw) : ordered_json()},
+          {"worst_second_derivative",
+           {{"position", v.curvature_worst},
+            {"yaw", v.sees_heading ? ordered_json(v.curvature_in_yaw) : ordered_json()},
+            {"smooth", v.cure ? ordered_json(v.cure->smooth) : ordered_json()}}},
+          {"words", v.words},
+          {"warnings", v.warnings}},
+      2);
 }
 
 }  // namespace sightline

@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/refuse.hpp"
 #include "sightline/campaign/confidence.hpp"
 #include "sightline/campaign/judge.hpp"
@@ -118,7 +119,7 @@ Machine this_machine() {
 void write_machines(const fs::path& folder, const std::vector<Machine>& machines) {
   Json json = Json::array();
   for (const Machine& machine : machines) json.push_back(as_json(machine));
-  write_text(folder / machines_file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_text(folder / machines_file, json_text(json, 2) + "\n");
 }
 
 std::vector<Machine> machines_of(const std::vector<fs::path>& folders) {
@@ -154,7 +155,7 @@ std::string campaign_json(const std::vector<CampaignTable>& tables, const std::v
     beside["paired"] = paired_json(tables.front(), tables[i]);
     json["beside"].push_back(std::move(beside));
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 }  // namespace sightline

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/no_value.hpp"
 #include "sightline/math/matrix.hpp"
 #include "sightline/math/rotation.hpp"
@@ -94,7 +95,7 @@ std::string LocalizationSummary::json() const {
                     {"rejected", robot.rejected},
                     {"restarts", robot.restarts},
                     {"longest_without_sight", robot.longest_without_sight}});
-  return list.dump();
+  return json_text(list);
 }
 
 }  // namespace sightline

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "sightline/base/json_text.hpp"
+
 namespace sightline {
 
 std::uint64_t nanoseconds(double time) { return static_cast<std::uint64_t>(std::llround(time * 1e9)); }
@@ -64,7 +66,7 @@ std::string json_schema(std::initializer_list<std::pair<const char*, std::string
       property = {{"type", type}};
     }
   }
-  return schema.dump();
+  return json_text(schema);
 }
 
 void LogText::refuse() const {

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
@@ -49,7 +50,7 @@ std::string PlanSummary::json() const {
     json["from"] = gap.from;
     json["status"] = to_string(gap.status);
   }
-  return json.dump();
+  return json_text(json);
 }
 
 std::string without_plan_in_words(std::string_view json) {

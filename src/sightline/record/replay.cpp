@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/json_text.hpp"
 #include "sightline/record/mcap.hpp"
 #include "sightline/record/tuned_log.hpp"
 #include "sightline/scenario/closed_loop.hpp"
@@ -237,7 +238,7 @@ std::string comparison_json(const CommandComparison& compared, const Scenario& s
                               {"largest_at", robot.largest_at},
                               {"rms", robot.rms}});
   }
-  return json.dump(2);
+  return json_text(json, 2);
 }
 
 }  // namespace sightline

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/record/summary.hpp"
@@ -113,7 +114,7 @@ std::string Summary::json() const {
   if (const std::string localization = localization_.json(); !localization.empty())
     json["localization"] = Json::parse(localization);
   if (const std::string safety = safety_.json(); !safety.empty()) json["safety"] = Json::parse(safety);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 std::string write_summary(const std::filesystem::path& folder, std::string_view json) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/record/summary.hpp"
 
@@ -75,7 +76,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
 
   // Over what time something was judged; all of the run in the words given.
   const auto in_force = [](const Json& judged, std::string_view all) {
-    return judged.contains("in_force") ? time_words(judged.at("in_force").dump()) : std::string(all);
+    return judged.contains("in_force") ? time_words(json_text(judged.at("in_force"))) : std::string(all);
   };
 
   std::string statuses;
@@ -85,7 +86,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
   }
   add("updates", fmt::format("{} ({})", words(s.at("updates"), ""), statuses));
   if (s.contains("without_plan")) {
-    const std::string gap = without_plan_in_words(s.at("without_plan").dump());
+    const std::string gap = without_plan_in_words(json_text(s.at("without_plan")));
     if (!gap.empty()) add("without a plan", gap);
   }
   add("cost",
@@ -138,7 +139,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
       and_more("pairs"));
   if (s.contains("idle_observers")) {
     for (const Json& idle : s.at("idle_observers"))
-      add(name(idle.at("observer")) + " observes nobody", time_words(idle.at("in_force").dump()));
+      add(name(idle.at("observer")) + " observes nobody", time_words(json_text(idle.at("in_force"))));
   }
   const auto tell_agent = [&](const Json& agent) {
     const Json& error = agent.at("rms_position_error");
@@ -220,7 +221,8 @@ std::vector<SummaryLine> lines_of(const Json& s) {
       s.value("drift", Json()), [](const Json& d) { return number(d.at("speed"), 0.0); }, tell_drift,
       and_more("robots that drift"));
   if (s.contains("safety")) {
-    for (auto& [what, value] : safety_lines(s.at("safety").dump())) add(std::move(what), std::move(value));
+    for (auto& [what, value] : safety_lines(json_text(s.at("safety"))))
+      add(std::move(what), std::move(value));
   }
   if (!s.at("events").empty()) add("events", fmt::format("{}", s.at("events").size()));
   return lines;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "sightline/base/json_text.hpp"
 #include "sightline/record/present_team.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
@@ -84,7 +85,7 @@ std::string team_json(const Scenario& scenario) {
     if (std::isfinite(walls.ceiling)) json["ceiling"] = walls.ceiling;
   }
   for (const TeamEvent& event : scenario.script.events) json["events"].push_back(event.name);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(json);
 }
 
 }  // namespace sightline

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sightline/base/json_text.hpp"
+
 namespace sightline {
 
 void TimeInForce::count(double time, double period) {
@@ -18,7 +20,7 @@ bool TimeInForce::is_whole(double end) const {
 }
 
 std::string TimeInForce::json() const {
-  return nlohmann::ordered_json{{"from", from}, {"to", to}, {"total", total}}.dump();
+  return json_text(nlohmann::ordered_json{{"from", from}, {"to", to}, {"total", total}});
 }
 
 std::string time_words(std::string_view json) {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/record/log_text.hpp"
 
@@ -40,11 +41,10 @@ void TunedLog::add(const Sample& sample) {
     if (event.kind != EventKind::event_happened || event.value < static_cast<double>(script_)) continue;
     const std::size_t number = static_cast<std::size_t>(event.value) - script_;
     if (number >= tuned_->size()) continue;
-    const std::string message = nlohmann::ordered_json{{"time", event.time},
-                                                       {"number", number},
-                                                       {"name", tuned_->event(number).name},
-                                                       {"text", tuned_->text(number, event.time)}}
-                                    .dump();
+    const std::string message = json_text(nlohmann::ordered_json{{"time", event.time},
+                                                                 {"number", number},
+                                                                 {"name", tuned_->event(number).name},
+                                                                 {"text", tuned_->text(number, event.time)}});
     to_.message(channel_->id, channel_->sequence++, nanoseconds(sample.time),
                 std::as_bytes(std::span(message)));
   }

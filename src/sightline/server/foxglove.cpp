@@ -7,14 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "sightline/base/json_text.hpp"
+
 namespace sightline {
 namespace {
 
 using FoxgloveJson = nlohmann::ordered_json;
-
-std::string dumped(const FoxgloveJson& json) {
-  return json.dump(-1, ' ', false, FoxgloveJson::error_handler_t::replace);
-}
 
 /// Little-endian.
 template <class T>
@@ -80,12 +78,12 @@ std::string_view foxglove_protocol(std::string_view named) {
 }
 
 std::string foxglove_server_info(std::string_view name, std::string_view session) {
-  return dumped({{"op", "serverInfo"},
-                 {"name", name},
-                 {"capabilities", FoxgloveJson::array({"time"})},
-                 {"supportedEncodings", FoxgloveJson::array()},
-                 {"metadata", FoxgloveJson::object()},
-                 {"sessionId", session}});
+  return json_text(FoxgloveJson{{"op", "serverInfo"},
+                                {"name", name},
+                                {"capabilities", FoxgloveJson::array({"time"})},
+                                {"supportedEncodings", FoxgloveJson::array()},
+                                {"metadata", FoxgloveJson::object()},
+                                {"sessionId", session}});
 }
 
 std::string foxglove_advertise(std::span<const FoxgloveChannel> channels) {
@@ -97,11 +95,11 @@ std::string foxglove_advertise(std::span<const FoxgloveChannel> channels) {
                     {"schemaName", one.schema_name},
                     {"schema", one.schema},
                     {"schemaEncoding", one.schema_encoding}});
-  return dumped({{"op", "advertise"}, {"channels", std::move(list)}});
+  return json_text(FoxgloveJson{{"op", "advertise"}, {"channels", std::move(list)}});
 }
 
 std::string foxglove_status(FoxgloveLevel level, std::string_view sentence) {
-  return dumped({{"op", "status"}, {"level", static_cast<int>(level)}, {"message", sentence}});
+  return json_text(FoxgloveJson{{"op", "status"}, {"level", static_cast<int>(level)}, {"message", sentence}});
 }
 
 std::string foxglove_message(std::uint32_t subscription, std::uint64_t time, std::string_view bytes) {

@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/base/sentence.hpp"
@@ -313,11 +314,10 @@ class LogPage::Thread {
   }
 
   void tell() {
-    std::string now = nlohmann::json({{"session", session_},
-                                      {"moments", moments_.size()},
-                                      {"state", to_string(log_->state())},
-                                      {"fault", fault_}})
-                          .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    std::string now = json_text(nlohmann::json({{"session", session_},
+                                                {"moments", moments_.size()},
+                                                {"state", to_string(log_->state())},
+                                                {"fault", fault_}}));
     if (now == told_) return;
     told_ = std::move(now);
     server_->post(told_);

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/no_value.hpp"
 #include "sightline/potential/protection.hpp"
 #include "sightline/potential/region.hpp"
@@ -40,9 +41,7 @@ class JsonText {
       fmt::format_to(std::back_inserter(text_), "{:.4g}", value);
     }
   }
-  void quoted(std::string_view words) {
-    text_ += SceneValue(words).dump(-1, ' ', false, SceneValue::error_handler_t::replace);
-  }
+  void quoted(std::string_view words) { text_ += json_text(SceneValue(words)); }
   /// A comma where something stands before.
   void next() {
     if (text_.back() != '[' && text_.back() != '{') text_ += ',';
@@ -260,7 +259,7 @@ std::string SceneJson::scene(std::string_view session, bool live) const {
   json["surfaces"] = std::move(surfaces.all);
   json["zones"] = std::move(surfaces.zones);
   json["undrawn"] = std::move(surfaces.undrawn);
-  return json.dump(-1, ' ', false, SceneValue::error_handler_t::replace);
+  return json_text(json);
 }
 
 std::string SceneJson::moment(const ShownState& state, const std::vector<Happening>& events) const {

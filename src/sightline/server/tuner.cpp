@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/refuse.hpp"
 #include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/templates.hpp"
@@ -30,7 +31,7 @@ bool is_bare(std::string_view key) {
   });
 }
 
-std::string in_quotes(std::string_view text) { return Json(text).dump(); }
+std::string in_quotes(std::string_view text) { return json_text(Json(text)); }
 
 Json json_of_node(const toml::node& node) {
   std::ostringstream text;
@@ -121,7 +122,7 @@ std::string toml_of(const nlohmann::ordered_json& value) {
     return fmt::format("[{}]", fmt::join(items, ", "));
   }
   if (value.is_null()) refuse("null, expected a number, a text, true, false, an array or an object");
-  if (!value.is_number_float()) return value.dump();
+  if (!value.is_number_float()) return json_text(value);
   std::string number = fmt::format("{}", value.get<double>());
   if (number.find_first_of(".en") == std::string::npos) number += ".0";
   return number;
@@ -179,7 +180,7 @@ Tuner::Term& Tuner::Values::term(const std::string& kind, const std::string& nam
 /// The keys of the event beside `at`.
 std::string Tuner::keys_of(const Json& change, double ramp) const {
   if (!change.is_object() || change.empty())
-    refuse("event = {}, expected an object with one of {}", change.dump(), fmt::join(tuned_keys, ", "));
+    refuse("event = {}, expected an object with one of {}", json_text(change), fmt::join(tuned_keys, ", "));
   std::string text;
   for (const auto& [key, value] : change.items()) {
     if (std::find(tuned_keys.begin(), tuned_keys.end(), key) == tuned_keys.end())

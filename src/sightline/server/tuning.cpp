@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "sightline/base/json_text.hpp"
 #include "sightline/base/refuse.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/service_thread.hpp"
@@ -34,7 +35,7 @@ void check_message(const Message& message) {
     asked += key == "event" || key == "pause" || key == "step" || key == "seed" ? 1 : 0;
     const bool known =
         key == "id" || key == "event" || key == "ramp" || key == "pause" || key == "step" || key == "seed";
-    if (!known) refuse("{}, expected one of id, event, ramp, pause, step, seed", Message(key).dump());
+    if (!known) refuse("{}, expected one of id, event, ramp, pause, step, seed", json_text(Message(key)));
   }
   if (asked != 1) refuse("{} of event, pause, step, seed, {}", asked, expected_message);
   if (message.contains("ramp") && !message.contains("event")) refuse("ramp, expected beside event alone");
@@ -49,12 +50,8 @@ std::string id_of(const Message& message) {
 std::int64_t whole_number(const Message& message, const char* key, std::int64_t low, std::int64_t high) {
   const Message& value = message.at(key);
   if (!value.is_number_integer() || value < low || value > high)
-    refuse("{} = {}, expected a whole number, {} to {}", key, value.dump(), low, high);
+    refuse("{} = {}, expected a whole number, {} to {}", key, json_text(value), low, high);
   return value.get<std::int64_t>();
-}
-
-std::string dumped(const Message& value) {
-  return value.dump(-1, ' ', false, Message::error_handler_t::replace);
 }
 
 }  // namespace
@@ -92,7 +89,7 @@ class Tuning::Thread {
     Message list = Message::array();
     for (const Answer& one : answers_) list.push_back({one.number, one.id, one.accepted, one.sentence});
     const bool paused = controls_.clock != nullptr && controls_.clock->paused();
-    return fmt::format(",\"answers\":{},\"paused\":{}", dumped(list), paused);
+    return fmt::format(",\"answers\":{},\"paused\":{}", json_text(list), paused);
   }
 
   PageFiles files() const {
@@ -156,7 +153,7 @@ class Tuning::Thread {
     if (message.contains("event")) {
       double ramp = std::numeric_limits<double>::quiet_NaN();
       if (message.contains("ramp")) {
-        if (!message["ramp"].is_number()) refuse("ramp = {}, expected a number", dumped(message["ramp"]));
+        if (!message["ramp"].is_number()) refuse("ramp = {}, expected a number", json_text(message["ramp"]));
         ramp = message["ramp"].get<double>();
       }
       return tuner_.change(message["event"], ramp, time);
@@ -178,7 +175,7 @@ class Tuning::Thread {
       return fmt::format("{} period{}", steps, steps == 1 ? "" : "s");
     }
     if (!message["pause"].is_boolean())
-      refuse("pause = {}, expected true or false", dumped(message["pause"]));
+      refuse("pause = {}, expected true or false", json_text(message["pause"]));
     if (message["pause"].get<bool>()) {
       controls_.clock->pause();
       return "paused";
@@ -224,7 +221,7 @@ class Tuning::Thread {
       tunables["no_final"] = sentence;
       files["/final.toml"] = {"text/plain; charset=utf-8", fmt::format("# {}\n", sentence)};
     }
-    files["/tune.json"] = {"application/json", dumped(tunables)};
+    files["/tune.json"] = {"application/json", json_text(tunables)};
     return files;
   }
 

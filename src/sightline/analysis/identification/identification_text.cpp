@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "sightline/base/json_text.hpp"
 #include "sightline/plot/page.hpp"
 
 namespace sightline {
@@ -137,7 +138,7 @@ std::string to_json(const Identification& found) {
                {"template", template_text(found, found.best, found.robot)}};
   json["template_lumped"] =
       found.lumped ? Json(template_text(found, *found.lumped, found.robot + "_lumped")) : Json();
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 std::string identification_html(const Identification& found, const FlownMotion& motion) {
