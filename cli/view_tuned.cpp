@@ -38,7 +38,11 @@ Scenario with_seed(const Scenario& before, const Tuning& tuning, std::uint64_t s
   const PageFiles files = tuning.files();
   const PageFile& values = files.at("/final.toml");
   const bool has_values = values.type.starts_with("application/toml");
-  if (!has_values) say(fmt::format("the other flight has the scenario's own values: {}", values.body));
+  if (!has_values) {
+    std::string_view why = values.body;
+    if (why.starts_with("# ")) why.remove_prefix(2);
+    say(fmt::format("the other flight has the scenario's own values: {}", why));
+  }
   Scenario next = parse_scenario(has_values ? values.body : before.text, before.file, *before.parts,
                                  {.files = before.files, .set = {fmt::format("simulation.seed={}", seed)}});
   next.name = before.name;

@@ -32,7 +32,7 @@ bool KeywordSource::has(std::string_view key) const {
 
 void KeywordSource::expect_only(std::span<const std::string_view> keys) const {
   for (const auto& [key, value] : given_) {
-    const std::string name = py::str(key);
+    const std::string name = utf8(key, part_);
     if (std::find(keys.begin(), keys.end(), name) != keys.end()) continue;
     const std::string expected =
         keys.empty() ? std::string("no argument") : "a known one" + hint(shortened(name, shown_size), keys);
@@ -116,7 +116,7 @@ std::size_t KeywordSource::word(std::string_view key, std::span<const std::strin
   const std::string expected = fmt::format("one of {}", words_text(known));
   const py::object value = at(key, expected);
   if (!py::isinstance<py::str>(value)) refuse(key, expected);
-  const auto found = std::find(known.begin(), known.end(), std::string(py::str(value)));
+  const auto found = std::find(known.begin(), known.end(), utf8(value, key));
   if (found == known.end()) refuse(key, expected);
   return static_cast<std::size_t>(found - known.begin());
 }

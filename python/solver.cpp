@@ -52,7 +52,7 @@ py::object whole_number(const py::handle& value) {
 void put_option(toml::table& table, const std::string& key, const py::handle& value) {
   if (table.contains(key)) refuse("{} is given twice", key);
   if (py::isinstance<py::str>(value)) {
-    table.insert(key, value.cast<std::string>());
+    table.insert(key, utf8(value, key));
   } else if (is_truth(value)) {
     table.insert(key, PyObject_IsTrue(value.ptr()) == 1);
   } else if (const auto whole = whole_number(value)) {
@@ -63,7 +63,10 @@ void put_option(toml::table& table, const std::string& key, const py::handle& va
     table.insert(key, static_cast<std::int64_t>(number));
   } else if (py::hasattr(value, "__float__")) {
     const double number = PyFloat_AsDouble(value.ptr());
-    if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+    if (PyErr_Occurred() != nullptr) {
+      PyErr_Clear();
+      refuse("{} = {}, expected a number", key, std::string(py::str(py::repr(value))));
+    }
     table.insert(key, number);
   } else {
     throw py::type_error(
@@ -75,7 +78,7 @@ void put_option(toml::table& table, const std::string& key, const py::handle& va
 SolverChoice choice_of(std::string_view name, const Horizon& horizon, const py::kwargs& options) {
   TomlDocument document{.file = fmt::format("options of {}", name), .root = {}};
   document.root.insert("name", std::string(name));
-  for (const auto& [key, value] : options) put_option(document.root, key.cast<std::string>(), value);
+  for (const auto& [key, value] : options) put_option(document.root, utf8(key, name), value);
   return read_solver(TomlTable(document), horizon);
 }
 

@@ -6,6 +6,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <variant>
 
 namespace sightline {
 namespace {
@@ -37,6 +38,7 @@ TEST(Sentence, ThoseOfLibrariesAreTranslated) {
             (folder / "a").native() +
                 ": cannot be used (Too many levels of symbolic links), expected a file or a folder");
   fs::remove_all(folder);
+  EXPECT_EQ(said([] { (void)std::get<int>(std::variant<int, double>(0.5)); }), "a value is of another kind");
   EXPECT_EQ(said([] { const auto read = nlohmann::json::parse("{\"a\": nothing}"); }),
             "no JSON from byte 8 on");
   EXPECT_EQ(said([] { (void)nlohmann::json::parse("{}").at("a"); }),

@@ -139,7 +139,7 @@ def test_parts_are_all_that_are_registered_with_their_parameters(sightline):
     (lambda: sl.cgmres(paper_pair(), name="newton_riccati"), ValueError, "name is given twice"),
     (lambda: sl.cgmres(paper_pair(), k_max=True), ValueError, "k_max = true, expected an integer"),
     (lambda: sl.cgmres(paper_pair(), k_max=np.bool_(True)), ValueError, "k_max = true, expected an integer"),
-    (lambda: sl.cgmres(paper_pair(), k_max=2.0), ValueError, "k_max = 2, expected an integer"),
+    (lambda: sl.cgmres(paper_pair(), k_max=2.0), ValueError, "k_max = 2.0, expected an integer, 1 to 1000, without a point"),
     (lambda: sl.cgmres(paper_pair(), k_max=2**70), ValueError, "expected a number of 64 bits"),
     (lambda: sl.cgmres(paper_pair(), zeta=float("nan")), ValueError, "zeta = nan, expected > 0"),
     (lambda: sl.cgmres(paper_pair(), zeta=[1.0]), TypeError, r"zeta = \[1\.0\], expected a number or a word"),

@@ -79,6 +79,20 @@ TEST(Connection, AWatcherThatSendsTooMuchIsToldWhyAndClosed) {
   EXPECT_EQ(pair.hear(), websocket_close(WebsocketClose::against_the_rules));
 }
 
+TEST(Connection, AWatcherThatEndsIsAnsweredByItsOwnCode) {
+  for (const std::string& why :
+       {std::string(), std::string("\x03\xe8", 2), std::string("\x03\xe9 I go", 7)}) {
+    ConnectedPair pair;
+    pair.one.watch("", pair.now);
+    pair.one.send(pair.now);
+    pair.say(test::PageClient::masked(8, why));
+    pair.one.receive(pair.now);
+    EXPECT_EQ(pair.one.state(), State::closed);
+    EXPECT_FALSE(pair.one.broke_rules());
+    EXPECT_EQ(pair.hear(), websocket_frame(WebsocketOp::close, why.substr(0, 2)));
+  }
+}
+
 TEST(Connection, AWatcherMaySendAFewEachSecond) {
   ConnectedPair pair;
   pair.one.watch("", pair.now);

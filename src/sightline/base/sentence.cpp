@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "sightline/base/reason.hpp"
 
@@ -26,6 +27,7 @@ std::string sentence_of(const std::exception& error) {
     return fmt::format("no JSON from byte {} on", parsed->byte);
   if (dynamic_cast<const nlohmann::json::exception*>(&error) != nullptr)
     return "a value of the JSON is missing or of another kind";
+  if (dynamic_cast<const std::bad_variant_access*>(&error) != nullptr) return "a value is of another kind";
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return "there is not enough memory";
   return error.what();
 }

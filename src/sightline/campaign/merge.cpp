@@ -4,12 +4,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <optional>
+#include <string_view>
+#include <system_error>
 #include <utility>
+#include <variant>
 
 #include "sightline/base/refuse.hpp"
 #include "sightline/base/sentence.hpp"
@@ -53,6 +57,15 @@ bool is_as_written(const fs::path& file, const fs::path& scratch) {
   return same;
 }
 
+/// What a table says of its campaign under a key, which anybody may have written.
+template <class T>
+const T& word_of(const AboutCampaign& about, std::string_view key) {
+  const auto found = about.find(std::string(key));
+  const T* const word = found == about.end() ? nullptr : std::get_if<T>(&found->second);
+  if (word == nullptr) refuse("its {} is missing or of another kind", key);
+  return *word;
+}
+
 ShardTable read_shard(const fs::path& file, const fs::path& scratch) {
   if (!fs::is_regular_file(file)) refuse("{}: is missing, expected the table of a shard", file.native());
   ShardTable table{.file = file};
@@ -63,10 +76,13 @@ ShardTable read_shard(const fs::path& file, const fs::path& scratch) {
     if (!sound.step() || sound.text(0) != "ok") throw std::runtime_error("it is damaged");
     table.about = about_campaign(database);
     if (const auto shard = table.about.find(std::string(shard_key)); shard != table.about.end()) {
-      const std::string words = std::get<std::string>(shard->second);
-      const auto of = words.find(" of ");
+      const auto words = word_of<std::string>(table.about, shard_key);
+      const auto of = std::min(words.find(" of "), words.size());
       table.shard = shard_of(words.substr(0, of));
-      table.of_runs = std::stoi(words.substr(of + 4));
+      const char* const end = words.data() + words.size();
+      const char* const number = std::min(words.data() + of + 4, end);
+      if (std::from_chars(number, end, table.of_runs).ec != std::errc())
+        refuse("its shard is {}, expected I/N of RUNS", words);
       table.about.erase(shard);
     }
     Database::Statement made(database, "SELECT sql FROM sqlite_master WHERE name = 'runs'");
@@ -166,14 +182,15 @@ CampaignWords campaign_words(const fs::path& file) {
     const auto plan = about.find("plan");
     FileTexts files;
     for (const auto& [key, value] : about)
-      if (key.starts_with(file_key)) files.emplace(key.substr(file_key.size()), std::get<std::string>(value));
+      if (key.starts_with(file_key))
+        files.emplace(key.substr(file_key.size()), word_of<std::string>(about, key));
     Database::Statement count(database, "SELECT count(*), coalesce(sum(outcome = 'recovered'), 0) FROM runs");
     count.step();
-    return {.scenario = std::get<std::string>(about.at("scenario")),
-            .text = std::get<std::string>(about.at("text")),
+    return {.scenario = word_of<std::string>(about, "scenario"),
+            .text = word_of<std::string>(about, "text"),
             .files = std::move(files),
-            .plan = plan == about.end() ? "" : std::get<std::string>(plan->second),
-            .seed = static_cast<std::uint64_t>(std::get<std::int64_t>(about.at("seed"))),
+            .plan = plan == about.end() ? "" : word_of<std::string>(about, "plan"),
+            .seed = static_cast<std::uint64_t>(word_of<std::int64_t>(about, "seed")),
             .runs = static_cast<int>(count.integer(0)),
             .recovered = static_cast<int>(count.integer(1))};
   } catch (const std::exception& error) {

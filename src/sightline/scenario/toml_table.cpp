@@ -14,11 +14,21 @@
 namespace sightline {
 namespace {
 
+/// In quotes, as TOML has it.
+std::string in_toml_quotes(std::string_view text) {
+  std::string all = "\"";
+  for (const char c : text) {
+    if (c == '"') all += '\\';
+    all += c;
+  }
+  return all += '"';
+}
+
 std::string shown_key(std::string_view key) {
   const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   });
-  return bare ? shortened(key, shown_size) : fmt::format("\"{}\"", shortened(key, shown_size));
+  return bare ? shortened(key, shown_size) : in_toml_quotes(shortened(key, shown_size));
 }
 
 /// A value as it stands in a message: short, whatever it is.
@@ -26,7 +36,7 @@ std::string shown(const toml::node& node) {
   if (const auto* v = node.as_integer()) return fmt::format("{}", v->get());
   if (const auto* v = node.as_floating_point()) return fmt::format("{}", v->get());
   if (const auto* v = node.as_boolean()) return v->get() ? "true" : "false";
-  if (const auto* v = node.as_string()) return fmt::format("\"{}\"", shortened(v->get(), shown_size));
+  if (const auto* v = node.as_string()) return in_toml_quotes(shortened(v->get(), shown_size));
   if (const auto* table = node.as_table()) return table->empty() ? "{}" : "{...}";
   const toml::array* array = node.as_array();
   if (array == nullptr) return "a date or time";
@@ -193,6 +203,12 @@ std::int64_t TomlTable::integer(std::string_view key, std::int64_t low, std::int
   const std::string expected = fmt::format("an integer, {} to {}", low, high);
   const toml::node& node = need(key, expected);
   const auto* value = node.as_integer();
+  if (const auto* real = node.as_floating_point();
+      real != nullptr && std::abs(real->get()) < 1e15 && real->get() == std::floor(real->get())) {
+    refuse_at_place(
+        *document_, node.source().begin.line > 0 ? node.source() : source_,
+        fmt::format("{} = {:.1f}, expected {}, without a point", place(key), real->get(), expected));
+  }
   if (value == nullptr || value->get() < low || value->get() > high) refuse_node(node, place(key), expected);
   return value->get();
 }

@@ -107,19 +107,20 @@ void Connection::send(Time now) {
 
 void Connection::read_frames(Time now) {
   if (now - second_ >= std::chrono::seconds(1)) second_ = now, messages_ = 0, bytes_ = 0;
+  const auto end = [&](const std::string& last_frame) {
+    // A watcher that takes nothing does not hear it.
+    if (out_ == nullptr) (void)::send(fd(), last_frame.data(), last_frame.size(), MSG_NOSIGNAL);
+    close();
+  };
   const auto refuse = [&](WebsocketClose why) {
     broke_rules_ = true;
-    // A watcher that takes nothing does not hear why.
-    if (out_ == nullptr) {
-      const std::string words = websocket_close(why);
-      (void)::send(fd(), words.data(), words.size(), MSG_NOSIGNAL);
-    }
-    close();
+    end(websocket_close(why));
   };
   if (bytes_ > 20 * message_limit_) return refuse(WebsocketClose::against_the_rules);
   while (auto frame = frames_.next()) {
     if (++messages_ > messages_a_second_) return refuse(WebsocketClose::against_the_rules);
-    if (frame->op == WebsocketOp::close) return close();
+    if (frame->op == WebsocketOp::close)  // answered by its own code, RFC 6455, 5.5.1
+      return end(websocket_frame(WebsocketOp::close, std::string_view(frame->payload).substr(0, 2)));
     if (const auto fault = take_frame(*std::move(frame))) return refuse(*fault);
   }
   if (const auto fault = frames_.fault()) refuse(*fault);
