@@ -77,6 +77,21 @@ TEST(KeysWithoutEffect, AFloorNeedsARobotThatClimbsAndAMarginABarrier) {
               ElementsAre(HasSubstr("safety.search has")));
 }
 
+TEST(KeysWithoutEffect, WhatAnotherKeySwitchesOnNeedsThat) {
+  const std::string keys =
+      "[simulation.disturbance]\ngust = { time = 2.0 }\nairflow = { distance = 1.0 }\n[estimate]\ntilt_time "
+      "= 1.0\n"
+      "[safety]\nposition_sigma = 0.1\nheading_sigma = 0.1\n";
+  const std::string two =
+      std::string(multirotor) + "[agent.other]\nrobot = \"multirotor\"\nstart = { p = [4.0, 0.0, 1.0] }\n";
+  EXPECT_THAT(of(two + keys), ElementsAre(HasSubstr("safety.position_sigma has"),
+                                          HasSubstr("safety.heading_sigma has"), HasSubstr("gust.time has"),
+                                          HasSubstr("airflow.distance has"), HasSubstr("estimate has")));
+  EXPECT_THAT(of(two + "[simulation.disturbance]\ngust = { sigma = 1.0, time = 2.0 }\n"
+                       "[safety]\nbarrier = \"on\"\nposition_sigma = 0.1\nheading_sigma = 0.1\n"),
+              IsEmpty());
+}
+
 TEST(KeysWithoutEffect, WhatIsShippedHasNone) {
   for (const auto& entry : std::filesystem::directory_iterator(SIGHTLINE_SOURCE_DIR "/scenarios")) {
     if (entry.path().extension() != ".toml") continue;

@@ -65,9 +65,25 @@ void look_at_disturbances(const Scenario& scenario, const Takers& takers, Senten
   }
 }
 
-void look_at_safety(const Scenario& scenario, const Takers& takers, Sentences& to) {
+/// Keys that another one switches on; a campaign may draw that.
+void look_at_switches(const Scenario& scenario, const TomlDocument& document, Sentences& to) {
+  if (document.root.contains("campaign")) return;
+  const Disturbances& d = scenario.simulation.disturbances;
+  const auto states = [&](std::string_view path) { return static_cast<bool>(document.root.at_path(path)); };
+  const auto look = [&](std::string_view path, bool taken, std::string_view why) {
+    to.add(states(path), taken, path, why);
+  };
+  look("simulation.disturbance.gust.time", d.gust_sigma > 0 || states("simulation.disturbance.gust.sigma"),
+       "there are no gusts without a sigma");
+  look("simulation.disturbance.airflow.distance",
+       d.airflow.amplitude > 0 || states("simulation.disturbance.airflow.amplitude"),
+       "there is no airflow without an amplitude");
+  look("estimate", !scenario.localization.robots.empty(), "no robot is localized by view");
+}
+
+void look_at_safety(const Scenario& scenario, const TomlDocument& document, const Takers& takers,
+                    Sentences& to) {
   if (!scenario.safety) return;
-  const TomlDocument document = parse_toml(scenario.text, scenario.file.native());
   const auto* const safety = document.root["safety"].as_table();
   const auto states = [&](std::string_view key) { return safety != nullptr && safety->contains(key); };
   const auto key = [](std::string_view name) { return fmt::format("safety.{}", name); };
@@ -76,6 +92,9 @@ void look_at_safety(const Scenario& scenario, const Takers& takers, Sentences& t
   const bool filters = scenario.safety->barrier != BarrierMode::off;
   for (const std::string_view margin : {"margin", "wall_margin"})
     to.add(states(margin), filters, key(margin), "the barrier is off");
+  for (const std::string_view sigma : {"position_sigma", "heading_sigma"})
+    to.add(states(sigma), filters || scenario.safety->supervisor, key(sigma),
+           "the barrier is off, and there is no supervisor");
   to.add(states("search"), !scenario.localization.robots.empty(), key("search"),
          "no robot is localized by view");
 }
@@ -86,7 +105,9 @@ std::vector<std::string> keys_without_effect(const Scenario& scenario) {
   const Takers takers = takers_of(scenario);
   Sentences sentences;
   look_at_disturbances(scenario, takers, sentences);
-  look_at_safety(scenario, takers, sentences);
+  const TomlDocument document = parse_toml(scenario.text, scenario.file.native());
+  look_at_safety(scenario, document, takers, sentences);
+  look_at_switches(scenario, document, sentences);
   return sentences.all;
 }
 
