@@ -63,27 +63,27 @@ std::vector<std::vector<int>> solving_order(const Ocp& ocp) {
 
 /// What IPOPT calls. The trajectories follow the point it asks about.
 struct Callbacks {
-  static MultipleShooting& at_point(const Number* w, UserDataPtr user) {
+  static MultipleShooting& at_point(const double* w, UserDataPtr user) {
     MultipleShooting& problem = *static_cast<MultipleShooting*>(user);
     if (w != nullptr) problem.move_to(w);
     return problem;
   }
-  static void places(const std::vector<MultipleShooting::Nonzero>& entries, Index* row, Index* column) {
+  static void places(const std::vector<MultipleShooting::Nonzero>& entries, int* row, int* column) {
     for (const MultipleShooting::Nonzero& e : entries) *row++ = e.row, *column++ = e.column;
   }
-  static Bool cost(Index, Number* w, Bool, Number* value, UserDataPtr user) {
+  static Bool cost(int, double* w, Bool, double* value, UserDataPtr user) {
     *value = at_point(w, user).cost();
     return std::isfinite(*value) ? TRUE : FALSE;
   }
-  static Bool gradient(Index, Number* w, Bool, Number* dJ, UserDataPtr user) {
+  static Bool gradient(int, double* w, Bool, double* dJ, UserDataPtr user) {
     at_point(w, user).gradient(dJ);
     return TRUE;
   }
-  static Bool defects(Index, Number* w, Bool, Index, Number* d, UserDataPtr user) {
+  static Bool defects(int, double* w, Bool, int, double* d, UserDataPtr user) {
     at_point(w, user).defects(d);
     return TRUE;
   }
-  static Bool jacobian(Index, Number* w, Bool, Index, Index, Index* row, Index* column, Number* values,
+  static Bool jacobian(int, double* w, Bool, int, int, int* row, int* column, double* values,
                        UserDataPtr user) {
     MultipleShooting& problem = at_point(w, user);
     if (values == nullptr) {
@@ -93,8 +93,8 @@ struct Callbacks {
     }
     return TRUE;
   }
-  static Bool hessian(Index, Number* w, Bool, Number sigma, Index, Number* lambda, Bool, Index, Index* row,
-                      Index* column, Number* values, UserDataPtr user) {
+  static Bool hessian(int, double* w, Bool, double sigma, int, double* lambda, Bool, int, int* row,
+                      int* column, double* values, UserDataPtr user) {
     MultipleShooting& problem = at_point(w, user);
     if (values == nullptr) {
       places(problem.hessian(), row, column);
@@ -161,7 +161,7 @@ void IpoptReference::move_to_optimum(const std::vector<int>& agents, Guess quali
   std::vector<double> zero(at(shooting_->constraints()), 0.0), multipliers(zero);
   const IpoptProblem problem = CreateIpoptProblem(
       shooting_->unknowns(), low.data(), high.data(), shooting_->constraints(), zero.data(), zero.data(),
-      static_cast<Index>(shooting_->jacobian().size()), static_cast<Index>(shooting_->hessian().size()), 0,
+      static_cast<int>(shooting_->jacobian().size()), static_cast<int>(shooting_->hessian().size()), 0,
       Callbacks::cost, Callbacks::defects, Callbacks::gradient, Callbacks::jacobian, Callbacks::hessian);
   set_options(problem, quality);
   const double begin = thread_seconds();

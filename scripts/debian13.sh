@@ -34,7 +34,7 @@ refuse() { echo "debian13.sh: $*" >&2; exit 2; }
 
 ((EUID == 0)) || refuse "user = $(id -un), expected root, whom chroot is for"
 command -v debootstrap >/dev/null || refuse "debootstrap is missing, expected Debian's package of that name"
-[[ -f tests/npm/node_modules/.package-lock.json ]] || npm ci --prefix tests/npm --no-audit --no-fund >&2 ||
+[[ tests/npm/node_modules/.package-lock.json -nt tests/npm/package-lock.json ]] || npm ci --prefix tests/npm --no-audit --no-fund >&2 ||
   refuse "the libraries of tests are missing, expected npm ci --prefix tests/npm to pass"
 
 # Where this machine has the packages of a suite from; nothing where it has none.

@@ -81,9 +81,11 @@ verdicts() {
     'what is no number not counted|summary.cpp|if (!all_finite(sample)) ++not_finite_;|;'
     'applied inputs not judged|input_record.cpp|  beyond_ += beyond(u) ? 1 : 0;|;'
     'raw inputs not judged|input_record.cpp|raw_beyond_ += beyond(raw) ? 1 : 0;|;'
-    'upper input limit not judged|input_record.cpp| \&\& u <= high\[i\] + input_tolerance||'
-    'lower input limit not judged|input_record.cpp|u >= low\[i\] - input_tolerance \&\& ||'
+    'upper input limit not judged|input_record.cpp| \&\& u <= high + input_tolerance||'
+    'lower input limit not judged|input_record.cpp|u >= low - input_tolerance \&\& ||'
     'input limits of the start judged for ever|input_record.cpp|limits.at(sample.time, low, high);|limits.at(0.0, low, high);'
+    'inputs held through missed periods not judged|input_record.cpp|held_beyond_ += is_within|(void)is_within'
+    'inputs held after the last command judged|input_record.cpp|held_beyond_ += is_within|beyond_ += is_within'
     'once beyond, all inputs are|input_record.cpp|^  within_ = true;|;'
     'the last input alone decides|input_record.cpp|within_ = within_ \&\& !beyond(u);|within_ = !beyond(u);'
     'inputs of what is absent judged|input_record.cpp|== Presence::absent) continue;|== Presence::absent) {}'
@@ -162,11 +164,13 @@ verdicts() {
     'reach of a straight line|sampled_motion.cpp|    body.reach += 0.5.*|;'
     'reach without its chord|sampled_motion.cpp|body.reach = norm(d);|;'
     'measured states move|sampled_motion.cpp|begun_ \&\& truth_ \&\& sample.truth_known \&\& period_ > 0|begun_ \&\& period_ > 0'
-    'what joins moves|sampled_motion.cpp|if (!known .. !was_there .. |if (!known .. '
+    'what joins moves|sampled_motion.cpp|if (!known \(..\) !was_there .. |if (!known \1 '
     'what is put elsewhere moves|sampled_motion.cpp|body.moved = norm(d) <= .*|body.moved = true;'
     'velocity that a model lacks left out|sampled_motion.cpp|missing = (1 / T) \* e_p - 0.5 \* e_v;|missing = (1 / T) * e_p;'
     'acceleration that a model lacks left out|sampled_motion.cpp|(0.5 \* s \* s / T) \* e_v|(0.0 * s) * e_v'
-    'inputs that come fly what was|sampled_motion.cpp|u_before_.data() + body.u|u_.data() + body.u'
+    'inputs that come fly what was|sampled_motion.cpp|  if (known) divide();|  delay_.give(time_, sample.u); if (known) divide();'
+    'what comes into force between two samples left out|sampled_motion.cpp|row + 1 < rows_most \&\& next < end - 2 \* jump|false'
+    'a distance that commands lead to late not reckoned with|sampled_motion.cpp|if (delays_) {|if (false) {'
     'input limits of a campaign not judged|campaign/judge.cpp|good = finite \&\& inputs_.within();|good = finite;'
     'numbers of a campaign not judged|campaign/judge.cpp|good = finite \&\& inputs_.within();|good = inputs_.within();'
     'states after the last command may be no numbers|campaign/judge.cpp|if (!finite) blame(Fault::not_finite);|;'
@@ -245,19 +249,26 @@ prepare() {
 }
 
 # $1: a tree of the sources, and objects of those that need no compiling. Linked before the library, they stand for its own,
-# which others of its batch may bring along.
+# which others of its batch may bring along. $2: a header of the tree that tests may include.
 program() {
-  local source
+  local source i
+  local -a of_tests=("${test_objects[@]}")
+  for i in "${!tests[@]}"; do
+    [[ -n ${2:-} ]] && grep -qF "\"sightline/$2\"" "tests/${tests[i]}_test.cpp" || continue
+    of_tests[i]=$1/test_$i.o
+    compile -I"$1" -I. -c "tests/${tests[i]}_test.cpp" -o "${of_tests[i]}" || return 1
+  done
   for source in "${sources[@]}"; do
     [[ -f $1/sightline/$source.o ]] || compile -I"$1" -c "$1/sightline/$source.cpp" -o "$1/sightline/$source.o" || return 1
   done
-  c++ -Wl,--allow-multiple-definition "$1"/sightline/*/*.o "${test_objects[@]}" "${libraries[@]}" \
+  c++ -Wl,--allow-multiple-definition "$1"/sightline/*/*.o "${of_tests[@]}" "${libraries[@]}" \
     -lgtest_main -lgmock -lgtest -lfmt -lpthread -o "$1/tests" || return 1
 }
 
-# The mutant of $1 in the tree $2.
+# The mutant of $1 in the tree $2; `header` is the one that it changes.
 mutate() {
   local name file from to user
+  header=
   IFS='|' read -r name file from to <<<"$1"
   [[ $file == */* ]] || file=$folder/$file
   mkdir -p "$2/sightline/${file%/*}"
@@ -265,12 +276,12 @@ mutate() {
   sed "s|$from|$to|" "src/sightline/$file" >"$2/sightline/$file"
   cmp -s "$2/sightline/$file" "src/sightline/$file" && fail "mutant \"$name\" changes nothing, expected \"$from\" in $file"
   [[ $file == *.hpp ]] || return 0
-  # All of its layer may include a header, as the tests may, which then stand beside the sources.
+  header=$file  # all of its layer may include it
   for user in "${sources[@]}"; do rm -f "$2/sightline/$user.o"; done
 }
 
 run_group() {
-  local mutant name source tree
+  local mutant name source tree header
   prepare
   tree=$work/none
   rm -rf "$tree"
@@ -285,7 +296,7 @@ run_group() {
     tree=$work/mutant
     rm -rf "$tree" && cp -r "$work/none" "$tree"
     mutate "$mutant" "$tree"
-    program "$tree" 2>"$work/log" || { cat "$work/log" >&2; fail "mutant \"$name\" does not build"; }
+    program "$tree" "$header" 2>"$work/log" || { cat "$work/log" >&2; fail "mutant \"$name\" does not build"; }
     if timeout 300 "$tree/tests" --gtest_filter="$filter" --gtest_fail_fast >"$work/log" 2>&1; then
       echo "SURVIVED  $name"
       survivors=$((survivors + 1))

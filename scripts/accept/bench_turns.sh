@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Times two builds in turns, case by case on one core, and fails where the second is more than 3 % slower:
 #   scripts/accept/bench_turns.sh BEFORE AFTER [CASE ...]
-# BEFORE and AFTER are sightline binaries, each told `bench --case`. The least of the medians of TURNS (5) turns counts:
+# BEFORE and AFTER are sightline binaries, each told `bench --case --times`. The least of the medians of TURNS (5) turns counts:
 # what else the machine does only adds. A case beyond LIMIT (1.03) is timed anew, up to four times. One core (CORE, else 1).
 set -euo pipefail
 (($# >= 2)) || { echo "bench_turns.sh: expected BEFORE AFTER [CASE ...]" >&2; exit 2; }
@@ -13,7 +13,7 @@ if ((${#cases[@]} == 0)); then
   cases+=(barrier_1 barrier_4 barrier_16 swarm_32 events_8)
 fi
 
-median() { taskset -c "${CORE:-1}" "$1" bench --case "$2" --json 2>/dev/null | sed -nE 's/.*"median_us": ([0-9.e+-]+),?/\1/p' | head -n 1; }
+median() { taskset -c "${CORE:-1}" "$1" bench --case "$2" --times --json 2>/dev/null | sed -nE 's/.*"median_us": ([0-9.e+-]+),?/\1/p' | head -n 1; }
 least() { printf '%s\n' "$@" | sort -g | head -n 1; }
 
 bad=0 compared=0
