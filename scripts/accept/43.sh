@@ -25,7 +25,7 @@ random() {
   seq "$from" "$block" "$to" | xargs -P "$(nproc)" -I{} bash -c '
     done=$1/$(printf %04d "$2").txt
     [[ -s $done ]] && exit 0
-    python3=$(sed -nE "s/^_?Python_EXECUTABLE:[A-Z]+=//p" "$4/CMakeCache.txt")
+    python3=$(sed -nE "s/^Python_EXECUTABLE:[A-Z]+=//p" "$4/CMakeCache.txt")
     "${python3:-python3}" -B tests/independent/campaign.py --draw "$4/tests/draw_scenario" --binary "$4/bin/sightline" \
       --first "$2" --count "$3" --keep "$1/kept" >"$done.part" 2>&1
     mv "$done.part" "$done"' _ "$out/random" {} "$block" "$build"
