@@ -31,31 +31,19 @@ defects() {
   names=$(git diff "$begin_commit" HEAD -- 'tests/*_test.cpp' |
     sed -nE 's/^\+(TYPED_)?TEST(_[FP])?\(([A-Za-z0-9_]+), *([A-Za-z0-9_]+)\).*/\3.*\4/p' | sort -u)
   echo "$(wc -l <<<"$names") tests came since $begin_commit"
-  ctest --preset release -LE long -j "$(nproc)" --no-tests=error \
-    -R "[./](${names//$'\n'/|})(/|\$)" | grep -E 'tests passed|Failed|Timeout'
-  ((PIPESTATUS[0] == 0))
+  ctests "[./](${names//$'\n'/|})(/|\$)" -LE long
 }
 encirclements() { tests safety_campaign_test 'EncirclementCampaign.*'; }
 one_attacker() { tests safety_campaign_test 'BarrierCampaign.*'; }
 mutants() { scripts/mutants.sh "$build" barrier; }
-# Blocks of 50 side by side; each leaves what it printed.
+fly_block() { SIGHTLINE_RANDOM="$1 $2" "$build/tests/cli_campaign_test" --gtest_filter='RandomScenarios.*'; }
 random() {
-  local from=0 to=1999 block=50
-  whole || from=20 to=29 block=10
-  mkdir -p "$out/random"
-  seq "$from" "$block" "$to" | xargs -P "$(nproc)" -I{} bash -c '
-    done=$1/$(printf %04d "$2").txt
-    [[ -s $done ]] && exit 0
-    SIGHTLINE_RANDOM="$2 $3" "$4/tests/cli_campaign_test" --gtest_filter="RandomScenarios.*" >"$done.part" 2>&1
-    mv "$done.part" "$done"' _ "$out/random" {} "$block" "$build"
+  if whole; then blocks 0 50 1999 fly_block; else blocks 20 10 29 fly_block; fi
   cat "$out"/random/*.txt | awk '/^exit 0:/ { zero += $3; one += $6; refused += $8 }
     END { printf "%d scenarios: exit 0 %d, exit 1 %d, refused %d\n", zero + one + refused, zero, one, refused }'
   local bad
   mapfile -t bad < <(grep -lE '^\[  FAILED  \]' "$out"/random/*.txt; grep -LE '^exit 0:' "$out"/random/*.txt)
-  ((${#bad[@]} == 0)) && return
-  grep -hE '^sightline run out/random' "${bad[@]}" | head -n 60
-  rm -f "${bad[@]}"  # flown again the next time
-  return 1
+  failed_blocks '^sightline run out/random' "${bad[@]}"
 }
 bench() {
   local after=$build/bin/sightline

@@ -17,6 +17,33 @@ tests() {
   grep -qE 'PASSED  \] [1-9]' <<<"$said" && ((code == 0))
 }
 
+# Blocks of numbers side by side, each of which leaves what it printed in $out/random/: what is there is not done again.
+# $1, $2, $3: first, size of a block, last; $4: a function of the first number and the size.
+blocks() {
+  mkdir -p "$out/random"
+  export -f "$4"
+  export build
+  seq "$1" "$2" "$3" | xargs -P "$(nproc)" -I{} bash -c '
+    done=$1/$(printf %04d "$2").txt
+    [[ -s $done ]] && exit 0
+    "$4" "$2" "$3" >"$done.part" 2>&1
+    mv "$done.part" "$done"' _ "$out/random" {} "$2" "$4"
+}
+# $1: lines to show, as Perl has expressions; the rest: files of blocks that failed, which are flown again the next time.
+failed_blocks() {
+  local shown=$1
+  shift
+  (($# == 0)) && return
+  grep -hP "$shown" "$@" | head -n 60
+  rm -f "$@"
+  return 1
+}
+# $1: tests of ctest by a regular expression; the rest: more for ctest. Those that failed, and how many passed; none is a failure.
+ctests() {
+  ctest --preset release -j "$(nproc)" --no-tests=error -R "$@" | grep -E 'tests passed|Failed|Timeout'
+  ((PIPESTATUS[0] == 0))
+}
+
 # $@: the sections asked for, functions of `all`; without any, all of them.
 run_sections() {
   local -a sections=("$@")
