@@ -115,14 +115,16 @@ class Judge:
             body, asked = flight.bodies[name], flight.commanded
             low, high = self.team.input_limits(name)
             wrong = ~np.isfinite(body.u) & asked[:, None]
-            off = (body.there & asked)[:, None] & ~((body.u >= low - 1e-9) & (body.u <= high + 1e-9))
-            raw = (body.there & asked)[:, None] & ~((body.raw >= low - 1e-9) & (body.raw <= high + 1e-9))
+
+            def outside(u, rows, low=low, high=high):
+                return rows[:, None] & ~((u >= low - 1e-9) & (u <= high + 1e-9))
+
+            off, raw = outside(body.u, body.there & asked), outside(body.raw, body.there & asked)
             beyond, raw_beyond = beyond + int(off.sum()), raw_beyond + int(raw.sum())
             # Through periods that the loop missed its last inputs were held; the states after the last command are of no period.
             last = np.maximum.accumulate(np.where(asked, np.arange(len(asked)), 0))
             missed = ~asked & (np.arange(len(asked)) < len(asked) - 1) & body.there
-            held = body.u[last]
-            beyond += int((missed[:, None] & ~((held >= low - 1e-9) & (held <= high + 1e-9))).sum())
+            beyond += int(outside(body.u[last], missed).sum())
             here = body.raw[body.there & asked]
             largest = max(largest, float(np.nanmax(np.abs(here)))) if np.isfinite(here).any() else largest
             for k, i in np.argwhere(wrong | off)[:1]:

@@ -65,38 +65,47 @@ void look_at_disturbances(const Scenario& scenario, const Takers& takers, Senten
   }
 }
 
+/// The keys that the text of a scenario states.
+class Keys {
+ public:
+  Keys(const Scenario& scenario, Sentences& to)
+      : document_(parse_toml(scenario.text, scenario.file.native())), to_(to) {}
+
+  bool states(std::string_view path) const { return static_cast<bool>(document_.root.at_path(path)); }
+  /// One that is stated and not taken up is told.
+  void look(std::string_view path, bool taken, std::string_view why) const {
+    to_.add(states(path), taken, path, why);
+  }
+
+ private:
+  TomlDocument document_;
+  Sentences& to_;
+};
+
 /// Keys that another one switches on; a campaign may draw that.
-void look_at_switches(const Scenario& scenario, const TomlDocument& document, Sentences& to) {
-  if (document.root.contains("campaign")) return;
+void look_at_switches(const Scenario& scenario, const Keys& keys) {
+  if (keys.states("campaign")) return;
   const Disturbances& d = scenario.simulation.disturbances;
-  const auto states = [&](std::string_view path) { return static_cast<bool>(document.root.at_path(path)); };
-  const auto look = [&](std::string_view path, bool taken, std::string_view why) {
-    to.add(states(path), taken, path, why);
-  };
-  look("simulation.disturbance.gust.time", d.gust_sigma > 0 || states("simulation.disturbance.gust.sigma"),
-       "there are no gusts without a sigma");
-  look("simulation.disturbance.airflow.distance",
-       d.airflow.amplitude > 0 || states("simulation.disturbance.airflow.amplitude"),
-       "there is no airflow without an amplitude");
-  look("estimate", !scenario.localization.robots.empty(), "no robot is localized by view");
+  keys.look("simulation.disturbance.gust.time",
+            d.gust_sigma > 0 || keys.states("simulation.disturbance.gust.sigma"),
+            "there are no gusts without a sigma");
+  keys.look("simulation.disturbance.airflow.distance",
+            d.airflow.amplitude > 0 || keys.states("simulation.disturbance.airflow.amplitude"),
+            "there is no airflow without an amplitude");
+  keys.look("estimate", !scenario.localization.robots.empty(), "no robot is localized by view");
 }
 
-void look_at_safety(const Scenario& scenario, const TomlDocument& document, const Takers& takers,
-                    Sentences& to) {
+void look_at_safety(const Scenario& scenario, const Takers& takers, const Keys& keys) {
   if (!scenario.safety) return;
-  const auto* const safety = document.root["safety"].as_table();
-  const auto states = [&](std::string_view key) { return safety != nullptr && safety->contains(key); };
-  const auto key = [](std::string_view name) { return fmt::format("safety.{}", name); };
-  for (const std::string_view bound : {"floor", "ceiling"})
-    to.add(states(bound), takers.climbs, key(bound), "no robot leaves its height");
   const bool filters = scenario.safety->barrier != BarrierMode::off;
-  for (const std::string_view margin : {"margin", "wall_margin"})
-    to.add(states(margin), filters, key(margin), "the barrier is off");
-  for (const std::string_view sigma : {"position_sigma", "heading_sigma"})
-    to.add(states(sigma), filters || scenario.safety->supervisor, key(sigma),
-           "the barrier is off, and there is no supervisor");
-  to.add(states("search"), !scenario.localization.robots.empty(), key("search"),
-         "no robot is localized by view");
+  for (const char* bound : {"safety.floor", "safety.ceiling"})
+    keys.look(bound, takers.climbs, "no robot leaves its height");
+  for (const char* margin : {"safety.margin", "safety.wall_margin"})
+    keys.look(margin, filters, "the barrier is off");
+  for (const char* sigma : {"safety.position_sigma", "safety.heading_sigma"})
+    keys.look(sigma, filters || scenario.safety->supervisor,
+              "the barrier is off, and there is no supervisor");
+  keys.look("safety.search", !scenario.localization.robots.empty(), "no robot is localized by view");
 }
 
 }  // namespace
@@ -105,9 +114,9 @@ std::vector<std::string> keys_without_effect(const Scenario& scenario) {
   const Takers takers = takers_of(scenario);
   Sentences sentences;
   look_at_disturbances(scenario, takers, sentences);
-  const TomlDocument document = parse_toml(scenario.text, scenario.file.native());
-  look_at_safety(scenario, document, takers, sentences);
-  look_at_switches(scenario, document, sentences);
+  const Keys keys(scenario, sentences);
+  look_at_safety(scenario, takers, keys);
+  look_at_switches(scenario, keys);
   return sentences.all;
 }
 

@@ -14,6 +14,7 @@
 #include "sightline/base/index.hpp"
 #include "sightline/record/localization_log.hpp"
 #include "sightline/record/log_text.hpp"
+#include "sightline/record/period_order.hpp"
 
 namespace sightline {
 namespace {
@@ -149,7 +150,7 @@ class RecordedFlight::Reader {
     takes_["/team"] = [this](const McapMessage&) { period().team_answered = true; };
     takes_["/events"] = [this](const McapMessage&) {
       if (text_.word("kind") == to_string(EventKind::missed_period))
-        missed_[flight_.number(text_.number("time"))] += std::llround(text_.number("value"));
+        order_.miss(flight_.number(text_.number("time")), std::llround(text_.number("value")));
     };
   }
 
@@ -167,16 +168,11 @@ class RecordedFlight::Reader {
   void end() {
     auto& periods = flight_.periods_;
     if (!drop_states() && !periods.empty() && !is_whole()) periods.pop_back();
-    std::int64_t next = 0;
     for (std::size_t i = 0; i < periods.size(); ++i) {
-      const std::int64_t k = flight_.number(periods[i].time);
-      const auto missed = missed_.find(k);
-      if (k - next != (missed != missed_.end() ? missed->second : 0)) {
-        flight_.lost_after_ = i > 0 ? periods[i - 1].time : 0.0;
-        periods.resize(i);
-        return;
-      }
-      next = k + 1;
+      if (order_.follows(flight_.number(periods[i].time))) continue;
+      flight_.lost_after_ = i > 0 ? periods[i - 1].time : 0.0;
+      periods.resize(i);
+      return;
     }
   }
 
@@ -277,7 +273,7 @@ class RecordedFlight::Reader {
   RecordedFlight& flight_;
   LogText text_;
   std::map<std::string, std::function<void(const McapMessage&)>, std::less<>> takes_;
-  std::map<std::int64_t, std::int64_t> missed_;
+  PeriodOrder order_;
   int agents_ = 0;
   int states_ = 0, measurements_ = 0, inputs_ = 0;  // of the last period
 };

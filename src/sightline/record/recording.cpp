@@ -27,6 +27,7 @@
 #include "sightline/record/localization_log.hpp"
 #include "sightline/record/localization_summary.hpp"
 #include "sightline/record/mcap.hpp"
+#include "sightline/record/period_order.hpp"
 #include "sightline/record/planned_view.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/world/rigid_body.hpp"
@@ -152,10 +153,9 @@ class RowReader {
   void take(const McapMessage& message) {
     if (message.topic == first_state_) {
       end_period();
-      period_ = std::llround(1e-9 * static_cast<double>(message.log_time) / run_.period);
+      period_ = period_of(message);
     }
     solved_ |= message.topic == first_solver_;
-    if (message.topic == "/events") note_missed(parsed(message));
     if (run_.stride > 1 && !is_kept(message)) return;
     const auto place = places_.find(message.topic);
     if (place == places_.end()) return;
@@ -212,13 +212,15 @@ class RowReader {
  private:
   // Of a recording that is thinned: events, and what belongs to one of its periods.
   bool is_kept(const McapMessage& message) const {
-    constexpr std::size_t events_max = 10'000;
-    if (message.topic == "/events") return run_.events.size() < events_max;
-    if (message.topic == "/tuned" || message.topic.ends_with("/camera_info")) return true;
+    if (message.topic == "/events" || message.topic == "/tuned" || message.topic.ends_with("/camera_info"))
+      return true;
     if (message.topic.ends_with("/input"))
       run_.last = std::max(run_.last, 1e-9 * static_cast<double>(message.log_time));
-    const auto period = std::llround(1e-9 * static_cast<double>(message.log_time) / run_.period);
-    return static_cast<std::size_t>(period) % run_.stride == 0;
+    return static_cast<std::size_t>(period_of(message)) % run_.stride == 0;
+  }
+
+  std::int64_t period_of(const McapMessage& message) const {
+    return std::llround(1e-9 * static_cast<double>(message.log_time) / run_.period);
   }
 
   static json parsed(const McapMessage& message) {
@@ -229,16 +231,9 @@ class RowReader {
   /// The period whose messages have all come follows the one before it, but for those that the loop missed and said so.
   void end_period() {
     if (!std::exchange(solved_, false)) return;
-    const auto missed = missed_.find(period_);
-    if (!run_.lost_after && period_ - next_ != (missed != missed_.end() ? missed->second : 0))
-      run_.lost_after = run_.period * static_cast<double>(std::max<std::int64_t>(next_ - 1, 0));
-    next_ = period_ + 1;
-  }
-
-  void note_missed(const json& event) {
-    if (event.at("kind") == to_string(EventKind::missed_period))
-      missed_[std::llround(or_no_value(event.at("time")) / run_.period)] +=
-          event.at("value").get<std::int64_t>();
+    const std::int64_t last = std::max<std::int64_t>(order_.next() - 1, 0);
+    if (!order_.follows(period_) && !run_.lost_after)
+      run_.lost_after = run_.period * static_cast<double>(last);
   }
 
   /// States that no record of a solver followed are of no update: of a missed period, or after the last command.
@@ -401,7 +396,12 @@ class RowReader {
   }
   void tuned(const McapMessage& message) { run_.script.push_back(parsed(message).at("name")); }
   void event(const McapMessage& message) {
+    constexpr std::size_t thinned_most = 10'000;
     const json values = parsed(message);
+    if (values.at("kind") == to_string(EventKind::missed_period))
+      order_.miss(std::llround(or_no_value(values.at("time")) / run_.period),
+                  values.at("value").get<std::int64_t>());
+    if (run_.stride > 1 && run_.events.size() >= thinned_most) return;
     run_.events.push_back({or_no_value(values.at("time")), values.at("kind"), values.at("controller"),
                            or_no_value(values.at("value"))});
   }
@@ -409,9 +409,8 @@ class RowReader {
   Recording& run_;
   std::string first_state_, first_solver_;                       // topics
   double last_time_ = -std::numeric_limits<double>::infinity();  // of the first body's states
-  std::int64_t period_ = 0,
-               next_ = 0;  // that is read, and the one after the last that has all of its messages
-  std::map<std::int64_t, std::int64_t> missed_;  // before each period
+  std::int64_t period_ = 0;                                      // that is read
+  PeriodOrder order_;                                            // of those before it
   bool solved_ = false;
   std::map<std::string, std::function<void(const McapMessage&)>, std::less<>> places_;
 };
@@ -554,6 +553,13 @@ class RecordingReader::Files {
     soundly([&] { reader->trim(!log.truncated()); });
   }
 
+  std::filesystem::path folder;
+  std::string path;
+  McapReader log;
+  Recording run;
+  std::optional<RowReader> reader;
+  std::optional<TimingReader> timing;
+
  private:
   template <class Read>
   void soundly(Read&& read) const {
@@ -563,14 +569,6 @@ class RecordingReader::Files {
       refuse("{} is no sound log of a run: {}", path, sentence_of(e));
     }
   }
-
- public:
-  std::filesystem::path folder;
-  std::string path;
-  McapReader log;
-  Recording run;
-  std::optional<RowReader> reader;
-  std::optional<TimingReader> timing;
 };
 
 RecordingReader::RecordingReader(const std::filesystem::path& folder, std::size_t stride)

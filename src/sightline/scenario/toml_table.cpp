@@ -14,7 +14,7 @@
 namespace sightline {
 namespace {
 
-/// In quotes, as TOML has it.
+/// In quotes; those within are escaped.
 std::string in_toml_quotes(std::string_view text) {
   std::string all = "\"";
   for (const char c : text) {
@@ -71,6 +71,11 @@ std::size_t layer_of(const TomlDocument& document, const toml::source_region& so
   const auto is = [&](const TomlLayer& layer) { return layer.name == *source.path; };
   return static_cast<std::size_t>(std::find_if(document.layers.begin(), document.layers.end() - 1, is) -
                                   document.layers.begin());
+}
+
+/// Where a value of a table stands; one that was put in place of another has no line of its own, and stands where the table does.
+const toml::source_region& region_of(const toml::node& node, const toml::source_region& table) {
+  return node.source().begin.line > 0 ? node.source() : table;
 }
 
 /// The sentence, at its place in the document.
@@ -206,7 +211,7 @@ std::int64_t TomlTable::integer(std::string_view key, std::int64_t low, std::int
   if (const auto* real = node.as_floating_point();
       real != nullptr && std::abs(real->get()) < 1e15 && real->get() == std::floor(real->get())) {
     refuse_at_place(
-        *document_, node.source().begin.line > 0 ? node.source() : source_,
+        *document_, region_of(node, source_),
         fmt::format("{} = {:.1f}, expected {}, without a point", place(key), real->get(), expected));
   }
   if (value == nullptr || value->get() < low || value->get() > high) refuse_node(node, place(key), expected);
@@ -397,8 +402,7 @@ void TomlValue::refuse_at(std::size_t offset, std::string_view sentence) const {
 }
 
 void TomlTable::refuse_node(const toml::node& node, std::string_view at, std::string_view expected) const {
-  // A value that was put in place of another has no line of its own.
-  refuse_at_place(*document_, node.source().begin.line > 0 ? node.source() : source_,
+  refuse_at_place(*document_, region_of(node, source_),
                   fmt::format("{} = {}, expected {}", at, shown(node), expected));
 }
 
