@@ -12,7 +12,7 @@
 namespace sightline {
 namespace {
 
-constexpr double period = 0.01;
+constexpr double control_period = 0.01;
 
 /// One robot looks at a target; it is put where a test wants it.
 class Flown {
@@ -41,14 +41,14 @@ class Flown {
   /// A period with the target `distance` ahead, or behind where that is negative.
   void fly(double distance, double u_f = 0.0, double v_f = 0.0) {
     Sample& sample = *judge_->claim();
-    sample.time = period * static_cast<double>(updates_++);
+    sample.time = control_period * static_cast<double>(updates_++);
     sample.x[7] = distance;
     sample.x[5] = v_f;
     sample.u[0] = u_f;
     judge_->publish();
   }
   void fly_to_end(double distance) {
-    while (updates_ < std::llround(plan_.duration / period)) fly(distance);
+    while (updates_ < std::llround(plan_.duration / control_period)) fly(distance);
   }
   RunResult result(bool finite = true, const std::string& ended = {}) {
     LoopOutcome outcome;
@@ -195,7 +195,7 @@ TEST(Judge, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
       flown.fly(2.0);
     }
     EXPECT_EQ(flown.result().outcome, failed > 50 ? Outcome::failed : Outcome::recovered) << failed;
-    EXPECT_NEAR(flown.result().longest_without_plan, failed * period, 1e-9);
+    EXPECT_NEAR(flown.result().longest_without_plan, failed * control_period, 1e-9);
   }
 }
 
@@ -270,7 +270,7 @@ TEST(Judge, ChatterAndDriftAreToldAndAreNoOutcome) {
   const auto result_of = [&](double climb_rate, double jump) {
     Flown flown(longer);
     for (int i = 0; i < 2000; ++i) {
-      flown.sample().x[2] = 1.0 + climb_rate * period * i;
+      flown.sample().x[2] = 1.0 + climb_rate * control_period * i;
       flown.fly(2.0, i % 2 == 0 ? jump : 0.0);
     }
     return flown.result();

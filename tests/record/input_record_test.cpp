@@ -8,7 +8,7 @@
 namespace sightline {
 namespace {
 
-constexpr double period = 0.01;
+constexpr double control_period = 0.01;
 
 /// Robots a and b; a's limits narrow at 1 s, and the events that a test lets happen retune it, and hold b.
 class Flown {
@@ -70,15 +70,15 @@ remove = { agent = "b", then = "hold" }
 TEST(InputRecord, EnergyIsThatOfRobotsThatAreSteeredByTheWeightsInForce) {
   Flown flown;
   flown.fly(0.0, 0.5, 0.1);
-  EXPECT_NEAR(flown->robots()[0].energy, period * 0.25, 1e-15);
-  EXPECT_NEAR(flown->robots()[1].energy, period * 0.1, 1e-15);
+  EXPECT_NEAR(flown->robots()[0].energy, control_period * 0.25, 1e-15);
+  EXPECT_NEAR(flown->robots()[1].energy, control_period * 0.1, 1e-15);
   flown.fly(0.01, 0.2, 0.1, 0);
-  EXPECT_NEAR(flown->robots()[0].energy, period * (0.25 + 4.0), 1e-15) << "100 instead of 1";
+  EXPECT_NEAR(flown->robots()[0].energy, control_period * (0.25 + 4.0), 1e-15) << "100 instead of 1";
   flown.fly(0.02, 0.0, 0.1, 1);
-  EXPECT_NEAR(flown->robots()[1].energy, period * 0.2, 1e-15) << "on hold";
+  EXPECT_NEAR(flown->robots()[1].energy, control_period * 0.2, 1e-15) << "on hold";
   flown.sample().presence[0] = Presence::absent;
   flown.fly(0.03, 0.2);
-  EXPECT_NEAR(flown->robots()[0].energy, period * (0.25 + 4.0), 1e-15) << "absent";
+  EXPECT_NEAR(flown->robots()[0].energy, control_period * (0.25 + 4.0), 1e-15) << "absent";
   EXPECT_EQ(flown->energy(), flown->robots()[0].energy + flown->robots()[1].energy);
 }
 
@@ -151,8 +151,8 @@ TEST(InputRecord, TheLargestRateCountsAgainstRateMax) {
 TEST(InputRecord, AnInputChattersByTheRangeOfItsLimits) {
   Flown wide, narrow;
   for (int k = 0; k < 200; ++k) {
-    wide.fly(period * k, k % 2 == 0 ? 0.015 : 0.0);
-    narrow.fly(period * k, k % 2 == 0 ? 0.015 : 0.0, 0.0, k == 0 ? 0 : -1);
+    wide.fly(control_period * k, k % 2 == 0 ? 0.015 : 0.0);
+    narrow.fly(control_period * k, k % 2 == 0 ? 0.015 : 0.0, 0.0, k == 0 ? 0 : -1);
   }
   EXPECT_GT(wide->chatter().worst_share(), 0.4) << "1.5 % of 1 from 1 s on, and less of 2 before";
   EXPECT_LT(wide->chatter().worst_share(), 0.6);

@@ -13,7 +13,7 @@
 namespace sightline {
 namespace {
 
-constexpr double period = 0.01, rate = 0.5;
+constexpr double control_period = 0.01, rate = 0.5;
 
 struct Way {
   std::string solver, barrier;
@@ -85,8 +85,9 @@ TEST(AppliedLimits, HoldInEachPeriodOnEveryPath) {
         // Where an input may not move as little as its rate asks, it moves no further than the limit. The barrier may jump.
         if (way.barrier == "on") continue;
         const double nearest = std::clamp(before[i], -most, most);
-        ASSERT_LE(std::abs(now.u[i] - nearest), rate * period + 1e-9) << now.time << " s, input " << i << "\n"
-                                                                      << text;
+        ASSERT_LE(std::abs(now.u[i] - nearest), rate * control_period + 1e-9)
+            << now.time << " s, input " << i << "\n"
+            << text;
       }
       before = now.u;
     }

@@ -15,7 +15,7 @@ namespace {
 
 using Numbers = std::vector<double>;
 
-constexpr double period = 0.01;
+constexpr double control_period = 0.01;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // A robot whose inputs change slowly, one whose inputs may jump, and a body that is no robot.
@@ -34,7 +34,7 @@ static_assert(!std::is_default_constructible_v<Command>, "only a gate makes comm
 static_assert(!std::is_copy_constructible_v<CommandGate>, "a gate points into itself");
 
 TEST(CommandGate, EachCommandIsFiniteAndWithinTheLimitsWhateverIsAsked) {
-  CommandGate gate(slow_and_quick(), period);
+  CommandGate gate(slow_and_quick(), control_period);
   std::mt19937_64 random(1);
   const Numbers wild = {0.0, -0.0, 0.5, -3.0, 1e300, -infinity, infinity, std::nan(""), 5e-324};
   const auto any = [&] { return wild[random() % wild.size()]; };
@@ -42,7 +42,7 @@ TEST(CommandGate, EachCommandIsFiniteAndWithinTheLimitsWhateverIsAsked) {
     const double most = 0.05 * static_cast<double>(1 + random() % 20);
     const std::vector<InputLimits> limits = both(most);
     gate.set_limits(limits);
-    gate.open(period * k);
+    gate.open(control_period * k);
     Numbers u(8), added(8);
     for (double& v : u) v = any();
     for (double& v : added) v = k % 2 == 0 ? 0.0 : any();
@@ -54,14 +54,14 @@ TEST(CommandGate, EachCommandIsFiniteAndWithinTheLimitsWhateverIsAsked) {
 }
 
 TEST(CommandGate, WhatIsGoodPassesBitForBit) {
-  CommandGate gate(slow_and_quick(), period);
+  CommandGate gate(slow_and_quick(), control_period);
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> within(0.1, 1.0);
   for (int k = 0; k < 1000; ++k) {
     Numbers u(8);
     for (double& v : u) v = within(random);
     u[1] = -0.0, u[4] = 1.0, u[5] = -1.0;
-    gate.open(period * k);
+    gate.open(control_period * k);
     const Command command = gate.pass(u, {});
     for (std::size_t i = 0; i < u.size(); ++i) {
       ASSERT_EQ(command[i], u[i]);
@@ -72,7 +72,7 @@ TEST(CommandGate, WhatIsGoodPassesBitForBit) {
 }
 
 TEST(CommandGate, ARobotWhoseInputIsNotFiniteHoldsItsLastCommandAndIsReported) {
-  CommandGate gate(slow_and_quick(), period);
+  CommandGate gate(slow_and_quick(), control_period);
   (void)gate.pass(Numbers{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8}, {});
   const Command command = gate.pass(Numbers{0, 0, 0, 0, 0.9, std::nan(""), 0.9, 0.9}, {});
   EXPECT_EQ(Numbers(command.begin(), command.end()), (Numbers{0, 0, 0, 0, 0.5, 0.6, 0.7, 0.8}));
@@ -81,13 +81,13 @@ TEST(CommandGate, ARobotWhoseInputIsNotFiniteHoldsItsLastCommandAndIsReported) {
   // As little does a sum that is not finite pass; limits that narrowed meanwhile hold for what goes on.
   const std::vector<InputLimits> narrow = both(0.55);
   gate.set_limits(narrow);
-  gate.open(period);
+  gate.open(control_period);
   const Command later = gate.pass(Numbers(8, 0.0), Numbers{0, 0, 0, 0, 0, 0, 0, infinity});
   EXPECT_EQ(Numbers(later.begin() + 4, later.end()), (Numbers{0.5, 0.55, 0.55, 0.55}));
 }
 
 TEST(CommandGate, ANumberBeyondItsLimitIsReplacedByTheLimitButNotReportedForARoundingError) {
-  CommandGate gate(slow_and_quick(), period);
+  CommandGate gate(slow_and_quick(), control_period);
   EXPECT_EQ(gate.pass(Numbers{1 + 1e-12, 0, 0, 0, 0.1, 0, 0, 0}, {})[0], 1.0);
   EXPECT_TRUE(gate.replaced().empty());
   EXPECT_EQ(gate.pass(Numbers{1.001, 0, 0, 0, 0.1, 0, 0, 0}, {})[0], 1.0);
@@ -99,7 +99,7 @@ TEST(CommandGate, ANumberBeyondItsLimitIsReplacedByTheLimitButNotReportedForARou
 }
 
 TEST(CommandGate, LimitsComeBeforeRatesAndRatesHoldAsFarAsLimitsLeaveRoom) {
-  CommandGate gate(slow_and_quick(), period);
+  CommandGate gate(slow_and_quick(), control_period);
   std::vector<InputLimits> limits = both(1.0);
   const auto fly = [&](double asked, double added) {
     gate.set_limits(limits);
@@ -128,7 +128,7 @@ TEST(CommandGate, LimitsComeBeforeRatesAndRatesHoldAsFarAsLimitsLeaveRoom) {
 
 TEST(CommandGate, LimitsThatRiseOrFallPastAnInputCarryItAlongWhateverIsAsked) {
   for (const double side : {1.0, -1.0}) {
-    CommandGate gate(slow_and_quick(), period);
+    CommandGate gate(slow_and_quick(), control_period);
     const std::vector<InputLimits> limits(2, side > 0 ? InputLimits(Numbers(4, 0.5), Numbers(4, 1.0))
                                                       : InputLimits(Numbers(4, -1.0), Numbers(4, -0.5)));
     gate.set_limits(limits);
@@ -140,7 +140,7 @@ TEST(CommandGate, LimitsThatRiseOrFallPastAnInputCarryItAlongWhateverIsAsked) {
 }
 
 TEST(CommandGate, EachRobotHasItsOwnLimitsAtTheTimeOfThePeriod) {
-  CommandGate gate(slow_and_quick(), period);
+  CommandGate gate(slow_and_quick(), control_period);
   const std::vector<InputLimits> limits = {
       InputLimits({0.0, 1.0}, {Numbers(4, -0.5), Numbers(4, -0.25)}, {Numbers(4, 0.5), Numbers(4, 0.25)}),
       InputLimits(Numbers(4, -0.75), Numbers(4, 0.125))};
@@ -154,7 +154,7 @@ TEST(CommandGate, EachRobotHasItsOwnLimitsAtTheTimeOfThePeriod) {
 }
 
 TEST(CommandGate, ARobotRestsWithinItsLimitsOfThatTime) {
-  CommandGate gate(slow_and_quick(), period);
+  CommandGate gate(slow_and_quick(), control_period);
   const InputLimits narrows({0.0, 1.0}, {Numbers(4, -1.0), Numbers(4, -1.0)},
                             {Numbers(4, 1.0), Numbers(4, 0.25)});
   const std::vector<InputLimits> limits = {narrows, narrows};
@@ -171,7 +171,7 @@ TEST(CommandGate, ARobotRestsWithinItsLimitsOfThatTime) {
 TEST(CommandGate, BeforeAnyCommandRobotsHaveTheirOwnInputsWithinTheirLimits) {
   Team team;
   team.add(Multirotor{}, {.u_ref = {0.5, -0.5, 0, 0}, .u_max = {0.25, 1, 1, 1}, .name = "a"});
-  CommandGate gate(team, period);
+  CommandGate gate(team, control_period);
   EXPECT_EQ(Numbers(gate.applied().begin(), gate.applied().end()), (Numbers{0.25, -0.5, 0, 0}));
 }
 
