@@ -2,14 +2,17 @@
 # Times two builds in turns, case by case on one core, and fails where the second is more than 3 % slower:
 #   scripts/accept/bench_turns.sh BEFORE AFTER [CASE ...]
 # BEFORE and AFTER are sightline binaries, each told `bench --case --times`. The least of the medians of TURNS (5) turns counts:
-# what else the machine does only adds. A case beyond LIMIT (1.03) is timed anew, up to four times. One core (CORE, else 1).
+# what else the machine does only adds. A case beyond LIMIT (1.03) is timed anew, up to four times, by fresh copies of both: which
+# pages of memory a program's file happens to lie in decides up to 40 % of a case. One core (CORE, else 1).
 set -euo pipefail
 (($# >= 2)) || { echo "bench_turns.sh: expected BEFORE AFTER [CASE ...]" >&2; exit 2; }
 before=$(realpath "$1") after=$(realpath "$2")
+copies=$(mktemp -d)
+trap 'rm -rf "$copies"' EXIT
 shift 2
 cases=("$@")
 if ((${#cases[@]} == 0)); then
-  IFS=', ' read -ra cases <<<"$("$after" bench --case none 2>&1 | sed -n 's/.*expected one of //p')"
+  IFS=', ' read -ra cases <<<"$("$after" bench --case none 2>&1 | sed -nE 's/.*expected one of ([^;]*);.*/\1/p')"
   cases+=(barrier_1 barrier_4 barrier_16 swarm_32 events_8)
 fi
 
@@ -21,15 +24,17 @@ printf '| case | before us | after us | ratio |\n|---|---|---|---|\n'
 for name in "${cases[@]}"; do
   a='' b='' ratio='' verdict=''
   for ((again = 0; again < 4; ++again)); do
+    cp "$before" "$copies/before$again" && cp "$after" "$copies/after$again"
     for ((turn = 0; turn < ${TURNS:-5}; ++turn)); do
-      a=$(least $a "$(median "$before" "$name")")
+      a=$(least $a "$(median "$copies/before$again" "$name")")
       [[ -n $a ]] || break 2
-      b=$(least $b "$(median "$after" "$name")")
+      b=$(least $b "$(median "$copies/after$again" "$name")")
     done
     [[ -n $b ]] || break
     ratio=$(awk -v a="$a" -v b="$b" 'BEGIN { printf "%.3f", b / a }')
     awk -v r="$ratio" -v limit="${LIMIT:-1.03}" 'BEGIN { exit !(r > limit) }' || break
   done
+  rm -f "$copies"/*
   if [[ -z $a ]]; then
     verdict='(new)'
   else
