@@ -1,6 +1,9 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
-#include <cstdio>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
 #include <stdexcept>
 
 #include "cli/allocations.hpp"
@@ -19,7 +22,7 @@ namespace sightline::cli {
 
 #ifdef SIGHTLINE_BENCH
 
-int bench(const BenchCommand& command) {
+int bench(const BenchCommand& command, char** /*argv*/) {
   std::vector<BenchCase> cases;
   SolverChoice solver;
   std::shared_ptr<Crew> crew;
@@ -77,10 +80,14 @@ int bench(const BenchCommand& command) {
 
 #else
 
-int bench(const BenchCommand&) {
+int bench(const BenchCommand& /*command*/, char** argv) {
+  const std::filesystem::path program =
+      std::filesystem::read_symlink("/proc/self/exe").replace_filename("sightline_bench");
+  execv(program.c_str(), argv);
   tell(
-      "sightline bench: this build left the benchmarks out, expected one configured with "
-      "-D SIGHTLINE_BENCH=ON, as the release preset is\n");
+      "sightline bench: {} cannot be started ({}), expected a build configured with -D SIGHTLINE_BENCH=ON, "
+      "as the release preset is\n",
+      program.native(), std::strerror(errno));
   return 2;
 }
 

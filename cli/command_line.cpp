@@ -64,7 +64,7 @@ int execute(int argc, char** argv, const Parts& parts) {
   if (words.campaign_command->parsed()) return campaign(words.campaign, parts);
   if (words.parts_command->parsed()) return list_parts(words.parts_as_json, parts);
   if (words.version_command->parsed()) return show_version();
-  if (words.bench_command->parsed()) return bench(words.bench);
+  if (words.bench_command->parsed()) return bench(words.bench, argv);
   return 2;
 }
 

@@ -210,7 +210,8 @@ int list_parts(bool json, const Parts& parts);
 int show_version();
 /// Of the library, and of the compiler that built it.
 std::string version_text();
-/// Flies the benchmark's cases and prints times, errors and costs, as a table or as JSON.
-int bench(const BenchCommand& command);
+/// Flies the benchmark's cases and prints times, errors and costs, as a table or as JSON: by the program sightline_bench beside this
+/// one, which gets the same arguments.
+int bench(const BenchCommand& command, char** argv);
 
 }  // namespace sightline::cli

@@ -38,7 +38,7 @@ mutants() { scripts/mutants.sh "$build" barrier verdicts gate; }
 debian13() { scripts/debian13.sh; }
 bench() {
   [[ -x ${BEFORE:-} ]] || { echo "BEFORE = \"${BEFORE:-}\", expected the binary of the commit before"; return 1; }
-  scripts/accept/bench_turns.sh "$BEFORE" "$build/bin/sightline"
+  scripts/accept/bench_turns.sh "$BEFORE" "$build/bin/sightline_bench"
 }
 
 all=(promises random outside mutants debian13 bench)

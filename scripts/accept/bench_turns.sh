@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Times two builds in turns, case by case on one core, and fails where the second is more than 3 % slower:
 #   scripts/accept/bench_turns.sh BEFORE AFTER [CASE ...]
-# BEFORE and AFTER are sightline binaries, each told `bench --case --times`. The least of the medians of TURNS (5) turns counts:
+# BEFORE and AFTER are programs sightline_bench (or sightline of before there was one), each told `bench --case --times`. The least of the medians of TURNS (5) turns counts:
 # what else the machine does only adds. A case beyond LIMIT (1.03) is timed anew, up to four times. Each turn times fresh copies:
 # which pages of memory a program's file happens to lie in decides up to 40 % of a case. One core (CORE, else 1).
 set -euo pipefail
