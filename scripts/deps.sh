@@ -6,7 +6,7 @@ set -euo pipefail
 packages=(cmake esbuild g++ gnuplot-nox libcli11-dev libfmt-dev libjs-three libsqlite3-dev libtomlplusplus-dev
   libzstd-dev ninja-build nlohmann-json3-dev pkg-config zlib1g-dev)
 test_packages=(ca-certificates ccache chromium coinor-libipopt-dev cyclonedds-dev cyclonedds-tools doxygen dpkg-dev
-  furo iproute2 libapriltag-dev libblas-dev libegl1-mesa-dev libeigen3-dev libfastcdr-dev libfastrtps-dev
+  file furo iproute2 libapriltag-dev libblas-dev libegl1-mesa-dev libeigen3-dev libfastcdr-dev libfastrtps-dev
   jq libgl1-mesa-dri libgmock-dev libgtest-dev libjs-katex liblapack-dev libmujoco-dev librsvg2-bin libssl-dev openssl pandoc
   pybind11-dev python3-breathe python3-dev python3-ipykernel python3-matplotlib python3-myst-parser python3-nbclient
   python3-nbsphinx python3-numpy python3-pandas python3-pip python3-pytest python3-sphinx python3-venv qemu-user
