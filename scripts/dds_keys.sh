@@ -69,6 +69,13 @@ XML
   sign "$work/governance.xml" public/governance.p7s
 fi
 
+# Of certificates and permissions: for clocks that are behind, from yesterday on. OpenSSL before 3.4 has no way to say so.
+begin=$((days > 0 ? -1 : days - 1))
+validity=(-days "$days")
+if openssl x509 -help 2>&1 | grep -q -- -not_before; then
+  validity=(-not_before "$(date -u -d "$begin days" +%Y%m%d%H%M%SZ)" -not_after "$(date -u -d "$days days" +%Y%m%d%H%M%SZ)")
+fi
+
 # $1: publish or subscribe; the rest: topics.
 topics() {
   local kind=$1 topic
@@ -100,13 +107,13 @@ for name in "${names[@]}"; do
   mkdir "$made"
   new_key "$made/key.pem"
   quiet openssl req -new -key "$made/key.pem" -subj "/CN=$name" -out "$work/request"
-  quiet openssl x509 -req -days "$days" -in "$work/request" -CA public/ca.cert.pem -CAkey private/ca.key.pem \
+  quiet openssl x509 -req "${validity[@]}" -in "$work/request" -CA public/ca.cert.pem -CAkey private/ca.key.pem \
     -set_serial "0x$(openssl rand -hex 16)" -out "$made/cert.pem"
   cat >"$work/permissions.xml" <<XML
 $head/omg_shared_ca_permissions.xsd">
 <permissions><grant name="$name">
  <subject_name>CN=$name</subject_name>
- <validity><not_before>$(date -u -d yesterday +%FT%TZ)</not_before><not_after>$(date -u -d "$days days" +%FT%TZ)</not_after></validity>
+ <validity><not_before>$(date -u -d "$begin days" +%FT%TZ)</not_before><not_after>$(date -u -d "$days days" +%FT%TZ)</not_after></validity>
 $(rules "$name")
  <default>DENY</default>
 </grant></permissions>

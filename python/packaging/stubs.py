@@ -33,15 +33,14 @@ _words = {
     "object": "Any",
     "buffer": "Any",
     "function": "Any",
-    "iterable": "Sequence[Any]",
-    "sequence": "Sequence[Any]",
 }
 
 
 def _type(text, given):
     """A type as pybind11 writes it, as Python does; arrays are taken as numpy takes them, and given as they are."""
     text = re.sub(r"sightline\._sightline\.|sightline::(python::)?", "", text.strip())
-    text = re.sub(r"(\w)\[\d+\]", r"\1", text)  # the length of an array
+    text = re.sub(r"(\w)\[\d+\]|Annotated\[(.*?), FixedSize\(\d+\)\]", r"\1\2", text)  # the length of an array
+    text = re.sub(r"(?<![\w.])([Ss]equence|[Ii]terable)(?![\w\[])", "Sequence[Any]", text)
     for word, name in _words.items():
         text = re.sub(rf"(?<![\w.]){re.escape(word)}(?!\w)", name, text)
     if not given:
@@ -91,7 +90,7 @@ def _signature(line):
 
 
 def _doc(text, indent):
-    lines = text.strip().splitlines()
+    lines = text.strip().replace("(self: handle)", "(self: object)").splitlines()  # of pybind11 before 2.12
     if not lines:
         return " ..."
     body = f"\n{indent}".join(line.rstrip().replace("\\", "\\\\") for line in lines)
@@ -138,7 +137,7 @@ def _class(name, kind):
             lines.append(f"    def {word}(self) -> {result}:{_doc(doc, '        ')}")
         elif isinstance(member, kind):
             lines.append(f"    {word}: ClassVar[{name}]")
-        elif word.startswith("__") and word not in _operators:
+        elif word.startswith(("__", "_pybind11")) and word not in _operators:
             continue
         elif isinstance(member, staticmethod):
             lines += _function(word, member.__func__.__doc__, "    ", static=True)

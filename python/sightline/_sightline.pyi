@@ -380,7 +380,7 @@ class Status:
     iteration_limit: ClassVar[Status]
     @property
     def name(self) -> str:
-        """name(self: handle) -> str"""
+        """name(self: object) -> str"""
     not_finite: ClassVar[Status]
     stepped: ClassVar[Status]
     @property
