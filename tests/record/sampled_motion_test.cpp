@@ -252,6 +252,30 @@ TEST(SampledMotion, WhatComesBackReachedItsSummit) {
   EXPECT_NEAR(flown.highest(), truth.highest, 1e-3);
 }
 
+// In a period that others were missed in, several commands come into force: velocities at its ends say nothing of them.
+TEST(SampledMotion, WhatComesBackByCommandsThatActLateReachedItsSummit) {
+  Flown flown(two<PointMass, Multirotor>(), 0.25);
+  Model(Multirotor{}).at_rest({{9, 0, 0}, {1, 0}}, flown.state(1));
+  constexpr std::array<double, 3> commands = {3.0, -5.4, 1.6};
+  for (std::size_t k = 0; k < commands.size(); ++k) {
+    flown.input(0)[2] = commands[k];
+    flown.look();
+    flown.input(0)[2] = 0.0;
+    flown.fly(k < 2 ? 0.1 : 0.05);
+  }
+  double highest = 0.0;
+  for (std::size_t k = 0; k < commands.size(); ++k) {
+    flown.input(0)[2] = commands[k];
+    highest = std::max(highest, flown.fly(k < 2 ? 0.1 : 0.15).highest);
+  }
+  flown.look();
+  EXPECT_NEAR(flown.place(0).z, 0.0, 1e-9);
+  EXPECT_NEAR(flown.state(0)[5], 0.0, 1e-9);
+  EXPECT_NEAR(highest, 0.015 + 0.09 / (2 * 5.4), 1e-6);
+  EXPECT_GE(flown.motion().reach(BodyId{0}), highest - 1e-9);
+  EXPECT_NEAR(flown.highest(), highest, 1e-3);
+}
+
 TEST(SampledMotion, WhatJoinsOrIsPutElsewhereDoesNotMove) {
   Flown flown(two<Multirotor, Multirotor>());
   for (int i = 0; i < 2; ++i) Model(Multirotor{}).at_rest({{3.0 * i, 0, 1}, {1, 0}}, flown.state(i));
