@@ -43,8 +43,9 @@ class Judge:
         self.robots = {name: Robot(self.scenario["agent"][name]) for name in self.flight.robots}
         self.team = Team(self.scenario, self.flight, self.robots)
         self.vehicles = self.scenario.get("world", {}).get("kind", "model") != "model"
-        self.pieces = motions(self.flight, self.robots, self.vehicles, self._jumps())
         self.simulation = self.scenario.get("simulation", {})
+        delay = float(self.simulation.get("disturbance", {}).get("input_delay", 0.0))
+        self.pieces = motions(self.flight, self.robots, self.vehicles, self._jumps(), delay)
         self.begins_outside = self.scenario.get("safety", {}).get("start_outside", False)  # as the scenario means it
         self.verdict = Verdict()
         self.differences = []  # (claim, sentence)

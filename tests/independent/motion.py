@@ -142,20 +142,25 @@ class Robot:
 
 
 class Piece:
-    """Samples [first] whose periods are cut alike: places (n, cuts + 1, 3) of each body, and by how much they may err [m]."""
+    """Samples [first] whose periods are cut alike: places (n, cuts + 1, 3) of each body, and by how much they may err [m]. Periods are also
+    cut where commands come into force."""
 
-    def __init__(self, first, span, cuts):
-        self.first, self.span, self.cuts = first, span, cuts
+    def __init__(self, first, span, arrivals):
+        self.first, self.span = first, span
         self.places, self.err, self.ends = {}, {}, {}
-        self.at = np.linspace(0.0, 1.0, cuts + 1)
+        cuts = np.linspace(0.0, 1.0, max(1, int(np.ceil(span / fine - 1e-9))) + 1)
+        within = arrivals[(arrivals > 1e-9) & (arrivals < span - 1e-9)] / span
+        self.at = np.union1d(cuts, within)
 
 
-def _modelled(robot, body, piece, commands):
-    x, u = body.x[piece.first], body.u[commands[piece.first]]
-    h = piece.span / piece.cuts
+def _modelled(robot, body, piece, in_force):
+    x = body.x[piece.first]
     places = [robot.position(x)]
     with np.errstate(all="ignore"):
-        for _ in range(piece.cuts):
+        for begin, end in zip(piece.at[:-1], piece.at[1:]):
+            h = (end - begin) * piece.span
+            command = in_force(piece.first, 0.5 * (begin + end) * piece.span)
+            u = np.where(command[:, None] >= 0, body.u[command], 0.0)
             a = robot.rate(x, u)
             b = robot.rate(x + h / 2 * a, u)
             c = robot.rate(x + h / 2 * b, u)
@@ -176,19 +181,28 @@ def _hermite(body, piece, after):
     return (2 * s**3 - 3 * s**2 + 1) * p0 + (s**3 - 2 * s**2 + s) * v0 + (3 * s**2 - 2 * s**3) * p1 + (s**3 - s**2) * v1
 
 
-def motions(flight, robots, vehicles, jumps):
+def motions(flight, robots, vehicles, jumps, delay):
     """Pieces of the whole flight. `vehicles`: whether the world moves robots by other dynamics than their models'; `jumps`: when a body is
-    put elsewhere."""
+    put elsewhere; `delay`: from a command to its effect [s]."""
     steps = flight.steps
     last = np.append(np.diff(steps), 1)
     # Between commands, as in periods that were missed, the one before is in force. After the last one the motion goes on for a
     # period, whether its end is in the log or not.
-    commands = np.maximum.accumulate(np.where(flight.commanded, np.arange(len(steps)), 0))
+    given = np.flatnonzero(flight.commanded)
+
+    def in_force(first, later):
+        """Index of the command in force so long after the samples [first]; -1: none has come yet, and robots rest."""
+        begun = np.searchsorted(steps[given] * flight.period + delay, steps[first] * flight.period + later, side="right") - 1
+        return np.where(begun >= 0, given[np.maximum(begun, 0)], -1)
+
+    def newest(first, _):
+        return given[np.maximum(np.searchsorted(given, first, side="right") - 1, 0)]
+
     first = np.flatnonzero(flight.commanded | (np.arange(len(steps)) < len(steps) - 1))
     pieces = []
     for length in sorted(set(last[first])):
         span = length * flight.period
-        pieces.append(Piece(first[last[first] == length], span, max(1, int(np.ceil(span / fine - 1e-9)))))
+        pieces.append(Piece(first[last[first] == length], span, delay % flight.period + np.arange(length) * flight.period))
     for piece in pieces:
         after = np.minimum(piece.first + 1, len(steps) - 1)
         logged = piece.first + 1 < len(steps)
@@ -207,8 +221,12 @@ def motions(flight, robots, vehicles, jumps):
             elif vehicles:
                 places = np.where(stays[:, None, None], _hermite(body, piece, after), straight)
                 err = np.linalg.norm(places - straight, axis=2).max(axis=1) + np.where(stays, 0, 0.5 * piece.span)
+                if delay > 0:  # commands that change within a period bend the motion there, by as much as that of the model
+                    late, at_once = (_modelled(robots[name], body, piece, commands) for commands in (in_force, newest))
+                    bends = (late - at_once) - piece.at[None, :, None] * (late - at_once)[:, -1:]
+                    err += np.nan_to_num(np.linalg.norm(bends, axis=2).max(axis=1))
             else:
-                places = _modelled(robots[name], body, piece, commands)
+                places = _modelled(robots[name], body, piece, in_force)
                 off = np.where(stays[:, None], p1 - places[:, -1], 0.0)
                 places = places + piece.at[None, :, None] ** 2 * off[:, None, :]
                 err = 0.3 * np.linalg.norm(off, axis=1)
