@@ -318,5 +318,5 @@ for group in "${groups[@]}"; do
   "$group"
   run_group "$group"
 done
-echo "$count mutants, $survivors survived, $((SECONDS - begin)) s"
+echo "$count mutants, $survivors survived or did not build, $((SECONDS - begin)) s"
 ((survivors == 0))

@@ -33,16 +33,18 @@ _words = {
     "object": "Any",
     "buffer": "Any",
     "function": "Any",
+    "iterable": "Sequence[Any]",
+    "sequence": "Sequence[Any]",
+    "Sequence": "Sequence[Any]",  # of pybind11 since 2.12
 }
+_word = re.compile(rf"(?<![\w.])({'|'.join(map(re.escape, _words))})(?!\w)")
 
 
 def _type(text, given):
     """A type as pybind11 writes it, as Python does; arrays are taken as numpy takes them, and given as they are."""
     text = re.sub(r"sightline\._sightline\.|sightline::(python::)?", "", text.strip())
     text = re.sub(r"(\w)\[\d+\]|Annotated\[(.*?), FixedSize\(\d+\)\]", r"\1\2", text)  # the length of an array
-    text = re.sub(r"(?<![\w.])([Ss]equence|[Ii]terable)(?![\w\[])", "Sequence[Any]", text)
-    for word, name in _words.items():
-        text = re.sub(rf"(?<![\w.]){re.escape(word)}(?!\w)", name, text)
+    text = _word.sub(lambda found: _words[found[0]], text)
     if not given:
         text = text.replace("npt.ArrayLike", "npt.NDArray[np.float64]").replace("str | os.PathLike[str]", "os.PathLike[str]")
     try:

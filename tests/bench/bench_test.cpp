@@ -129,16 +129,20 @@ TEST(Bench, TheSwarmIsTimedWhereManyPairsAreNear) {
   }
 }
 
+void expect_timed_without_allocations(const std::vector<BenchRow>& rows) {
+  for (const BenchRow& row : rows) {
+    EXPECT_EQ(row.allocations, 0);
+    EXPECT_LE(row.median_us, row.p99_us);
+  }
+}
+
 TEST(Bench, ATeamThatChangesIsTimedBeforeAndAfter) {
   int changes = 0;
   const std::vector<BenchRow> rows = run_event_bench(
       {.updates = 600, .allocations = cli::allocations, .progress = [&](int made) { changes = made; }});
   ASSERT_EQ(rows.size(), 3U);
   EXPECT_GE(changes, 20) << "there, back, and weights that come to rest";
-  for (const BenchRow& row : rows) {
-    EXPECT_EQ(row.allocations, 0);
-    EXPECT_LE(row.median_us, row.p99_us);
-  }
+  expect_timed_without_allocations(rows);
 }
 
 TEST(Bench, FiltersAreTimedByTheSampleAndByTheLateSighting) {
@@ -147,10 +151,7 @@ TEST(Bench, FiltersAreTimedByTheSampleAndByTheLateSighting) {
       {.updates = 600, .allocations = cli::allocations, .progress = [&](int count) { believed = count; }});
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_GE(believed, 150) << "of 180 pictures, 5 % of them lost";
-  for (const BenchRow& row : rows) {
-    EXPECT_EQ(row.allocations, 0);
-    EXPECT_LE(row.median_us, row.p99_us);
-  }
+  expect_timed_without_allocations(rows);
   EXPECT_LT(rows[0].median_us, rows[1].median_us) << "a late sighting applies samples again";
 }
 

@@ -153,13 +153,12 @@ class Piece:
         self.at = np.union1d(cuts, within)
 
 
-def _modelled(robot, body, piece, in_force):
+def _modelled(robot, body, piece, commands):
+    """Places by the model under `commands` (n, cuts): of which sample they are, -1: none, and the robot rests."""
     x = body.x[piece.first]
     places = [robot.position(x)]
     with np.errstate(all="ignore"):
-        for begin, end in zip(piece.at[:-1], piece.at[1:]):
-            h = (end - begin) * piece.span
-            command = in_force(piece.first, 0.5 * (begin + end) * piece.span)
+        for h, command in zip(np.diff(piece.at) * piece.span, commands.T):
             u = np.where(command[:, None] >= 0, body.u[command], 0.0)
             a = robot.rate(x, u)
             b = robot.rate(x + h / 2 * a, u)
@@ -190,13 +189,12 @@ def motions(flight, robots, vehicles, jumps, delay):
     # period, whether its end is in the log or not.
     given = np.flatnonzero(flight.commanded)
 
-    def in_force(first, later):
-        """Index of the command in force so long after the samples [first]; -1: none has come yet, and robots rest."""
-        begun = np.searchsorted(steps[given] * flight.period + delay, steps[first] * flight.period + later, side="right") - 1
-        return np.where(begun >= 0, given[np.maximum(begun, 0)], -1)
-
-    def newest(first, _):
-        return given[np.maximum(np.searchsorted(given, first, side="right") - 1, 0)]
+    def in_force(piece, delay):
+        """Of which sample the command is that is in force in each part of each period; -1: none has come yet."""
+        middle = 0.5 * (piece.at[:-1] + piece.at[1:]) * piece.span
+        times = (steps[piece.first] * flight.period)[:, None] + middle
+        arrived = np.searchsorted(steps[given] * flight.period + delay, times, side="right") - 1
+        return np.where(arrived >= 0, given[np.maximum(arrived, 0)], -1)
 
     first = np.flatnonzero(flight.commanded | (np.arange(len(steps)) < len(steps) - 1))
     pieces = []
@@ -206,6 +204,7 @@ def motions(flight, robots, vehicles, jumps, delay):
     for piece in pieces:
         after = np.minimum(piece.first + 1, len(steps) - 1)
         logged = piece.first + 1 < len(steps)
+        commands = in_force(piece, delay)
         for name, body in flight.bodies.items():
             there = body.there[piece.first]
             stays = there & logged & body.there[after]
@@ -222,11 +221,11 @@ def motions(flight, robots, vehicles, jumps, delay):
                 places = np.where(stays[:, None, None], _hermite(body, piece, after), straight)
                 err = np.linalg.norm(places - straight, axis=2).max(axis=1) + np.where(stays, 0, 0.5 * piece.span)
                 if delay > 0:  # commands that change within a period bend the motion there, by as much as that of the model
-                    late, at_once = (_modelled(robots[name], body, piece, commands) for commands in (in_force, newest))
-                    bends = (late - at_once) - piece.at[None, :, None] * (late - at_once)[:, -1:]
+                    moved = _modelled(robots[name], body, piece, commands) - _modelled(robots[name], body, piece, in_force(piece, 0.0))
+                    bends = moved - piece.at[None, :, None] * moved[:, -1:]
                     err += np.nan_to_num(np.linalg.norm(bends, axis=2).max(axis=1))
             else:
-                places = _modelled(robots[name], body, piece, in_force)
+                places = _modelled(robots[name], body, piece, commands)
                 off = np.where(stays[:, None], p1 - places[:, -1], 0.0)
                 places = places + piece.at[None, :, None] ** 2 * off[:, None, :]
                 err = 0.3 * np.linalg.norm(off, axis=1)

@@ -34,10 +34,9 @@ struct Angle {
   }
 };
 
-/// Whether a reference (x, y) of n stages asks for no heading anywhere, or for each less than a right angle from the one
-/// before it, the first from `own`: most do, and a comparison for each stage says so.
-bool is_seen_as_it_is(const Vec2<double>& own, const double* x, const double* y, int n,
-                      std::ptrdiff_t stage) {
+/// Whether the limit leaves the headings (x, y) of n stages unchanged for one of two simple reasons: no stage has a heading,
+/// or each differs by less than a right angle from the previous one, the first from `own`. Costs one comparison per stage.
+bool stays_unchanged(const Vec2<double>& own, const double* x, const double* y, int n, std::ptrdiff_t stage) {
   const double* const x_end = x + n * stage;
   if (*x == 0 && *y == 0) {
     bool free = true;
@@ -80,7 +79,7 @@ bool HeadingErrorLimit::operator()(const double* x, std::ptrdiff_t x_entry, doub
                                    std::ptrdiff_t stage, std::ptrdiff_t entry) const noexcept {
   if (!applies()) return false;
   const std::ptrdiff_t x_at = at_[0] * entry, y_at = at_[1] * entry;
-  if (is_seen_as_it_is(heading(x, x_entry), x_ref + x_at, x_ref + y_at, n, stage)) return false;
+  if (stays_unchanged(heading(x, x_entry), x_ref + x_at, x_ref + y_at, n, stage)) return false;
   Vec2<double> seen = heading(x, x_entry), before = seen, turn{};
   bool turns = false, turned = false;
   for (int k = 0; k < n; ++k, x_ref += stage) {
