@@ -46,7 +46,7 @@ random() {
   failed_blocks '^sightline run out/random' "${bad[@]}"
 }
 bench() {
-  local after=$build/bin/sightline
+  local after=$build/bin/sightline_bench
   if ! whole; then TURNS=1 LIMIT=2 scripts/accept/bench_turns.sh "$after" "$after" pair; return; fi
   [[ -x ${BEFORE:-} ]] || { echo "BEFORE = \"${BEFORE:-}\", expected the binary of commit $begin_commit"; return 1; }
   scripts/accept/bench_turns.sh "$BEFORE" "$after"

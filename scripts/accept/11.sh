@@ -137,10 +137,10 @@ bits() {
 
 # The benchmark before the first step and today, in turns.
 bench() {
-  local before=$build/bin/sightline
-  whole || { LIMIT=1000 TURNS=1 scripts/accept/bench_turns.sh "$before" "$before" pair; return; }
+  local after=$build/bin/sightline_bench
+  whole || { LIMIT=1000 TURNS=1 scripts/accept/bench_turns.sh "$after" "$after" pair; return; }
   built 22aaa23 || return 1
-  scripts/accept/bench_turns.sh "$out/at/22aaa23/$before" "$before"
+  scripts/accept/bench_turns.sh "$out/at/22aaa23/$build/bin/sightline" "$after"
 }
 
 all=(logs replay package bits bench)
