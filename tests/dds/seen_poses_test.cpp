@@ -34,8 +34,10 @@ struct Seeing {
     return std::make_unique<RawWriter>(domain.participant(), type, from.topic,
                                        Quality{.reliable = true, .depth = 1});
   }
+  /// The stamp is 10 ms times k after the first of the program: how long a test takes to write does not matter.
   static std_msgs_msg_dds__Header_ header(std::string& frame, int k) {
-    const RosTime time = to_ros(realtime_now() + 10'000'000 * k);
+    static const Nanoseconds begin = realtime_now();
+    const RosTime time = to_ros(begin + 10'000'000 * k);
     return {{time.sec, time.nanosec}, frame.data()};
   }
   static void send(RawWriter& to, std::string frame, const Vec3<double>& p, const Quaternion& q, int k) {
