@@ -34,17 +34,16 @@ struct Seeing {
     return std::make_unique<RawWriter>(domain.participant(), type, from.topic,
                                        Quality{.reliable = true, .depth = 1});
   }
-  /// The stamp is 10 ms times k after the first of the program: how long a test takes to write does not matter.
-  static std_msgs_msg_dds__Header_ header(std::string& frame, int k) {
-    static const Nanoseconds begin = realtime_now();
+  /// The stamp is 10 ms times k after `begin`: how long a test takes to write does not matter.
+  std_msgs_msg_dds__Header_ header(std::string& frame, int k) const {
     const RosTime time = to_ros(begin + 10'000'000 * k);
     return {{time.sec, time.nanosec}, frame.data()};
   }
-  static void send(RawWriter& to, std::string frame, const Vec3<double>& p, const Quaternion& q, int k) {
+  void send(RawWriter& to, std::string frame, const Vec3<double>& p, const Quaternion& q, int k) const {
     const geometry_msgs_msg_dds__PoseStamped_ m = {header(frame, k), {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}}};
     (void)to.write(&m);
   }
-  static void send_named(RawWriter& to, std::string frame, std::string name, const Vec3<double>& p, int k) {
+  void send_named(RawWriter& to, std::string frame, std::string name, const Vec3<double>& p, int k) const {
     motion_capture_tracking_interfaces_msg_dds__NamedPose_ body = {name.data(),
                                                                    {{p.x, p.y, p.z}, {0, 0, 0, 1}}};
     motion_capture_tracking_interfaces_msg_dds__NamedPoseArray_ m{};
@@ -65,6 +64,7 @@ struct Seeing {
 
   PosesFrom from;
   const Domain& domain;
+  const Nanoseconds begin = realtime_now();
   PoseIntake intake;
 };
 
@@ -78,9 +78,9 @@ TEST(SeenPoses, APoseOfMotionCaptureHasItsVelocity) {
   Seeing one(domain, by_stamped), other(domain, by_named);
   const auto writer = one.writer(), array = other.writer();
   for (int k = 0; k < 20; ++k) {
-    Seeing::send(*writer, "world", {0.01 * k, 0, 1}, level_east, k);
-    Seeing::send_named(*array, "world", "cf1", {0, 0.02 * k, 1}, k);
-    Seeing::send_named(*array, "world", "cf2", {9, 9, 9}, k);
+    one.send(*writer, "world", {0.01 * k, 0, 1}, level_east, k);
+    other.send_named(*array, "world", "cf1", {0, 0.02 * k, 1}, k);
+    other.send_named(*array, "world", "cf2", {9, 9, 9}, k);
   }
   SeenMotion seen;
   ASSERT_TRUE(one.intake.look(seen)) << fmt::format("{}", one.said());
@@ -97,21 +97,21 @@ TEST(SeenPoses, WhatDoesNotHoldHasASentence) {
   Seeing one(domain, by_stamped);
   EXPECT_THAT(one.said(), ElementsAre("rt/body/pose: no message"));
   const auto writer = one.writer();
-  Seeing::send(*writer, "world", {0, 0, 1}, {std::nan(""), 0, 0, 0}, 0);
+  one.send(*writer, "world", {0, 0, 1}, {std::nan(""), 0, 0, 0}, 0);
   EXPECT_THAT(one.said(), ElementsAre("rt/body/pose: 1 poses that are not finite"));
-  Seeing::send(*writer, "map", {0, 0, 1}, level_east, 0);
+  one.send(*writer, "map", {0, 0, 1}, level_east, 0);
   EXPECT_THAT(one.said(), Contains("rt/body/pose: 1 poses in a frame that is not pose_frame, \"world\""));
   EXPECT_TRUE(one.intake.in_other_frames());
   const auto rival = one.writer();
-  Seeing::send(*rival, "world", {0, 0, 1}, level_east, 0);
+  one.send(*rival, "world", {0, 0, 1}, level_east, 0);
   EXPECT_THAT(one.said(), Contains("rt/body/pose: 1 messages of a second writer"));
 
   Seeing other(domain, by_named);
   const auto array = other.writer();
-  Seeing::send_named(*array, "world", "cf3", {}, 0);
-  Seeing::send_named(*array, "world", "cf2", {}, 0);
+  other.send_named(*array, "world", "cf3", {}, 0);
+  other.send_named(*array, "world", "cf2", {}, 0);
   EXPECT_THAT(other.said(), ElementsAre("rt/poses: no body \"cf1\", there is cf2, cf3"));
-  Seeing::send_named(*array, "world", "cf1", {}, 0);
+  other.send_named(*array, "world", "cf1", {}, 0);
   EXPECT_THAT(other.said(), ElementsAre("rt/poses: never four poses within 0.4 s"));
 
   Seeing unstamped(domain, {PoseSource::mocap, "/other/pose", "", "world"});
@@ -129,7 +129,7 @@ TEST(SeenPoses, ASingleMarkerIsEnoughForABodyWithoutAHeading) {
   Seeing one(domain, by_stamped, Attitude::ignored);
   const auto writer = one.writer();
   for (int k = 0; k < 5; ++k)
-    Seeing::send(*writer, "world", {0, 0, 1}, {std::nan(""), std::nan(""), std::nan(""), std::nan("")}, k);
+    one.send(*writer, "world", {0, 0, 1}, {std::nan(""), std::nan(""), std::nan(""), std::nan("")}, k);
   SeenMotion seen;
   EXPECT_TRUE(one.intake.look(seen));
 }
@@ -147,7 +147,7 @@ TEST(SeenPoses, TransformsLeadFromTheBodyToTheWorldOrTheSentenceSaysWhereTheyEnd
              rival = writer("/tf", {.reliable = true, .depth = 100});
   const auto send = [&](RawWriter& to, std::string parent, std::string child, double x, int k) {
     geometry_msgs_msg_dds__TransformStamped_ t = {
-        Seeing::header(parent, k), child.data(), {{x, 0, 0}, {0, 0, 0, 1}}};
+        one.header(parent, k), child.data(), {{x, 0, 0}, {0, 0, 0, 1}}};
     tf2_msgs_msg_dds__TFMessage_ m{};
     m.transforms._length = m.transforms._maximum = 1;
     m.transforms._buffer = &t;

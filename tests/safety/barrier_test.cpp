@@ -234,13 +234,10 @@ TEST(Barrier, KeepsTheBoundsOfTheWorldBeforeADistanceThatIsLost) {
   const Barrier filter = barrier({.world = world});
   for (const Vec2<double>& outward : {Vec2<double>{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
     State x = {4.6 * outward.x, 4.6 * outward.y, 1.0, 1, 0, 0.9 * outward.x, 0.9 * outward.y};
-    const auto behind = [&](double gap) {
-      return Neighbour{
-          .p = {x[0] - gap * outward.x, x[1] - gap * outward.y, 1.0}, .d_hard = 0.6, .speed_max = 0.0};
-    };
     int conflicts = 0;
     for (int k = 0; k < 300; ++k) {
-      const Neighbour pressing = behind(0.5);
+      const Neighbour pressing{
+          .p = {x[0] - 0.5 * outward.x, x[1] - 0.5 * outward.y, 1.0}, .d_hard = 0.6, .speed_max = 0.0};
       Command u = {outward.x, outward.y, 0, 0};
       conflicts += filter.filter(x, std::span(&pressing, 1), lowest, highest, u).conflict;
       test::fly(Multirotor{}, x, u, control_period, [&](const Vec3<double>& p, double) {
